@@ -1,0 +1,35 @@
+"""GRIP: robot grasping tasks as one graph, run as a behaviour tree or as a state machine.
+
+Importing this package loads no ROS, no simulator, no web server and no numerics; each public name is loaded on first use.
+"""
+
+from importlib import import_module
+from typing import Any
+
+__version__ = "0.1.0"
+
+_HOME = {
+    "GripError": "grip_bt.errors",
+    "Task": "grip_bt.graph",
+    "load": "grip_bt.graph",
+    "loads": "grip_bt.graph",
+    "dumps": "grip_bt.graph",
+    "Catalog": "grip_bt.catalog",
+    "validate": "grip_bt.validation",
+    "to_tree": "grip_bt.compilers",
+    "to_machine": "grip_bt.compilers",
+    "Leaf": "grip_bt.nodes",
+    "run": "grip_bt.app",
+}
+
+__all__ = ["__version__", *_HOME]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'grip_bt' has no attribute {name!r}")
+    return getattr(import_module(_HOME[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,70 @@
+"""A node's face: ports, parameters, outcomes and documentation. Nobody imports a node to learn these."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+
+from grip_bt.graph.frozen import FrozenDict
+from grip_bt.graph.model import Meaning, Name
+
+NodeId = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*(/[A-Za-z0-9_]+)+$")]
+
+
+class _Face(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Parameter(_Face):
+    """A literal that a task gives under `with:`."""
+
+    type: str
+    doc: str = ""
+    default: Any = None
+
+    @property
+    def required(self) -> bool:
+        """Whether a task must give it."""
+        return "default" not in self.model_fields_set
+
+
+class InputPort(_Face):
+    """A value that a node reads from the variable bound under `in:`."""
+
+    type: str
+    doc: str = ""
+    required: bool = True
+
+
+class OutputPort(_Face):
+    """A value that a node writes, when it ends, to the variable bound under `out:`."""
+
+    type: str
+    doc: str = ""
+    on: tuple[str, ...] = ()
+    """Outcomes with which it is written; empty means with every outcome whose meaning is success."""
+
+
+class Manifest(_Face):
+    """One kind of leaf."""
+
+    id: NodeId
+    doc: str
+    implementation: str
+    """Where the leaf is: `package.module:Class`, or `file.py:Class` relative to the manifest's folder."""
+    parameters: FrozenDict[str, Parameter] = FrozenDict()
+    inputs: FrozenDict[str, InputPort] = FrozenDict()
+    outputs: FrozenDict[str, OutputPort] = FrozenDict()
+    outcomes: FrozenDict[Name, Meaning] = Field(
+        default=FrozenDict({"success": "success", "failure": "failure"}), min_length=1
+    )
+    codes: tuple[str, ...] = ()
+    """Failure codes that it may end with, for completion and checking of `failure.<code>` edges."""
+    settings: FrozenDict[str, Any] = FrozenDict()
+    """Fixed values that the implementation is made with, for nodes that are generated from one class."""
+    kind: Literal["leaf"] = "leaf"
+
+    def outcomes_for(self, meaning: dict[str, Meaning]) -> dict[str, Meaning]:
+        """Return the outcomes with a task's own `meaning` applied."""
+        return {**self.outcomes, **{k: v for k, v in meaning.items() if k in self.outcomes}}

@@ -1,0 +1,204 @@
+"""Every error that GRIP raises on purpose, in one place. This module imports nothing of the project.
+
+Three ways to fail are kept apart. A *bad document* is a list of issues (`InvalidTaskError` carries it). An *expected robot
+failure* is an `ExpectedError`: its `code` becomes the failure reason of the leaf that met it. Anything else is a *bug*: it ends
+the run as `error` and is reported with the path of the node.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
+from typing import Any
+
+
+def nearest(word: str, allowed: Iterable[str]) -> str:
+    """Return ``"; did you mean 'x'?"`` for the closest allowed word, or an empty string."""
+    close = get_close_matches(word, list(allowed), n=1, cutoff=0.6)
+    return f"; did you mean {close[0]!r}?" if close else ""
+
+
+def listing(words: Iterable[str], nothing: str = "none") -> str:
+    """Return the words joined by commas for an error message, or `nothing`."""
+    return ", ".join(words) or nothing
+
+
+class GripError(Exception):
+    """Root of all errors that GRIP raises on purpose."""
+
+
+class DocumentError(GripError):
+    """A file can't be read as a task, a project or a manifest.
+
+    Attributes:
+        source: the file's name as the user gave it.
+        line: 1-based line, or None.
+        column: 1-based column, or None.
+    """
+
+    def __init__(
+        self, message: str, source: str = "", line: int | None = None, column: int | None = None
+    ):
+        self.message, self.source, self.line, self.column = message, source, line, column
+        place = source or "<text>"
+        if line is not None:
+            place += f":{line}" + (f":{column}" if column is not None else "")
+        super().__init__(f"{place}: {message}")
+
+
+class InvalidTaskError(GripError):
+    """A task was read but is wrong; `issues` holds everything that was found."""
+
+    def __init__(self, issues: Sequence[Any], source: str = ""):
+        self.issues, self.source = tuple(issues), source
+        super().__init__("\n".join(str(i) for i in issues))
+
+
+class NotExpressibleError(GripError):
+    """A compiler can't express a node exactly in the target form; it refuses instead of approximating."""
+
+    def __init__(self, path: str, what: str, target: str):
+        self.path, self.what, self.target = path, what, target
+        super().__init__(f"{path}: {what} can't be expressed exactly as {target}")
+
+
+class UnknownNameError(GripError):
+    """A name was looked up that isn't there: a node type, an arm, a sensor, a component, a group ..."""
+
+    def __init__(self, kind: str, name: str, allowed: Iterable[str], where: str = ""):
+        self.kind, self.name, self.allowed, self.where = kind, name, tuple(sorted(allowed)), where
+        at = f"{where}: " if where else ""
+        super().__init__(
+            f"{at}unknown {kind} {name!r}{nearest(name, self.allowed)} (there are: {listing(self.allowed)})"
+        )
+
+
+class DataError(GripError):
+    """A variable was read before it was written, isn't declared, or has the wrong type."""
+
+    def __init__(self, path: str, port: str, message: str):
+        self.path, self.port = path, port
+        super().__init__(f"{path}: port {port!r}: {message}")
+
+
+class NodeError(GripError):
+    """A leaf raised an exception that isn't an expected failure; it ends the run as `error`."""
+
+    def __init__(self, path: str, cause: BaseException):
+        self.path, self.cause = path, cause
+        super().__init__(f"{path}: {type(cause).__name__}: {cause}")
+
+
+class LivelockError(GripError):
+    """A task changed state too often within one tick."""
+
+    def __init__(self, path: str, transitions: int):
+        self.path, self.transitions = path, transitions
+        super().__init__(
+            f"{path}: {transitions} transitions in one tick: the task loops without waiting for anything"
+        )
+
+
+class MissingPartError(GripError):
+    """Something that this command needs isn't installed; `remedy` is the command that mends it."""
+
+    def __init__(self, what: str, remedy: str):
+        self.what, self.remedy = what, remedy
+        super().__init__(f"{what} isn't available here. To mend it: {remedy}")
+
+
+# --- expected failures: their code is the reason that a leaf's failure carries --------------------------------------------
+
+
+class ExpectedError(GripError):
+    """Trouble that a task should expect. `code` is the failure reason, `data` what may help to mend it."""
+
+    code = "failed"
+
+    def __init__(self, message: str, **data: Any):
+        self.message, self.data = message, data
+        super().__init__(message)
+
+
+class CanceledError(ExpectedError):
+    """An operation ended because it was cancelled."""
+
+    code = "canceled"
+
+
+class TimeOutError(ExpectedError):
+    """An operation didn't end within its time."""
+
+    code = "time_out"
+
+
+class NoIkError(ExpectedError):
+    """No joint positions reach the wanted pose."""
+
+    code = "no_ik"
+
+
+class StartInCollisionError(ExpectedError):
+    """The robot is in collision before it moves; `data['pairs']` names what touches."""
+
+    code = "start_in_collision"
+
+
+class GoalInCollisionError(ExpectedError):
+    """The goal is in collision; `data['pairs']` names what touches."""
+
+    code = "goal_in_collision"
+
+
+class NoPlanError(ExpectedError):
+    """The planner found no path."""
+
+    code = "no_plan"
+
+
+class PathInvalidError(ExpectedError):
+    """A path collides, jumps or breaks limits, for instance after timing."""
+
+    code = "path_invalid"
+
+
+class ExecutionAbortedError(ExpectedError):
+    """The robot didn't reach the end of the motion."""
+
+    code = "aborted"
+
+
+class NoGraspError(ExpectedError):
+    """No grasp candidate is feasible."""
+
+    code = "no_grasp"
+
+
+class NoContactError(ExpectedError):
+    """The hand closed without touching anything."""
+
+    code = "no_contact"
+
+
+class SensorError(ExpectedError):
+    """A sensor gave nothing usable."""
+
+    code = "no_data"
+
+
+class ServerLostError(ExpectedError):
+    """An external component's server isn't there, or died in the middle of a call."""
+
+    code = "server_lost"
+
+
+class ServerTimeOutError(ExpectedError):
+    """An external component didn't answer in time."""
+
+    code = "timed_out"
+
+
+class BadReplyError(ExpectedError):
+    """An external component answered with something that its contract doesn't allow."""
+
+    code = "bad_reply"

@@ -1,0 +1,257 @@
+"""The task document as frozen models; the models' fields are the file's keys. Meaning is checked in `grip_bt.validation`.
+
+A node is a leaf (`node:`) or a container (`kind:`). Nodes have no names of their own: the key under which a container holds
+a child is its name, and the path of names is its identity (`attempt/grasp`). The root's path is `/`.
+
+Outcomes. Every node ends with one of its outcomes, a label whose meaning is `success` or `failure`. A leaf's come from its
+manifest. A composite or decorator ends with `success` or `failure`, and with whatever `outcomes` adds; `exits` maps
+`child.outcome` or `child.outcome.code` to one of its outcomes and ends it at once; a label that isn't mapped acts by its
+meaning. A `state_machine` ends with the `outcomes` it declares and nothing else. `on` of a child of a state machine maps its
+`outcome` or `outcome.code` to a sibling or to an outcome of the machine; `on` of the root maps to the outcomes of the task.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, StringConstraints, Tag
+
+from .frozen import FrozenDict
+
+FORMAT_VERSION = 1
+
+Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_ -]*$")]
+"""Name of a node, a variable or an outcome: no dot and no slash, since these separate names."""
+
+Meaning = Literal["success", "failure"]
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", populate_by_name=True)
+
+
+class Variable(_Model):
+    """A variable that nodes below the declaring container may read and write."""
+
+    type: str
+    """Name of a value type, a builtin, `list[T]`, `dict[str, T]`, `T | None`, a ROS type or `Any`."""
+    value: Any = None
+    """Initial value; a literal. Absent means that the variable must be written before it is read."""
+    doc: str = ""
+
+    @property
+    def has_value(self) -> bool:
+        """Whether an initial value was given."""
+        return "value" in self.model_fields_set
+
+
+class _Node(_Model):
+    doc: str = ""
+    on: FrozenDict[str, str] = FrozenDict()
+    x: FrozenDict[str, Any] = Field(
+        default=FrozenDict(), description="free data, preserved and never read"
+    )
+
+
+class Leaf(_Node):
+    """A node of the catalogue."""
+
+    node: str
+    """Catalogue id, such as `arm/lift`."""
+    with_: FrozenDict[str, Any] = Field(default=FrozenDict(), alias="with")
+    """Literal parameters."""
+    in_: FrozenDict[str, str] = Field(default=FrozenDict(), alias="in")
+    """Input port -> variable."""
+    out: FrozenDict[str, str] = FrozenDict()
+    """Output port -> variable."""
+    meaning: FrozenDict[str, Meaning] = FrozenDict()
+    """Outcome -> meaning, where it differs from the manifest's."""
+
+
+class _Container(_Node):
+    data: FrozenDict[Name, Variable | str] = FrozenDict()
+    """Variables: a type, or a type with an initial value."""
+    outcomes: FrozenDict[Name, Meaning] = FrozenDict()
+
+
+class _Composite(_Container):
+    children: FrozenDict[Name, Node]
+    exits: FrozenDict[str, str] = FrozenDict()
+
+
+class _Decorator(_Container):
+    child: FrozenDict[Name, Node] = Field(min_length=1, max_length=1)
+    exits: FrozenDict[str, str] = FrozenDict()
+
+
+class Sequence(_Composite):
+    """Children in order until one fails. With `memory: false` the first child is asked again on every tick."""
+
+    kind: Literal["sequence"]
+    memory: bool = True
+
+
+class Fallback(_Composite):
+    """Children in order until one succeeds. With `memory: false` the first child is asked again on every tick."""
+
+    kind: Literal["fallback"]
+    memory: bool = True
+
+
+class Parallel(_Composite):
+    """All children at once.
+
+    `all` succeeds when every child has succeeded and fails when one has failed; `any` succeeds when one has succeeded and
+    fails when every child has failed. What is decided is decided after all children were ticked. Then `halt` interrupts the
+    children that are still running, and `join` waits for them.
+    """
+
+    kind: Literal["parallel"]
+    policy: Literal["all", "any"] = "all"
+    cancel: Literal["halt", "join"] = "halt"
+
+
+class StateMachine(_Container):
+    """One child at a time; each child's `on` says who is next."""
+
+    kind: Literal["state_machine"]
+    initial: str
+    outcomes: FrozenDict[Name, Meaning] = Field(min_length=1)
+    children: FrozenDict[Name, Node] = Field(min_length=1)
+
+
+class Retry(_Decorator):
+    """The child again, at most `times` times in all, until it succeeds; one attempt a tick."""
+
+    kind: Literal["retry"]
+    times: int = Field(ge=1)
+
+
+class Repeat(_Decorator):
+    """The child again, `times` times in all or until it fails; without `times`, for ever. One attempt a tick."""
+
+    kind: Literal["repeat"]
+    times: int | None = Field(default=None, ge=1)
+
+
+class Timeout(_Decorator):
+    """Fails with the reason `time_out` when the child is still running after `seconds` of the run's clock."""
+
+    kind: Literal["timeout"]
+    seconds: float = Field(gt=0)
+
+
+class Invert(_Decorator):
+    """Success becomes failure and failure becomes success."""
+
+    kind: Literal["invert"]
+
+
+class Force(_Decorator):
+    """Ends with `as`, whatever the child ended with."""
+
+    kind: Literal["force"]
+    as_: Meaning = Field(alias="as")
+
+
+def _tag(value: Any) -> str | None:
+    if isinstance(value, BaseModel):
+        return getattr(value, "kind", "leaf")
+    if isinstance(value, dict):
+        return str(value["kind"]) if "kind" in value else "leaf"
+    return None
+
+
+Node = Annotated[
+    Annotated[Leaf, Tag("leaf")]
+    | Annotated[Sequence, Tag("sequence")]
+    | Annotated[Fallback, Tag("fallback")]
+    | Annotated[Parallel, Tag("parallel")]
+    | Annotated[StateMachine, Tag("state_machine")]
+    | Annotated[Retry, Tag("retry")]
+    | Annotated[Repeat, Tag("repeat")]
+    | Annotated[Timeout, Tag("timeout")]
+    | Annotated[Invert, Tag("invert")]
+    | Annotated[Force, Tag("force")],
+    Discriminator(_tag),
+]
+
+Container = (
+    Sequence | Fallback | Parallel | StateMachine | Retry | Repeat | Timeout | Invert | Force
+)
+AnyNode = Leaf | Container
+KINDS = (
+    "sequence",
+    "fallback",
+    "parallel",
+    "state_machine",
+    "retry",
+    "repeat",
+    "timeout",
+    "invert",
+    "force",
+)
+
+
+class Task(_Model):
+    """One task: what one file holds."""
+
+    grip: Literal[1]
+    name: str
+    doc: str = ""
+    outcomes: FrozenDict[Name, Meaning] = Field(
+        default=FrozenDict({"success": "success", "failure": "failure"}), min_length=1
+    )
+    data: FrozenDict[Name, Variable | str] = FrozenDict()
+    root: Node
+    x: FrozenDict[str, Any] = Field(
+        default=FrozenDict(), description="free data, preserved and never read"
+    )
+
+
+def children_of(node: AnyNode) -> FrozenDict[str, AnyNode]:
+    """Return a node's children by name, in order; empty for a leaf."""
+    if isinstance(node, Leaf):
+        return FrozenDict()
+    if isinstance(node, _Decorator):
+        return node.child
+    return node.children
+
+
+def join(parent: str, name: str) -> str:
+    """Return the path of the child `name` of the node at `parent`."""
+    return name if parent == "/" else f"{parent}/{name}"
+
+
+def walk(node: AnyNode, path: str = "/") -> Iterator[tuple[str, AnyNode]]:
+    """Yield every node below and including `node` with its path, parents first, in document order."""
+    stack = [(path, node)]
+    while stack:
+        path, node = stack.pop()
+        yield path, node
+        stack.extend(
+            (join(path, name), child) for name, child in reversed(children_of(node).items())
+        )
+
+
+def outcomes_of(node: Container) -> dict[str, Meaning]:
+    """Return every outcome that a container can end with, and its meaning."""
+    if isinstance(node, StateMachine):
+        return dict(node.outcomes)
+    return {"success": "success", "failure": "failure", **node.outcomes}
+
+
+for _model in (
+    Sequence,
+    Fallback,
+    Parallel,
+    StateMachine,
+    Retry,
+    Repeat,
+    Timeout,
+    Invert,
+    Force,
+    Task,
+):
+    _model.model_rebuild()

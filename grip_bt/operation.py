@@ -1,0 +1,155 @@
+"""A request under way: the one shape in which slow things (motions, plans, service calls, captures) are handed to a task.
+
+An operation never blocks its owner. It ends exactly once, with a result or with an error, from any thread; whoever waits is
+called back. Cancelling is a request: the operation ends soon afterwards, with `CanceledError` or with the result that was
+quicker.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Generic, TypeVar
+
+from .errors import CanceledError
+
+T = TypeVar("T")
+U = TypeVar("U")
+
+
+class Operation(Generic[T]):
+    """Something that will have a result.
+
+    Args:
+        on_cancel: called once, by the first `cancel()` before the end; it asks the work to stop and returns at once.
+            Without it, cancelling ends the operation at once.
+    """
+
+    def __init__(self, on_cancel: Callable[[], None] | None = None):
+        self._on_cancel = on_cancel
+        self._lock = threading.Lock()
+        self._ended = threading.Event()
+        self._result: T | None = None
+        self._error: BaseException | None = None
+        self._callbacks: list[Callable[[], None]] = []
+        self._cancel_asked = False
+
+    @classmethod
+    def finished(cls, result: T) -> Operation[T]:
+        """Return an operation that has already ended with `result`."""
+        operation: Operation[T] = cls()
+        operation.succeed(result)
+        return operation
+
+    @classmethod
+    def failed(cls, error: BaseException) -> Operation[T]:
+        """Return an operation that has already ended with `error`."""
+        operation: Operation[T] = cls()
+        operation.fail(error)
+        return operation
+
+    # --- for the owner ---
+
+    def done(self) -> bool:
+        """Tell whether it has ended."""
+        return self._ended.is_set()
+
+    def result(self) -> T:
+        """Return the result, or raise the error that ended it.
+
+        Raises:
+            RuntimeError: it hasn't ended.
+        """
+        if not self.done():
+            raise RuntimeError("the operation hasn't ended; wait for done() or add a callback")
+        if self._error is not None:
+            raise self._error
+        return self._result  # type: ignore[return-value]
+
+    def wait(self, timeout: float | None = None) -> bool:
+        """Block until it ends, at most `timeout` [s]; for scripts and tests, never for a leaf's `update`."""
+        return self._ended.wait(timeout)
+
+    def cancel(self) -> None:
+        """Ask it to stop. Returns at once; harmless when it was asked before or has ended."""
+        with self._lock:
+            if self._cancel_asked or self._ended.is_set():
+                return
+            self._cancel_asked = True
+        if self._on_cancel is None:
+            self.fail(CanceledError("canceled"))
+        else:
+            self._on_cancel()
+
+    @property
+    def cancel_asked(self) -> bool:
+        """Whether `cancel` was called."""
+        return self._cancel_asked
+
+    def add_done_callback(self, callback: Callable[[], None]) -> None:
+        """Call `callback()` when it ends, from the thread that ended it; at once if it has ended."""
+        with self._lock:
+            if not self._ended.is_set():
+                self._callbacks.append(callback)
+                return
+        callback()
+
+    # --- for whoever does the work ---
+
+    def succeed(self, result: T) -> bool:
+        """End it with a result; False when it had ended already."""
+        return self._end(result, None)
+
+    def fail(self, error: BaseException) -> bool:
+        """End it with an error; False when it had ended already."""
+        return self._end(None, error)
+
+    def _end(self, result: T | None, error: BaseException | None) -> bool:
+        with self._lock:
+            if self._ended.is_set():
+                return False
+            self._result, self._error = result, error
+            self._ended.set()
+            callbacks, self._callbacks = self._callbacks, []
+        for callback in callbacks:
+            callback()
+        return True
+
+    def then(self, step: Callable[[T], Operation[U]]) -> Operation[U]:
+        """Return an operation that goes on with `step(result)` when this one succeeds.
+
+        `step` runs in the thread that ended this one and must not block. An error of either part, or one raised by
+        `step`, ends the whole; cancelling the whole cancels the part that is under way.
+        """
+        current: list[Operation[T] | Operation[U]] = [self]
+        whole: Operation[U] = Operation(on_cancel=lambda: current[0].cancel())
+
+        def second_ended() -> None:
+            _copy_end(current[0], whole)  # type: ignore[arg-type]
+
+        def first_ended() -> None:
+            if self._error is not None:
+                whole.fail(self._error)
+                return
+            if whole.cancel_asked:
+                whole.fail(CanceledError("canceled"))
+                return
+            try:
+                second = step(self.result())
+            except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it
+                whole.fail(error)
+                return
+            current[0] = second
+            if whole.cancel_asked:
+                second.cancel()
+            second.add_done_callback(second_ended)
+
+        self.add_done_callback(first_ended)
+        return whole
+
+
+def _copy_end(source: Operation[T], target: Operation[T]) -> None:
+    if source._error is not None:
+        target.fail(source._error)
+    else:
+        target.succeed(source._result)  # type: ignore[arg-type]

@@ -1,0 +1,270 @@
+"""Every Protocol between rooms. Adapters (fake, simulation, ROS 2) implement them; `grip_bt.app` picks the adapters.
+
+Whatever takes time returns an `Operation`. Motions end with what was *measured*, never with what was sent. Expected trouble
+ends an operation with an `ExpectedError`, whose code becomes the failure reason of the leaf.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Protocol, TypeVar, runtime_checkable
+
+from .operation import Operation
+from .values import CameraInfo, Grasp, JointState, Plan, Pose, RgbdFrame, Trajectory
+
+T = TypeVar("T")
+
+
+@runtime_checkable
+class Clock(Protocol):
+    """The one clock of a run: wall, simulator, ROS or manual."""
+
+    def now(self) -> float:
+        """Return the time [s]; it never decreases."""
+        ...
+
+
+@runtime_checkable
+class Executor(Protocol):
+    """Moves the joints of one group along a trajectory."""
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints that it moves, in its order."""
+        ...
+
+    def state(self) -> JointState:
+        """Return the measured state of the joints."""
+        ...
+
+    def execute(self, trajectory: Trajectory) -> Operation[JointState]:
+        """Follow a trajectory that starts at the present positions; the result is the measured state at the end.
+
+        Ends with ExecutionAbortedError when the start or the end is off by more than the adapter's tolerance, with
+        CanceledError when it was stopped; the joints then hold where they are.
+        """
+        ...
+
+    def stop(self) -> None:
+        """Hold where the joints are now and end a motion under way."""
+        ...
+
+
+@runtime_checkable
+class HandPort(Protocol):
+    """Moves the fingers of one hand."""
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints of the hand."""
+        ...
+
+    def state(self) -> JointState:
+        """Return the measured state, with efforts [N m] where they are known."""
+        ...
+
+    def move(
+        self, posture: JointState, duration: float, torque_limit: float | None = None
+    ) -> Operation[JointState]:
+        """Move the fingers towards a posture during `duration` [s] with at most `torque_limit` [N m].
+
+        The result is the measured state when the time is over or all fingers have stopped moving, also when contact kept
+        them from the posture.
+        """
+        ...
+
+    def contacts(self) -> Mapping[str, float]:
+        """Return the contact force [N] of each link of the hand that touches something that isn't the robot."""
+        ...
+
+    def stop(self) -> None:
+        """Hold the fingers where they are."""
+        ...
+
+
+@runtime_checkable
+class Camera(Protocol):
+    """An RGB-D camera."""
+
+    def info(self) -> CameraInfo:
+        """Return the camera's geometry."""
+        ...
+
+    def capture(self) -> Operation[RgbdFrame]:
+        """Take one frame. Ends with SensorError when there is none."""
+        ...
+
+
+@runtime_checkable
+class Scene(Protocol):
+    """What the planner avoids. Each change is seen by the next plan."""
+
+    def set_box(self, name: str, size: Sequence[float], pose: Pose) -> None:
+        """Add or replace a box of `size` (3 edge lengths [m]), centred at `pose` in world."""
+        ...
+
+    def remove(self, name: str) -> None:
+        """Remove an object; nothing happens when it isn't there."""
+        ...
+
+    def names(self) -> tuple[str, ...]:
+        """Return the names of all objects."""
+        ...
+
+    def attach(self, name: str, hand: str) -> None:
+        """From now on the object moves with the hand and may touch it."""
+        ...
+
+    def detach(self, name: str) -> None:
+        """The object stays where it is now; nothing happens when it isn't attached."""
+        ...
+
+
+@runtime_checkable
+class Arm(Protocol):
+    """What leaves ask of an arm. Plans avoid the scene; straight motions are checked against it too."""
+
+    @property
+    def name(self) -> str:
+        """The arm's name in the project."""
+        ...
+
+    def state(self) -> JointState:
+        """Return the measured state of the arm's joints."""
+        ...
+
+    def grasp_pose(self) -> Pose:
+        """Return the measured pose of the hand's grasp frame in world."""
+        ...
+
+    def named_states(self) -> Mapping[str, JointState]:
+        """Return the arm's named states, such as `home`."""
+        ...
+
+    def plan(self, goal: JointState | Pose | str) -> Operation[Plan]:
+        """Plan from the measured state to joint positions, to a pose of the grasp frame, or to a named state.
+
+        Ends with StartInCollisionError, GoalInCollisionError, NoIkError, NoPlanError, PathInvalidError or TimeOutError.
+        """
+        ...
+
+    def plan_straight(self, goals: Sequence[Pose]) -> Operation[Plan]:
+        """Plan a motion that moves the grasp frame along straight lines through `goals`.
+
+        Ends with NoIkError, PathInvalidError (collision or joint jump).
+        """
+        ...
+
+    def execute(self, plan: Plan) -> Operation[JointState]:
+        """Execute a plan; the result is what was measured at the end."""
+        ...
+
+    def choose_grasp(self, grasps: Sequence[Grasp]) -> Operation[Grasp]:
+        """Return the first grasp, by falling quality, whose approach, closing and lift are reachable and free.
+
+        Ends with NoGraspError, whose `data['reasons']` counts why candidates were refused.
+        """
+        ...
+
+    def stop(self) -> None:
+        """Hold where the arm is now and end a motion under way."""
+        ...
+
+
+@runtime_checkable
+class Hand(Protocol):
+    """What leaves ask of a hand."""
+
+    @property
+    def name(self) -> str:
+        """The hand's name in the project."""
+        ...
+
+    def state(self) -> JointState:
+        """Return the measured state of the hand's joints."""
+        ...
+
+    def open(self, posture: JointState | str = "open") -> Operation[JointState]:
+        """Open to a posture, given or named."""
+        ...
+
+    def close(
+        self, posture: JointState | str = "closed", torque_limit: float | None = None
+    ) -> Operation[JointState]:
+        """Close towards a posture until the fingers stop. Ends with NoContactError when nothing was touched."""
+        ...
+
+    def stop(self) -> None:
+        """Hold the fingers where they are."""
+        ...
+
+
+@runtime_checkable
+class Component(Protocol):
+    """An external component: somebody's service or action, reached by its contract."""
+
+    def call(self, request: Mapping[str, Any]) -> Operation[Mapping[str, Any]]:
+        """Send the request's fields; the result holds the response's fields, converted to GRIP's values.
+
+        Ends with ServerLostError, ServerTimeOutError or BadReplyError.
+        """
+        ...
+
+
+class Context(Protocol):
+    """What a run offers to its leaves."""
+
+    @property
+    def clock(self) -> Clock:
+        """The run's clock."""
+        ...
+
+    @property
+    def preempt_requested(self) -> bool:
+        """Whether somebody asked the task to come to an end on its own terms."""
+        ...
+
+    def wake(self) -> None:
+        """Have the task ticked soon; from any thread."""
+        ...
+
+    def wake_at(self, time: float) -> None:
+        """Have the task ticked when the run's clock reaches `time` [s]."""
+        ...
+
+    def run_in_worker(self, work: Callable[[], T]) -> Operation[T]:
+        """Run blocking code in a worker thread."""
+        ...
+
+    def arm(self, name: str) -> Arm:
+        """Return an arm; UnknownNameError lists those that exist. An empty name means the only one."""
+        ...
+
+    def hand(self, name: str) -> Hand:
+        """Return a hand, likewise."""
+        ...
+
+    def camera(self, name: str) -> Camera:
+        """Return a sensor's camera, likewise."""
+        ...
+
+    def component(self, name: str) -> Component:
+        """Return an external component, likewise."""
+        ...
+
+    def scene(self) -> Scene:
+        """Return the planning scene."""
+        ...
+
+
+__all__ = [
+    "Arm",
+    "Camera",
+    "Clock",
+    "Component",
+    "Context",
+    "Executor",
+    "Hand",
+    "HandPort",
+    "Scene",
+]

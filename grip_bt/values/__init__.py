@@ -1,0 +1,20 @@
+"""Values that travel between nodes: frozen, with read-only arrays, units and frames stated."""
+
+from .grasp import Failure, Grasp
+from .joints import JointState, Plan, Trajectory
+from .perception import CameraInfo, DepthImage, Image, PointCloud, RgbdFrame
+from .pose import Pose
+
+__all__ = [
+    "CameraInfo",
+    "DepthImage",
+    "Failure",
+    "Grasp",
+    "Image",
+    "JointState",
+    "Plan",
+    "PointCloud",
+    "Pose",
+    "RgbdFrame",
+    "Trajectory",
+]

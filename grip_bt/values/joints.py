@@ -1,0 +1,116 @@
+"""Joint states, trajectories and plans. Angles in rad, lengths in m, times in s."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._frozen import ComparesArrays, frozen_array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JointState(ComparesArrays):
+    """Positions of named joints, and velocities and efforts where they are known.
+
+    Attributes:
+        names: n joint names.
+        position: shape (n,) [rad or m].
+        velocity: shape (n,) [rad/s or m/s], or None.
+        effort: shape (n,) [N m or N], or None.
+        time: when it was measured, on the run's clock [s].
+    """
+
+    names: tuple[str, ...]
+    position: NDArray[np.float64]
+    velocity: NDArray[np.float64] | None = None
+    effort: NDArray[np.float64] | None = None
+    time: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "names", tuple(self.names))
+        n = len(self.names)
+        for name in ("position", "velocity", "effort"):
+            value = getattr(self, name)
+            if value is not None:
+                object.__setattr__(self, name, frozen_array(value, (n,), name))
+
+    @classmethod
+    def from_mapping(cls, positions: Mapping[str, float], time: float = 0.0) -> JointState:
+        """Make a state from `{joint: position}`."""
+        return cls(tuple(positions), np.array(list(positions.values()), dtype=float), time=time)
+
+    def as_mapping(self) -> dict[str, float]:
+        """Return `{joint: position}`."""
+        return dict(zip(self.names, map(float, self.position), strict=True))
+
+    def ordered(self, names: tuple[str, ...]) -> NDArray[np.float64]:
+        """Return the positions of `names`, shape (len(names),).
+
+        Raises:
+            KeyError: a joint isn't in this state.
+        """
+        mine = self.as_mapping()
+        return np.array([mine[n] for n in names])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trajectory(ComparesArrays):
+    """A timed path of named joints.
+
+    Attributes:
+        names: n joint names.
+        times: shape (k,), increasing, the first is 0 [s].
+        positions: shape (k, n).
+        velocities: shape (k, n), or None.
+        accelerations: shape (k, n), or None.
+    """
+
+    names: tuple[str, ...]
+    times: NDArray[np.float64]
+    positions: NDArray[np.float64]
+    velocities: NDArray[np.float64] | None = None
+    accelerations: NDArray[np.float64] | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "names", tuple(self.names))
+        object.__setattr__(self, "times", frozen_array(self.times, (None,), "times"))
+        shape = (len(self.times), len(self.names))
+        for name in ("positions", "velocities", "accelerations"):
+            value = getattr(self, name)
+            if value is not None:
+                object.__setattr__(self, name, frozen_array(value, shape, name))
+        if not len(self.times) or self.times[0] != 0 or np.any(np.diff(self.times) <= 0):
+            raise ValueError("times of a trajectory start at 0 and increase")
+
+    @property
+    def duration(self) -> float:
+        """Time of the last point [s]."""
+        return float(self.times[-1])
+
+    def at(self, time: float) -> NDArray[np.float64]:
+        """Return the positions at `time` [s], shape (n,), linear between points and clamped at the ends."""
+        return np.array([np.interp(time, self.times, column) for column in self.positions.T])
+
+    def end(self) -> JointState:
+        """Return the last point as a state."""
+        return JointState(self.names, self.positions[-1], time=self.duration)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Plan(ComparesArrays):
+    """A motion that was planned and timed for one group.
+
+    Attributes:
+        group: the group of joints that moves.
+        trajectory: what to execute.
+        planner: how it was found.
+        planning_time: wall time spent [s].
+    """
+
+    group: str
+    trajectory: Trajectory
+    planner: str = ""
+    planning_time: float = 0.0

@@ -1,0 +1,144 @@
+"""What cameras give: images, depth, clouds and the camera's own geometry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._frozen import ComparesArrays, frozen_array
+from .pose import Pose
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PointCloud(ComparesArrays):
+    """Points in `frame`.
+
+    Attributes:
+        points: shape (n, 3) float32 [m].
+        colors: shape (n, 3) uint8, red green blue, or None.
+        frame: name of the reference frame.
+        time: when it was captured, on the run's clock [s].
+    """
+
+    points: NDArray[np.float32]
+    colors: NDArray[np.uint8] | None = None
+    frame: str = "world"
+    time: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(
+            self, "points", frozen_array(self.points, (None, 3), "points", np.float32)
+        )
+        if self.colors is not None:
+            object.__setattr__(
+                self,
+                "colors",
+                frozen_array(self.colors, (len(self.points), 3), "colors", np.uint8),
+            )
+
+    def __repr__(self) -> str:
+        return f"PointCloud({len(self.points)} points, frame={self.frame!r})"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CameraInfo(ComparesArrays):
+    """A pinhole camera.
+
+    Attributes:
+        width: columns [px].
+        height: rows [px].
+        matrix: intrinsic matrix, shape (3, 3) [px]; pixel centres lie at whole numbers + 0.5.
+        pose: the optical frame (x right, y down, z forward) in `pose.frame`.
+    """
+
+    width: int
+    height: int
+    matrix: NDArray[np.float64]
+    pose: Pose = field(default_factory=Pose)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "matrix", frozen_array(self.matrix, (3, 3), "matrix"))
+
+    def rays(self) -> NDArray[np.float64]:
+        """Return the direction of each pixel with unit z, in the optical frame, shape (height, width, 3)."""
+        u, v = np.meshgrid(np.arange(self.width) + 0.5, np.arange(self.height) + 0.5)
+        k = self.matrix
+        return np.stack(
+            [(u - k[0, 2]) / k[0, 0], (v - k[1, 2]) / k[1, 1], np.ones_like(u)], axis=-1
+        )
+
+    def project(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Map points of shape (n, 3) [m], given in `pose.frame`, to pixels, shape (n, 2)."""
+        local = (np.asarray(points, dtype=float) - self.pose.position) @ self.pose.rotation()
+        image = local @ self.matrix.T
+        pixels: NDArray[np.float64] = image[:, :2] / image[:, 2:3]
+        return pixels
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Image(ComparesArrays):
+    """A colour image.
+
+    Attributes:
+        pixels: shape (height, width, 3) uint8, red green blue.
+        frame: name of the camera's optical frame.
+        time: when it was captured, on the run's clock [s].
+    """
+
+    pixels: NDArray[np.uint8]
+    frame: str = ""
+    time: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(
+            self, "pixels", frozen_array(self.pixels, (None, None, 3), "pixels", np.uint8)
+        )
+
+    def __repr__(self) -> str:
+        return f"Image({self.pixels.shape[1]}x{self.pixels.shape[0]}, frame={self.frame!r})"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DepthImage(ComparesArrays):
+    """A depth image: distance along the optical axis.
+
+    Attributes:
+        depth: shape (height, width) float32 [m]; 0 where nothing was seen.
+        info: the camera that took it.
+        time: when it was captured, on the run's clock [s].
+    """
+
+    depth: NDArray[np.float32]
+    info: CameraInfo
+    time: float = 0.0
+
+    def __post_init__(self) -> None:
+        shape = (self.info.height, self.info.width)
+        object.__setattr__(self, "depth", frozen_array(self.depth, shape, "depth", np.float32))
+
+    def points(self) -> NDArray[np.float64]:
+        """Return a point per pixel in `info.pose.frame`, shape (height, width, 3) [m]; NaN where nothing was seen."""
+        local = self.info.rays() * self.depth[..., None]
+        local[self.depth <= 0] = np.nan
+        world: NDArray[np.float64] = local @ self.info.pose.rotation().T + self.info.pose.position
+        return world
+
+    def __repr__(self) -> str:
+        return f"DepthImage({self.info.width}x{self.info.height})"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RgbdFrame(ComparesArrays):
+    """One capture of an RGB-D camera; image and depth have the same size and view."""
+
+    image: Image
+    depth: DepthImage
+
+    def cloud(self) -> PointCloud:
+        """Return the seen points in the frame of the camera's pose, with their colours."""
+        points = self.depth.points().reshape(-1, 3)
+        seen = np.isfinite(points[:, 0])
+        colors = self.image.pixels.reshape(-1, 3)[seen]
+        return PointCloud(points[seen], colors, self.depth.info.pose.frame, self.depth.time)

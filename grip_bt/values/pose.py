@@ -1,0 +1,121 @@
+"""Rigid poses. Quaternions are ordered w, x, y, z everywhere in GRIP; other orders exist only in `grip_bt.ros.convert`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._frozen import ComparesArrays, frozen_array
+
+
+def _zeros() -> NDArray[np.float64]:
+    return np.zeros(3)
+
+
+def _identity() -> NDArray[np.float64]:
+    return np.array([1.0, 0.0, 0.0, 0.0])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pose(ComparesArrays):
+    """A pose in `frame`: what maps points given in the posed body to `frame`.
+
+    Attributes:
+        position: shape (3,) [m].
+        quaternion: shape (4,), w x y z, normalised on construction.
+        frame: name of the reference frame.
+    """
+
+    position: NDArray[np.float64] = field(default_factory=_zeros)
+    quaternion: NDArray[np.float64] = field(default_factory=_identity)
+    frame: str = "world"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "position", frozen_array(self.position, (3,), "position"))
+        q = np.array(frozen_array(self.quaternion, (4,), "quaternion"))
+        norm = float(np.linalg.norm(q))
+        if not np.isfinite(norm) or norm < 1e-9 or not np.all(np.isfinite(self.position)):
+            raise ValueError(
+                f"a pose needs finite numbers and a non-zero quaternion, not {self.position}, {q}"
+            )
+        object.__setattr__(self, "quaternion", frozen_array(q / norm, (4,), "quaternion"))
+
+    @classmethod
+    def from_matrix(cls, matrix: ArrayLike, frame: str = "world") -> Pose:
+        """Make a pose from a homogeneous matrix of shape (4, 4) (Shepperd's method)."""
+        m = np.asarray(matrix, dtype=float)
+        r = m[:3, :3]
+        k = np.array(
+            [
+                1 + r[0, 0] + r[1, 1] + r[2, 2],
+                1 + r[0, 0] - r[1, 1] - r[2, 2],
+                1 - r[0, 0] + r[1, 1] - r[2, 2],
+                1 - r[0, 0] - r[1, 1] + r[2, 2],
+            ]
+        )
+        i = int(np.argmax(k))
+        s = 2 * np.sqrt(k[i])
+        wx, wy, wz = r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]
+        xy, xz, yz = r[0, 1] + r[1, 0], r[0, 2] + r[2, 0], r[1, 2] + r[2, 1]
+        rows = (
+            [s * s / 4, wx, wy, wz],
+            [wx, s * s / 4, xy, xz],
+            [wy, xy, s * s / 4, yz],
+            [wz, xz, yz, s * s / 4],
+        )
+        return cls(m[:3, 3], np.array(rows[i]) / s, frame)
+
+    def rotation(self) -> NDArray[np.float64]:
+        """Return the rotation matrix, shape (3, 3)."""
+        w, x, y, z = self.quaternion
+        return np.array(
+            [
+                [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+            ]
+        )
+
+    def matrix(self) -> NDArray[np.float64]:
+        """Return the homogeneous matrix, shape (4, 4)."""
+        m = np.eye(4)
+        m[:3, :3], m[:3, 3] = self.rotation(), self.position
+        return m
+
+    def __matmul__(self, other: Pose) -> Pose:
+        """Compose: `a @ b` is b, given in a's body, expressed in a's frame."""
+        return Pose.from_matrix(self.matrix() @ other.matrix(), self.frame)
+
+    def inverse(self, frame: str = "") -> Pose:
+        """Return the inverse; `frame` names the frame that the result is given in."""
+        r = self.rotation().T
+        m = np.eye(4)
+        m[:3, :3], m[:3, 3] = r, -r @ self.position
+        return Pose.from_matrix(m, frame)
+
+    def apply(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Map points of shape (n, 3) [m] from the posed body to `frame`."""
+        mapped: NDArray[np.float64] = (
+            np.asarray(points, dtype=float) @ self.rotation().T + self.position
+        )
+        return mapped
+
+    def moved(self, offset: ArrayLike) -> Pose:
+        """Return the pose shifted by `offset`, shape (3,) [m], given in `frame`."""
+        return Pose(self.position + np.asarray(offset, dtype=float), self.quaternion, self.frame)
+
+    def __repr__(self) -> str:
+        p, q = (
+            np.array2string(a, precision=4, suppress_small=True)
+            for a in (self.position, self.quaternion)
+        )
+        return f"Pose({p}, wxyz={q}, frame={self.frame!r})"
+
+
+def check_frame(pose: Pose, frame: str) -> None:
+    """Raise ValueError unless `pose` is given in `frame`."""
+    if pose.frame != frame:
+        raise ValueError(f"the pose is given in frame {pose.frame!r}, not {frame!r}")
