@@ -1,6 +1,7 @@
 """GRIP: robot grasping tasks as one graph, run as a behaviour tree or as a state machine.
 
-Importing this package loads no ROS, no simulator, no web server and no numerics; each public name is loaded on first use.
+Importing this package loads no ROS, no simulator, no web server and no numerics; each public name is loaded on
+first use.
 """
 
 from importlib import import_module

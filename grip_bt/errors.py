@@ -1,8 +1,8 @@
 """Every error that GRIP raises on purpose, in one place. This module imports nothing of the project.
 
-Three ways to fail are kept apart. A *bad document* is a list of issues (`InvalidTaskError` carries it). An *expected robot
-failure* is an `ExpectedError`: its `code` becomes the failure reason of the leaf that met it. Anything else is a *bug*: it ends
-the run as `error` and is reported with the path of the node.
+Three ways to fail are kept apart. A *bad document* is a list of issues (`InvalidTaskError` carries it). An *expected
+robot failure* is an `ExpectedError`: its `code` becomes the failure reason of the leaf that met it. Anything else is
+a *bug*: it ends the run as `error` and is reported with the path of the node.
 """
 
 from __future__ import annotations
@@ -36,9 +36,7 @@ class DocumentError(GripError):
         column: 1-based column, or None.
     """
 
-    def __init__(
-        self, message: str, source: str = "", line: int | None = None, column: int | None = None
-    ):
+    def __init__(self, message: str, source: str = "", line: int | None = None, column: int | None = None):
         self.message, self.source, self.line, self.column = message, source, line, column
         place = source or "<text>"
         if line is not None:
@@ -94,9 +92,7 @@ class LivelockError(GripError):
 
     def __init__(self, path: str, transitions: int):
         self.path, self.transitions = path, transitions
-        super().__init__(
-            f"{path}: {transitions} transitions in one tick: the task loops without waiting for anything"
-        )
+        super().__init__(f"{path}: {transitions} transitions in one tick: the task loops without waiting for anything")
 
 
 class MissingPartError(GripError):
@@ -107,7 +103,7 @@ class MissingPartError(GripError):
         super().__init__(f"{what} isn't available here. To mend it: {remedy}")
 
 
-# --- expected failures: their code is the reason that a leaf's failure carries --------------------------------------------
+# --- expected failures: their code is the reason that a leaf's failure carries --------------------------------------
 
 
 class ExpectedError(GripError):

@@ -1,8 +1,9 @@
-"""A request under way: the one shape in which slow things (motions, plans, service calls, captures) are handed to a task.
+"""A request under way: the one shape in which slow things (motions, plans, service calls, captures) are handed to a
+task.
 
-An operation never blocks its owner. It ends exactly once, with a result or with an error, from any thread; whoever waits is
-called back. Cancelling is a request: the operation ends soon afterwards, with `CanceledError` or with the result that was
-quicker.
+An operation never blocks its owner. It ends exactly once, with a result or with an error, from any thread; whoever
+waits is called back. Cancelling is a request: the operation ends soon afterwards, with `CanceledError` or with the
+result that was quicker.
 """
 
 from __future__ import annotations
@@ -121,11 +122,8 @@ class Operation(Generic[T]):
         `step` runs in the thread that ended this one and must not block. An error of either part, or one raised by
         `step`, ends the whole; cancelling the whole cancels the part that is under way.
         """
-        current: list[Operation[T] | Operation[U]] = [self]
-        whole: Operation[U] = Operation(on_cancel=lambda: current[0].cancel())
-
-        def second_ended() -> None:
-            _copy_end(current[0], whole)  # type: ignore[arg-type]
+        part: list[Operation[U]] = []
+        whole: Operation[U] = Operation(on_cancel=lambda: (part[0] if part else self).cancel())
 
         def first_ended() -> None:
             if self._error is not None:
@@ -139,10 +137,10 @@ class Operation(Generic[T]):
             except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it
                 whole.fail(error)
                 return
-            current[0] = second
+            part.append(second)
             if whole.cancel_asked:
                 second.cancel()
-            second.add_done_callback(second_ended)
+            second.add_done_callback(lambda: _copy_end(second, whole))
 
         self.add_done_callback(first_ended)
         return whole

@@ -1,7 +1,7 @@
 """Every Protocol between rooms. Adapters (fake, simulation, ROS 2) implement them; `grip_bt.app` picks the adapters.
 
-Whatever takes time returns an `Operation`. Motions end with what was *measured*, never with what was sent. Expected trouble
-ends an operation with an `ExpectedError`, whose code becomes the failure reason of the leaf.
+Whatever takes time returns an `Operation`. Motions end with what was *measured*, never with what was sent. Expected
+trouble ends an operation with an `ExpectedError`, whose code becomes the failure reason of the leaf.
 """
 
 from __future__ import annotations
@@ -63,13 +63,11 @@ class HandPort(Protocol):
         """Return the measured state, with efforts [N m] where they are known."""
         ...
 
-    def move(
-        self, posture: JointState, duration: float, torque_limit: float | None = None
-    ) -> Operation[JointState]:
+    def move(self, posture: JointState, duration: float, torque_limit: float | None = None) -> Operation[JointState]:
         """Move the fingers towards a posture during `duration` [s] with at most `torque_limit` [N m].
 
-        The result is the measured state when the time is over or all fingers have stopped moving, also when contact kept
-        them from the posture.
+        The result is the measured state when the time is over or all fingers have stopped moving, also when contact
+        kept them from the posture.
         """
         ...
 
@@ -188,9 +186,7 @@ class Hand(Protocol):
         """Open to a posture, given or named."""
         ...
 
-    def close(
-        self, posture: JointState | str = "closed", torque_limit: float | None = None
-    ) -> Operation[JointState]:
+    def close(self, posture: JointState | str = "closed", torque_limit: float | None = None) -> Operation[JointState]:
         """Close towards a posture until the fingers stop. Ends with NoContactError when nothing was touched."""
         ...
 

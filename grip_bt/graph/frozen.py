@@ -15,19 +15,15 @@ class FrozenDict(dict[K, V]):
     """An ordered mapping whose methods that would change it raise TypeError; pydantic fields may be of this type."""
 
     def _refuse(self, *_: Any, **__: Any) -> NoReturn:
-        raise TypeError(
-            "a task graph is a value and can't be changed; edit commands return a new one"
-        )
+        raise TypeError("a task graph is a value and can't be changed; edit commands return a new one")
 
-    __setitem__ = __delitem__ = clear = pop = popitem = setdefault = update = __ior__ = _refuse  # type: ignore[assignment]
+    __setitem__ = __delitem__ = clear = pop = popitem = setdefault = update = __ior__ = _refuse
 
     def __reduce__(self) -> Any:
         return (type(self), (dict(self),))
 
     @classmethod
-    def __get_pydantic_core_schema__(
-        cls, source: Any, handler: GetCoreSchemaHandler
-    ) -> CoreSchema:
+    def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         arguments = getattr(source, "__args__", (Any, Any))
         inner = handler.generate_schema(dict[arguments])  # type: ignore[valid-type]
         return core_schema.no_info_after_validator_function(cls, inner)

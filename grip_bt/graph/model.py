@@ -1,13 +1,15 @@
-"""The task document as frozen models; the models' fields are the file's keys. Meaning is checked in `grip_bt.validation`.
+"""The task document as frozen models; the models' fields are the file's keys. Meaning is checked in
+`grip_bt.validation`.
 
-A node is a leaf (`node:`) or a container (`kind:`). Nodes have no names of their own: the key under which a container holds
-a child is its name, and the path of names is its identity (`attempt/grasp`). The root's path is `/`.
+A node is a leaf (`node:`) or a container (`kind:`). Nodes have no names of their own: the key under which a
+container holds a child is its name, and the path of names is its identity (`attempt/grasp`). The root's path is `/`.
 
-Outcomes. Every node ends with one of its outcomes, a label whose meaning is `success` or `failure`. A leaf's come from its
-manifest. A composite or decorator ends with `success` or `failure`, and with whatever `outcomes` adds; `exits` maps
-`child.outcome` or `child.outcome.code` to one of its outcomes and ends it at once; a label that isn't mapped acts by its
-meaning. A `state_machine` ends with the `outcomes` it declares and nothing else. `on` of a child of a state machine maps its
-`outcome` or `outcome.code` to a sibling or to an outcome of the machine; `on` of the root maps to the outcomes of the task.
+Outcomes. Every node ends with one of its outcomes, a label whose meaning is `success` or `failure`. A leaf's come
+from its manifest. A composite or decorator ends with `success` or `failure`, and with whatever `outcomes` adds;
+`exits` maps `child.outcome` or `child.outcome.code` to one of its outcomes and ends it at once; a label that isn't
+mapped acts by its meaning. A `state_machine` ends with the `outcomes` it declares and nothing else. `on` of a child
+of a state machine maps its `outcome` or `outcome.code` to a sibling or to an outcome of the machine; `on` of the
+root maps to the outcomes of the task.
 """
 
 from __future__ import annotations
@@ -49,9 +51,7 @@ class Variable(_Model):
 class _Node(_Model):
     doc: str = ""
     on: FrozenDict[str, str] = FrozenDict()
-    x: FrozenDict[str, Any] = Field(
-        default=FrozenDict(), description="free data, preserved and never read"
-    )
+    x: FrozenDict[str, Any] = Field(default=FrozenDict(), description="free data, preserved and never read")
 
 
 class Leaf(_Node):
@@ -102,9 +102,9 @@ class Fallback(_Composite):
 class Parallel(_Composite):
     """All children at once.
 
-    `all` succeeds when every child has succeeded and fails when one has failed; `any` succeeds when one has succeeded and
-    fails when every child has failed. What is decided is decided after all children were ticked. Then `halt` interrupts the
-    children that are still running, and `join` waits for them.
+    `all` succeeds when every child has succeeded and fails when one has failed; `any` succeeds when one has
+    succeeded and fails when every child has failed. What is decided is decided after all children were ticked. Then
+    `halt` interrupts the children that are still running, and `join` waits for them.
     """
 
     kind: Literal["parallel"]
@@ -177,9 +177,7 @@ Node = Annotated[
     Discriminator(_tag),
 ]
 
-Container = (
-    Sequence | Fallback | Parallel | StateMachine | Retry | Repeat | Timeout | Invert | Force
-)
+Container = Sequence | Fallback | Parallel | StateMachine | Retry | Repeat | Timeout | Invert | Force
 AnyNode = Leaf | Container
 KINDS = (
     "sequence",
@@ -205,9 +203,7 @@ class Task(_Model):
     )
     data: FrozenDict[Name, Variable | str] = FrozenDict()
     root: Node
-    x: FrozenDict[str, Any] = Field(
-        default=FrozenDict(), description="free data, preserved and never read"
-    )
+    x: FrozenDict[str, Any] = Field(default=FrozenDict(), description="free data, preserved and never read")
 
 
 def children_of(node: AnyNode) -> FrozenDict[str, AnyNode]:
@@ -230,9 +226,7 @@ def walk(node: AnyNode, path: str = "/") -> Iterator[tuple[str, AnyNode]]:
     while stack:
         path, node = stack.pop()
         yield path, node
-        stack.extend(
-            (join(path, name), child) for name, child in reversed(children_of(node).items())
-        )
+        stack.extend((join(path, name), child) for name, child in reversed(children_of(node).items()))
 
 
 def outcomes_of(node: Container) -> dict[str, Meaning]:

@@ -92,9 +92,7 @@ class Leaf(Behaviour):
             ValueError: the outcome isn't declared.
         """
         if outcome not in self.meaning:
-            raise ValueError(
-                f"{self.path}: {outcome!r} isn't an outcome of {self.manifest.id}: {list(self.meaning)}"
-            )
+            raise ValueError(f"{self.path}: {outcome!r} isn't an outcome of {self.manifest.id}: {list(self.meaning)}")
         for port in outputs:
             if port not in self.manifest.outputs:
                 raise DataError(self.path, port, f"isn't an output of {self.manifest.id}")
@@ -104,9 +102,7 @@ class Leaf(Behaviour):
         self.outcome = outcome
         return _STATUS[self.meaning[outcome]]
 
-    def fail(
-        self, code: str, message: str = "", *, outcome: str = "failure", **data: Any
-    ) -> Status:
+    def fail(self, code: str, message: str = "", *, outcome: str = "failure", **data: Any) -> Status:
         """End with a failure outcome and a reason."""
         self.failure = Failure(code, message, data)
         self.feedback_message = str(self.failure)

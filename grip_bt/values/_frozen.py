@@ -1,4 +1,5 @@
-"""What all values share: arrays are copied, checked for shape and made read-only; equality compares arrays by content."""
+"""What all values share: arrays are copied, checked for shape and made read-only; equality compares arrays by
+content."""
 
 from __future__ import annotations
 
@@ -24,9 +25,7 @@ def frozen_array(
         ValueError: the shape differs.
     """
     array = np.array(value, dtype=dtype)
-    fits = array.ndim == len(shape) and all(
-        w is None or w == n for w, n in zip(shape, array.shape, strict=True)
-    )
+    fits = array.ndim == len(shape) and all(w is None or w == n for w, n in zip(shape, array.shape, strict=True))
     if not fits:
         wanted = tuple("any" if w is None else w for w in shape)
         raise ValueError(f"{name} has shape {array.shape}, not {wanted}")

@@ -38,9 +38,7 @@ class Grasp(ComparesArrays):
     def __post_init__(self) -> None:
         frames = {self.pose.frame, self.pre_grasp.frame, self.post_grasp.frame}
         if len(frames) > 1:
-            raise ValueError(
-                f"the poses of a grasp are given in one frame, not in {sorted(frames)}"
-            )
+            raise ValueError(f"the poses of a grasp are given in one frame, not in {sorted(frames)}")
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,9 +28,7 @@ class PointCloud(ComparesArrays):
     time: float = 0.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(
-            self, "points", frozen_array(self.points, (None, 3), "points", np.float32)
-        )
+        object.__setattr__(self, "points", frozen_array(self.points, (None, 3), "points", np.float32))
         if self.colors is not None:
             object.__setattr__(
                 self,
@@ -65,9 +63,7 @@ class CameraInfo(ComparesArrays):
         """Return the direction of each pixel with unit z, in the optical frame, shape (height, width, 3)."""
         u, v = np.meshgrid(np.arange(self.width) + 0.5, np.arange(self.height) + 0.5)
         k = self.matrix
-        return np.stack(
-            [(u - k[0, 2]) / k[0, 0], (v - k[1, 2]) / k[1, 1], np.ones_like(u)], axis=-1
-        )
+        return np.stack([(u - k[0, 2]) / k[0, 0], (v - k[1, 2]) / k[1, 1], np.ones_like(u)], axis=-1)
 
     def project(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Map points of shape (n, 3) [m], given in `pose.frame`, to pixels, shape (n, 2)."""
@@ -92,9 +88,7 @@ class Image(ComparesArrays):
     time: float = 0.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(
-            self, "pixels", frozen_array(self.pixels, (None, None, 3), "pixels", np.uint8)
-        )
+        object.__setattr__(self, "pixels", frozen_array(self.pixels, (None, None, 3), "pixels", np.uint8))
 
     def __repr__(self) -> str:
         return f"Image({self.pixels.shape[1]}x{self.pixels.shape[0]}, frame={self.frame!r})"
@@ -141,4 +135,4 @@ class RgbdFrame(ComparesArrays):
         points = self.depth.points().reshape(-1, 3)
         seen = np.isfinite(points[:, 0])
         colors = self.image.pixels.reshape(-1, 3)[seen]
-        return PointCloud(points[seen], colors, self.depth.info.pose.frame, self.depth.time)
+        return PointCloud(points[seen].astype(np.float32), colors, self.depth.info.pose.frame, self.depth.time)

@@ -1,9 +1,9 @@
-"""Rigid poses. Quaternions are ordered w, x, y, z everywhere in GRIP; other orders exist only in `grip_bt.ros.convert`."""
+"""Rigid poses. Quaternions are ordered w, x, y, z everywhere in GRIP; other orders exist only in
+`grip_bt.ros.convert`."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -38,9 +38,7 @@ class Pose(ComparesArrays):
         q = np.array(frozen_array(self.quaternion, (4,), "quaternion"))
         norm = float(np.linalg.norm(q))
         if not np.isfinite(norm) or norm < 1e-9 or not np.all(np.isfinite(self.position)):
-            raise ValueError(
-                f"a pose needs finite numbers and a non-zero quaternion, not {self.position}, {q}"
-            )
+            raise ValueError(f"a pose needs finite numbers and a non-zero quaternion, not {self.position}, {q}")
         object.__setattr__(self, "quaternion", frozen_array(q / norm, (4,), "quaternion"))
 
     @classmethod
@@ -98,9 +96,7 @@ class Pose(ComparesArrays):
 
     def apply(self, points: ArrayLike) -> NDArray[np.float64]:
         """Map points of shape (n, 3) [m] from the posed body to `frame`."""
-        mapped: NDArray[np.float64] = (
-            np.asarray(points, dtype=float) @ self.rotation().T + self.position
-        )
+        mapped: NDArray[np.float64] = np.asarray(points, dtype=float) @ self.rotation().T + self.position
         return mapped
 
     def moved(self, offset: ArrayLike) -> Pose:
@@ -108,10 +104,7 @@ class Pose(ComparesArrays):
         return Pose(self.position + np.asarray(offset, dtype=float), self.quaternion, self.frame)
 
     def __repr__(self) -> str:
-        p, q = (
-            np.array2string(a, precision=4, suppress_small=True)
-            for a in (self.position, self.quaternion)
-        )
+        p, q = (np.array2string(a, precision=4, suppress_small=True) for a in (self.position, self.quaternion))
         return f"Pose({p}, wxyz={q}, frame={self.frame!r})"
 
 
