@@ -1,5 +1,4 @@
-"""A request under way: the one shape in which slow things (motions, plans, service calls, captures) are handed to a
-task.
+"""A request under way: the one shape in which slow things (motions, plans, calls, captures) come to a task.
 
 An operation never blocks its owner. It ends exactly once, with a result or with an error, from any thread; whoever
 waits is called back. Cancelling is a request: the operation ends soon afterwards, with `CanceledError` or with the

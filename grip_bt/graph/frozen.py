@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import GenericAlias
 from typing import Any, NoReturn, TypeVar
 
 from pydantic import GetCoreSchemaHandler
@@ -25,5 +26,5 @@ class FrozenDict(dict[K, V]):
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         arguments = getattr(source, "__args__", (Any, Any))
-        inner = handler.generate_schema(dict[arguments])  # type: ignore[valid-type]
+        inner = handler.generate_schema(GenericAlias(dict, arguments))
         return core_schema.no_info_after_validator_function(cls, inner)

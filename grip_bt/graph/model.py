@@ -1,5 +1,4 @@
-"""The task document as frozen models; the models' fields are the file's keys. Meaning is checked in
-`grip_bt.validation`.
+"""The task document as frozen models; the models' fields are the file's keys. `grip_bt.validation` checks meaning.
 
 A node is a leaf (`node:`) or a container (`kind:`). Nodes have no names of their own: the key under which a
 container holds a child is its name, and the path of names is its identity (`attempt/grasp`). The root's path is `/`.

@@ -1,5 +1,4 @@
-"""What all values share: arrays are copied, checked for shape and made read-only; equality compares arrays by
-content."""
+"""What values share: arrays are copied, checked and made read-only; equality compares arrays by content."""
 
 from __future__ import annotations
 

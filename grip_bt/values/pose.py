@@ -1,5 +1,4 @@
-"""Rigid poses. Quaternions are ordered w, x, y, z everywhere in GRIP; other orders exist only in
-`grip_bt.ros.convert`."""
+"""Rigid poses. Quaternions are w, x, y, z everywhere in GRIP; other orders exist only in `grip_bt.ros.convert`."""
 
 from __future__ import annotations
 
