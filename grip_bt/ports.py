@@ -9,6 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol, TypeVar, runtime_checkable
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .operation import Operation
 from .values import CameraInfo, Grasp, JointState, Plan, Pose, RgbdFrame, Trajectory
 
@@ -107,6 +110,18 @@ class Scene(Protocol):
 
     def names(self) -> tuple[str, ...]:
         """Return the names of all objects."""
+        ...
+
+    def box(self, name: str) -> tuple[NDArray[np.float64], Pose]:
+        """Return an object's edge lengths, shape (3,) [m], and its present pose in world, attached or not.
+
+        Raises:
+            UnknownNameError: it isn't there.
+        """
+        ...
+
+    def attached(self, hand: str) -> tuple[str, ...]:
+        """Return the names of the objects that move with the hand."""
         ...
 
     def attach(self, name: str, hand: str) -> None:
