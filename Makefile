@@ -1,0 +1,71 @@
+# `make demo` and `make test` do everything on a fresh clone; nothing else is needed first.
+.DEFAULT_GOAL := help
+SHELL := /bin/bash
+VENV := .venv
+BIN := $(VENV)/bin
+STAMP := $(VENV)/.installed
+# What runs here keeps to itself: loopback discovery, and no shell's ROS is mixed with the environment's own.
+export ROS_AUTOMATIC_DISCOVERY_RANGE := LOCALHOST
+unexport PYTHONPATH AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH ROS_DISTRO ROS_VERSION RMW_IMPLEMENTATION
+
+.PHONY: help demo test quick lint types contracts python-tests frontend e2e fuzz soak gui lock clean
+
+help: ## show this list
+	@grep -hE '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 16
+
+$(STAMP): requirements/lock.txt requirements/build.txt pyproject.toml
+	@PYTHON="$${PYTHON:-python3}" sh tools/ensure_system.sh
+	@python=$$(sh tools/find_python.sh) || exit 1; \
+	echo "Setting up $(VENV) with $$($$python --version) (about a minute, 1.6 GB) ..."; \
+	$$python -m venv $(VENV)
+	@$(BIN)/python -m pip install --disable-pip-version-check -q --no-deps \
+	    -r requirements/lock.txt -r requirements/build.txt 2> >(grep -v '^WARNING: Location' >&2)
+	@$(BIN)/python -m pip install --disable-pip-version-check -q --no-deps --no-build-isolation -e . \
+	    2> >(grep -v '^WARNING: Location' >&2)
+	@touch $@
+
+demo: $(STAMP) ## run the main job: a dexterous hand clears a table, in simulation
+	@$(BIN)/grip demo reactive $(ARGS)
+
+test: lint types contracts python-tests frontend e2e ## everything: lint, types, contracts, Python, frontend, browser
+	@echo "make test: all of the above passed"
+
+quick: $(STAMP) ## what a developer runs all day: no ROS, no simulator, nothing slow
+	@$(BIN)/pytest -q -n 2 -m "not ros and not sim and not slow and not e2e"
+
+lint: $(STAMP) ## style
+	@$(BIN)/ruff check -q . && $(BIN)/ruff format -q --check . && echo "lint: ok"
+
+types: $(STAMP) ## static types of the pure rooms
+	@$(BIN)/mypy
+
+contracts: $(STAMP) ## who may import whom
+	@$(BIN)/lint-imports --no-cache | tail -n 3; exit $${PIPESTATUS[0]}
+
+python-tests: $(STAMP) ## all Python tests
+	@$(BIN)/pytest -q -n 2 --dist loadgroup -m "not ros and not sim and not e2e"
+	@$(BIN)/pytest -q -m "(ros or sim) and not e2e"
+
+frontend: $(STAMP) ## unit tests, types and build of the page, where Node is there
+	@bash tools/frontend_tests.sh
+
+e2e: $(STAMP) ## the page in a real browser
+	@bash tools/browser_tests.sh
+
+fuzz: $(STAMP) ## the long proofs; figures go to docs/proofs.md
+	@GRIP_FUZZ_TASKS=$${GRIP_FUZZ_TASKS:-20000} $(BIN)/pytest -q -s -n 2 --timeout 7200 tests/parity
+
+soak: $(STAMP) ## 20 seeds of the demo, as a table
+	@$(BIN)/python benchmarks/demo_seeds.py
+
+gui: ## build the page into gui/grip_gui/static
+	cd gui/frontend && npm ci --no-audit --no-fund && npm run build
+
+lock: ## resolve the dependencies anew (needs uv)
+	uv pip compile pyproject.toml --extra all --group dev --override requirements/overrides.txt --universal \
+	    --python-version 3.11 --no-header --no-emit-index-url --no-emit-find-links -o requirements/lock.txt
+	printf 'hatchling\neditables\n' | uv pip compile - --universal --python-version 3.11 --no-header --no-annotate \
+	    --no-emit-index-url --no-emit-find-links -o requirements/build.txt
+
+clean: ## remove the environment and everything built
+	rm -rf $(VENV) .pytest_cache .hypothesis .ruff_cache .mypy_cache examples/.grip

@@ -1,0 +1,122 @@
+"""A project folder: `grip.yaml` and what lies beside it. Reading it loads no robot, no simulator and no ROS."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+
+from grip_bt.catalog import Catalog, find_manifests, sensor_manifest
+from grip_bt.graph import read_model
+
+FILE_NAME = "grip.yaml"
+Key = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]
+
+
+class _Config(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class ArmConfig(_Config):
+    """How one arm is asked to move."""
+
+    group: str = "arm"
+    """Group of joints in the robot's description."""
+    hand: str | None = None
+    """Name of the hand that it carries."""
+    planner: str = "RRTConnect"
+    kinematics: str = "damped_least_squares"
+    speed: float = Field(default=0.5, gt=0, le=1)
+    """Fraction of the joints' speed and acceleration limits."""
+    planning_time: float = Field(default=2.0, gt=0)
+    """Longest planning time of one request [s]."""
+
+
+class HandConfig(_Config):
+    """One hand."""
+
+    group: str = "hand"
+
+
+class SensorConfig(_Config):
+    """One sensor; its name makes the node `sensor/<name>`."""
+
+    camera: str
+    """Name of the camera in the world or on the robot."""
+
+
+class ProjectFile(_Config):
+    """What `grip.yaml` holds."""
+
+    grip: Literal[1]
+    doc: str = ""
+    robot: str | None = None
+    arms: dict[Key, ArmConfig] = {}
+    hands: dict[Key, HandConfig] = {}
+    sensors: dict[Key, SensorConfig] = {}
+    components: str | None = "components"
+    """Folder of external components, each with a `component.yaml`."""
+    nodes: str | None = "nodes"
+    """Folder of the project's own nodes, each with a `manifest.yaml`."""
+    world: str | None = None
+    """The world that is simulated."""
+
+
+@dataclass(frozen=True)
+class Project:
+    """A project folder and its file."""
+
+    folder: Path
+    file: ProjectFile
+
+    @property
+    def state_folder(self) -> Path:
+        """Where runs, logs and built interfaces are kept; made when it isn't there."""
+        folder = self.folder / ".grip"
+        folder.mkdir(exist_ok=True)
+        return folder
+
+    @property
+    def journal(self) -> Path:
+        """The project's journal file."""
+        return self.state_folder / "runs.sqlite"
+
+    def component_folders(self) -> dict[str, Path]:
+        """Return the folders of the external components by name."""
+        return {p.parent.name: p.parent for p in self._files(self.file.components, "*/component.yaml")}
+
+    def catalog(self) -> Catalog:
+        """Return the built-in nodes, the project's sensors, its components' nodes and its own nodes."""
+        manifests = [sensor_manifest(name) for name in self.file.sensors]
+        for folder in (self.file.components, self.file.nodes):
+            if folder is not None and (self.folder / folder).is_dir():
+                manifests += find_manifests(self.folder / folder)
+        return Catalog.builtin().with_manifests(manifests)
+
+    def _files(self, folder: str | None, pattern: str) -> list[Path]:
+        return [] if folder is None else sorted((self.folder / folder).glob(pattern))
+
+
+def find_project(path: str | Path) -> Project:
+    """Return the project that a task file or folder belongs to: the nearest `grip.yaml` upwards.
+
+    Without one, the project is the folder itself with nothing in it, so that a task of built-in nodes can be checked
+    and run anywhere.
+
+    Raises:
+        DocumentError: `grip.yaml` is wrong.
+    """
+    start = Path(path).resolve()
+    folder = start if start.is_dir() else start.parent
+    for candidate in (folder, *folder.parents):
+        file = candidate / FILE_NAME
+        if file.is_file():
+            return Project(candidate, read_model(file, ProjectFile))
+    return Project(folder, ProjectFile(grip=1))
+
+
+def project_catalog(path: str | Path) -> Catalog:
+    """Return the nodes that a task file may use."""
+    return find_project(path).catalog()

@@ -1,0 +1,55 @@
+"""`grip`: finds the verb, runs it, and turns GRIP's errors into words and an exit status.
+
+Exit status: 0 done with a success outcome, 1 invalid input, 2 usage, 3 done with a failure outcome, 4 error in a node,
+130 stopped.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+
+from grip_bt import __version__
+from grip_bt.errors import GripError, NodeError
+
+VERBS = ("demo", "check", "fmt", "run", "convert", "component", "interfaces", "edit", "runs", "doctor")
+INVALID, NODE_ERROR, STOPPED = 1, 4, 130
+
+
+def make_parser() -> argparse.ArgumentParser:
+    """Return the command's parser with all verbs."""
+    parser = argparse.ArgumentParser(
+        prog="grip",
+        description="Draw, run and measure robot grasping tasks: one graph, behaviour tree or state machine.",
+    )
+    parser.add_argument("--version", action="version", version=f"grip {__version__}")
+    subparsers = parser.add_subparsers(title="verbs", metavar="VERB", required=True)
+    for verb in VERBS:
+        import_module(f"grip_bt.cli.{verb}").add_parser(subparsers)
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one verb and return its exit status."""
+    args = make_parser().parse_args(arguments)
+    try:
+        return int(args.run(args))
+    except NodeError as error:
+        print(f"grip: {error}", file=sys.stderr)
+        return NODE_ERROR
+    except GripError as error:
+        print(error if getattr(error, "issues", None) else f"grip: {error}", file=sys.stderr)
+        return INVALID
+    except KeyboardInterrupt:
+        print("grip: stopped", file=sys.stderr)
+        return STOPPED
+    except BrokenPipeError:
+        # The reader went away (`grip ... | head`): nothing more can be said, and nothing is wrong.
+        sys.stderr.close()
+        return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
