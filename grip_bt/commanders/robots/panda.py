@@ -18,6 +18,10 @@ PANDA = ArmPart(
     srdf="panda_description/srdf/panda.srdf",
 )
 
+# High beside the table, fingers level, so that an upright object in the hand stays upright. From above, neither the arm
+# nor what it holds hides the part of the table where objects stand.
+HOME = (-0.28, -0.44, -0.76, -2.25, 1.31, 1.73, -0.34)
+
 
 def panda_allegro() -> RobotDescription:
     """Return the Panda with a right Allegro hand."""
@@ -25,4 +29,4 @@ def panda_allegro() -> RobotDescription:
 
     # 9.5 cm of the palm's box lie behind its frame; the adapter adds 5 cm, or the thumb would hit link 7.
     mount = Mount(PANDA.flange, ALLEGRO.root, xyz=(0.0, 0.0, 0.15))
-    return assemble(PANDA, ALLEGRO, mount, {"home": (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785)})
+    return assemble(PANDA, ALLEGRO, mount, {"home": HOME})

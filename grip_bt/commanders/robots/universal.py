@@ -23,12 +23,12 @@ def _arm(name: str) -> ArmPart:
 
 def ur5_allegro() -> RobotDescription:
     """Return the UR5 with a right Allegro hand."""
-    return _with_allegro("ur5", (-1.2, -1.8, 1.9, 0.0, 0.4, 0.0))
+    return _with_allegro("ur5", (-1.40, -1.40, 1.43, -0.03, -0.10, 0.0))
 
 
 def ur10_allegro() -> RobotDescription:
     """Return the UR10 with a right Allegro hand."""
-    return _with_allegro("ur10", (-1.2, -1.8, 1.9, 0.0, 0.4, 0.0))
+    return _with_allegro("ur10", (-1.29, -1.20, 1.28, -0.08, -0.56, 0.0))
 
 
 def _with_allegro(name: str, home: tuple[float, ...]) -> RobotDescription:
