@@ -12,23 +12,24 @@ A leaf that waits calls `self.context.wake()` from any thread when there is some
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, ClassVar, TypeVar
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from grip_bt.catalog.manifest import Manifest
-from grip_bt.errors import DataError, ExpectedError
+from grip_bt.errors import CanceledError, DataError, ExpectedError, NodeError
 from grip_bt.operation import Operation
 from grip_bt.ports import Context
 from grip_bt.values import Failure
 
+from .node import LABEL, STATUS, Node
+
 T = TypeVar("T")
-_STATUS = {"success": Status.SUCCESS, "failure": Status.FAILURE}
 
 
-class Leaf(Behaviour):
+class Leaf(Node):
     """A node of the catalogue in a tree.
 
     Attributes:
@@ -55,8 +56,6 @@ class Leaf(Behaviour):
         super().__init__(name=name)
         self.path, self.manifest, self.params = path, manifest, dict(params)
         self.meaning = {**manifest.outcomes, **meaning}
-        self.outcome: str | None = None
-        self.failure: Failure | None = None
         self.inputs_read: dict[str, Any] = {}
         self.readers: dict[str, Callable[[], Any]] = {}
         self.writers: dict[str, Callable[[Any], None]] = {}
@@ -81,6 +80,8 @@ class Leaf(Behaviour):
 
     def running(self, message: str = "") -> Status:
         """Say that the work goes on; `message` is shown to people."""
+        if message and message != self.feedback_message:
+            self.observer.message(self.path, message)
         self.feedback_message = message
         return Status.RUNNING
 
@@ -100,10 +101,10 @@ class Leaf(Behaviour):
             if port in self.writers:
                 self.writers[port](value)
         self.outcome = outcome
-        return _STATUS[self.meaning[outcome]]
+        return STATUS[self.meaning[outcome]]
 
-    def fail(self, code: str, message: str = "", *, outcome: str = "failure", **data: Any) -> Status:
-        """End with a failure outcome and a reason."""
+    def fail(self, code: str, message: str = "", /, *, outcome: str = "failure", **data: Any) -> Status:
+        """End with a failure outcome and a reason; `data` goes into the failure."""
         self.failure = Failure(code, message, data)
         self.feedback_message = str(self.failure)
         return self.end(outcome)
@@ -115,26 +116,52 @@ class Leaf(Behaviour):
         self.context = kwargs["context"]
         self.prepare()
 
-    def tick(self) -> Any:
-        """Tick once; a new activation forgets the last one's outcome first."""
-        if self.status != Status.RUNNING:
-            self.outcome, self.failure, self.inputs_read = None, None, {}
-        return super().tick()
+    def tick(self) -> Iterator[Behaviour]:
+        """Tick once, in an activation that begins with this tick or has begun before.
 
-    def stop(self, new_status: Status) -> None:
-        """End an activation; an interrupted one has no outcome."""
-        if new_status == Status.INVALID:
-            self.outcome, self.failure = None, None
-        super().stop(new_status)
+        Raises:
+            NodeError: the leaf raised; it was terminated.
+        """
+        try:
+            if self.status != Status.RUNNING:
+                self.inputs_read = {}
+                self.begin()
+            yield from super().tick()
+            if self.status == Status.INVALID:
+                raise TypeError("update() has to return SUCCESS, FAILURE or RUNNING")
+        except Exception as error:
+            self._abandon(error)
+            raise NodeError(self.path, error) from error
+
+    def conclude(self, status: Status) -> None:
+        """Name the outcome of an `update` that returned a bare status."""
+        if self.outcome is None:
+            self.outcome = LABEL[status]
+        if STATUS.get(self.meaning.get(self.outcome, "")) != status:
+            raise ValueError(
+                f"update() returned {status.name}, but {self.manifest.id} ends with {dict(self.meaning)};"
+                " return self.end(outcome)"
+            )
+
+    def _abandon(self, error: Exception) -> None:
+        try:
+            self.stop(Status.INVALID)
+        except Exception as second:  # noqa: BLE001 - the first error is the one to report
+            self.status = Status.INVALID
+            error.add_note(f"and terminate() raised {type(second).__name__}: {second}")
 
 
 class OperationLeaf(Leaf):
     """A leaf that starts one operation and waits for it without polling.
 
-    Authors override `start` and, where the result is more than success, `finish`.
+    Authors override `start` and, where the result is more than success, `finish`. A preempt request that arrives
+    while the operation is under way cancels it; when it has really ended, the leaf fails with the code `preempted`,
+    or ends with the result that was quicker. A leaf that begins after the request is part of the recovery and runs as
+    usual.
     """
 
     operation: Operation[Any] | None = None
+    _preempted_before: bool = False
 
     def start(self) -> Operation[Any]:
         """Begin the work of this activation."""
@@ -148,16 +175,34 @@ class OperationLeaf(Leaf):
         """Start, wait, finish; an `ExpectedError` becomes a failure with its code."""
         try:
             if self.operation is None:
+                self._preempted_before = self.context.preempt_requested
                 self.operation = self.start()
                 self.operation.add_done_callback(self.context.wake)
             if not self.operation.done():
-                return self.running()
+                return self._wait(self.operation)
             return self.finish(self.operation.result())
+        except CanceledError as error:
+            code = "preempted" if self._preempted_now() else error.code
+            return self._fail_for(code, error)
         except ExpectedError as error:
-            return self.fail(error.code, error.message, **error.data)
+            return self._fail_for(error.code, error)
 
     def terminate(self, new_status: Status) -> None:
         """Cancel what is under way."""
         operation, self.operation = self.operation, None
         if operation is not None and not operation.done():
             operation.cancel()
+
+    def _preempted_now(self) -> bool:
+        return self.context.preempt_requested and not self._preempted_before
+
+    def _wait(self, operation: Operation[Any]) -> Status:
+        if not self._preempted_now():
+            return self.running()
+        operation.cancel()
+        return self.running("stopping, since the task was asked to end")
+
+    def _fail_for(self, code: str, error: ExpectedError) -> Status:
+        self.failure = Failure(code, error.message, dict(error.data))
+        self.feedback_message = str(self.failure)
+        return self.end("failure")
