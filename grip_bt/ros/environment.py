@@ -1,0 +1,105 @@
+"""Which ROS this process has, and the settings that must stand before any part of it is loaded."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from grip_bt.errors import MissingPartError
+
+DDS_PROFILE = Path(__file__).with_name("fastdds_profile.xml")
+"""Fast DDS: a dead participant is noticed after 3 s instead of 20 s, a new one is announced ten times in its first second."""
+
+_PROFILE_VARIABLES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
+_WHEELS_REMEDY = "pip install 'grip-bt[ros]' (x86-64 Linux with glibc 2.28 or newer)"
+_MIXED_REMEDY = (
+    "use one of the two: start from a shell in which no setup.bash of ROS was sourced "
+    "(unset AMENT_PREFIX_PATH PYTHONPATH LD_LIBRARY_PATH ROS_DISTRO), "
+    "or use an environment without the wheels (python3 -m venv --system-site-packages, then pip install grip-bt)"
+)
+
+
+@dataclass(frozen=True)
+class RosEnvironment:
+    """What ROS this process would use.
+
+    Attributes:
+        kind: `wheels` (from PyPI, in this environment), `sourced` (a system installation), `none`, or `mixed`, which is
+            refused: libraries of the two would be loaded in one process, at random.
+        detail: what was found, for people.
+        remedy: what to do about it; empty when nothing.
+    """
+
+    kind: Literal["wheels", "sourced", "none", "mixed"]
+    detail: str
+    remedy: str = ""
+
+    @property
+    def usable(self) -> bool:
+        """Whether ROS can be used."""
+        return self.kind in ("wheels", "sourced")
+
+
+def environment(env: Mapping[str, str] | None = None, wheels: Path | None | Literal["look"] = "look") -> RosEnvironment:
+    """Tell which ROS this process has, without loading it.
+
+    Args:
+        env: environment variables; those of this process by default.
+        wheels: folder of the installed wheels' rclpy, or None; looked for by default.
+    """
+    env = os.environ if env is None else env
+    found = _wheels() if wheels == "look" else wheels
+    sourced = _sourced(env)
+    if found and sourced:
+        return RosEnvironment("mixed", f"ROS 2 wheels in {found} and a sourced ROS in {sourced[0]}", _MIXED_REMEDY)
+    if found:
+        return RosEnvironment("wheels", f"ROS 2 wheels in {found}")
+    if sourced:
+        return RosEnvironment("sourced", f"ROS 2 {env.get('ROS_DISTRO', '')} in {', '.join(map(str, sourced))}")
+    return RosEnvironment("none", "no ROS 2 here", _WHEELS_REMEDY)
+
+
+def require() -> RosEnvironment:
+    """Return the environment's ROS.
+
+    Raises:
+        MissingPartError: there is none, or two are mixed.
+    """
+    here = environment()
+    if not here.usable:
+        what = "ROS 2" if here.kind == "none" else f"one ROS 2 ({here.detail})"
+        raise MissingPartError(what, here.remedy)
+    return here
+
+
+def prepare() -> None:
+    """Set what must be set before rclpy or a message package is loaded; what the user has set stays.
+
+    * ROS_PYTHON_CHECK_FIELDS=1: without it a field of a wrong type is sent as garbage.
+    * discovery on this machine only, and our DDS profile.
+    """
+    os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
+    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    if not any(v in os.environ for v in _PROFILE_VARIABLES):
+        for variable in _PROFILE_VARIABLES:
+            os.environ[variable] = str(DDS_PROFILE)
+
+
+def _wheels() -> Path | None:
+    """Return the folder of rclpy when it is this Python environment's own."""
+    spec = importlib.util.find_spec("rclpy")
+    if spec is None or spec.origin is None:
+        return None
+    folder = Path(spec.origin).parent
+    return folder if folder.is_relative_to(sys.prefix) else None
+
+
+def _sourced(env: Mapping[str, str]) -> list[Path]:
+    """Return the prefixes of the shell's ROS that hold a ROS of their own, which overlays of ours don't."""
+    prefixes = [Path(p) for p in env.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if p]
+    return [p for p in prefixes if p != Path(sys.prefix) and (p / "share" / "rclpy").is_dir()]

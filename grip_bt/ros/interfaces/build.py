@@ -1,0 +1,132 @@
+"""Build interface packages, once per content: each lands in `<cache>/<hash>/`, a prefix of its own."""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import os
+import platform
+import shutil
+import sys
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib import metadata
+from pathlib import Path
+
+from .compiler import compile_package, compilers
+from .definition import check_types, parse_interface
+from .generate import generate
+from .package import Package, find_packages
+from .prefixes import search_path
+
+_RECIPE = "1"
+"""Raised when this builder produces something else from the same files."""
+
+
+@dataclass(frozen=True)
+class Built:
+    """One built package.
+
+    Attributes:
+        package: its name.
+        prefix: where it is installed.
+        seconds: how long the build took; 0 when it was in the cache.
+    """
+
+    package: str
+    prefix: Path
+    seconds: float
+
+    @property
+    def cached(self) -> bool:
+        """Whether it had been built before."""
+        return self.seconds == 0
+
+
+def default_cache() -> Path:
+    """Return the user's cache of built interfaces, below $XDG_CACHE_HOME."""
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "grip" / "interfaces"
+
+
+def build_interfaces(folder: str | Path, cache: Path | None = None, overlays: Sequence[Path] = ()) -> list[Built]:
+    """Build the interface packages in a folder, those that others need first.
+
+    Args:
+        folder: an interface package, or a folder with some.
+        cache: where built packages are kept; the user's cache by default.
+        overlays: prefixes with further packages that these need.
+
+    Raises:
+        DocumentError: a file of a package is wrong; it says which, where and why.
+        MissingPartError: no compiler, or the generators aren't installed.
+        InterfaceBuildError: the compiler failed.
+    """
+    cache = (cache or default_cache()).resolve()
+    prefixes = search_path(overlays)
+    built: list[Built] = []
+    hashes: dict[str, str] = {}
+    for package in find_packages(Path(folder)):
+        _check(package, prefixes)
+        needed = [hashes[name] for name in sorted(package.depends & hashes.keys())]
+        digest = hashes[package.name] = content_hash(package, needed)
+        prefix = cache / digest
+        started = time.monotonic()
+        cached = _build(package, prefix, prefixes)
+        built.append(Built(package.name, prefix, 0.0 if cached else time.monotonic() - started))
+        prefixes.insert(0, prefix)
+    return built
+
+
+def content_hash(package: Package, needed: Sequence[str] = ()) -> str:
+    """Return what identifies a build: files, the packages it needs, this Python, the machine and rosidl's version."""
+    digest = hashlib.sha256()
+    python = f"{sys.implementation.cache_tag}-{platform.machine()}-{sys.prefix}"
+    for word in (_RECIPE, python, _rosidl_version(), *needed):
+        digest.update(word.encode() + b"\0")
+    for file in (Path("package.xml"), *package.files):
+        digest.update(file.as_posix().encode() + b"\0" + (package.folder / file).read_bytes() + b"\0")
+    return f"{package.name}-{digest.hexdigest()[:16]}"
+
+
+def _rosidl_version() -> str:
+    try:
+        return metadata.version("ros-rosidl-generator-py")
+    except metadata.PackageNotFoundError:
+        return os.environ.get("ROS_DISTRO", "unknown")
+
+
+def _check(package: Package, prefixes: Sequence[Path]) -> None:
+    """Read every file with rosidl's parser before anything is generated, so that errors come with file and line."""
+    own = {f.stem for f in package.files if f.suffix == ".msg"}
+    for file in package.files:
+        path = package.folder / file
+        spec = parse_interface(path.read_text(encoding="utf-8"), package.name, file.suffix[1:], file.stem, str(path))
+        check_types(spec, own, prefixes)
+
+
+def _build(package: Package, prefix: Path, prefixes: Sequence[Path]) -> bool:
+    """Build into `prefix` unless it is there; True when it was. Two processes may ask at once: one builds."""
+    if prefix.is_dir():
+        return True
+    compilers()
+    prefix.parent.mkdir(parents=True, exist_ok=True)
+    with _locked(prefix.with_name(prefix.name + ".lock")):
+        if prefix.is_dir():
+            return True
+        with tempfile.TemporaryDirectory(prefix=f".{package.name}-", dir=prefix.parent) as work:
+            generated = generate(package, Path(work) / "build", prefixes)
+            target = Path(work) / "install"
+            target.mkdir()
+            compile_package(generated, target, prefixes, jobs=os.cpu_count() or 1)
+            shutil.move(target, prefix)
+    return False
+
+
+@contextmanager
+def _locked(file: Path) -> Iterator[None]:
+    with file.open("w") as handle:
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        yield

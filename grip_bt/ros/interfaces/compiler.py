@@ -1,0 +1,203 @@
+"""The generated sources of an interface package, compiled with gcc and laid out as an ordinary ROS prefix.
+
+The package's `__init__.py` loads its own libraries by path: ROS later asks for them by bare name (`dlopen("libX.so")`), and
+glibc then finds those already loaded. So nothing needs LD_LIBRARY_PATH, and a built package is usable at once.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import sysconfig
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from grip_bt.errors import GripError, MissingPartError
+
+from .generate import TYPESUPPORTS, Generated
+
+_RUNTIME = (
+    "rosidl_runtime_c",
+    "rcutils",
+    "rosidl_typesupport_c",
+    "rosidl_typesupport_fastrtps_c",
+    "rosidl_typesupport_fastrtps_cpp",
+    "rosidl_typesupport_introspection_c",
+    "rmw",
+    "fastcdr",
+)
+_LIBRARIES = ("rosidl_generator_c", *TYPESUPPORTS, "rosidl_typesupport_c", "rosidl_generator_py")
+"""Shared libraries of a package, in the order in which they need each other."""
+
+
+class InterfaceBuildError(GripError):
+    """The compiler or the linker refused generated code.
+
+    Attributes:
+        package: which package.
+        command: what was run.
+        output: what it said.
+    """
+
+    def __init__(self, package: str, command: Sequence[str], output: str):
+        self.package, self.command, self.output = package, tuple(command), output
+        lines = output.strip().splitlines()
+        told = "\n".join(lines[:15] if len(lines) > 15 else lines)
+        super().__init__(f"{package}: {Path(command[0]).name} failed:\n{told}")
+
+
+def compilers() -> tuple[str, str]:
+    """Return the C and the C++ compiler: $CC and $CXX, else gcc and g++.
+
+    Raises:
+        MissingPartError: one of them, or Python's own header, isn't there.
+    """
+    found = []
+    for variable, default in (("CC", "gcc"), ("CXX", "g++")):
+        program = shutil.which(os.environ.get(variable, default))
+        if program is None:
+            raise MissingPartError(f"the compiler {os.environ.get(variable, default)!r}", "sudo apt install g++")
+        found.append(program)
+    if not Path(sysconfig.get_path("include"), "Python.h").is_file():
+        raise MissingPartError("Python.h", "sudo apt install python3-dev")
+    return found[0], found[1]
+
+
+def compile_package(generated: Generated, target: Path, prefixes: Sequence[Path], jobs: int) -> None:
+    """Compile and install a generated package into the prefix `target`.
+
+    Raises:
+        MissingPartError: no compiler.
+        InterfaceBuildError: the compiler or the linker failed.
+    """
+    objects = _compile(generated, prefixes, jobs)
+    site = target / "lib" / f"python{sys.version_info.major}.{sys.version_info.minor}" / "site-packages"
+    module = site / generated.package.name
+    shutil.copytree(
+        generated.folder / "rosidl_generator_py" / generated.package.name, module, ignore=shutil.ignore_patterns("*.c")
+    )
+    _link(generated, objects, target, module, prefixes)
+    _install_init(generated.package.name, module)
+    _install_share(generated, target)
+
+
+def _compile(generated: Generated, prefixes: Sequence[Path], jobs: int) -> dict[str, list[Path]]:
+    cc, cxx = compilers()
+    name = generated.package.name
+    flags = [
+        "-fPIC",
+        "-O1",
+        "-w",
+        "-DNDEBUG",  # else a field of the wrong type is a C assert, which aborts the process
+        f'-DROS_PACKAGE_NAME="{name}"',
+        *(f"-D{g.upper()}_BUILDING_DLL_{name}" for g in ("rosidl_generator_c", *TYPESUPPORTS)),
+        *(f"-I{folder}" for folder in _include_folders(generated, prefixes)),
+    ]
+
+    def compile_one(job: tuple[str, Path]) -> tuple[str, Path]:
+        library, source = job
+        target = generated.folder / "objects" / library / ("_".join(source.parts[-3:]) + ".o")
+        target.parent.mkdir(parents=True, exist_ok=True)
+        language = [cxx, "-std=c++17"] if source.suffix == ".cpp" else [cc, "-std=gnu11"]
+        _run(name, [*language, *flags, "-c", str(source), "-o", str(target)])
+        return library, target
+
+    objects: dict[str, list[Path]] = {}
+    with ThreadPoolExecutor(jobs) as pool:
+        for library, compiled in pool.map(compile_one, _units(generated)):
+            objects.setdefault(library, []).append(compiled)
+    return objects
+
+
+def _units(generated: Generated) -> Iterator[tuple[str, Path]]:
+    """Yield every source with the library that it goes into; `extension` is the module that Python imports."""
+    for generator in _LIBRARIES:
+        for source in generated.sources(generator):
+            yield ("extension" if ".ep." in source.name else generator), source
+
+
+def _include_folders(generated: Generated, prefixes: Sequence[Path]) -> Iterator[Path]:
+    import numpy
+
+    for generator in _LIBRARIES[:-1]:
+        yield generated.folder / generator
+    yield Path(sysconfig.get_path("include"))
+    yield Path(numpy.get_include())
+    for prefix in dict.fromkeys([*prefixes, *generated.depends.values()]):
+        include = prefix / "include"
+        if include.is_dir():  # headers of package p are in include/p/p, as ROS 2 installs them
+            yield from sorted(p for p in include.iterdir() if (p / p.name).is_dir())
+            yield include
+
+
+def _link(
+    generated: Generated, objects: dict[str, list[Path]], target: Path, module: Path, prefixes: Sequence[Path]
+) -> None:
+    _, cxx = compilers()
+    name, lib = generated.package.name, target / "lib"
+    roots = list(dict.fromkeys([*generated.depends.values(), *prefixes]))
+    search = [f for r in roots if (r / "lib").is_dir() for f in (f"-L{r}/lib", f"-Wl,-rpath,{r}/lib")]
+    common = [*search, f"-L{lib}", "-Wl,--as-needed", "-Wl,-s"]
+    runtime = [f"-l{r}" for r in _RUNTIME]
+
+    def of_dependencies(kind: str) -> list[str]:
+        return [f"-l{d}__{kind}" for d, p in generated.depends.items() if (p / "lib" / f"lib{d}__{kind}.so").exists()]
+
+    def link(output: Path, files: list[Path], *more: str) -> None:
+        _run(name, [cxx, "-shared", "-o", str(output), *map(str, files), *common, *more, *runtime])
+
+    generator_c = f"-l{name}__rosidl_generator_c"
+    typesupport = f"-l{name}__rosidl_typesupport_c"
+    for kind in _LIBRARIES:
+        own = [] if kind == "rosidl_generator_c" else [generator_c]
+        own += [typesupport] if kind == "rosidl_generator_py" else []
+        file = f"lib{name}__{kind}.so"
+        needed = [*own, *of_dependencies("rosidl_generator_c"), *of_dependencies(kind)]
+        link(lib / file, objects[kind], f"-Wl,-soname,{file}", "-Wl,-rpath,$ORIGIN", *needed)
+    suffix = sysconfig.get_config_var("EXT_SUFFIX")
+    needed = [f"-l{name}__rosidl_generator_py", typesupport, generator_c]
+    needed += [*of_dependencies("rosidl_generator_c"), *of_dependencies("rosidl_generator_py")]
+    extension = module / f"{name}_s__rosidl_typesupport_c{suffix}"
+    link(extension, objects["extension"], "-Wl,-rpath,$ORIGIN/../../..", *needed)
+
+
+def _install_init(name: str, module: Path) -> None:
+    libraries = "".join(f'    "lib{name}__{kind}.so",\n' for kind in _LIBRARIES)
+    (module / "__init__.py").write_text(
+        "import ctypes\nfrom pathlib import Path\n\n"
+        "_lib = Path(__file__).resolve().parents[3]\n"
+        f"_names = (\n{libraries})\n"
+        "_loaded = [ctypes.CDLL(str(_lib / name), mode=ctypes.RTLD_GLOBAL) for name in _names]\n",
+        encoding="utf-8",
+    )
+
+
+def _install_share(generated: Generated, target: Path) -> None:
+    """Install interface files, type hashes, headers (for packages that nest ours) and the entries of the ament index."""
+    package, folder = generated.package, generated.folder
+    share = target / "share" / package.name
+    for file, idl in zip(package.files, generated.idl, strict=True):
+        (share / file.parent).mkdir(parents=True, exist_ok=True)
+        shutil.copy(package.folder / file, share / file)
+        shutil.copy(folder / "idl" / package.name / idl, share / idl)
+        json = idl.with_suffix(".json")
+        shutil.copy(folder / "hash" / package.name / json, share / json)
+    shutil.copy(package.folder / "package.xml", share)
+    only_headers = shutil.ignore_patterns("*.c", "*.cpp")
+    for generator in ("rosidl_generator_c", *TYPESUPPORTS):
+        include = target / "include" / package.name
+        shutil.copytree(folder / generator, include, dirs_exist_ok=True, ignore=only_headers)
+    index = target / "share" / "ament_index" / "resource_index"
+    files = sorted(f.as_posix() for f in (*package.files, *generated.idl))
+    for kind, text in (("packages", ""), ("rosidl_interfaces", "\n".join(files))):
+        (index / kind).mkdir(parents=True, exist_ok=True)
+        (index / kind / package.name).write_text(text, encoding="utf-8")
+
+
+def _run(package: str, command: list[str]) -> None:
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise InterfaceBuildError(package, command, done.stderr or done.stdout)

@@ -1,0 +1,191 @@
+"""Interface files read by rosidl's own parser, with the line of what is wrong, which that parser doesn't tell."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from grip_bt.catalog.interface_spec import FieldSpec, InterfaceSpec
+from grip_bt.errors import DocumentError, MissingPartError, nearest
+
+from .package import KINDS
+from .prefixes import search_path, share_folder
+
+_SECTIONS = {"msg": ("",), "srv": ("_Request", "_Response"), "action": ("_Goal", "_Result", "_Feedback")}
+_SEPARATOR = "---"
+
+
+def read_interface(source: str | Path, prefixes: Sequence[Path] = ()) -> InterfaceSpec:
+    """Read an interface from its file, or by its type's name from the installed packages.
+
+    Args:
+        source: a .msg, .srv or .action file in a package's `<kind>/` folder, or a name such as `std_srvs/srv/Trigger`.
+        prefixes: overlays in which a named type is looked for first.
+
+    Raises:
+        DocumentError: the file can't be read or is wrong (with its line), or no installed package has the type.
+    """
+    path = Path(source)
+    if path.suffix[1:] not in KINDS:
+        path = _installed_file(str(source), prefixes)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise DocumentError(f"can't be read as an interface: {error}", str(path)) from None
+    package = _package_of(path.resolve())
+    return parse_interface(text, package, path.suffix[1:], path.stem, str(path))
+
+
+def parse_interface(text: str, package: str, kind: str, name: str, source: str = "") -> InterfaceSpec:
+    """Make a specification from the text of an interface file.
+
+    Raises:
+        DocumentError: a line can't be understood, or the number of `---` lines is wrong.
+    """
+    parser = _parser()
+    source = source or f"{name}.{kind}"
+    if not parser.is_valid_message_name(name):
+        raise DocumentError(f"an interface is named like CamelCase, without underscores, not {name!r}", source)
+    sections = _split(text, kind, source)
+    specs = [
+        _parse_section(package, name + suffix, lines, first, source)
+        for suffix, (first, lines) in zip(_SECTIONS[kind], sections, strict=True)
+    ]
+    fields = [tuple(_field(f) for f in spec.fields) for spec in specs]
+    while len(fields) < 3:
+        fields.append(())
+    doc = " ".join(line.strip() for line in specs[0].annotations.get("comment", []) if line.strip())
+    return InterfaceSpec(package, kind, name, *fields, doc=doc, source=source)  # type: ignore[arg-type]
+
+
+def check_types(spec: InterfaceSpec, own: set[str], prefixes: Sequence[Path]) -> None:
+    """Check that every message type that an interface uses exists.
+
+    Args:
+        spec: the interface.
+        own: names of the messages of its own package.
+        prefixes: where other packages are installed.
+
+    Raises:
+        DocumentError: a type or its package isn't there, with the line that asks for it.
+    """
+    for field in (*spec.request, *spec.response, *spec.feedback):
+        if "/" not in field.type:
+            continue
+        package, _, message = field.type.partition("/msg/")
+        if package == spec.package:
+            known, where = own, "this package"
+        else:
+            share = share_folder(package, prefixes)
+            if share is None:
+                line = _line_of(field, spec.source)
+                raise DocumentError(
+                    f"field {field.name!r}: there is no package {package!r} here (installed, or in the same folder)",
+                    spec.source,
+                    line,
+                )
+            known, where = {f.stem for f in (share / "msg").glob("*.idl")}, package
+        if message not in known:
+            line = _line_of(field, spec.source)
+            hint = nearest(message, known)
+            raise DocumentError(f"field {field.name!r}: {where} has no message {message!r}{hint}", spec.source, line)
+
+
+def _installed_file(type_name: str, prefixes: Sequence[Path]) -> Path:
+    parts = type_name.split("/")
+    if len(parts) != 3 or parts[1] not in KINDS:
+        raise DocumentError(
+            f"{type_name!r} is neither a .msg, .srv or .action file nor a type such as 'std_srvs/srv/Trigger'"
+        )
+    package, kind, name = parts
+    share = share_folder(package, search_path(prefixes))
+    if share is None:
+        raise DocumentError(f"no package {package!r} is installed or built here; is it spelled right?", type_name)
+    file = share / kind / f"{name}.{kind}"
+    if not file.is_file():
+        known = sorted(f.stem for f in (share / kind).glob(f"*.{kind}"))
+        has = ", ".join(known[:20]) or "none"
+        raise DocumentError(f"{package} has no {kind} {name!r}{nearest(name, known)} (it has: {has})", type_name)
+    return file
+
+
+def _package_of(path: Path) -> str:
+    from .package import read_package
+
+    folder = path.parent.parent
+    return read_package(folder).name if (folder / "package.xml").is_file() else folder.name
+
+
+def _parser() -> Any:
+    try:
+        from rosidl_adapter import parser
+    except ImportError:
+        raise MissingPartError("rosidl_adapter (ROS 2's interface parser)", "pip install 'grip-bt[ros]'") from None
+    return parser
+
+
+def _split(text: str, kind: str, source: str) -> list[tuple[int, list[str]]]:
+    """Return each section as (number of its first line, its lines)."""
+    sections: list[tuple[int, list[str]]] = [(1, [])]
+    for number, line in enumerate(text.splitlines(), 1):
+        if line == _SEPARATOR:
+            sections.append((number + 1, []))
+        else:
+            sections[-1][1].append(line)
+    wanted = len(_SECTIONS[kind])
+    if len(sections) != wanted:
+        what = {"msg": "no line", "srv": "one line", "action": "two lines"}[kind]
+        line_no = sections[wanted][0] - 1 if len(sections) > wanted else len(text.splitlines())
+        raise DocumentError(
+            f"a .{kind} file has {what} with just {_SEPARATOR!r}, this one has {len(sections) - 1}", source, line_no
+        )
+    return sections
+
+
+def _parse_section(package: str, name: str, lines: list[str], first: int, source: str) -> Any:
+    parse = _parser().parse_message_string
+    try:
+        with contextlib.redirect_stderr(io.StringIO()):
+            return parse(package, name, "\n".join(lines))
+    except Exception as error:  # noqa: BLE001 - the parser raises its own and builtin errors alike
+        whole = error
+    for count in range(1, len(lines) + 1):
+        try:
+            with contextlib.redirect_stderr(io.StringIO()):
+                parse(package, name, "\n".join(lines[:count]))
+        except Exception as error:  # noqa: BLE001
+            line = lines[count - 1].strip()
+            raise DocumentError(f"{_reason(error, line)}, in {line!r}", source, first + count - 1) from None
+    raise DocumentError(str(whole), source, first)
+
+
+def _reason(error: Exception, line: str) -> str:
+    if type(error).__name__ == "InvalidFieldDefinition":
+        return "a field is written as 'type name', a constant as 'type NAME=value'"
+    if type(error).__name__ == "InvalidResourceName":
+        return f"{line.split()[0]!r} isn't a type: a primitive, or Package/Message"
+    return str(error) or type(error).__name__
+
+
+def _field(field: Any) -> FieldSpec:
+    type_ = field.type
+    name = f"{type_.pkg_name}/msg/{type_.type}" if type_.pkg_name else type_.type
+    doc = " ".join(line.strip() for line in field.annotations.get("comment", []) if line.strip())
+    if unit := field.annotations.get("unit"):
+        doc = f"{doc} [{unit}]".strip()
+    return FieldSpec(field.name, name, type_.is_array, type_.array_size, type_.is_upper_bound, doc)
+
+
+def _line_of(field: FieldSpec, source: str) -> int | None:
+    try:
+        lines = Path(source).read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return None
+    for number, line in enumerate(lines, 1):
+        words = line.partition("#")[0].split()
+        if len(words) >= 2 and words[1] == field.name:
+            return number
+    return None

@@ -1,0 +1,94 @@
+"""Interface packages on disk: found, read from `package.xml`, ordered by what they depend on."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Iterable
+from dataclasses import dataclass
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+
+from grip_bt.errors import DocumentError
+
+KINDS = ("msg", "srv", "action")
+
+
+@dataclass(frozen=True)
+class Package:
+    """One ordinary ROS interface package.
+
+    Attributes:
+        name: its name in package.xml.
+        folder: where package.xml is; absolute.
+        files: the .msg, .srv and .action files, relative to `folder`, sorted by kind and name.
+        depends: names of the packages that package.xml asks for.
+    """
+
+    name: str
+    folder: Path
+    files: tuple[Path, ...]
+    depends: frozenset[str]
+
+
+def read_package(folder: Path) -> Package:
+    """Read one package.
+
+    Raises:
+        DocumentError: package.xml isn't there, isn't XML or has no name, or there is no interface file.
+    """
+    folder = folder.resolve()
+    manifest = folder / "package.xml"
+    try:
+        root = ElementTree.parse(manifest).getroot()
+    except OSError as error:
+        raise DocumentError(f"can't be read: {error.strerror}; an interface package has one", str(manifest)) from None
+    except ElementTree.ParseError as error:
+        line, column = error.position
+        raise DocumentError(f"isn't well-formed XML: {error}", str(manifest), line, column + 1) from None
+    name = (root.findtext("name") or "").strip()
+    if not name:
+        raise DocumentError("<name> is missing: the package's name", str(manifest))
+    files = tuple(f.relative_to(folder) for kind in KINDS for f in sorted((folder / kind).glob(f"*.{kind}")))
+    if not files:
+        raise DocumentError("no interface file in msg/, srv/ or action/ beside it", str(manifest))
+    depends = {e.text.strip() for e in root if e.tag.endswith("depend") and e.text}
+    return Package(name, folder, files, frozenset(depends))
+
+
+def find_packages(folder: Path) -> list[Package]:
+    """Return the interface packages in a folder, dependencies first: the folder itself, or its sub-folders at any depth.
+
+    Raises:
+        DocumentError: there is none, two have one name, or they depend on each other in a circle.
+    """
+    if (folder / "package.xml").is_file():
+        return [read_package(folder)]
+    packages: dict[str, Package] = {}
+    for manifest in sorted(folder.glob("**/package.xml")):
+        if not any((manifest.parent / kind).is_dir() for kind in KINDS):
+            continue
+        package = read_package(manifest.parent)
+        if package.name in packages:
+            first = packages[package.name].folder
+            raise DocumentError(f"the package {package.name!r} is also in {first}", str(manifest))
+        packages[package.name] = package
+    if not packages:
+        raise DocumentError(
+            "no interface package here: a folder with package.xml and msg/, srv/ or action/", str(folder)
+        )
+    return in_dependency_order(packages.values())
+
+
+def in_dependency_order(packages: Iterable[Package]) -> list[Package]:
+    """Return the packages so that each comes after those that it needs.
+
+    Raises:
+        DocumentError: they depend on each other in a circle.
+    """
+    by_name = {p.name: p for p in packages}
+    graph = {p.name: sorted(p.depends & by_name.keys()) for p in by_name.values()}
+    try:
+        return [by_name[name] for name in TopologicalSorter(graph).static_order()]
+    except CycleError as error:
+        circle = " -> ".join(error.args[1])
+        raise DocumentError(f"interface packages depend on each other in a circle: {circle}") from None

@@ -1,0 +1,30 @@
+"""Where installed interface packages are: the wheels' environment, a sourced ROS, a built overlay."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+
+def search_path(overlays: Sequence[Path] = ()) -> list[Path]:
+    """Return the prefixes in which packages are looked for, first ones first: overlays, AMENT_PREFIX_PATH, this Python's."""
+    sourced = [Path(p) for p in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if p]
+    return list(dict.fromkeys([*map(Path, overlays), *sourced, Path(sys.prefix)]))
+
+
+def share_folder(package: str, prefixes: Sequence[Path]) -> Path | None:
+    """Return `<prefix>/share/<package>` of the first prefix that has it, or None."""
+    return next((s for p in prefixes if (s := p / "share" / package).is_dir()), None)
+
+
+def python_folder(prefix: Path) -> Path | None:
+    """Return the folder of a prefix that belongs on `sys.path`, or None when it has none for this Python."""
+    version = f"python{sys.version_info.major}.{sys.version_info.minor}"
+    candidates = (
+        prefix / "lib" / version / "site-packages",
+        prefix / "local" / "lib" / version / "dist-packages",
+        prefix / "lib" / version / "dist-packages",
+    )
+    return next((c for c in candidates if c.is_dir()), None)
