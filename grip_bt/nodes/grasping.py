@@ -1,0 +1,155 @@
+"""Leaves around one grasp: choose it, go there, lift, and get away from there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grip_bt.errors import ExpectedError, NoGraspError
+from grip_bt.operation import Operation
+from grip_bt.ports import Hand
+from grip_bt.values import Grasp, JointState, Pose
+
+from .arm import ArmLeaf
+from .leaf import Leaf, Status
+from .motion import first_of, go, go_straight, tolerant
+from .objects import object_at, objects_near
+
+SAME_PLACE = 0.02
+"""Two grasps nearer than this [m] and `SAME_DIRECTION` are one."""
+SAME_DIRECTION = np.radians(20)
+
+
+def same_grasp(one: Grasp, other: Grasp) -> bool:
+    """Tell whether two grasps put the hand within 2 cm and 20 degrees of each other."""
+    if np.linalg.norm(one.pose.position - other.pose.position) > SAME_PLACE:
+        return False
+    between = one.pose.rotation().T @ other.pose.rotation()
+    angle = np.arccos(np.clip((np.trace(between) - 1) / 2, -1, 1))
+    return bool(angle <= SAME_DIRECTION)
+
+
+class Choose(ArmLeaf):
+    """Choose the best feasible grasp that wasn't tried."""
+
+    def start(self) -> Operation[Grasp]:
+        """Leave out what was tried and ask the arm."""
+        grasps: Sequence[Grasp] = self.read("grasps")
+        tried: Sequence[Grasp] = self.read("tried") or ()
+        fresh = [g for g in grasps if not any(same_grasp(g, t) for t in tried)]
+        if not fresh:
+            raise NoGraspError(
+                f"all {len(grasps)} candidates were tried before" if grasps else "there are no candidates",
+                candidates=len(grasps),
+                tried=len(tried),
+            )
+        return self.arm.choose_grasp(fresh)
+
+    def finish(self, result: Grasp) -> Status:
+        """Hand the grasp out."""
+        return self.end(grasp=result)
+
+
+class Remember(Leaf):
+    """Add a grasp to those that did not work."""
+
+    def update(self) -> Status:
+        """Write the longer list; values are never changed in place."""
+        return self.end(tried=[*(self.read("tried") or ()), self.read("grasp")])
+
+
+class MoveToGrasp(ArmLeaf):
+    """Go to a grasp: a free path to the pre-grasp, then straight on until the hand is around the object.
+
+    Nothing may be touched on the way to the pre-grasp. The straight part doesn't see the box of the object that is to
+    be taken: a box around a round thing has corners that aren't there.
+    """
+
+    def start(self) -> Operation[JointState]:
+        """Plan and follow both parts."""
+        grasp: Grasp = self.read("grasp")
+        return go(self.arm, grasp.pre_grasp).then(lambda _: self._approach(grasp))
+
+    def _approach(self, grasp: Grasp) -> Operation[JointState]:
+        scene = self.context.scene()
+        target = object_at(scene, grasp)
+        return go_straight(self.arm, [grasp.pose], scene, [target] if target else [])
+
+
+class ArmHandLeaf(ArmLeaf):
+    """A leaf with the parameters `arm` and `hand`."""
+
+    hand: Hand
+
+    def prepare(self) -> None:
+        """Look both up."""
+        super().prepare()
+        self.hand = self.context.hand(self.params["hand"])
+
+
+class Lift(ArmHandLeaf):
+    """Lift straight to the post-grasp; the object at the grasp, if the scene has one, moves along from now on."""
+
+    def start(self) -> Operation[JointState]:
+        """Attach and go."""
+        grasp: Grasp = self.read("grasp")
+        scene = self.context.scene()
+        target = object_at(scene, grasp)
+        if target is not None:
+            scene.attach(target, self.hand.name)
+        return go_straight(self.arm, [grasp.post_grasp])
+
+
+class Retreat(ArmHandLeaf):
+    """Get the arm to where it can plan again, from wherever a failed attempt left it.
+
+    The hand opens; what was attached is put, in the scene, upright onto the table below, where it most likely is now.
+    Then the arm backs off along the palm's normal and goes up, each as far as it can: the whole way, else a half,
+    else a quarter. Objects around the hand are ignored, since the hand is among them already. It fails with `stuck`
+    only when no step at all could be made.
+    """
+
+    def start(self) -> Operation[list[ExpectedError]]:
+        """Open, let go, back, up. The result holds the errors of the steps that could not be made."""
+        errors: list[ExpectedError] = []
+        return (
+            tolerant(self.hand.open())
+            .then(lambda _: self._back(errors))
+            .then(lambda _: self._up(errors))
+            .then(lambda _: Operation.finished(errors))
+        )
+
+    def finish(self, result: list[ExpectedError]) -> Status:
+        """Success when a step was made."""
+        if len(result) < 2:
+            return self.end()
+        reasons = [f"{e.code}: {e.message}" for e in result]
+        return self.fail("stuck", "the arm could neither back off nor go up", reasons=reasons)
+
+    def _back(self, errors: list[ExpectedError]) -> Operation[object]:
+        scene = self.context.scene()
+        for name in scene.attached(self.hand.name):
+            scene.detach(name)
+            size, pose = scene.box(name)
+            scene.set_box(name, size, Pose([*pose.position[:2], float(size[2]) / 2 + 0.003]))
+        return self._step(-self.arm.grasp_pose().rotation()[:, 2] * self.params["distance"], errors)
+
+    def _up(self, errors: list[ExpectedError]) -> Operation[object]:
+        return self._step(np.array([0.0, 0.0, self.params["height"]]), errors)
+
+    def _step(self, offset: NDArray[np.float64], errors: list[ExpectedError]) -> Operation[object]:
+        scene, start = self.context.scene(), self.arm.grasp_pose()
+        ignore = objects_near(scene, start)
+        steps = (
+            lambda part=part: go_straight(self.arm, [start.moved(offset * part)], scene, ignore)
+            for part in (1.0, 0.5, 0.25)
+        )
+
+        def note(result: JointState | ExpectedError) -> Operation[object]:
+            if isinstance(result, ExpectedError):
+                errors.append(result)
+            return Operation.finished(result)
+
+        return tolerant(first_of(steps)).then(note)

@@ -1,0 +1,131 @@
+"""Operations made of operations: what several leaves need to move an arm through a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import TypeVar
+
+from grip_bt.errors import CanceledError, ExpectedError, NoPlanError
+from grip_bt.operation import Operation
+from grip_bt.ports import Arm, Scene
+from grip_bt.values import JointState, Pose
+
+T = TypeVar("T")
+
+
+def go(arm: Arm, goal: JointState | Pose | str) -> Operation[JointState]:
+    """Plan a free path from where the arm is now and follow it."""
+    return arm.plan(goal).then(arm.execute)
+
+
+def go_straight(
+    arm: Arm, goals: Sequence[Pose], scene: Scene | None = None, ignore: Sequence[str] = ()
+) -> Operation[JointState]:
+    """Move the grasp frame along straight lines through `goals`; the plan doesn't see the objects named in `ignore`."""
+    if scene is None or not ignore:
+        return arm.plan_straight(goals).then(arm.execute)
+    return without(scene, ignore, lambda: arm.plan_straight(goals)).then(arm.execute)
+
+
+def without(scene: Scene, names: Sequence[str], plan: Callable[[], Operation[T]]) -> Operation[T]:
+    """Start an operation for which the scene lacks some objects; they are back when it ends.
+
+    Attached objects and names that aren't in the scene are left as they are.
+    """
+    boxes = {name: scene.box(name) for name in names if name in scene.names()}
+    for name in boxes:
+        scene.remove(name)
+
+    def restore() -> None:
+        for name, (size, pose) in boxes.items():
+            scene.set_box(name, size, pose)
+
+    try:
+        operation = plan()
+    except BaseException:
+        restore()
+        raise
+    operation.add_done_callback(restore)
+    return operation
+
+
+def first_of(attempts: Iterable[Callable[[], Operation[T]]]) -> Operation[T]:
+    """Return an operation that makes one attempt after the other until one succeeds.
+
+    It ends with the last attempt's error when all have failed. A cancelled attempt and an error that isn't expected
+    end it. Attempts that end at once don't deepen the stack, so their number doesn't matter.
+    """
+    return _FirstOf(attempts).whole
+
+
+class _FirstOf:
+    def __init__(self, attempts: Iterable[Callable[[], Operation[T]]]):
+        self.pending = iter(attempts)
+        self.error: ExpectedError = NoPlanError("there was nothing to try")
+        self.current: Operation[T] | None = None
+        self.whole: Operation[T] = Operation(on_cancel=self._cancel)
+        self._next()
+
+    def _cancel(self) -> None:
+        if self.current is not None:
+            self.current.cancel()
+
+    def _next(self) -> None:
+        while not self.whole.done():
+            if self.whole.cancel_asked:
+                self.whole.fail(CanceledError("canceled"))
+                return
+            attempt = next(self.pending, None)
+            if attempt is None:
+                self.whole.fail(self.error)
+                return
+            try:
+                current = attempt()
+            except ExpectedError as error:
+                current = Operation.failed(error)
+            except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it
+                self.whole.fail(error)
+                return
+            self.current = current
+            if self.whole.cancel_asked:
+                current.cancel()
+            if not current.done():
+                current.add_done_callback(self._resume)
+                return
+            self._settle(current)
+
+    def _resume(self) -> None:
+        assert self.current is not None
+        self._settle(self.current)
+        self._next()
+
+    def _settle(self, ended: Operation[T]) -> None:
+        try:
+            self.whole.succeed(ended.result())
+        except CanceledError as error:
+            self.whole.fail(error)
+        except ExpectedError as error:
+            self.error = error
+        except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it
+            self.whole.fail(error)
+
+
+def tolerant(operation: Operation[T]) -> Operation[T | ExpectedError]:
+    """Return an operation that succeeds with the expected error where `operation` fails with one.
+
+    A cancellation and an error that isn't expected remain errors.
+    """
+    whole: Operation[T | ExpectedError] = Operation(on_cancel=operation.cancel)
+
+    def ended() -> None:
+        try:
+            whole.succeed(operation.result())
+        except CanceledError as error:
+            whole.fail(error)
+        except ExpectedError as error:
+            whole.succeed(error)
+        except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it
+            whole.fail(error)
+
+    operation.add_done_callback(ended)
+    return whole

@@ -1,0 +1,107 @@
+"""Which boxes of the planning scene are near a hand, and which bound a target region."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from grip_bt.ports import Scene
+from grip_bt.values import Grasp, Pose
+
+SEEN = "seen_"
+"""Objects that perception found; the next look replaces them."""
+PLACED = "placed_"
+"""Objects that were put down in a target; they stay."""
+
+
+def distance_to_box(point: ArrayLike, size: ArrayLike, pose: Pose) -> float:
+    """Return the distance [m] of a point from a box; 0 inside."""
+    local = pose.rotation().T @ (np.asarray(point, dtype=float) - pose.position)
+    return float(np.linalg.norm(np.maximum(np.abs(local) - np.asarray(size, dtype=float) / 2, 0)))
+
+
+def closing_point(grasp: Grasp) -> NDArray[np.float64]:
+    """Return where the middle of the grasped object is, shape (3,) [m]: half its width in front of the palm."""
+    depth = max(grasp.width, 0.03) / 2
+    return grasp.pose.position + depth * grasp.pose.rotation()[:, 2]
+
+
+def object_at(scene: Scene, grasp: Grasp, within: float = 0.03) -> str | None:
+    """Return the seen object that a grasp takes, or None when there is none `within` [m] of its closing point."""
+    point = closing_point(grasp)
+    near = [(distance_to_box(point, *scene.box(n)), n) for n in scene.names() if n.startswith(SEEN)]
+    distance, name = min(near, default=(np.inf, None))
+    return name if distance <= within else None
+
+
+def objects_near(scene: Scene, hand: Pose, within: float = 0.09) -> tuple[str, ...]:
+    """Return the seen and placed objects `within` [m] of the middle of an open hand whose grasp frame is at `hand`."""
+    middle = hand.apply([[0.04, 0.0, 0.04]])[0]
+    names = (n for n in scene.names() if n.startswith((SEEN, PLACED)))
+    return tuple(n for n in names if distance_to_box(middle, *scene.box(n)) <= within)
+
+
+@dataclass(frozen=True, slots=True)
+class Region:
+    """The inside of an open box with upright walls along x and y.
+
+    Attributes:
+        low: smallest x and y, shape (2,) [m].
+        high: largest x and y, shape (2,) [m].
+        floor: height of the floor [m].
+        rim: height of the walls' upper edge [m].
+    """
+
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+    floor: float
+    rim: float
+
+    def contains(self, points: ArrayLike, margin: float = 0.0) -> NDArray[np.bool_]:
+        """Tell which points, shape (n, 2 or 3), lie within the walls widened by `margin` [m]; shape (n,)."""
+        xy = np.asarray(points, dtype=float)[:, :2]
+        inside: NDArray[np.bool_] = ((xy >= self.low - margin) & (xy <= self.high + margin)).all(axis=1)
+        return inside
+
+
+def region_of(scene: Scene, target: str) -> Region | None:
+    """Return the region bounded by the scene's boxes `<target>_*`, or None when there are none.
+
+    A box whose middle lies on one side of the others bounds that side with its inner face. The floor is the lowest
+    edge of the walls, and the rim the highest.
+    """
+    boxes = [scene.box(n) for n in scene.names() if target and n.startswith(f"{target}_")]
+    if not boxes:
+        return None
+    lows, highs = (np.array(c) for c in zip(*(_bounds(size, pose) for size, pose in boxes), strict=True))
+    outer_low, outer_high = lows.min(axis=0), highs.max(axis=0)
+    low, high = outer_low[:2].copy(), outer_high[:2].copy()
+    middle = (low + high) / 2
+    for wall_low, wall_high in zip(lows[:, :2], highs[:, :2], strict=True):
+        axis = int(np.argmin(wall_high - wall_low))
+        if wall_high[axis] <= middle[axis]:
+            low[axis] = max(low[axis], wall_high[axis])
+        elif wall_low[axis] >= middle[axis]:
+            high[axis] = min(high[axis], wall_low[axis])
+    return Region(low, high, float(outer_low[2]), float(outer_high[2]))
+
+
+def _bounds(size: ArrayLike, pose: Pose) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    half = np.abs(pose.rotation()) @ (np.asarray(size, dtype=float) / 2)
+    return pose.position - half, pose.position + half
+
+
+def rename(scene: Scene, name: str, new_name: str) -> None:
+    """Put the box `name` under another name, where it is now, free of any hand."""
+    size, pose = scene.box(name)
+    scene.detach(name)
+    scene.remove(name)
+    scene.set_box(new_name, size, pose)
+
+
+def free_name(scene: Scene, prefix: str) -> str:
+    """Return the first of `prefix0`, `prefix1` ... that the scene doesn't have."""
+    taken = set(scene.names())
+    return next(name for i in range(len(taken) + 1) if (name := f"{prefix}{i}") not in taken)
