@@ -29,7 +29,8 @@ Meaning = Literal["success", "failure"]
 
 
 class _Model(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", populate_by_name=True)
+    # built on first use: every node's model holds the union of all of them, and few programs need each
+    model_config = ConfigDict(frozen=True, extra="forbid", populate_by_name=True, defer_build=True)
 
 
 class Variable(_Model):
@@ -233,18 +234,3 @@ def outcomes_of(node: Container) -> dict[str, Meaning]:
     if isinstance(node, StateMachine):
         return dict(node.outcomes)
     return {"success": "success", "failure": "failure", **node.outcomes}
-
-
-for _model in (
-    Sequence,
-    Fallback,
-    Parallel,
-    StateMachine,
-    Retry,
-    Repeat,
-    Timeout,
-    Invert,
-    Force,
-    Task,
-):
-    _model.model_rebuild()

@@ -1,0 +1,67 @@
+"""What a task is: frozen models, and the text that they are read from and written to."""
+
+from .canonical import dumps
+from .document import Document, load, loads, read, read_text
+from .formatting import fmt
+from .frozen import FrozenDict
+from .model import (
+    FORMAT_VERSION,
+    KINDS,
+    AnyNode,
+    Container,
+    Fallback,
+    Force,
+    Invert,
+    Leaf,
+    Meaning,
+    Name,
+    Node,
+    Parallel,
+    Repeat,
+    Retry,
+    Sequence,
+    StateMachine,
+    Task,
+    Timeout,
+    Variable,
+    children_of,
+    join,
+    outcomes_of,
+    walk,
+)
+from .schema import schema
+
+__all__ = [
+    "FORMAT_VERSION",
+    "KINDS",
+    "AnyNode",
+    "Container",
+    "Document",
+    "Fallback",
+    "Force",
+    "FrozenDict",
+    "Invert",
+    "Leaf",
+    "Meaning",
+    "Name",
+    "Node",
+    "Parallel",
+    "Repeat",
+    "Retry",
+    "Sequence",
+    "StateMachine",
+    "Task",
+    "Timeout",
+    "Variable",
+    "children_of",
+    "dumps",
+    "fmt",
+    "join",
+    "load",
+    "loads",
+    "outcomes_of",
+    "read",
+    "read_text",
+    "schema",
+    "walk",
+]

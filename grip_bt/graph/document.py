@@ -1,0 +1,141 @@
+"""Task files in: text -> task, with the places of everything for messages."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from grip_bt.errors import DocumentError
+
+from .model import Task
+from .shape import CHILDREN, read_task
+from .syntax import MAX_CHARACTERS, Entry, Mapping, Value, parse
+
+
+@dataclass(frozen=True)
+class Document:
+    """A task with the text that it was read from.
+
+    Attributes:
+        task: the task.
+        text: the file's text.
+        source: the file's name as it was given, for messages.
+        tree: the text's syntax, with places.
+    """
+
+    task: Task
+    text: str
+    source: str
+    tree: Mapping = field(repr=False, compare=False)
+
+    def position(self, path: str, key: str | tuple[str | int, ...] | None = None) -> tuple[int, int] | None:
+        """Return the 1-based line and column of a node, or of a key within it.
+
+        Args:
+            path: a node's path (`/` is the root); an empty path is the task itself.
+            key: a key of the node, or keys from the outside inwards such as `("in", "cloud")`. Where a key isn't in the
+                file, the nearest place above it is returned.
+
+        Returns:
+            None when there is no node at `path`.
+        """
+        entry = self._entry(path)
+        if entry is None:
+            return None
+        line, column, value = entry.line, entry.column, entry.value
+        for step in (key,) if isinstance(key, str) else key or ():
+            inner = _inner(value, step)
+            if inner is None:
+                break
+            line, column, value = inner.line, inner.column, inner.value
+        return line, column
+
+    def _entry(self, path: str) -> Entry | None:
+        if path == "":
+            return Entry("", self.tree, self.tree.line, self.tree.column)
+        entry: Entry | None = self.tree.entries["root"]
+        for name in path.split("/") if path != "/" else ():
+            entry = _child(entry, name)
+        return entry
+
+
+def _child(entry: Entry | None, name: str) -> Entry | None:
+    if entry is None or not isinstance(entry.value, Mapping):
+        return None
+    for key in CHILDREN:
+        children = entry.value.entries.get(key)
+        if children is not None and isinstance(children.value, Mapping):
+            return children.value.entries.get(name)
+    return None
+
+
+def _inner(value: Value, step: str | int) -> Entry | None:
+    if isinstance(value, Mapping):
+        return value.entries.get(str(step))
+    entries = getattr(value, "entries", [])
+    return entries[step] if isinstance(step, int) and 0 <= step < len(entries) else None
+
+
+def read(source: Path | str) -> Document:
+    """Read a task from a file, given as a `Path` or as a one-line string, or from a text of several lines.
+
+    Raises:
+        DocumentError: it can't be read, or isn't a task.
+    """
+    if isinstance(source, str) and "\n" in source:
+        return read_text(source)
+    return read_text(read_file(source), str(source))
+
+
+def read_text(text: str, source: str = "") -> Document:
+    """Read a task from a text; `source` names it in messages.
+
+    Raises:
+        DocumentError: it isn't a task.
+    """
+    tree = parse(text, source)
+    task = read_task(tree, source)
+    assert isinstance(tree, Mapping)  # noqa: S101 - read_task has checked it
+    return Document(task, text, source, tree)
+
+
+def read_file(path: Path | str) -> str:
+    """Return a file's text.
+
+    Raises:
+        DocumentError: there is no such file, or it isn't UTF-8 text of a sensible size.
+    """
+    name = str(path)
+    try:
+        with Path(path).open("rb") as file:
+            data = file.read(MAX_CHARACTERS + 1)
+    except OSError as error:
+        raise DocumentError(f"can't be read: {error.strerror or error}", name) from None
+    except ValueError as error:
+        raise DocumentError(f"can't be read: {error}", name) from None
+    if len(data) > MAX_CHARACTERS:
+        raise DocumentError(f"larger than {MAX_CHARACTERS} bytes; a task file is text", name)
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        before = data[: error.start]
+        line, column = before.count(b"\n") + 1, error.start - before.rfind(b"\n")
+        raise DocumentError(f"not text in UTF-8 (byte 0x{data[error.start]:02x})", name, line, column) from None
+
+
+def load(path: Path | str) -> Task:
+    """Read a task file.
+
+    Raises:
+        DocumentError: it can't be read, or isn't a task.
+    """
+    return read_text(read_file(path), str(path)).task
+
+
+def loads(text: str, source: str = "") -> Task:
+    """Read a task from text; `source` names it in messages.
+
+    Raises:
+        DocumentError: it isn't a task.
+    """
+    return read_text(text, source).task

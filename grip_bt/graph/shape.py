@@ -1,0 +1,222 @@
+"""Syntax tree -> the models' input, with every wrong key and every value of a wrong kind found and placed.
+
+The keys of a file are the fields of the models (by their aliases), plus free keys `x-*` in a task and in a node.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from grip_bt.errors import DocumentError, listing, nearest
+
+from . import model
+from .syntax import Entry, Mapping, Value, plain
+
+FREE = "x-"
+_KINDS: dict[str, type[BaseModel]] = {
+    "sequence": model.Sequence,
+    "fallback": model.Fallback,
+    "parallel": model.Parallel,
+    "state_machine": model.StateMachine,
+    "retry": model.Retry,
+    "repeat": model.Repeat,
+    "timeout": model.Timeout,
+    "invert": model.Invert,
+    "force": model.Force,
+}
+CHILDREN = ("children", "child")
+_TREE_KINDS = frozenset((*model.KINDS, "leaf"))
+Place = tuple[str, int, int]
+"""Message, line, column."""
+
+
+def keys_of(shape: type[BaseModel]) -> tuple[str, ...]:
+    """Return the keys that a mapping of this model may have in a file, in their canonical order; without `x-*`."""
+    names = [field.alias or name for name, field in shape.model_fields.items() if name != "x"]
+    return tuple(sorted(names, key=_ORDER.index))
+
+
+_ORDER = (
+    *("grip", "name", "kind", "node", "type", "value", "doc"),
+    *("initial", "times", "seconds", "policy", "memory", "cancel", "as"),
+    *("with", "in", "out", "meaning", "outcomes", "exits", "on"),
+    *("data", "root", "children", "child"),
+)
+
+
+def model_of(node: Mapping) -> type[BaseModel] | None:
+    """Return the model of a node, None when its `kind` is unknown."""
+    entry = node.entries.get("kind")
+    if entry is None:
+        return model.Leaf
+    kind = plain(entry.value)
+    return _KINDS.get(kind) if isinstance(kind, str) else None
+
+
+def child_nodes(node: Mapping) -> Iterator[tuple[str, Entry]]:
+    """Yield the entries of a node's children whose values are mappings, by name."""
+    for key in CHILDREN:
+        entry = node.entries.get(key)
+        if entry is not None and isinstance(entry.value, Mapping):
+            for name, child in entry.value.entries.items():
+                if isinstance(child.value, Mapping):
+                    yield name, child
+
+
+def read_task(tree: Value, source: str) -> model.Task:
+    """Turn a syntax tree into a task.
+
+    Raises:
+        DocumentError: with the first fault and its place; the message lists the others.
+    """
+    if not isinstance(tree, Mapping):
+        raise DocumentError("a task is a mapping that begins with `grip: 1`", source, tree.line, tree.column)
+    faults = list(_key_faults(tree))
+    if faults:
+        raise _document_error(faults, source)
+    data = _with_free_keys(tree)
+    try:
+        return model.Task.model_validate(data, strict=True)
+    except ValidationError as error:
+        raise _document_error([_fault(tree, e) for e in error.errors()], source) from None
+
+
+def _nodes(tree: Mapping) -> Iterator[Mapping]:
+    root = tree.entries.get("root")
+    stack = [root.value] if root is not None and isinstance(root.value, Mapping) else []
+    while stack:
+        node = stack.pop()
+        yield node
+        stack.extend(child.value for _, child in child_nodes(node))  # type: ignore[misc]
+
+
+def _key_faults(tree: Mapping) -> Iterator[Place]:
+    yield from _unknown_keys(tree, model.Task, "a task")
+    yield from _wrong_variables(tree)
+    for node in _nodes(tree):
+        shape = model_of(node)
+        if shape is None:
+            entry = node.entries["kind"]
+            kind = plain(entry.value)
+            hint = nearest(str(kind), model.KINDS)
+            allowed = listing(model.KINDS)
+            yield (f"unknown kind {kind!r}{hint} (there are: {allowed})", entry.value.line, entry.value.column)
+            continue
+        name = "a leaf" if shape is model.Leaf else f"a {plain(node.entries['kind'].value)}"
+        if shape is model.Leaf and "node" not in node.entries:
+            yield ("a node needs `node:` (a leaf) or `kind:` (a container)", node.line, node.column)
+        yield from _unknown_keys(node, shape, name)
+        yield from _wrong_variables(node)
+
+
+def _unknown_keys(node: Mapping, shape: type[BaseModel], name: str, free: bool = True) -> Iterator[Place]:
+    allowed = keys_of(shape)
+    for key, entry in node.entries.items():
+        if key not in allowed and not (free and key.startswith(FREE)):
+            hint = nearest(key, allowed)
+            extra = ", and free keys x-*" if free else ""
+            yield (
+                f"unknown key {key!r} in {name}{hint} (there are: {listing(allowed)}{extra})",
+                entry.line,
+                entry.column,
+            )
+
+
+def _wrong_variables(node: Mapping) -> Iterator[Place]:
+    data = node.entries.get("data")
+    if data is None or not isinstance(data.value, Mapping):
+        return
+    for name, entry in data.value.entries.items():
+        if isinstance(entry.value, Mapping):
+            yield from _unknown_keys(entry.value, model.Variable, f"the variable {name!r}", free=False)
+        elif not isinstance(plain(entry.value), str):
+            yield (
+                f"the variable {name!r} is a type, or {{type: ..., value: ...}}",
+                entry.value.line,
+                entry.value.column,
+            )
+
+
+def _with_free_keys(tree: Mapping) -> dict[str, Any]:
+    """Return plain data in which each task's and node's `x-*` keys are moved to `x`."""
+    data: dict[str, Any] = plain(tree)
+    _gather(data)
+    stack = [data.get("root")]
+    while stack:
+        node = stack.pop()
+        if not isinstance(node, dict):
+            continue
+        _gather(node)
+        for key in CHILDREN:
+            children = node.get(key)
+            if isinstance(children, dict):
+                stack.extend(children.values())
+    return data
+
+
+def _gather(node: dict[str, Any]) -> None:
+    free = {key: node.pop(key) for key in list(node) if key.startswith(FREE)}
+    if free:
+        node["x"] = free
+
+
+def _fault(tree: Mapping, error: Any) -> Place:
+    path = [step for step in error["loc"] if step != "[key]"]
+    line, column = find(tree, path)
+    words = _readable(path)
+    message = error["msg"]
+    if error["type"] == "missing":
+        message = f"the key {words[-1]!r} is missing"
+        words = words[:-1]
+    elif error["type"] == "string_pattern_mismatch":
+        message = f"{error['input']!r} isn't a name: letters, digits, _, - and spaces, a letter or _ first"
+    elif error["type"] == "union_tag_not_found":
+        message = "a node is a mapping with `node:` or `kind:`"
+    elif error["type"] in ("too_long", "too_short"):
+        message = f"{path[-1]!r} takes {_amount(error)}, not {error['ctx']['actual_length']}"
+    elif not isinstance(error["input"], dict | list):
+        message += f", not {error['input']!r}"
+    at = "/".join(words)
+    return (f"{at}: {message}" if at else message, line, column)
+
+
+def _amount(error: Any) -> str:
+    limits = error["ctx"]
+    if "max_length" in limits:
+        return f"at most {limits['max_length']}"
+    return f"at least {limits['min_length']}"
+
+
+def _readable(path: Iterable[Any]) -> list[str]:
+    skipped = {*CHILDREN, *_TREE_KINDS, "Variable", "str"}
+    return [str(step) for step in path if step not in skipped]
+
+
+def find(tree: Value, path: Iterable[Any]) -> tuple[int, int]:
+    """Return line and column of what stands at a path of keys and indices, or of the nearest place above it.
+
+    Steps that aren't keys (pydantic names the branches of a union) are passed over.
+    """
+    line, column = tree.line, tree.column
+    value = tree
+    for step in path:
+        entry: Entry | None = None
+        if isinstance(value, Mapping):
+            entry = value.entries.get(str(step))
+        elif isinstance(step, int) and not hasattr(value, "value") and step < len(value.entries):
+            entry = value.entries[step]
+        if entry is not None:
+            line, column, value = entry.line, entry.column, entry.value
+    return line, column
+
+
+def _document_error(faults: list[Place], source: str) -> DocumentError:
+    faults = sorted(set(faults), key=lambda fault: fault[1:])
+    message, line, column = faults[0]
+    others = [f"\n  also {line}:{column}: {text}" for text, line, column in faults[1:10]]
+    if len(faults) > 10:
+        others.append(f"\n  and {len(faults) - 10} more")
+    return DocumentError(message + "".join(others), source, line, column)

@@ -1,0 +1,244 @@
+"""YAML text -> a tree that knows where everything stands. Only the safe subset that tasks are written in is accepted.
+
+Refused with line and column: tags, anchors and aliases (so nothing expands), duplicate keys, keys that aren't text, nesting
+beyond `MAX_DEPTH`, numbers beyond 64 bits, more than one document. Reading is iterative: no input exhausts the stack.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from grip_bt.errors import DocumentError
+
+from .scalars import read_plain
+
+MAX_DEPTH = 120
+"""Levels of mappings and lists in a file; a container of a task takes two."""
+MAX_CHARACTERS = 4_000_000
+
+
+@dataclass(slots=True)
+class Comments:
+    """What a person wrote around an entry; an empty string in `before` is a blank line."""
+
+    before: list[str] = field(default_factory=list)
+    beside: str = ""
+    after: list[str] = field(default_factory=list)
+
+    def any(self) -> bool:
+        """Tell whether there is a comment; blank lines don't count."""
+        return bool(self.beside or self.after or any(self.before))
+
+
+@dataclass(slots=True)
+class Scalar:
+    """One value; `line` and `column` are 1-based, `span` are offsets into the text."""
+
+    value: Any
+    line: int = 0
+    column: int = 0
+    span: tuple[int, int] = (0, 0)
+    block: bool = False
+    """Whether it was written as a `|` or `>` block."""
+
+
+@dataclass(slots=True)
+class Entry:
+    """A value in a mapping or (with an empty key) in a list."""
+
+    key: str
+    value: Value
+    line: int = 0
+    column: int = 0
+    start: int = 0
+    key_end: int = 0
+    comments: Comments = field(default_factory=Comments)
+
+
+@dataclass(slots=True)
+class Mapping:
+    """Entries by key, in order."""
+
+    entries: dict[str, Entry] = field(default_factory=dict)
+    line: int = 0
+    column: int = 0
+    span: tuple[int, int] = (0, 0)
+    flow: bool = False
+
+
+@dataclass(slots=True)
+class Listing:
+    """Entries of a list."""
+
+    entries: list[Entry] = field(default_factory=list)
+    line: int = 0
+    column: int = 0
+    span: tuple[int, int] = (0, 0)
+    flow: bool = False
+
+
+Value = Scalar | Mapping | Listing
+
+
+def entries_of(value: Value) -> list[Entry]:
+    """Return the entries of a mapping or a list; none for a scalar."""
+    if isinstance(value, Mapping):
+        return list(value.entries.values())
+    return value.entries if isinstance(value, Listing) else []
+
+
+def plain(value: Value) -> Any:
+    """Return the value as dicts, lists and scalars."""
+    if isinstance(value, Scalar):
+        return value.value
+    if isinstance(value, Mapping):
+        return {key: plain(entry.value) for key, entry in value.entries.items()}
+    return [plain(entry.value) for entry in value.entries]
+
+
+def tree_of(data: Any) -> Value:
+    """Return dicts, lists and scalars as a tree without places."""
+    if isinstance(data, dict):
+        return Mapping({str(k): Entry(str(k), tree_of(v)) for k, v in data.items()})
+    if isinstance(data, list | tuple):
+        return Listing([Entry("", tree_of(v)) for v in data])
+    return Scalar(data)
+
+
+def parse(text: str, source: str = "") -> Value:
+    """Read one YAML document.
+
+    Raises:
+        DocumentError: it isn't one, or it uses what tasks don't need.
+    """
+    from ruamel.yaml import YAML
+    from ruamel.yaml.error import MarkedYAMLError, YAMLError
+
+    if len(text) > MAX_CHARACTERS:
+        raise DocumentError(f"larger than {MAX_CHARACTERS} characters", source)
+    builder = _Builder(source)
+    try:
+        for event in _events(YAML(typ="safe", pure=True), text):
+            builder.take(event)
+    except MarkedYAMLError as error:
+        raise _syntax_error(error, source) from None
+    except YAMLError as error:
+        raise _unreadable(error, text, source) from None
+    if builder.root is None:
+        raise DocumentError("the file is empty; a task begins with `grip: 1`", source, 1, 1)
+    return builder.root
+
+
+def _events(yaml: Any, text: str) -> Iterator[Any]:
+    # not yaml.parse(), which sets up a constructor and leaves the parser alive when a caller stops early
+    _, parser = yaml.get_constructor_parser(text)
+    try:
+        while parser.check_event():
+            yield parser.get_event()
+    finally:
+        parser.dispose()
+
+
+def _syntax_error(error: Any, source: str) -> DocumentError:
+    mark = error.problem_mark or error.context_mark
+    message = " ".join(part for part in (error.context, error.problem) if part)
+    place = (mark.line + 1, mark.column + 1) if mark else (None, None)
+    return DocumentError(f"not valid YAML: {message}", source, *place)
+
+
+def _unreadable(error: Any, text: str, source: str) -> DocumentError:
+    before = text[: getattr(error, "position", 0)]
+    message = f"not valid YAML: {str(error).splitlines()[0]}"
+    return DocumentError(message, source, before.count("\n") + 1, len(before) - before.rfind("\n"))
+
+
+class _Builder:
+    """Takes parser events one by one; `root` is the finished tree."""
+
+    def __init__(self, source: str):
+        self.source = source
+        self.root: Value | None = None
+        self.open: list[Mapping | Listing] = []
+        self.keys: list[Scalar | None] = []
+        self.documents = 0
+
+    def take(self, event: Any) -> None:
+        match type(event).__name__:
+            case "ScalarEvent":
+                self._check(event)
+                self._add(self._scalar(event))
+            case "MappingStartEvent" | "SequenceStartEvent" as name:
+                self._check(event)
+                self._begin(Mapping() if name.startswith("M") else Listing(), event)
+            case "MappingEndEvent" | "SequenceEndEvent":
+                ended = self.open.pop()
+                ended.span = (ended.span[0], event.end_mark.index)
+                self.keys.pop()
+            case "AliasEvent":
+                raise self._error(event, f"the alias *{event.anchor}: write the value again instead")
+            case "DocumentStartEvent":
+                self.documents += 1
+                if self.documents > 1:
+                    raise self._error(event, "a second document; one file holds one")
+
+    def _check(self, event: Any) -> None:
+        if event.anchor:
+            raise self._error(event, f"the anchor &{event.anchor}: anchors aren't used in tasks")
+        tag = getattr(event, "tag", None)
+        if tag and not (tag == "!" and getattr(event, "style", None)):
+            raise self._error(event, f"the tag {tag}: tags aren't used in tasks")
+
+    def _scalar(self, event: Any) -> Scalar:
+        start, end = event.start_mark, event.end_mark
+        try:
+            value = event.value if event.style else read_plain(event.value)
+        except ValueError as error:
+            raise self._error(event, str(error)) from None
+        return Scalar(
+            value,
+            start.line + 1,
+            start.column + 1,
+            (start.index, end.index),
+            event.style in ("|", ">"),
+        )
+
+    def _begin(self, value: Mapping | Listing, event: Any) -> None:
+        mark = event.start_mark
+        value.line, value.column = mark.line + 1, mark.column + 1
+        value.span, value.flow = (mark.index, mark.index), bool(event.flow_style)
+        if len(self.open) >= MAX_DEPTH:
+            raise self._error(event, f"nested deeper than {MAX_DEPTH} levels")
+        self._add(value)
+        self.open.append(value)
+        self.keys.append(None)
+
+    def _add(self, value: Value) -> None:
+        if not self.open:
+            self.root = value
+            return
+        parent = self.open[-1]
+        if isinstance(parent, Listing):
+            parent.entries.append(Entry("", value, value.line, value.column, value.span[0], value.span[0]))
+            return
+        key = self.keys[-1]
+        if key is None:
+            self.keys[-1] = self._key(value, parent)
+            return
+        parent.entries[key.value] = Entry(key.value, value, key.line, key.column, key.span[0], key.span[1])
+        self.keys[-1] = None
+
+    def _key(self, value: Value, parent: Mapping) -> Scalar:
+        place = (self.source, value.line, value.column)
+        if not isinstance(value, Scalar) or not isinstance(value.value, str):
+            shown = repr(value.value) if isinstance(value, Scalar) else "a collection"
+            raise DocumentError(f"{shown} as a key; keys are text: put it in quotes", *place)
+        if value.value in parent.entries:
+            first = parent.entries[value.value]
+            raise DocumentError(f"the key {value.value!r} again; it stands in line {first.line} too", *place)
+        return value
+
+    def _error(self, event: Any, message: str) -> DocumentError:
+        mark = event.start_mark
+        return DocumentError(message, self.source, mark.line + 1, mark.column + 1)
