@@ -1,0 +1,48 @@
+"""A set of names that remembers the order of declaration.
+
+Legacy code touches the sets of a state directly (`state._outcomes.add(...)`, differences), so it has to be a `set`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+
+class Names(set):
+    """A set that iterates in the order in which names were added first."""
+
+    def __init__(self, names: Iterable[Any] = ()):
+        self._order: dict[Any, None] = dict.fromkeys(names)
+        super().__init__(self._order)
+
+    def __iter__(self) -> Iterator[Any]:
+        # What C code removed is left out; what it added by other ways (`^=`) comes last.
+        known = [name for name in self._order if name in self]
+        if len(known) != len(self):
+            known.extend(set.difference(self, self._order))
+        return iter(known)
+
+    def add(self, name: Any) -> None:
+        """Add a name at the end."""
+        self._order.setdefault(name)
+        super().add(name)
+
+    def update(self, *others: Iterable[Any]) -> None:
+        """Add several names at the end."""
+        for names in others:
+            for name in names:
+                self.add(name)
+
+    def __ior__(self, other: Any) -> Names:
+        self.update(other)
+        return self
+
+    def union(self, *others: Iterable[Any]) -> Names:
+        """Return a new set: these names, then the others'."""
+        result = Names(self)
+        result.update(*others)
+        return result
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Names, (list(self),))

@@ -1,0 +1,54 @@
+"""Which upstream version this package stands in for, and how closely. One per process, as smach itself is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+PROFILES = ("noetic", "ros2")
+
+
+@dataclass
+class Settings:
+    """How faithful to be, and to which version.
+
+    Attributes:
+        profile: `noetic` (executive_smach 2.5.x) or `ros2` (3.0.x).
+        strict_upstream_construction: leave a container open, and the construction lock taken, when the body of
+            `with container:` raises, as upstream does; by default both are undone.
+        wrap_interrupts: turn KeyboardInterrupt and SystemExit raised in a state into InvalidUserCodeError, as
+            upstream does; by default they pass through.
+    """
+
+    profile: str = "noetic"
+    strict_upstream_construction: bool = False
+    wrap_interrupts: bool = False
+
+    def update(self, **changes: Any) -> None:
+        """Change some settings.
+
+        Raises:
+            ValueError: the profile isn't known.
+            TypeError: there is no such setting.
+        """
+        known = {f.name for f in fields(self)}
+        for name in changes:
+            if name not in known:
+                raise TypeError(f"no setting {name!r} (there are: {', '.join(sorted(known))})")
+        if changes.get("profile", self.profile) not in PROFILES:
+            raise ValueError(f"unknown profile {changes['profile']!r} (there are: {', '.join(PROFILES)})")
+        for name, value in changes.items():
+            setattr(self, name, value)
+
+    @property
+    def ros2(self) -> bool:
+        """Whether the ROS 2 branch is imitated."""
+        return self.profile == "ros2"
+
+
+settings = Settings()
+
+
+def errors_of_user_code() -> type[BaseException]:
+    """Return the class of what counts as an error of user code."""
+    return BaseException if settings.wrap_interrupts else Exception

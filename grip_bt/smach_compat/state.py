@@ -1,0 +1,114 @@
+"""`State`, what does the work in a machine, and `CBState`, one made of a function."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+from ._names import Names
+from .user_data import NOTHING
+from .util import has_smach_interface
+
+
+class State:
+    """A piece of work that ends with one of its outcomes.
+
+    Args:
+        outcomes: what `execute` may return.
+        input_keys: userdata that it reads; a list.
+        output_keys: userdata that it writes; a list.
+        io_keys: userdata that it reads and writes; a list.
+    """
+
+    def __init__(
+        self,
+        outcomes: Iterable[str] = NOTHING,
+        input_keys: list[str] = NOTHING,
+        output_keys: list[str] = NOTHING,
+        io_keys: list[str] = NOTHING,
+    ):
+        self._outcomes = Names(outcomes)
+        self._input_keys = Names(input_keys + io_keys)
+        self._output_keys = Names(output_keys + io_keys)
+        self._preempt_requested = False
+
+    def execute(self, ud: Any) -> str:
+        """Do the work; it may block. Returns one of the outcomes."""
+        raise NotImplementedError(f"{type(self).__name__}.execute")
+
+    def register_outcomes(self, new_outcomes: Iterable[str]) -> None:
+        """Add outcomes."""
+        self._outcomes = self._outcomes.union(new_outcomes)
+
+    def get_registered_outcomes(self) -> tuple[str, ...]:
+        """Return the outcomes in the order of their declaration."""
+        return tuple(self._outcomes)
+
+    def register_io_keys(self, keys: Iterable[str]) -> None:
+        """Add keys that are read and written."""
+        self._input_keys = self._input_keys.union(keys)
+        self._output_keys = self._output_keys.union(keys)
+
+    def register_input_keys(self, keys: Iterable[str]) -> None:
+        """Add keys that are read."""
+        self._input_keys = self._input_keys.union(keys)
+
+    def get_registered_input_keys(self) -> tuple[str, ...]:
+        """Return the keys that it reads."""
+        return tuple(self._input_keys)
+
+    def register_output_keys(self, keys: Iterable[str]) -> None:
+        """Add keys that are written."""
+        self._output_keys = self._output_keys.union(keys)
+
+    def get_registered_output_keys(self) -> tuple[str, ...]:
+        """Return the keys that it writes."""
+        return tuple(self._output_keys)
+
+    # The flag is no more than a flag: nothing resets it on entry or exit, the state that obeys it does.
+
+    def request_preempt(self) -> None:
+        """Ask it to stop."""
+        self._preempt_requested = True
+
+    def service_preempt(self) -> None:
+        """Say that the request was obeyed."""
+        self._preempt_requested = False
+
+    def recall_preempt(self) -> None:
+        """Take the request back."""
+        self._preempt_requested = False
+
+    def preempt_requested(self) -> bool:
+        """Tell whether it was asked to stop."""
+        return self._preempt_requested
+
+
+class CBState(State):
+    """A state whose work is `cb(userdata, *cb_args, **cb_kwargs)`.
+
+    Outcomes and keys that the function declares with `cb_interface` are added to the given ones.
+    """
+
+    def __init__(
+        self,
+        cb: Callable[..., str],
+        cb_args: Iterable[Any] = NOTHING,
+        cb_kwargs: Mapping[str, Any] | None = None,
+        outcomes: Iterable[str] = NOTHING,
+        input_keys: list[str] = NOTHING,
+        output_keys: list[str] = NOTHING,
+        io_keys: list[str] = NOTHING,
+    ):
+        super().__init__(outcomes, input_keys, output_keys, io_keys)
+        self._cb = cb
+        self._cb_args = cb_args
+        self._cb_kwargs = {} if cb_kwargs is None else cb_kwargs
+        if has_smach_interface(cb):
+            self.register_input_keys(cb.get_registered_input_keys())  # type: ignore[attr-defined]
+            self.register_output_keys(cb.get_registered_output_keys())  # type: ignore[attr-defined]
+            self.register_outcomes(cb.get_registered_outcomes())  # type: ignore[attr-defined]
+
+    def execute(self, ud: Any) -> str:
+        """Call the function."""
+        return self._cb(ud, *self._cb_args, **self._cb_kwargs)

@@ -1,0 +1,397 @@
+"""`StateMachine`: one state at a time, each outcome leads to another state or out."""
+
+from __future__ import annotations
+
+import threading
+import traceback
+from collections.abc import Iterable
+from typing import Any
+
+from grip_bt import smach_compat as smach
+
+from ._settings import errors_of_user_code, settings
+from .container import Container
+from .exceptions import InvalidStateError, InvalidTransitionError, InvalidUserCodeError
+from .state import State
+from .user_data import NOTHING, Remapper, UserData
+
+_GETTERS = (
+    "get_registered_outcomes",
+    "get_registered_input_keys",
+    "get_registered_output_keys",
+)
+
+
+class StateMachine(Container):
+    """A finite state machine.
+
+    Args:
+        outcomes: what its execution may end with.
+        input_keys: userdata copied in from the parent when an execution begins.
+        output_keys: userdata copied out to the parent when it ends.
+    """
+
+    def __init__(
+        self,
+        outcomes: Iterable[str],
+        input_keys: list[str] = NOTHING,
+        output_keys: list[str] = NOTHING,
+    ):
+        super().__init__(outcomes, input_keys, output_keys)
+        # Legacy code reads and writes these, so they stay plain and are read afresh at each transition.
+        self._states: dict[str, State] = {}
+        self._transitions: dict[str, dict[str, str | None]] = {}
+        self._remappings: dict[str, Any] = {}
+        self._constants: dict[str, dict[str, Any]] = {}
+        self._initial_state_label: str | None = None
+
+        self._current_label: str | None = None
+        self._current_state: State | None = None
+        self._current_transitions: dict[str, str | None] | None = None
+        self._preempted_label: str | None = None
+        self._preempted_state: State | None = None
+        self._is_running = False
+        # Re-entrant, so that a callback may request a preempt; upstream hangs there.
+        self._state_transitioning_lock: Any = threading.RLock()
+
+        self._last_added_label: str | None = None
+        self._connector_outcomes: list[str] = []
+
+        self._own_getters: dict[str, State] = {}
+        self._views: dict[str, Remapper] = {}
+
+    # --- construction ---
+
+    @staticmethod
+    def add(
+        label: str,
+        state: State,
+        transitions: dict[str, Any] | None = None,
+        remapping: Any = None,
+        constants: dict[str, Any] | None = None,
+    ) -> State:
+        """Add a state to the open machine; the first one is where it begins.
+
+        Args:
+            label: its name in this machine.
+            state: a state or container.
+            transitions: outcome -> label of a state or outcome of the machine. Outcomes left out are added to this very
+                dict as None: they end the machine with the outcome of the same name.
+            remapping: the state's key -> the machine's key.
+            constants: the machine's key -> value, written before each execution of this state.
+
+        Returns:
+            The state.
+
+        Raises:
+            InvalidTransitionError: `transitions` has an outcome that the state hasn't.
+            InvalidStateError: the label is taken, or no machine is open.
+        """
+        self = StateMachine._currently_opened_container()
+        if constants is not None and settings.ros2:
+            raise TypeError("add() got an unexpected keyword argument 'constants' (profile ros2)")
+        transitions = {} if transitions is None else transitions
+        if self._initial_state_label is None:
+            self._initial_state_label = label
+        self.check_state_spec(label, state, transitions)
+        if label in self._states:
+            raise InvalidStateError(f"A state labelled {label!r} is in this machine already")
+        for outcome in state.get_registered_outcomes():
+            transitions.setdefault(outcome, None)
+        self._states[label] = state
+        self._transitions[label] = transitions
+        self._remappings[label] = {} if remapping is None else remapping
+        self._constants[label] = {} if constants is None else constants
+        self._connect_pending(label)
+        return state
+
+    def _connect_pending(self, label: str) -> None:
+        """Lead the connector outcomes of the last `add_auto` to this label."""
+        if self._last_added_label is not None:
+            for outcome in self._connector_outcomes:
+                self._transitions[self._last_added_label][outcome] = label
+        self._last_added_label, self._connector_outcomes = None, []
+
+    @staticmethod
+    def add_auto(
+        label: str,
+        state: State,
+        connector_outcomes: Iterable[str],
+        transitions: dict[str, Any] | None = None,
+        remapping: Any = None,
+        constants: dict[str, Any] | None = None,
+    ) -> State:
+        """Add a state whose `connector_outcomes` lead to whatever state is added next, whatever `transitions` says.
+
+        Raises:
+            InvalidStateError: a connector outcome isn't one of the state; the state was added.
+        """
+        self = StateMachine._currently_opened_container()
+        StateMachine.add(label, state, transitions, remapping, constants)
+        outcomes = state.get_registered_outcomes()
+        for outcome in connector_outcomes:
+            if outcome not in outcomes:
+                raise InvalidStateError(
+                    f"Connector outcome {outcome!r} isn't an outcome of state {label!r}: {list(outcomes)}"
+                )
+        self._last_added_label, self._connector_outcomes = label, list(connector_outcomes)
+        return state
+
+    def check_consistency(self) -> None:
+        """Check that it begins somewhere and every outcome leads somewhere.
+
+        Raises:
+            InvalidTransitionError: it doesn't.
+        """
+        states, outcomes = self._states, self.get_registered_outcomes()
+        if self._initial_state_label is None:
+            raise InvalidTransitionError("The machine has no initial state")
+        if self._initial_state_label not in states:
+            raise InvalidTransitionError(
+                f"The initial state {self._initial_state_label!r} isn't in the machine: {list(states)}"
+            )
+        for label, transitions in self._transitions.items():
+            for outcome, target in transitions.items():
+                # Without a target an outcome falls through to the machine's outcome of the same name.
+                if target not in states and (target or outcome) not in outcomes:
+                    raise InvalidTransitionError(
+                        f"Outcome {outcome!r} of state {label!r} leads to {target or outcome!r}, neither a state "
+                        f"{list(states)} nor an outcome {list(outcomes)} of the machine"
+                    )
+
+    # --- the container's view of itself ---
+
+    def __getitem__(self, key: str) -> State:
+        if key not in self._states:
+            smach.logerr(f"There is no state {key!r} in the machine; there are: {list(self._states)}")
+        return self._states[key]
+
+    def get_children(self) -> dict[str, State]:
+        """Return label -> state."""
+        return self._states
+
+    def set_initial_state(self, initial_states: list[str], userdata: UserData | None = None) -> None:
+        """Begin at the first of these labels, which may be added later, and take over `userdata`."""
+        if len(initial_states) > 1:
+            smach.logwarn(f"A machine begins in one state; {initial_states[1:]} are ignored.")
+        if initial_states:
+            self._initial_state_label = initial_states[0]
+        if userdata is not None:
+            self.userdata.update(userdata)
+
+    def get_initial_states(self) -> list[str]:
+        """Return the label at which it begins."""
+        return [str(self._initial_state_label)]
+
+    def get_active_states(self) -> list[str]:
+        """Return the label of the current state; ['None'] when idle."""
+        return [str(self._current_label)]
+
+    def get_internal_edges(self) -> list[tuple[str, str, str | None]]:
+        """Return all (outcome, label, target); the target is None where the outcome falls through."""
+        return [
+            (outcome, label, target)
+            for label, transitions in self._transitions.items()
+            for outcome, target in transitions.items()
+        ]
+
+    def is_running(self) -> bool:
+        """Tell whether it is being executed."""
+        return self._is_running
+
+    # --- execution ---
+
+    def execute(self, parent_ud: Any = None) -> str | None:
+        """Run from the initial state to an outcome.
+
+        Returns:
+            The outcome; None when the machine is inconsistent or a shutdown was asked for.
+
+        Raises:
+            InvalidTransitionError: a state returned an outcome that it hasn't registered or that leads nowhere.
+            InvalidUserCodeError: a state raised.
+        """
+        with self._state_transitioning_lock:
+            try:
+                self.check_consistency()
+            except (InvalidStateError, InvalidTransitionError):
+                smach.logerr("Container consistency check failed.")
+                return None
+            self._is_running = True
+            try:
+                outcome = self._run(parent_ud)
+            except BaseException:
+                if not settings.ros2:
+                    self._is_running = False
+                raise
+            self._is_running = False
+            return outcome
+
+    def _run(self, parent_ud: Any) -> str | None:
+        # The request itself is kept: one that came before the execution preempts the initial state.
+        self._preempted_label = self._preempted_state = None
+        self._own_getters = {label: state for label, state in self._states.items() if _has_own_getters(state)}
+        self._set_current_state(self._initial_state_label)
+        self._copy_input_keys(parent_ud, self.userdata)
+        smach.loginfo(
+            f"State machine starting in initial state {self._current_label!r} with userdata: {self.userdata.keys()}"
+        )
+        self.call_start_cbs()
+        outcome = None
+        while outcome is None and self._is_running and not smach.is_shutdown():
+            outcome = self._update_once()
+        self._copy_output_keys(self.userdata, parent_ud)
+        return outcome
+
+    def _set_current_state(self, label: str | None) -> None:
+        self._current_label = label
+        if label is None:
+            self._current_state = self._current_transitions = None
+        else:
+            self._current_state = self._states[label]
+            self._current_transitions = self._transitions[label]
+
+    def _update_once(self) -> str | None:
+        """Execute the current state and follow its outcome; return the machine's outcome at the end."""
+        label, states = self._current_label, self._states
+        if label not in states:
+            raise InvalidStateError(f"There is no state {label!r} in the machine: {list(states)}")
+        if self._preempt_requested:
+            self._pass_on_preempt()
+        outcome = self._execute_current(label, self._current_state)
+
+        # Read again: the state may have changed the machine. One that executed its own machine has left None here.
+        state, label, transitions = (
+            self._current_state,
+            self._current_label,
+            self._current_transitions,
+        )
+        registered = (
+            state._outcomes  # type: ignore[union-attr]
+            if self._own_getters.get(label) is state  # type: ignore[arg-type]
+            else state.get_registered_outcomes()  # type: ignore[union-attr]
+        )
+        if outcome not in registered:
+            raise InvalidTransitionError(
+                f"State {label!r} returned {outcome!r}, but its outcomes are {list(registered)}"
+            )
+        if outcome not in transitions:  # type: ignore[operator]
+            raise InvalidTransitionError(f"Outcome {outcome!r} of state {label!r} has no transition: {transitions}")
+        target = transitions[outcome]  # type: ignore[index]
+        if target in states:
+            self._current_label = target
+            self._current_state = states[target]
+            self._current_transitions = self._transitions[target]
+            smach.loginfo(f"State machine transitioning {label!r}:{outcome!r}-->{target!r}")
+            self.call_transition_cbs()
+            return None
+        return self._terminate(label, state, outcome, target)
+
+    def _terminate(self, label: Any, state: Any, outcome: str, target: str | None) -> str:
+        """Leave by an outcome of the machine."""
+        if self._preempt_requested and self._preempted_state is not None:
+            if not state.preempt_requested():
+                self.service_preempt()
+        outcomes = self.get_registered_outcomes()
+        reached = target if target in outcomes else outcome
+        if reached not in outcomes:
+            raise InvalidTransitionError(
+                f"Outcome {outcome!r} of state {label!r} leads to {target!r}, neither a state "
+                f"{list(self._states)} nor an outcome {list(outcomes)} of the machine"
+            )
+        self._set_current_state(None)
+        smach.loginfo(f"State machine terminating {label!r}:{outcome!r}:{reached!r}")
+        self.call_termination_cbs([label], reached)
+        return reached  # type: ignore[return-value]
+
+    def _execute_current(self, label: Any, state: Any) -> Any:
+        """Execute the state with the lock given up, so that a preempt can be requested meanwhile."""
+        constants = self._constants.get(label)  # none for a state put into `_states` by hand
+        if constants:
+            for key, value in constants.items():
+                self.userdata[key] = value
+        view = self._view(label, state)
+        lock = self._state_transitioning_lock
+        lock.release()
+        try:
+            return state.execute(view)
+        except InvalidUserCodeError:
+            smach.logerr(f"State {label!r} failed to execute.")
+            raise
+        except errors_of_user_code() as error:
+            raise InvalidUserCodeError(
+                f"Could not execute state {label!r} of type {type(state).__name__}: {traceback.format_exc()}"
+            ) from error
+        finally:
+            lock.acquire()
+
+    def _view(self, label: str, state: Any) -> Remapper:
+        """Return the state's view of the userdata, that of its last execution where nothing has changed since."""
+        if self._own_getters.get(label) is not state:
+            inputs = state.get_registered_input_keys()
+            outputs = state.get_registered_output_keys()
+            return Remapper(self.userdata, inputs, outputs, self._remappings[label])
+        view = self._views.get(label)
+        if (
+            view is None
+            or view._input != state._input_keys
+            or view._output != state._output_keys
+            or view._map is not self._remappings[label]
+            or view._ud is not self.userdata
+            or view.__dict__
+        ):
+            view = self._views[label] = Remapper(
+                self.userdata, state._input_keys, state._output_keys, self._remappings[label]
+            )
+        return view
+
+    # --- preemption ---
+
+    def _pass_on_preempt(self) -> None:
+        """Before a state is executed: bring a request of the machine to it, or see that the last state obeyed."""
+        if self._preempted_state is None:
+            self._preempt_current_state()
+        elif self._preempted_state.preempt_requested():
+            if self._preempted_state is not self._current_state:  # in a self-loop the flag just stays
+                self._preempted_state.recall_preempt()
+                self._preempt_current_state()
+        else:
+            self._preempt_requested = False
+            self._preempted_state = None
+
+    def _preempt_current_state(self) -> None:
+        """Request a preempt of the current state, once while it is the same one."""
+        state = self._current_state
+        if state is None or state is self._preempted_state:
+            return
+        self._preempted_state, self._preempted_label = state, self._current_label
+        try:
+            state.request_preempt()
+        except Exception:  # noqa: BLE001 - the machine goes on, as upstream
+            smach.logerr(f"Failed to preempt state {self._current_label!r}: {traceback.format_exc()}")
+
+    def request_preempt(self) -> None:
+        """Ask the machine, and with it the current state, to stop."""
+        with self._state_transitioning_lock:
+            self._preempt_requested = True
+            self._preempt_current_state()
+
+    # --- copies ---
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {
+            **{k: v for k, v in self.__dict__.items() if k != "_state_transitioning_lock"},
+            "_own_getters": {},
+            "_views": {},
+        }
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._state_transitioning_lock = threading.RLock()
+
+
+def _has_own_getters(state: Any) -> bool:
+    """Tell whether a state answers the container's questions from its sets, as `State` does."""
+    return isinstance(state, State) and all(
+        getattr(type(state), name) is getattr(State, name) and name not in state.__dict__ for name in _GETTERS
+    )

@@ -1,0 +1,184 @@
+"""Userdata: the store of a container, and the view of it that one state gets."""
+
+from __future__ import annotations
+
+import copy
+import threading
+from collections.abc import Collection, Iterable
+from typing import Any
+
+from grip_bt import smach_compat as smach
+
+from .exceptions import InvalidUserCodeError
+
+NOTHING: list[Any] = []
+"""The default of list arguments. A list and not a tuple, because callers' lists are added to it; never written."""
+
+
+class UserData:
+    """The variables of a container, as attributes and as items.
+
+    Names that begin with an underscore are attributes of the object and no data. A missing name raises KeyError,
+    for attributes too: `hasattr` doesn't work on it.
+    """
+
+    def __init__(self) -> None:
+        self._data: dict[str, Any] = {}
+        self._locks: dict[str, threading.Lock] = {}
+
+    def __getattr__(self, name: str) -> Any:
+        if name[0] == "_":
+            raise AttributeError(f"userdata has no attribute {name!r}")
+        locks = self._locks
+        lock = locks[name] if name in locks else locks.setdefault(name, threading.Lock())
+        with lock:
+            if name in self._data:
+                return self._data[name]
+        smach.logerr(f"Userdata key {name!r} not available; available keys are: {self.keys()}")
+        raise KeyError()
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name[0] == "_":
+            object.__setattr__(self, name, value)
+            return
+        locks = self._locks
+        lock = locks[name] if name in locks else locks.setdefault(name, threading.Lock())
+        with lock:
+            self._data[name] = value
+
+    def __getitem__(self, key: str) -> Any:
+        return self.__getattr__(key)
+
+    def __setitem__(self, key: str, value: Any) -> None:
+        self._data[key] = value
+
+    def __contains__(self, key: object) -> bool:
+        return key in self._data
+
+    def keys(self) -> list[str]:
+        """Return the names that have a value."""
+        return list(self._data)
+
+    def update(self, ud: UserData) -> None:
+        """Take over all values of another store."""
+        self._data.update(ud._data)
+
+    def extract(self, keys: Iterable[str], remapping: dict[str, str]) -> UserData:
+        """Return a new store with shallow copies of `keys`, renamed back: from what `remapping` maps *to*."""
+        names = {there: here for here, there in remapping.items()}
+        result = UserData()
+        for key in keys:
+            result[names.get(key, key)] = copy.copy(self[key])
+        return result
+
+    def merge(self, ud: UserData, keys: Iterable[str], remapping: dict[str, str]) -> None:
+        """Take over shallow copies of `keys` of another store, renamed by `remapping`."""
+        for key in keys:
+            self[remapping.get(key, key)] = copy.copy(ud[key])
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"_data": self._data, "_locks": {}}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+
+
+class Const:
+    """A value that a state may only read: what is read from it is wrapped in the same way.
+
+    Setting an attribute changes the wrapper and not the value. Methods can't be called.
+    """
+
+    def __init__(self, obj: Any):
+        self._obj = obj
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "_obj":  # asked for before __init__, when a copy or a pickle is rebuilt
+            raise AttributeError(name)
+        return get_const(getattr(self._obj, name))
+
+    def __getitem__(self, name: Any) -> Any:
+        return get_const(self._obj[name])
+
+    def __delattr__(self, name: str) -> None:
+        smach.logerr(f"Attempt to delete {name!r} of a value that is an input only.")
+        raise TypeError(f"can't delete {name!r}: the value is an input only")
+
+
+def get_const(obj: Any) -> Any:
+    """Return the value wrapped for reading, or itself when it has no attributes of its own (no `__dict__`)."""
+    return Const(obj) if hasattr(obj, "__dict__") else obj
+
+
+class Remapper:
+    """What one state sees of its container's userdata: declared keys only, under the state's names.
+
+    Reading an undeclared key raises InvalidUserCodeError; writing one is logged and ignored.
+
+    Args:
+        ud: the container's store, or any view with the same operators.
+        input_keys: names that may be read.
+        output_keys: names that may be written; one that is in both gives the value itself, not a `Const`.
+        remapping: the state's name -> the container's name, for names that differ.
+    """
+
+    # Slots, so that a container sees at a glance (an empty __dict__) whether a view may be used again.
+    __slots__ = ("_ud", "_input", "_output", "_map", "__dict__", "__weakref__")
+
+    def __init__(
+        self,
+        ud: Any,
+        input_keys: Iterable[str] = NOTHING,
+        output_keys: Iterable[str] = NOTHING,
+        remapping: Collection[str] | dict[str, str] = NOTHING,
+    ):
+        self._ud = ud
+        self._input = frozenset(input_keys)
+        self._output = frozenset(output_keys)
+        self._map: Any = remapping
+
+    def __getattr__(self, name: str) -> Any:
+        if name in self._input:
+            mapping = self._map
+            value = self._ud[mapping[name] if name in mapping else name]
+            return value if name in self._output else get_const(value)
+        if name[0] == "_":
+            raise AttributeError(f"userdata has no attribute {name!r}")
+        return self.__getitem__(name)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name[0] == "_":
+            object.__setattr__(self, name, value)
+        else:
+            self[name] = value
+
+    def __getitem__(self, key: str) -> Any:
+        if key not in self._input:
+            raise InvalidUserCodeError(
+                f"Reading userdata key {key!r}, but the declared inputs of this state are: {sorted(self._input)}"
+            )
+        value = self._ud[self._remap(key)]
+        return value if key in self._output else get_const(value)
+
+    def __setitem__(self, key: str, value: Any) -> None:
+        if key not in self._output:
+            smach.logerr(
+                f"Writing userdata key {key!r}, but the declared outputs of this state are: {sorted(self._output)}"
+            )
+            return
+        mapping = self._map
+        self._ud[mapping[key] if key in mapping else key] = value
+
+    def __contains__(self, key: object) -> bool:
+        return key in self._input and self._remap(key) in self._ud
+
+    def _remap(self, key: Any) -> Any:
+        return self._map[key] if key in self._map else key
+
+    def keys(self) -> list[str]:
+        """Return the container's names of those of its keys that are inputs under the same name."""
+        return [self._remap(key) for key in self._ud.keys() if key in self._input]
+
+    def update(self, ud: UserData) -> None:
+        """Take over all values of another store, declared or not."""
+        self._ud.update(ud)

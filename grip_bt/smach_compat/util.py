@@ -1,0 +1,79 @@
+"""The check for shutdown, and outcomes and keys on plain functions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from grip_bt import smach_compat as smach
+
+from ._names import Names
+from .user_data import NOTHING
+
+
+def is_shutdown() -> bool:
+    """Tell whether machines should stop at the next transition; `set_shutdown_check` replaces it."""
+    return False
+
+
+def set_shutdown_check(cb: Callable[[], bool]) -> None:
+    """Ask `cb()` before each state whether to stop."""
+    smach.is_shutdown = cb
+
+
+def has_smach_interface(obj: Any) -> bool:
+    """Tell whether an object declares outcomes, input keys and output keys."""
+    return (
+        hasattr(obj, "get_registered_input_keys")
+        and hasattr(obj, "get_registered_output_keys")
+        and hasattr(obj, "get_registered_outcomes")
+    )
+
+
+class CBInterface:
+    """A function together with outcomes and keys. `io_keys` are accepted and have no effect, as upstream."""
+
+    def __init__(
+        self,
+        cb: Callable[..., Any],
+        outcomes: Iterable[str] = NOTHING,
+        input_keys: Iterable[str] = NOTHING,
+        output_keys: Iterable[str] = NOTHING,
+        io_keys: Iterable[str] = NOTHING,
+    ):
+        self._cb = cb
+        self._outcomes = Names(outcomes)
+        self._input_keys = Names(input_keys)
+        self._output_keys = Names(output_keys)
+
+    def __call__(self, *args: Any, **kwargs: Any) -> Any:
+        """Call the function."""
+        return self._cb(*args, **kwargs)
+
+    def get_registered_input_keys(self) -> tuple[str, ...]:
+        """Return the keys that the function reads."""
+        return tuple(self._input_keys)
+
+    def get_registered_output_keys(self) -> tuple[str, ...]:
+        """Return the keys that the function writes."""
+        return tuple(self._output_keys)
+
+    def get_registered_outcomes(self) -> tuple[str, ...]:
+        """Return what the function may return."""
+        return tuple(self._outcomes)
+
+
+class cb_interface:
+    """Decorate a function with outcomes and keys: `@cb_interface(outcomes=["done"], input_keys=["x"])`."""
+
+    def __init__(
+        self,
+        outcomes: Iterable[str] = NOTHING,
+        input_keys: Iterable[str] = NOTHING,
+        output_keys: Iterable[str] = NOTHING,
+    ):
+        self._outcomes, self._input_keys, self._output_keys = outcomes, input_keys, output_keys
+
+    def __call__(self, cb: Callable[..., Any]) -> CBInterface:
+        """Return the decorated function."""
+        return CBInterface(cb, self._outcomes, self._input_keys, self._output_keys)
