@@ -103,6 +103,14 @@ class MissingPartError(GripError):
         super().__init__(f"{what} isn't available here. To mend it: {remedy}")
 
 
+class ImplementationError(GripError):
+    """A node's code can't be imported; `node` is its id, `implementation` what its manifest names."""
+
+    def __init__(self, node: str, implementation: str, reason: str):
+        self.node, self.implementation, self.reason = node, implementation, reason
+        super().__init__(f"node {node}: {implementation}: {reason}")
+
+
 # --- expected failures: their code is the reason that a leaf's failure carries --------------------------------------
 
 
@@ -176,6 +184,24 @@ class NoContactError(ExpectedError):
     code = "no_contact"
 
 
+class NothingHeldError(ExpectedError):
+    """A hand was asked to put down what it doesn't hold."""
+
+    code = "nothing_held"
+
+
+class NoTargetError(ExpectedError):
+    """The planning scene doesn't have the target that was named."""
+
+    code = "no_target"
+
+
+class NoRoomError(ExpectedError):
+    """No spot of a target is free and within reach."""
+
+    code = "no_room"
+
+
 class SensorError(ExpectedError):
     """A sensor gave nothing usable."""
 
@@ -186,6 +212,10 @@ class ServerLostError(ExpectedError):
     """An external component's server isn't there, or died in the middle of a call."""
 
     code = "server_lost"
+
+
+class UnfitServerError(ServerLostError):
+    """A server is there but can't be used: another type or definition, several servers, best-effort."""
 
 
 class ServerTimeOutError(ExpectedError):

@@ -92,9 +92,8 @@ class ComponentFile(_Part):
         if twice := sorted({label for label in self.outcomes if self.outcomes.count(label) > 1}):
             raise ValueError(f"outcomes are named twice: {', '.join(twice)}")
         if unknown := sorted(set(self.meaning) - set(self.outcomes)):
-            raise ValueError(
-                f"meaning names outcomes that aren't declared: {', '.join(unknown)} (there are: {', '.join(self.outcomes)})"
-            )
+            there_are = ", ".join(self.outcomes)
+            raise ValueError(f"meaning of undeclared outcomes: {', '.join(unknown)} (there are: {there_are})")
         return self
 
     def meanings(self) -> dict[str, Meaning]:

@@ -1,7 +1,7 @@
-"""The canonical form: in which order keys stand, what is left out because it says nothing, and what stands one entry a line.
+"""The canonical form: the order of keys, what is left out because it says nothing, what stands one entry a line.
 
-`dumps` writes a task in it, `fmt` brings a person's text into it and keeps the comments; without comments and blank lines both
-give the same bytes.
+`dumps` writes a task in it, `fmt` brings a person's text into it and keeps the comments; without comments and
+blank lines both give the same bytes.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def dumps(task: model.Task) -> str:
         TypeError: a literal is of a type that a task file can't hold.
     """
     tree = tree_of(_task_data(task))
-    assert isinstance(tree, Mapping)  # noqa: S101 - a dict becomes a mapping
+    assert isinstance(tree, Mapping)
     return write_canonical(tree)
 
 

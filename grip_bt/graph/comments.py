@@ -1,7 +1,7 @@
 """Comments of a YAML text: finding them and tying each to the entry that it speaks about.
 
-A comment on a line of its own speaks about the entry below it, unless it is indented like the entry above and deeper than the
-one below: then it closes that one. A comment at the end of a line speaks about the entry on that line.
+A comment on a line of its own speaks about the entry below it, unless it is indented like the entry above and
+deeper than the one below: then it closes that one. A comment at the end of a line speaks about the entry there.
 """
 
 from __future__ import annotations

@@ -95,7 +95,7 @@ def read_text(text: str, source: str = "") -> Document:
     """
     tree = parse(text, source)
     task = read_task(tree, source)
-    assert isinstance(tree, Mapping)  # noqa: S101 - read_task has checked it
+    assert isinstance(tree, Mapping)
     return Document(task, text, source, tree)
 
 

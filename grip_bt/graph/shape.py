@@ -5,7 +5,7 @@ The keys of a file are the fields of the models (by their aliases), plus free ke
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
@@ -13,6 +13,7 @@ from pydantic import BaseModel, ValidationError
 from grip_bt.errors import DocumentError, listing, nearest
 
 from . import model
+from .faults import Fault, document_error, fault_of
 from .syntax import Entry, Mapping, Value, plain
 
 FREE = "x-"
@@ -28,9 +29,6 @@ _KINDS: dict[str, type[BaseModel]] = {
     "force": model.Force,
 }
 CHILDREN = ("children", "child")
-_TREE_KINDS = frozenset((*model.KINDS, "leaf"))
-Place = tuple[str, int, int]
-"""Message, line, column."""
 
 
 def keys_of(shape: type[BaseModel]) -> tuple[str, ...]:
@@ -76,12 +74,12 @@ def read_task(tree: Value, source: str) -> model.Task:
         raise DocumentError("a task is a mapping that begins with `grip: 1`", source, tree.line, tree.column)
     faults = list(_key_faults(tree))
     if faults:
-        raise _document_error(faults, source)
+        raise document_error(faults, source)
     data = _with_free_keys(tree)
     try:
         return model.Task.model_validate(data, strict=True)
     except ValidationError as error:
-        raise _document_error([_fault(tree, e) for e in error.errors()], source) from None
+        raise document_error([fault_of(tree, e) for e in error.errors()], source) from None
 
 
 def _nodes(tree: Mapping) -> Iterator[Mapping]:
@@ -93,7 +91,7 @@ def _nodes(tree: Mapping) -> Iterator[Mapping]:
         stack.extend(child.value for _, child in child_nodes(node))  # type: ignore[misc]
 
 
-def _key_faults(tree: Mapping) -> Iterator[Place]:
+def _key_faults(tree: Mapping) -> Iterator[Fault]:
     yield from _unknown_keys(tree, model.Task, "a task")
     yield from _wrong_variables(tree)
     for node in _nodes(tree):
@@ -112,7 +110,7 @@ def _key_faults(tree: Mapping) -> Iterator[Place]:
         yield from _wrong_variables(node)
 
 
-def _unknown_keys(node: Mapping, shape: type[BaseModel], name: str, free: bool = True) -> Iterator[Place]:
+def _unknown_keys(node: Mapping, shape: type[BaseModel], name: str, free: bool = True) -> Iterator[Fault]:
     allowed = keys_of(shape)
     for key, entry in node.entries.items():
         if key not in allowed and not (free and key.startswith(FREE)):
@@ -125,7 +123,7 @@ def _unknown_keys(node: Mapping, shape: type[BaseModel], name: str, free: bool =
             )
 
 
-def _wrong_variables(node: Mapping) -> Iterator[Place]:
+def _wrong_variables(node: Mapping) -> Iterator[Fault]:
     data = node.entries.get("data")
     if data is None or not isinstance(data.value, Mapping):
         return
@@ -161,62 +159,3 @@ def _gather(node: dict[str, Any]) -> None:
     free = {key: node.pop(key) for key in list(node) if key.startswith(FREE)}
     if free:
         node["x"] = free
-
-
-def _fault(tree: Mapping, error: Any) -> Place:
-    path = [step for step in error["loc"] if step != "[key]"]
-    line, column = find(tree, path)
-    words = _readable(path)
-    message = error["msg"]
-    if error["type"] == "missing":
-        message = f"the key {words[-1]!r} is missing"
-        words = words[:-1]
-    elif error["type"] == "string_pattern_mismatch":
-        message = f"{error['input']!r} isn't a name: letters, digits, _, - and spaces, a letter or _ first"
-    elif error["type"] == "union_tag_not_found":
-        message = "a node is a mapping with `node:` or `kind:`"
-    elif error["type"] in ("too_long", "too_short"):
-        message = f"{path[-1]!r} takes {_amount(error)}, not {error['ctx']['actual_length']}"
-    elif not isinstance(error["input"], dict | list):
-        message += f", not {error['input']!r}"
-    at = "/".join(words)
-    return (f"{at}: {message}" if at else message, line, column)
-
-
-def _amount(error: Any) -> str:
-    limits = error["ctx"]
-    if "max_length" in limits:
-        return f"at most {limits['max_length']}"
-    return f"at least {limits['min_length']}"
-
-
-def _readable(path: Iterable[Any]) -> list[str]:
-    skipped = {*CHILDREN, *_TREE_KINDS, "Variable", "str"}
-    return [str(step) for step in path if step not in skipped]
-
-
-def find(tree: Value, path: Iterable[Any]) -> tuple[int, int]:
-    """Return line and column of what stands at a path of keys and indices, or of the nearest place above it.
-
-    Steps that aren't keys (pydantic names the branches of a union) are passed over.
-    """
-    line, column = tree.line, tree.column
-    value = tree
-    for step in path:
-        entry: Entry | None = None
-        if isinstance(value, Mapping):
-            entry = value.entries.get(str(step))
-        elif isinstance(step, int) and not hasattr(value, "value") and step < len(value.entries):
-            entry = value.entries[step]
-        if entry is not None:
-            line, column, value = entry.line, entry.column, entry.value
-    return line, column
-
-
-def _document_error(faults: list[Place], source: str) -> DocumentError:
-    faults = sorted(set(faults), key=lambda fault: fault[1:])
-    message, line, column = faults[0]
-    others = [f"\n  also {line}:{column}: {text}" for text, line, column in faults[1:10]]
-    if len(faults) > 10:
-        others.append(f"\n  and {len(faults) - 10} more")
-    return DocumentError(message + "".join(others), source, line, column)

@@ -1,7 +1,7 @@
-"""YAML text -> a tree that knows where everything stands. Only the safe subset that tasks are written in is accepted.
+"""YAML text -> a tree that knows where everything stands; only the safe subset that tasks are written in.
 
-Refused with line and column: tags, anchors and aliases (so nothing expands), duplicate keys, keys that aren't text, nesting
-beyond `MAX_DEPTH`, numbers beyond 64 bits, more than one document. Reading is iterative: no input exhausts the stack.
+Refused with line and column: tags, anchors and aliases (so nothing expands), duplicate keys, keys that aren't text,
+nesting beyond `MAX_DEPTH`, numbers beyond 64 bits, more than one document. No input exhausts the stack.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """A syntax tree -> text: the layout of task files, and nothing about what tasks mean.
 
-What fits on a line within `WIDTH` columns stands on one line in braces or brackets; what doesn't, or what carries comments,
-stands one entry a line. `block` keys always do. Long text is folded.
+What fits on a line within `WIDTH` columns stands on one line in braces or brackets; what doesn't, or what carries
+comments, stands one entry a line. Long text is folded.
 """
 
 from __future__ import annotations

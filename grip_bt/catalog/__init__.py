@@ -1,0 +1,23 @@
+"""What nodes exist: their manifests, the types of their ports, and the way to their code."""
+
+from .catalog import Catalog
+from .implementation import load_implementation
+from .manifest import InputPort, Manifest, NodeId, OutputPort, Parameter
+from .reader import find_manifests, read_manifests
+from .types import Type, check_value, is_assignable, parse_type
+
+__all__ = [
+    "Catalog",
+    "InputPort",
+    "Manifest",
+    "NodeId",
+    "OutputPort",
+    "Parameter",
+    "Type",
+    "check_value",
+    "find_manifests",
+    "is_assignable",
+    "load_implementation",
+    "parse_type",
+    "read_manifests",
+]
