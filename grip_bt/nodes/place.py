@@ -1,0 +1,148 @@
+"""The leaf that puts an object down in a target."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grip_bt.errors import NoGraspError, NoRoomError, NoTargetError, NothingHeldError
+from grip_bt.operation import Operation
+from grip_bt.values import Grasp, JointState, Pose
+
+from .grasping import ArmHandLeaf
+from .motion import first_of, go, go_straight, tolerant
+from .objects import PLACED, Region, free_name, objects_near, region_of, rename
+from .spots import Disc, free_spots, opening_room, turned
+
+YAWS = np.radians(np.arange(0, 360, 15))
+TRIES = 4
+"""So many spots are planned for, one after the other; a plan that isn't found costs seconds."""
+
+
+class Place(ArmHandLeaf):
+    """Put down what the hand holds.
+
+    A way to put something down is a grasp backwards: come straight from above, let go, leave straight up. So the
+    candidates (free spots of the target, turned about the vertical, object upright) are `Grasp` values, and the arm
+    itself says which of them it can reach free of collisions; the rest is planning and following. What was let go
+    stays in the scene as `placed_*`, on the support, and the next candidates keep away from it.
+
+    The object's size is that of the box that `arm/lift` attached; how it sits in the hand was measured at that moment.
+    """
+
+    _object: str = ""
+
+    def start(self) -> Operation[object]:
+        """Find the candidates, go, let go, leave."""
+        scene = self.context.scene()
+        held = scene.attached(self.hand.name)
+        if not held:
+            raise NothingHeldError(f"the scene has nothing attached to the hand {self.hand.name!r}")
+        self._object = held[0]
+        candidates = self._candidates(self._region())
+        if not candidates:
+            raise NoRoomError(f"no free spot in {self.params['target'] or 'reach of the position'}")
+        return first_of(self._tries(candidates)).then(self._release)
+
+    # --- where ---
+
+    def _region(self) -> Region:
+        region = region_of(self.context.scene(), self.params["target"])
+        if region is None and self.params["position"]:
+            spot = np.array(self.params["position"], dtype=float)
+            return Region(spot, spot, 0.0, 0.0)
+        if region is None:
+            names = ", ".join(self.context.scene().names()) or "nothing"
+            wanted = f"{self.params['target'] or '<target>'}_*"
+            raise NoTargetError(
+                f"the scene has no boxes {wanted}; it has {names}. Name a target of the world, or give a position"
+            )
+        return region
+
+    def _candidates(self, region: Region) -> list[Grasp]:
+        scene = self.context.scene()
+        size, pose = scene.box(self._object)
+        me = Disc.around(size, pose)
+        in_hand = pose.inverse() @ self.arm.grasp_pose()
+        taken = [Disc.around(*scene.box(n)) for n in scene.names() if n.startswith(PLACED)]
+        if self.params["position"]:
+            spots = np.array([self.params["position"]], dtype=float)
+        else:
+            spots = free_spots(region, me.radius, taken)
+        height = region.floor + self.params["clearance"] + float(size[2]) / 2
+        up = max(0.1, region.rim + 0.03 - region.floor - self.params["clearance"])
+        candidates = []
+        for rank, spot in enumerate(spots):
+            for yaw in YAWS:
+                for extra in (0.0, 0.025):
+                    hand = Pose([*spot, height + extra], turned(yaw)) @ in_hand
+                    room = opening_room(hand, taken)
+                    if room > 0.01:
+                        quality = _ease(hand, spot) + 4 * min(room, 0.05) - 0.05 * rank - 4 * extra
+                        above = hand.moved([0, 0, up])
+                        candidates.append(Grasp(hand, above, above, quality=quality, provenance="arm/place"))
+        return candidates
+
+    # --- how ---
+
+    def _tries(self, candidates: list[Grasp]) -> Iterator[Callable[[], Operation[Grasp]]]:
+        remaining = sorted(candidates, key=lambda c: -c.quality)
+        for _ in range(TRIES):
+            if remaining:
+                yield lambda: self._try(remaining)
+
+    def _try(self, remaining: list[Grasp]) -> Operation[Grasp]:
+        def went(spot: Grasp) -> Operation[Grasp]:
+            remaining[:] = [c for c in remaining if c is not spot and c != spot]
+            return (
+                go(self.arm, spot.pre_grasp)
+                .then(lambda _: go_straight(self.arm, [spot.pose]))
+                .then(lambda _: Operation.finished(spot))
+            )
+
+        return _no_room(self.arm.choose_grasp(tuple(remaining))).then(went)
+
+    def _release(self, spot: Grasp) -> Operation[object]:
+        def let_go(_: JointState) -> Operation[object]:
+            scene = self.context.scene()
+            name = free_name(scene, PLACED)
+            rename(scene, self._object, name)
+            size, pose = scene.box(name)
+            region = self._region()
+            scene.set_box(name, size, Pose([*pose.position[:2], region.floor + float(size[2]) / 2], pose.quaternion))
+            return self._leave(spot)
+
+        return self.hand.open().then(let_go)
+
+    def _leave(self, spot: Grasp) -> Operation[object]:
+        """Go straight up; where that is blocked, a little back first."""
+        scene, here = self.context.scene(), self.arm.grasp_pose()
+        ignore = objects_near(scene, here)
+        up = spot.post_grasp.position - spot.pose.position
+        back = -here.rotation()[:, 2]
+        ways = ([here.moved(d * back), here.moved(d * back + up)] if d else [here.moved(up)] for d in (0.0, 0.03, 0.08))
+        return first_of((lambda way=way: go_straight(self.arm, way, scene, ignore)) for way in ways)
+
+
+def _ease(hand: Pose, spot: NDArray[np.float64]) -> float:
+    """Return the cosine between the palm's normal and the direction from the robot's base to the spot.
+
+    An arm reaches outward more easily than around a thing.
+    """
+    normal, outward = hand.rotation()[:2, 2], spot / np.linalg.norm(spot)
+    return float(normal @ outward)
+
+
+def _no_room(choice: Operation[Grasp]) -> Operation[Grasp]:
+    """Say in terms of spots that no candidate is feasible."""
+
+    def translate(result: object) -> Operation[Grasp]:
+        if isinstance(result, NoGraspError):
+            return Operation.failed(NoRoomError("no free spot is within reach: " + result.message, **result.data))
+        if isinstance(result, Exception):
+            return Operation.failed(result)
+        return Operation.finished(result)
+
+    return tolerant(choice).then(translate)
