@@ -8,8 +8,9 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
-from grip_bt.catalog import Catalog, find_manifests, sensor_manifest
-from grip_bt.graph import read_model
+from grip_bt.catalog import Catalog, find_manifests
+from grip_bt.catalog.sensors import sensor_manifest
+from grip_bt.graph.settings_file import read_model
 
 FILE_NAME = "grip.yaml"
 Key = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]

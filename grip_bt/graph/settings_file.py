@@ -1,0 +1,60 @@
+"""Any YAML file whose shape is a pydantic model: read safely, with the place of every fault."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TypeVar, get_args
+
+from pydantic import BaseModel, ValidationError
+
+from grip_bt.errors import listing, nearest
+
+from .document import read_file
+from .faults import Fault, document_error, fault_of
+from .syntax import Mapping, Value, parse, plain
+
+M = TypeVar("M", bound=BaseModel)
+
+
+def read_model(path: Path | str, model: type[M]) -> M:
+    """Read a file as `model`.
+
+    Raises:
+        DocumentError: it can't be read or doesn't fit; with line and column, and the nearest allowed key.
+    """
+    source = str(path)
+    tree = parse(read_file(path), source)
+    if not isinstance(tree, Mapping):
+        raise document_error([(f"a mapping with {listing(model.model_fields)}", tree.line, tree.column)], source)
+    faults = list(_unknown_keys(tree, model, "the file"))
+    if faults:
+        raise document_error(faults, source)
+    try:
+        return model.model_validate(plain(tree))
+    except ValidationError as error:
+        raise document_error([fault_of(tree, e) for e in error.errors()], source) from None
+
+
+def _unknown_keys(tree: Value, model: type[BaseModel], name: str) -> Iterator[Fault]:
+    if not isinstance(tree, Mapping):
+        return
+    allowed = {field.alias or key: field for key, field in model.model_fields.items()}
+    for key, entry in tree.entries.items():
+        if key not in allowed:
+            message = f"unknown key {key!r} in {name}{nearest(key, allowed)} (there are: {listing(allowed)})"
+            yield message, entry.line, entry.column
+            continue
+        for inner, value in _models_below(allowed[key].annotation, entry.value, key):
+            yield from _unknown_keys(value, inner[1], inner[0])
+
+
+def _models_below(annotation: object, value: Value, name: str) -> Iterator[tuple[tuple[str, type[BaseModel]], Value]]:
+    """Yield the models that a field holds, itself or as the values of a dict, with their part of the file."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield (name, annotation), value
+        return
+    models = [a for a in get_args(annotation) if isinstance(a, type) and issubclass(a, BaseModel)]
+    if models and isinstance(value, Mapping):
+        for key, entry in value.entries.items():
+            yield (f"{name}/{key}", models[0]), entry.value
