@@ -1,0 +1,239 @@
+"""A robot's kinematics and collision shapes, computed from its description with pin and coal.
+
+`RobotModel` knows all joints; `RobotModel.chain` gives the part that one group moves, with every other joint
+frozen in place. Planning and collision checks run on a chain: it has 6 or 7 joints instead of 23.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from grip_bt.values import JointState, Pose
+
+from .robots import RobotDescription
+from .shapes import simplified
+
+GRASP_FRAME = "grasp"
+_SAMPLES = 300
+_ALWAYS = 0.9
+"""Shapes that collide in more than this part of random configurations overlap by design of the model."""
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """Limits of a group's joints, each of shape (n,).
+
+    Attributes:
+        lower: [rad].
+        upper: [rad].
+        velocity: [rad/s].
+        acceleration: [rad/s^2].
+    """
+
+    lower: NDArray[np.float64]
+    upper: NDArray[np.float64]
+    velocity: NDArray[np.float64]
+    acceleration: NDArray[np.float64]
+
+
+class Chain:
+    """The joints of one group; all others are frozen.
+
+    Attributes:
+        joints: names of the joints, in the order of configurations.
+        model: pin's model of these joints.
+        geometry: the robot's collision shapes with the pairs to check.
+        limits: of these joints.
+        frame: id of the grasp frame.
+        hand: indices of the hand's shapes in `geometry`.
+    """
+
+    def __init__(
+        self,
+        joints: tuple[str, ...],
+        model: pin.Model,
+        geometry: pin.GeometryModel,
+        limits: Limits,
+        hand_links: frozenset[str],
+    ):
+        if tuple(model.names)[1:] != joints:
+            raise ValueError(f"a chain's joints are listed from the base on, as {list(model.names)[1:]}, not {joints}")
+        self.joints, self.model, self.geometry, self.limits = joints, model, geometry, limits
+        self.frame = model.getFrameId(GRASP_FRAME)
+        self.data = model.createData()
+        links = [link_of(model, shape) for shape in geometry.geometryObjects]
+        self.hand = frozenset(k for k, link in enumerate(links) if link in hand_links)
+
+    def grasp_pose(self, q: NDArray[np.float64]) -> pin.SE3:
+        """Return the grasp frame in world for a configuration of shape (n,)."""
+        pin.framesForwardKinematics(self.model, self.data, q)
+        return self.data.oMf[self.frame].copy()
+
+    def within_limits(self, q: NDArray[np.float64], slack: float = 1e-6) -> bool:
+        """Tell whether configurations, shape (..., n), respect the position limits up to `slack` [rad]."""
+        return bool(np.all((q >= self.limits.lower - slack) & (q <= self.limits.upper + slack)))
+
+
+class RobotModel:
+    """Kinematics and collision shapes of a whole robot.
+
+    Args:
+        description: what it is.
+    """
+
+    def __init__(self, description: RobotDescription):
+        self.description = description
+        self.model = pin.buildModelFromXML(description.urdf)
+        self._add_grasp_frame()
+        self.data = self.model.createData()
+        self.geometry = self._collision_shapes()
+        self._columns = {n: self.model.joints[self.model.getJointId(n)].idx_q for n in description.joints}
+        self._rest = self.configuration(
+            description.named_state("arm", "home"),
+            description.named_state("hand", "open"),
+            base=pin.neutral(self.model),
+        )
+        self._drop_harmless_pairs()
+        self._chains: dict[tuple[str, bytes], Chain] = {}
+
+    def configuration(self, *states: JointState, base: NDArray[np.float64] | None = None) -> NDArray[np.float64]:
+        """Return a configuration of all joints, shape (nq,): `base` (or home and open), overlaid with `states`.
+
+        Raises:
+            ValueError: a position isn't finite.
+        """
+        q = np.array(self._rest if base is None else base)
+        for state in states:
+            for name, position in zip(state.names, state.position, strict=True):
+                if not np.isfinite(position):
+                    raise ValueError(f"the position of joint {name!r} is {position}")
+                q[self._columns[name]] = position
+        return q
+
+    def grasp_pose(self, *states: JointState) -> Pose:
+        """Return the grasp frame in world."""
+        pin.framesForwardKinematics(self.model, self.data, self.configuration(*states))
+        return Pose.from_matrix(self.data.oMf[self.model.getFrameId(GRASP_FRAME)].homogeneous)
+
+    def limits(self, group: str) -> Limits:
+        """Return the limits of a group's joints, in the group's order."""
+        names = self.description.group(group)
+        q = [self._columns[n] for n in names]
+        return Limits(
+            self.model.lowerPositionLimit[q],
+            self.model.upperPositionLimit[q],
+            self.model.velocityLimit[q],
+            np.array([self.description.acceleration_limits[n] for n in names]),
+        )
+
+    def chain(self, group: str, *states: JointState) -> Chain:
+        """Return the chain of a group, with the other joints where `states` say (else at home, open).
+
+        Chains are kept: a hand's posture changes far more seldom than plans are made.
+        """
+        q = self.configuration(*states)
+        names = self.description.group(group)
+        q[[self._columns[n] for n in names]] = 0.0
+        key = (group, np.round(q, 3).tobytes())
+        if key not in self._chains:
+            if len(self._chains) >= 16:
+                self._chains.pop(next(iter(self._chains)))
+            self._chains[key] = self._reduced(group, names, q)
+        return self._chains[key]
+
+    def _reduced(self, group: str, names: tuple[str, ...], q: NDArray[np.float64]) -> Chain:
+        frozen = [self.model.getJointId(n) for n in self.model.names if n not in (*names, "universe")]
+        model, geometry = pin.buildReducedModel(self.model, self.geometry, frozen, q)
+        _drop_pairs_within_one_body(geometry)
+        return Chain(names, model, geometry, self.limits(group), frozenset(self.description.hand_links))
+
+    def _add_grasp_frame(self) -> None:
+        frame = self.description.grasp_frame
+        link = self.model.frames[self.model.getFrameId(frame.link)]
+        placement = link.placement * pin.SE3(frame.pose.matrix())
+        self.model.addFrame(
+            pin.Frame(GRASP_FRAME, link.parentJoint, self.model.getFrameId(frame.link), placement, pin.OP_FRAME)
+        )
+
+    def _collision_shapes(self) -> pin.GeometryModel:
+        raw = pin.buildGeomFromUrdfString(self.model, self.description.urdf, pin.GeometryType.COLLISION)
+        geometry = pin.GeometryModel()
+        for shape in simplified(raw.geometryObjects):
+            geometry.addGeometryObject(shape)
+        return geometry
+
+    def _drop_harmless_pairs(self) -> None:
+        """Keep the pairs of shapes that are worth checking.
+
+        Left out are pairs of one link or of neighbours, pairs within the hand (closing is the fingers' own
+        business), those that the vendor disabled, and those that overlap in nearly all of 300 random ones.
+        """
+        shapes = self.geometry.geometryObjects
+        links = [link_of(self.model, s) for s in shapes]
+        neighbours = _neighbours(self.model, set(links))
+        hand = set(self.description.hand_links)
+        for a, b in combinations(range(len(shapes)), 2):
+            pair = tuple(sorted((links[a], links[b])))
+            harmless = (
+                links[a] == links[b]
+                or pair in neighbours
+                or pair in self.description.disabled_pairs
+                or (links[a] in hand and links[b] in hand)
+            )
+            if not harmless:
+                self.geometry.addCollisionPair(pin.CollisionPair(a, b))
+        overlaps = self._overlap_rates()
+        kept = [p for p, rate in zip(self.geometry.collisionPairs, overlaps, strict=True) if rate <= _ALWAYS]
+        self.geometry.removeAllCollisionPairs()
+        for pair in kept:
+            self.geometry.addCollisionPair(pair)
+
+    def _overlap_rates(self) -> NDArray[np.float64]:
+        rng = np.random.default_rng(0)
+        columns = [self._columns[n] for n in self.description.group("arm")]
+        limits = self.limits("arm")
+        data, counts = self.geometry.createData(), np.zeros(len(self.geometry.collisionPairs))
+        q = np.array(self._rest)
+        for _ in range(_SAMPLES):
+            q[columns] = rng.uniform(limits.lower, limits.upper)
+            pin.computeCollisions(self.model, self.data, self.geometry, data, q, False)
+            counts += [result.isCollision() for result in data.collisionResults]
+        return counts / _SAMPLES
+
+
+def link_of(model: pin.Model, shape: pin.GeometryObject) -> str:
+    """Return the name of the link that a collision shape belongs to."""
+    return str(model.frames[shape.parentFrame].name)
+
+
+def _drop_pairs_within_one_body(geometry: pin.GeometryModel) -> None:
+    """Drop pairs that no joint of the model moves apart: checking them would tell nothing about a configuration."""
+    shapes = geometry.geometryObjects
+    kept = [p for p in geometry.collisionPairs if shapes[p.first].parentJoint != shapes[p.second].parentJoint]
+    geometry.removeAllCollisionPairs()
+    for pair in kept:
+        geometry.addCollisionPair(pair)
+
+
+def _neighbours(model: pin.Model, links_with_shapes: set[str]) -> set[tuple[str, str]]:
+    """Return the pairs of links that one joint connects; links without shapes count as part of the joint."""
+    parents: Mapping[str, str] = {
+        str(frame.name): _next_link_up(model, frame, links_with_shapes)
+        for frame in model.frames
+        if str(frame.name) in links_with_shapes
+    }
+    return {tuple(sorted(pair)) for pair in parents.items()}  # type: ignore[misc]
+
+
+def _next_link_up(model: pin.Model, frame: pin.Frame, links: set[str]) -> str:
+    while frame.parentFrame != 0:
+        frame = model.frames[frame.parentFrame]
+        if frame.type == pin.FrameType.BODY and str(frame.name) in links:
+            return str(frame.name)
+    return ""
