@@ -15,7 +15,7 @@ from grip_bt.values import Grasp, JointState, Pose
 from .arm import ArmLeaf
 from .leaf import Leaf, Status
 from .motion import first_of, go, go_straight, tolerant
-from .objects import object_at, objects_near
+from .objects import HELD, SEEN, TABLE_GAP, free_name, object_at, objects_near, rename
 
 SAME_PLACE = 0.02
 """Two grasps nearer than this [m] and `SAME_DIRECTION` are one."""
@@ -98,7 +98,9 @@ class Lift(ArmHandLeaf):
         scene = self.context.scene()
         target = object_at(scene, grasp)
         if target is not None:
-            scene.attach(target, self.hand.name)
+            held = HELD + self.hand.name
+            rename(scene, target, held)
+            scene.attach(held, self.hand.name)
         return go_straight(self.arm, [grasp.post_grasp])
 
 
@@ -131,9 +133,11 @@ class Retreat(ArmHandLeaf):
     def _back(self, errors: list[ExpectedError]) -> Operation[object]:
         scene = self.context.scene()
         for name in scene.attached(self.hand.name):
-            scene.detach(name)
             size, pose = scene.box(name)
-            scene.set_box(name, size, Pose([*pose.position[:2], float(size[2]) / 2 + 0.003]))
+            scene.detach(name)
+            scene.remove(name)
+            below = Pose([*pose.position[:2], float(size[2]) / 2 + TABLE_GAP], pose.quaternion)
+            scene.set_box(free_name(scene, SEEN), size, below)
         return self._step(-self.arm.grasp_pose().rotation()[:, 2] * self.params["distance"], errors)
 
     def _up(self, errors: list[ExpectedError]) -> Operation[object]:

@@ -103,11 +103,20 @@ class Leaf(Node):
         self.outcome = outcome
         return STATUS[self.meaning[outcome]]
 
-    def fail(self, code: str, message: str = "", /, *, outcome: str = "failure", **data: Any) -> Status:
-        """End with a failure outcome and a reason; `data` goes into the failure."""
+    def fail(
+        self,
+        code: str,
+        message: str = "",
+        /,
+        *,
+        outcome: str = "failure",
+        outputs: Mapping[str, Any] | None = None,
+        **data: Any,
+    ) -> Status:
+        """End with a failure outcome and a reason; `data` goes into the failure, `outputs` to the ports."""
         self.failure = Failure(code, message, data)
         self.feedback_message = str(self.failure)
-        return self.end(outcome)
+        return self.end(outcome, **(outputs or {}))
 
     # --- py_trees' side ---
 

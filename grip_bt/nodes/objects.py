@@ -14,12 +14,23 @@ SEEN = "seen_"
 """Objects that perception found; the next look replaces them."""
 PLACED = "placed_"
 """Objects that were put down in a target; they stay."""
+TABLE_GAP = 0.003
+"""Boxes of objects end this far above what they stand on [m], so that lifting one doesn't begin with a contact."""
+HELD = "held_"
+"""Objects that move with a hand; the rest of the name is the hand's."""
+
+
+def distances_to_box(points: ArrayLike, size: ArrayLike, pose: Pose) -> NDArray[np.float64]:
+    """Return the distances of points, shape (n, 3), from a box; 0 inside; shape (n,) [m]."""
+    local = (np.asarray(points, dtype=float) - pose.position) @ pose.rotation()
+    outside = np.maximum(np.abs(local) - np.asarray(size, dtype=float) / 2, 0)
+    away: NDArray[np.float64] = np.linalg.norm(outside, axis=1)
+    return away
 
 
 def distance_to_box(point: ArrayLike, size: ArrayLike, pose: Pose) -> float:
-    """Return the distance [m] of a point from a box; 0 inside."""
-    local = pose.rotation().T @ (np.asarray(point, dtype=float) - pose.position)
-    return float(np.linalg.norm(np.maximum(np.abs(local) - np.asarray(size, dtype=float) / 2, 0)))
+    """Return the distance of a point from a box; 0 inside [m]."""
+    return float(distances_to_box([point], size, pose)[0])
 
 
 def closing_point(grasp: Grasp) -> NDArray[np.float64]:

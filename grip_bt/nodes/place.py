@@ -13,7 +13,7 @@ from grip_bt.values import Grasp, JointState, Pose
 
 from .grasping import ArmHandLeaf
 from .motion import first_of, go, go_straight, tolerant
-from .objects import PLACED, Region, free_name, objects_near, region_of, rename
+from .objects import PLACED, TABLE_GAP, Region, free_name, objects_near, region_of, rename
 from .spots import Disc, free_spots, opening_room, turned
 
 YAWS = np.radians(np.arange(0, 360, 15))
@@ -111,7 +111,8 @@ class Place(ArmHandLeaf):
             rename(scene, self._object, name)
             size, pose = scene.box(name)
             region = self._region()
-            scene.set_box(name, size, Pose([*pose.position[:2], region.floor + float(size[2]) / 2], pose.quaternion))
+            standing = region.floor + float(size[2]) / 2 + TABLE_GAP
+            scene.set_box(name, size, Pose([*pose.position[:2], standing], pose.quaternion))
             return self._leave(spot)
 
         return self.hand.open().then(let_go)

@@ -1,0 +1,73 @@
+"""The base of the leaves that call somebody else's software by the component contract.
+
+The contract: a request with a field `input`, a reply with an integer `outcome` and a field `returned_object`. More fields
+on either side become ports of their own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+from grip_bt.errors import BadReplyError
+from grip_bt.operation import Operation
+from grip_bt.ports import Component
+
+from .leaf import OperationLeaf, Status
+
+
+class ComponentLeaf(OperationLeaf):
+    """Call a component and end with the outcome that its reply numbers.
+
+    A generated class sets the two class attributes; a manifest may set them as `settings` of the same names instead. The
+    manifest's inputs are the fields of the request, its outputs those of the reply. A lost server, a time-out and a reply
+    that breaks the contract are failures with the codes `server_lost`, `timed_out` and `bad_reply`.
+
+    Attributes:
+        component: the component's name in the project.
+        labels: the outcome of each number, from 0.
+    """
+
+    component: ClassVar[str] = ""
+    labels: ClassVar[tuple[str, ...]] = ()
+    _remote: Component
+
+    def prepare(self) -> None:
+        """Look the component up."""
+        settings = self.manifest.settings
+        self._labels: tuple[str, ...] = tuple(self.labels or settings.get("labels", ()))
+        name = self.component or str(settings.get("component", ""))
+        if not self._labels:
+            raise TypeError(f"{self.path}: {type(self).__name__} names no outcomes: set `labels`, on it or in settings")
+        if undeclared := [label for label in self._labels if label not in self.meaning]:
+            raise TypeError(f"{self.path}: the manifest of {self.manifest.id} lacks the outcomes {undeclared}")
+        self._remote = self.context.component(name)
+
+    def start(self) -> Operation[Mapping[str, Any]]:
+        """Send the bound inputs as the request's fields; a field that nobody binds keeps its default."""
+        ports = [port for port, face in self.manifest.inputs.items() if face.required or port in self.readers]
+        return self._remote.call({port: self.read(port) for port in ports})
+
+    def finish(self, result: Mapping[str, Any]) -> Status:
+        """Name the outcome and hand out the reply's fields."""
+        label = self._label(result)
+        outputs = {}
+        for port, face in self.manifest.outputs.items():
+            if label in face.on or (not face.on and self.meaning[label] == "success"):
+                if port not in result:
+                    raise BadReplyError(f"the reply has no field {port!r}; it has {sorted(result)}")
+                outputs[port] = result[port]
+        return self.end(label, **outputs)
+
+    def _label(self, reply: Mapping[str, Any]) -> str:
+        number = reply.get("outcome")
+        if isinstance(number, bool) or not hasattr(number, "__index__"):
+            raise BadReplyError(f"the reply's `outcome` has to be a whole number, not {number!r}")
+        index = number.__index__()
+        if not 0 <= index < len(self._labels):
+            raise BadReplyError(
+                f"the reply's outcome is {index}, but {len(self._labels)} are declared, 0 to {len(self._labels) - 1}:"
+                f" {', '.join(self._labels)}",
+                outcome=index,
+            )
+        return self._labels[index]
