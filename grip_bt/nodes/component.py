@@ -1,7 +1,7 @@
 """The base of the leaves that call somebody else's software by the component contract.
 
-The contract: a request with a field `input`, a reply with an integer `outcome` and a field `returned_object`. More fields
-on either side become ports of their own.
+The contract: a request with a field `input`, a reply with an integer `outcome` and a field `returned_object`. More
+fields on either side become ports of their own.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from .leaf import OperationLeaf, Status
 class ComponentLeaf(OperationLeaf):
     """Call a component and end with the outcome that its reply numbers.
 
-    A generated class sets the two class attributes; a manifest may set them as `settings` of the same names instead. The
-    manifest's inputs are the fields of the request, its outputs those of the reply. A lost server, a time-out and a reply
-    that breaks the contract are failures with the codes `server_lost`, `timed_out` and `bad_reply`.
+    A generated class sets the two class attributes; a manifest may set them as `settings` of the same names instead.
+    The manifest's inputs are the fields of the request, its outputs those of the reply. A lost server, a time-out and
+    a reply that breaks the contract are failures with the codes `server_lost`, `timed_out` and `bad_reply`.
 
     Attributes:
         component: the component's name in the project.
