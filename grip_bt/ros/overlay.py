@@ -1,8 +1,8 @@
 """Built interface packages made usable in this very process, and in those that we start.
 
-Loading every library by its path is enough: `dlopen("libX.so")`, which ROS does later by bare name, first looks at the names
-of the libraries that are already loaded. So an overlay can be added without LD_LIBRARY_PATH and without a restart; taking one
-away, or a rebuilt one, needs a new process.
+Loading every library by its path is enough: `dlopen("libX.so")`, which ROS does later by bare name, first looks at
+the names of the libraries that are already loaded. So an overlay can be added without LD_LIBRARY_PATH and without a
+restart; taking one away, or a rebuilt one, needs a new process.
 """
 
 from __future__ import annotations

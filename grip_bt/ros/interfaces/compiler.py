@@ -1,7 +1,7 @@
 """The generated sources of an interface package, compiled with gcc and laid out as an ordinary ROS prefix.
 
-The package's `__init__.py` loads its own libraries by path: ROS later asks for them by bare name (`dlopen("libX.so")`), and
-glibc then finds those already loaded. So nothing needs LD_LIBRARY_PATH, and a built package is usable at once.
+The package's `__init__.py` loads its own libraries by path: ROS later asks for them by bare name
+(`dlopen("libX.so")`), and glibc then finds those already loaded. So nothing needs LD_LIBRARY_PATH.
 """
 
 from __future__ import annotations
@@ -176,7 +176,7 @@ def _install_init(name: str, module: Path) -> None:
 
 
 def _install_share(generated: Generated, target: Path) -> None:
-    """Install interface files, type hashes, headers (for packages that nest ours) and the entries of the ament index."""
+    """Install interface files, type hashes, headers (for packages that nest ours) and the ament index."""
     package, folder = generated.package, generated.folder
     share = target / "share" / package.name
     for file, idl in zip(package.files, generated.idl, strict=True):

@@ -56,7 +56,7 @@ def read_package(folder: Path) -> Package:
 
 
 def find_packages(folder: Path) -> list[Package]:
-    """Return the interface packages in a folder, dependencies first: the folder itself, or its sub-folders at any depth.
+    """Return the interface packages in a folder (itself, or its sub-folders at any depth), dependencies first.
 
     Raises:
         DocumentError: there is none, two have one name, or they depend on each other in a circle.

@@ -9,7 +9,7 @@ from pathlib import Path
 
 
 def search_path(overlays: Sequence[Path] = ()) -> list[Path]:
-    """Return the prefixes in which packages are looked for, first ones first: overlays, AMENT_PREFIX_PATH, this Python's."""
+    """Return the prefixes in which packages are looked for: overlays, then AMENT_PREFIX_PATH, then this Python's."""
     sourced = [Path(p) for p in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if p]
     return list(dict.fromkeys([*map(Path, overlays), *sourced, Path(sys.prefix)]))
 

@@ -1,0 +1,186 @@
+"""The one door to ROS of a process: one context, one executor, one thread that is joined, for the life of the process.
+
+Every rclpy entity is created, used and destroyed on that thread, because rclpy's clients aren't safe elsewhere.
+rclpy itself never says that a server died or that a type was wrong, and never gives up; so each call has a deadline, is
+checked before it is sent, and is watched while it is under way (`grip_bt.ros.client`). Nothing else creates a client.
+
+The thread is a daemon *and* joined by `close`, which also runs at exit: a daemon thread that is still inside rcl_wait
+when the interpreter ends aborts it, and one that isn't a daemon keeps it alive after an uncaught error.
+"""
+
+from __future__ import annotations
+
+import atexit
+import logging
+import os
+import threading
+import weakref
+from collections.abc import Callable
+from types import TracebackType
+from typing import Any, TypeVar
+
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from grip_bt.errors import CanceledError, GripError
+from grip_bt.operation import Operation
+
+from .client import ServiceClient
+from .environment import require
+from .types import load_type, type_name
+
+T = TypeVar("T")
+POLL = 0.05
+"""How often calls under way are looked at [s]; nothing is looked at while there are none."""
+
+_log = logging.getLogger("grip.ros")
+
+
+class Bus:
+    """A ROS node with its thread, and the clients that live on it.
+
+    Args:
+        name: the node's name.
+        domain_id: the DDS domain; ROS_DOMAIN_ID, else 0, by default.
+    """
+
+    def __init__(self, name: str = "grip", domain_id: int | None = None):
+        require()
+        self._context = Context()
+        rclpy.init(args=[], context=self._context, domain_id=domain_id, signal_handler_options=SignalHandlerOptions.NO)
+        self.node = Node(name, context=self._context, start_parameter_services=False, enable_rosout=False)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self.node)
+        self._clients: dict[str, ServiceClient] = {}
+        self._posted: set[Operation[Any]] = set()
+        self._closing = False
+        self._lock = threading.Lock()
+        self._process = os.getpid()
+        self._timer = self.node.create_timer(POLL, self._poll)
+        self._timer.cancel()
+        self._thread = threading.Thread(target=self._spin, name=f"ros-{name}", daemon=True)
+        self._thread.start()
+        self._at_exit = _closer(weakref.ref(self))
+        atexit.register(self._at_exit)
+
+    # --- for everybody ---
+
+    def service(self, interface: str | Any, name: str, timeout: float = 30.0, wait: float = 5.0) -> ServiceClient:
+        """Return the client of a service; there is one per name.
+
+        Args:
+            interface: the service's type, or its name.
+            name: the service's full name, such as `/propose_grasps`.
+            timeout: how long a call may take in all [s].
+            wait: how long a call waits for the server to appear [s].
+
+        Raises:
+            UnknownNameError, MissingPartError: there is no such type.
+            GripError: a client of the name exists with another type.
+        """
+        type_ = load_type(interface) if isinstance(interface, str) else interface
+        with self._lock:
+            client = self._clients.get(name)
+            if client is None:
+                client = self._clients[name] = ServiceClient(self, type_, name, timeout, wait)
+            elif client.type is not type_:
+                raise GripError(f"{name} is used as {type_name(client.type)} already, not as {type_name(type_)}")
+        return client
+
+    def post(self, work: Callable[[], T]) -> Operation[T]:
+        """Run `work` on the bus's thread; at once when called from there."""
+        operation: Operation[T] = Operation()
+
+        def run() -> None:
+            self._posted.discard(operation)
+            if operation.done():
+                return
+            try:
+                operation.succeed(work())
+            except BaseException as error:  # noqa: BLE001 - handed to whoever posted it
+                operation.fail(error)
+
+        if threading.current_thread() is self._thread:
+            run()
+        else:
+            self._hand_over(operation, run)
+        return operation
+
+    def _hand_over(self, operation: Operation[Any], run: Callable[[], None]) -> None:
+        with self._lock:
+            if not self._closing:
+                self._posted.add(operation)
+                self._executor.create_task(run)
+                return
+        operation.fail(CanceledError("the connection to ROS was closed"))
+
+    def close(self, timeout: float = 5.0) -> None:
+        """End all calls, join the thread, leave the ROS graph. Harmless when repeated, and in a forked child."""
+        with self._lock:
+            if self._closing or os.getpid() != self._process:
+                return
+            self._closing = True
+        self._executor.create_task(self._end_all)
+        self._executor.wake()
+        if threading.current_thread() is not self._thread:
+            self._thread.join(timeout)
+        self._end_all()
+        for operation in list(self._posted):  # handed over, but the thread stopped before its turn
+            operation.fail(CanceledError("the connection to ROS was closed"))
+        self._executor.shutdown()
+        self.node.destroy_node()
+        self._context.try_shutdown()
+        atexit.unregister(self._at_exit)
+
+    def __enter__(self) -> Bus:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    @property
+    def closed(self) -> bool:
+        """Whether it was closed."""
+        return self._closing
+
+    # --- on the bus's thread ---
+
+    def watch(self) -> None:
+        """Have the calls under way looked at from now on; a client asks for it when it has some."""
+        if self._timer.is_canceled():
+            self._timer.reset()
+
+    def _poll(self) -> None:
+        with self._lock:
+            clients = list(self._clients.values())
+        if not any([client.poll() for client in clients]):
+            self._timer.cancel()
+
+    def _end_all(self) -> None:
+        for client in list(self._clients.values()):
+            client.end(CanceledError("the connection to ROS was closed"))
+
+    def _spin(self) -> None:
+        while not self._closing and self._context.ok():
+            try:
+                self._executor.spin_once(timeout_sec=1.0)
+            except ExternalShutdownException:
+                return
+            except Exception:  # noqa: BLE001 - a callback that raises must not end the bus for everybody else
+                _log.exception("a callback on the ROS thread raised")
+
+
+def _closer(reference: weakref.ref[Bus]) -> Callable[[], None]:
+    """Return what closes the bus at exit, without keeping it alive until then."""
+
+    def close() -> None:
+        bus = reference()
+        if bus is not None:
+            bus.close()
+
+    return close

@@ -1,0 +1,229 @@
+"""Calls of one service: checked before they are sent, watched until they end, and named when they fail.
+
+A call waits until there is one server that fits, is sent, and ends with the answer or with `ServerLostError` (nobody
+came, or who had the request is gone), `UnfitServerError` (see `preflight`) or `ServerTimeOutError`.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+
+from grip_bt.errors import CanceledError, ServerLostError, ServerTimeOutError, UnfitServerError
+from grip_bt.operation import Operation
+
+from .preflight import check_servers, gids_of, servers_of
+
+if TYPE_CHECKING:
+    from .bus import Bus
+
+IN_FLIGHT = 8
+"""Requests under way at once: a server keeps the last 10, and what it drops is lost without a word."""
+TRUST = 0.5
+"""How long a check of the server holds [s]; a query per call would double the price of a call."""
+STALE = 3.5
+"""How long a second server may be a dead one whose lease is running out [s]."""
+_QOS = QoSProfile(
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.VOLATILE,
+    history=HistoryPolicy.KEEP_LAST,
+    depth=100,
+)
+
+
+@dataclass(eq=False)
+class _Call:
+    """One call; `request` is None for somebody who only waits for the server."""
+
+    operation: Operation[Any]
+    request: Any
+    started: float
+    wait_until: float
+    deadline: float
+    future: Any = None
+    servers: frozenset[bytes] = field(default_factory=frozenset)
+
+
+class ServiceClient:
+    """The client of one service; made by `Bus.service`.
+
+    Attributes:
+        type: the service's class.
+        name: its full name.
+    """
+
+    def __init__(self, bus: Bus, type_: Any, name: str, timeout: float, wait: float):
+        self.type, self.name = type_, name
+        self._bus, self._timeout, self._wait = bus, timeout, wait
+        self._client: Any = None
+        self._waiting: list[_Call] = []
+        self._sent: list[_Call] = []
+        self._servers: frozenset[bytes] = frozenset()
+        self._checked = float("-inf")
+        self._server_ended: str | None = None
+
+    # --- from any thread ---
+
+    def call(self, request: Any, timeout: float | None = None, wait: float | None = None) -> Operation[Any]:
+        """Send a request; the result is the response. Cancelling abandons it: a service can't be told to stop.
+
+        Args:
+            request: a message of `type.Request`.
+            timeout: how long it may take in all [s].
+            wait: how long to wait for the server to appear [s].
+        """
+        return self._begin(request, timeout or self._timeout, self._wait if wait is None else wait)
+
+    def wait_ready(self, timeout: float) -> Operation[None]:
+        """End when there is a server that fits; with ServerLostError after `timeout` [s]."""
+        return self._begin(None, timeout + 1.0, timeout)
+
+    def server_ended(self, reason: str) -> None:
+        """Say that the server's process is known to have ended: every call fails at once, now and until it is back."""
+
+        def end() -> None:
+            self._server_ended, self._servers = reason, frozenset()
+            self.end(self._lost(reason))
+
+        self._bus.post(end)
+
+    def server_started(self) -> None:
+        """Say that the server's process was started: calls wait for it again."""
+        self._bus.post(lambda: setattr(self, "_server_ended", None))
+
+    def _begin(self, request: Any, timeout: float, wait: float) -> Operation[Any]:
+        def abandon() -> None:
+            self._bus.post(lambda: self._finish(call, CanceledError("canceled")))
+
+        operation: Operation[Any] = Operation(on_cancel=abandon)
+        now = time.monotonic()
+        call = _Call(operation, request, now, now + wait, now + timeout)
+        posted = self._bus.post(lambda: self._submit(call))
+        posted.add_done_callback(lambda: _pass_error(posted, operation))
+        return operation
+
+    # --- on the bus's thread ---
+
+    def poll(self) -> bool:
+        """Look at the calls under way; False when there are none."""
+        now = time.monotonic()
+        if self._sent:
+            present = gids_of(servers_of(self._bus.node, self.name))
+            for call in [c for c in self._sent if not c.servers & present]:
+                self._finish(call, self._lost("the server that had the request is gone"))
+            if present != self._servers:
+                self._servers = frozenset()
+        for call in [c for c in (*self._sent, *self._waiting) if now > c.deadline]:
+            self._finish(call, self._timed_out(call, now))
+        if self._waiting:
+            self._advance(now)
+        return bool(self._sent or self._waiting)
+
+    def end(self, error: Exception) -> None:
+        """End every call with an error."""
+        for call in (*self._sent, *self._waiting):
+            self._finish(call, error)
+
+    def _submit(self, call: _Call) -> None:
+        if call.operation.done():
+            return
+        if self._bus.closed:
+            call.operation.fail(CanceledError("the connection to ROS was closed"))
+        elif self._server_ended is not None:
+            call.operation.fail(self._lost(self._server_ended))
+        else:
+            self._waiting.append(call)
+            self._bus.watch()
+            self._advance(time.monotonic())
+
+    def _advance(self, now: float) -> None:
+        """Send what can be sent; give up what has waited too long for a server."""
+        try:
+            ready = self._server_fits(now)
+        except UnfitServerError as error:
+            stale_possible = len(servers_of(self._bus.node, self.name)) > 1
+            for call in list(self._waiting):
+                if not stale_possible or now > min(call.wait_until, call.started + STALE):
+                    self._finish(call, error)
+            return
+        for call in list(self._waiting):
+            if ready and call.request is None:
+                self._finish(call, None)
+            elif ready and len(self._sent) < IN_FLIGHT:
+                self._send(call)
+            elif not ready and now > call.wait_until:
+                waited = call.wait_until - call.started
+                self._finish(call, self._lost(f"no server within {waited:.1f} s"))
+
+    def _server_fits(self, now: float) -> bool:
+        """Tell whether there is one fitting server that our client is connected to.
+
+        Raises:
+            UnfitServerError: who is there doesn't fit.
+        """
+        if self._servers and now - self._checked < TRUST:
+            return bool(self._client.service_is_ready())
+        self._servers = frozenset()
+        servers = servers_of(self._bus.node, self.name)
+        if not servers:
+            return False
+        check_servers(self.type, self.name, servers)
+        if self._client is None:  # not before: a client of the wrong type would spoil the name for this process
+            self._client = self._bus.node.create_client(self.type, self.name, qos_profile=_QOS)
+        if not self._client.service_is_ready():
+            return False
+        self._servers, self._checked = gids_of(servers), now
+        return True
+
+    def _send(self, call: _Call) -> None:
+        self._waiting.remove(call)
+        try:
+            call.future = self._client.call_async(call.request)
+        except Exception as error:  # noqa: BLE001 - rclpy's own errors and TypeErrors of a wrong request
+            call.operation.fail(error)
+            return
+        call.servers = self._servers
+        self._sent.append(call)
+        call.future.add_done_callback(lambda future: self._answered(call, future))
+
+    def _answered(self, call: _Call, future: Any) -> None:
+        if call not in self._sent:
+            return
+        self._sent.remove(call)
+        error = future.exception()
+        if error is not None:
+            call.operation.fail(error)
+        else:
+            call.operation.succeed(future.result())
+        if self._waiting:
+            self._advance(time.monotonic())
+
+    def _finish(self, call: _Call, error: Exception | None) -> None:
+        """End a call that got no answer; a request under way is forgotten, else rclpy keeps it for ever."""
+        if call in self._sent:
+            self._sent.remove(call)
+            self._client.remove_pending_request(call.future)
+        if call in self._waiting:
+            self._waiting.remove(call)
+        if error is None:
+            call.operation.succeed(None)
+        else:
+            call.operation.fail(error)
+
+    def _lost(self, reason: str) -> ServerLostError:
+        return ServerLostError(f"{self.name}: {reason}", server=self.name)
+
+    def _timed_out(self, call: _Call, now: float) -> ServerTimeOutError:
+        state = "no answer" if call.future is not None else "not sent"
+        return ServerTimeOutError(f"{self.name}: {state} after {now - call.started:.1f} s", server=self.name)
+
+
+def _pass_error(posted: Operation[None], operation: Operation[Any]) -> None:
+    """End an operation whose start raised."""
+    try:
+        posted.result()
+    except BaseException as error:  # noqa: BLE001 - handed to the owner of the operation
+        operation.fail(error)

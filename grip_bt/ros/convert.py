@@ -1,0 +1,185 @@
+"""GRIP's values to and from ROS messages: the one door at which units, frames and quaternion order change.
+
+What has a counterpart in ROS (poses, clouds, images, joint states, trajectories) has a function of its own. Everything
+else goes by the names of its fields: a dataclass fills the fields of the same name, and is made from them.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import types
+import typing
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache
+from typing import Any, get_args, get_origin
+
+import numpy as np
+
+from grip_bt.values import CameraInfo, DepthImage, Image, JointState, PointCloud, Pose, Trajectory
+
+from . import convert_geometry as geometry
+from . import convert_perception as perception
+from .declared import python_type
+from .fields import ConversionError, check_field, field_types, primitive
+from .types import type_name
+
+_TO: dict[tuple[type, str], Callable[[Any], Any]] = {
+    (Pose, "geometry_msgs/msg/Pose"): geometry.pose_to_message,
+    (Pose, "geometry_msgs/msg/PoseStamped"): geometry.pose_to_stamped,
+    (Pose, "geometry_msgs/msg/Transform"): geometry.pose_to_transform,
+    (Pose, "geometry_msgs/msg/TransformStamped"): geometry.pose_to_transform_stamped,
+    (JointState, "sensor_msgs/msg/JointState"): geometry.joints_to_message,
+    (Trajectory, "trajectory_msgs/msg/JointTrajectory"): geometry.trajectory_to_message,
+    (PointCloud, "sensor_msgs/msg/PointCloud2"): perception.cloud_to_message,
+    (Image, "sensor_msgs/msg/Image"): perception.image_to_message,
+    (DepthImage, "sensor_msgs/msg/Image"): perception.depth_to_message,
+    (CameraInfo, "sensor_msgs/msg/CameraInfo"): perception.camera_to_message,
+}
+_FROM: dict[tuple[type, str], Callable[[Any], Any]] = {
+    (Pose, "geometry_msgs/msg/Pose"): geometry.pose_from_message,
+    (Pose, "geometry_msgs/msg/PoseStamped"): geometry.pose_from_stamped,
+    (Pose, "geometry_msgs/msg/Transform"): geometry.pose_from_transform,
+    (Pose, "geometry_msgs/msg/TransformStamped"): geometry.pose_from_transform_stamped,
+    (JointState, "sensor_msgs/msg/JointState"): geometry.joints_from_message,
+    (Trajectory, "trajectory_msgs/msg/JointTrajectory"): geometry.trajectory_from_message,
+    (PointCloud, "sensor_msgs/msg/PointCloud2"): perception.cloud_from_message,
+    (Image, "sensor_msgs/msg/Image"): perception.image_from_message,
+    (CameraInfo, "sensor_msgs/msg/CameraInfo"): perception.camera_from_message,
+}
+
+
+def to_message(value: Any, cls: Any) -> Any:
+    """Return a message of class `cls` that holds `value`.
+
+    Args:
+        value: a message of `cls`, a value, a dataclass, or a mapping of fields; a primitive for a message such as
+            std_msgs/Float64, whose only field is `data`. Fields of a dataclass that the message lacks are left out.
+        cls: the message's class.
+
+    Raises:
+        ConversionError: the value doesn't fit, with the field where it doesn't.
+    """
+    if isinstance(value, cls):
+        return value
+    special = _TO.get((type(value), type_name(cls)))
+    if special is not None:
+        return special(value)
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        names = [f.name for f in dataclasses.fields(value) if f.name in field_types(cls)]
+        if not names:
+            raise ConversionError("", f"a {type(value).__name__} has no field in common with {type_name(cls)}")
+        value = {name: getattr(value, name) for name in names if getattr(value, name) is not None}
+    elif not isinstance(value, Mapping):
+        if list(field_types(cls)) != ["data"]:
+            raise ConversionError("", f"a {type(value).__name__} can't be made a {type_name(cls)}")
+        value = {"data": value}
+    message = cls()
+    for name, item in value.items():
+        kind = check_field(cls, name)
+        try:
+            setattr(message, name, _field(kind, item))
+        except ConversionError as error:
+            raise error.below(name) from None
+        except AssertionError as error:  # rclpy's own check of bounds and ranges
+            raise ConversionError(name, str(error)) from None
+    return message
+
+
+def from_message(message: Any, declared: Any = Any) -> Any:
+    """Return a message, or a field of one, as the declared type.
+
+    Args:
+        message: a message, a primitive, or a sequence of either.
+        declared: the name of a type (`list[Grasp]`) or a Python type; `Any` or a ROS type leave it as it is.
+
+    Raises:
+        ConversionError: it can't be one, with the field that doesn't fit.
+        UnknownNameError: the declared type doesn't exist.
+    """
+    wanted = python_type(declared) if isinstance(declared, str) else declared
+    if wanted is Any:
+        return message
+    origin, arguments = get_origin(wanted) or wanted, get_args(wanted)
+    if origin in (types.UnionType, typing.Union):
+        wanted = next(a for a in arguments if a is not type(None))
+        return from_message(message, wanted)
+    if origin is list or origin is tuple:
+        return origin(_elements(message, arguments[0] if arguments else Any))
+    if origin is np.ndarray:
+        return np.asarray(message)
+    if wanted in (bool, int, float, str):
+        return _builtin(message, wanted)
+    if not hasattr(message, "get_fields_and_field_types"):
+        if isinstance(message, wanted):
+            return message
+        raise ConversionError("", f"{_describe(message)} can't be made a {wanted.__name__}")
+    special = _FROM.get((wanted, type_name(type(message))))
+    try:
+        return special(message) if special is not None else _dataclass(message, wanted)
+    except ValueError as error:  # values check themselves
+        raise ConversionError("", str(error)) from None
+
+
+def _field(kind: Any, value: Any) -> Any:
+    cls = kind.message
+    if cls is None:
+        return primitive(kind, value)
+    if not kind.array:
+        return to_message(value, cls)
+    if isinstance(value, (str, Mapping)) or not isinstance(value, Sequence):
+        raise ConversionError("", f"a list of {kind.base} expected, got {_describe(value)}")
+    items = []
+    for index, item in enumerate(value):
+        try:
+            items.append(to_message(item, cls))
+        except ConversionError as error:
+            raise error.below(f"[{index}]") from None
+    return items
+
+
+def _elements(message: Any, wanted: Any) -> list[Any]:
+    if isinstance(message, str) or not hasattr(message, "__len__"):
+        raise ConversionError("", f"a sequence expected, got {_describe(message)}")
+    items = []
+    for index, item in enumerate(message):
+        try:
+            items.append(from_message(item, wanted))
+        except ConversionError as error:
+            raise error.below(f"[{index}]") from None
+    return items
+
+
+def _builtin(message: Any, wanted: type) -> Any:
+    if list(getattr(message, "get_fields_and_field_types", dict)()) == ["data"]:
+        message = message.data
+    if wanted is float and isinstance(message, int) and not isinstance(message, bool):
+        return float(message)
+    if not isinstance(message, wanted) or (wanted is int and isinstance(message, bool)):
+        raise ConversionError("", f"{_describe(message)} isn't a {wanted.__name__}")
+    return message
+
+
+@cache
+def _hints(cls: Any) -> dict[str, Any]:
+    return typing.get_type_hints(cls)
+
+
+def _dataclass(message: Any, cls: Any) -> Any:
+    """Make a dataclass from the fields of the same names."""
+    if not dataclasses.is_dataclass(cls):
+        raise ConversionError("", f"{_describe(message)} can't be made a {cls.__name__}")
+    found = {}
+    for field in dataclasses.fields(cls):
+        if field.name in field_types(type(message)):
+            try:
+                found[field.name] = from_message(getattr(message, field.name), _hints(cls)[field.name])
+            except ConversionError as error:
+                raise error.below(field.name) from None
+        elif field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING:
+            reason = f"{_describe(message)} lacks the field {field.name!r} that a {cls.__name__} needs"
+            raise ConversionError("", reason)
+    return cls(**found)
+
+
+def _describe(value: Any) -> str:
+    return type_name(type(value)) if hasattr(value, "get_fields_and_field_types") else f"a {type(value).__name__}"

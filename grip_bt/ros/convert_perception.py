@@ -1,0 +1,195 @@
+"""Clouds and images to and from messages, without a Python loop over points or pixels."""
+
+from __future__ import annotations
+
+import array
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from sensor_msgs.msg import CameraInfo as CameraInfoMessage
+from sensor_msgs.msg import Image as ImageMessage
+from sensor_msgs.msg import PointCloud2, PointField
+
+from grip_bt.values import CameraInfo, DepthImage, Image, PointCloud, Pose
+
+from .convert_geometry import DEFAULT_FRAME, header, seconds
+from .fields import ConversionError
+
+_FLOATS = {PointField.FLOAT32: "f4", PointField.FLOAT64: "f8"}
+_CHANNELS = {"rgb8": (0, 1, 2), "bgr8": (2, 1, 0), "rgba8": (0, 1, 2), "bgra8": (2, 1, 0), "mono8": (0, 0, 0)}
+
+
+def cloud_to_message(cloud: PointCloud) -> PointCloud2:
+    """Convert a cloud to x y z as float32, and its colours, if any, to the usual packed `rgb`."""
+    n = len(cloud.points)
+    names = ("x", "y", "z") if cloud.colors is None else ("x", "y", "z", "rgb")
+    step = 4 * len(names)
+    data = array.array("B", bytes(1)) * (n * step)  # written in place: a second copy of a big cloud costs a millisecond
+    table = np.frombuffer(data, "<f4").reshape(n, len(names))
+    table[:, :3] = cloud.points
+    if cloud.colors is not None:
+        table.view("<u4")[:, 3] = _packed(cloud.colors)
+    return PointCloud2(
+        header=header(cloud.frame, cloud.time),
+        height=1,
+        width=n,
+        fields=[
+            PointField(name=name, offset=4 * i, datatype=PointField.FLOAT32, count=1) for i, name in enumerate(names)
+        ],
+        is_bigendian=False,
+        point_step=step,
+        row_step=step * n,
+        data=data,
+        is_dense=bool(np.isfinite(cloud.points).all()),
+    )
+
+
+def cloud_from_message(message: PointCloud2) -> PointCloud:
+    """Convert a cloud with fields x, y, z (float32 or float64) and perhaps `rgb` or `rgba`.
+
+    Points that aren't finite, which stand for "nothing seen" in an organised cloud, are left out.
+
+    Raises:
+        ConversionError: a coordinate is missing or isn't a float, or there is less data than the sizes say.
+    """
+    fields = {f.name: f for f in message.fields}
+    needed = message.height * message.row_step
+    if len(message.data) < needed or message.row_step < message.width * message.point_step:
+        raise ConversionError("data", f"holds {len(message.data)} bytes, {needed} are announced")
+    points = _coordinates(message, fields)
+    packed = fields.get("rgb") or fields.get("rgba")
+    colors = None
+    if packed is not None:
+        colors = _unpacked(_table(message, packed.offset, "u4", 1))
+    if not message.is_dense:
+        seen = np.isfinite(points).all(axis=1)
+        points, colors = points[seen], None if colors is None else colors[seen]
+    return PointCloud(points, colors, message.header.frame_id or DEFAULT_FRAME, seconds(message.header.stamp))
+
+
+def image_to_message(image: Image) -> ImageMessage:
+    """Convert a colour image to `rgb8`."""
+    rows, columns, _ = image.pixels.shape
+    return ImageMessage(
+        header=header(image.frame, image.time),
+        height=rows,
+        width=columns,
+        encoding="rgb8",
+        is_bigendian=0,
+        step=3 * columns,
+        data=_bytes(image.pixels),
+    )
+
+
+def image_from_message(message: ImageMessage) -> Image:
+    """Convert an image of 8 bits a channel.
+
+    Raises:
+        ConversionError: another encoding, or less data than the sizes say.
+    """
+    order = _CHANNELS.get(message.encoding)
+    if order is None:
+        raise ConversionError("encoding", f"{message.encoding!r} isn't one of {', '.join(_CHANNELS)}")
+    depth = {"mono8": 1, "rgba8": 4, "bgra8": 4}.get(message.encoding, 3)
+    shape, strides = (message.height, message.width, depth), (message.step, depth, 1)
+    pixels = _view(message.data, shape, "u1", 0, strides)
+    return Image(pixels[:, :, order], message.header.frame_id, seconds(message.header.stamp))
+
+
+def depth_to_message(depth: DepthImage) -> ImageMessage:
+    """Convert a depth image to `32FC1` [m]; the camera's geometry goes by `camera_to_message`."""
+    rows, columns = depth.depth.shape
+    return ImageMessage(
+        header=header(depth.info.pose.frame, depth.time),
+        height=rows,
+        width=columns,
+        encoding="32FC1",
+        is_bigendian=0,
+        step=4 * columns,
+        data=_bytes(depth.depth.astype("<f4", copy=False)),
+    )
+
+
+def camera_to_message(info: CameraInfo) -> CameraInfoMessage:
+    """Convert a camera's geometry; pixel centres lie at whole numbers in ROS, so the principal point moves by a half."""
+    matrix = np.array(info.matrix)
+    matrix[:2, 2] -= 0.5
+    projection = np.hstack([matrix, np.zeros((3, 1))])
+    return CameraInfoMessage(
+        header=header(info.pose.frame),
+        height=info.height,
+        width=info.width,
+        distortion_model="plumb_bob",
+        d=[0.0] * 5,
+        k=matrix.ravel(),
+        r=np.eye(3).ravel(),
+        p=projection.ravel(),
+    )
+
+
+def camera_from_message(message: CameraInfoMessage) -> CameraInfo:
+    """Convert a camera's geometry; its pose is the identity in the message's optical frame."""
+    matrix = np.array(message.k, dtype=float).reshape(3, 3)
+    matrix[:2, 2] += 0.5
+    return CameraInfo(message.width, message.height, matrix, Pose(frame=message.header.frame_id or DEFAULT_FRAME))
+
+
+def _packed(colors: NDArray[np.uint8]) -> NDArray[np.uint32]:
+    """Return 0x00RRGGBB of each colour, shape (n,). The first byte is 0: as a float the number must not be NaN."""
+    if not len(colors):
+        return np.zeros(0, "<u4")
+    packed = cv2.cvtColor(colors[None], cv2.COLOR_RGB2BGRA).view("<u4").reshape(-1)
+    packed &= 0x00FFFFFF
+    return packed
+
+
+def _unpacked(packed: NDArray[np.uint32]) -> NDArray[np.uint8]:
+    """Return red, green, blue of 0xAARRGGBB, shape (n, 3)."""
+    if not len(packed):
+        return np.zeros((0, 3), np.uint8)
+    pixels = np.ascontiguousarray(packed, "<u4").view(np.uint8).reshape(1, -1, 4)
+    return cv2.cvtColor(pixels, cv2.COLOR_BGRA2RGB)[0]
+
+
+def _coordinates(message: PointCloud2, fields: dict[str, Any]) -> NDArray[Any]:
+    """Return x, y, z of every point, shape (n, 3): one view where they lie side by side."""
+    for name in "xyz":
+        if name not in fields:
+            raise ConversionError("fields", f"no {name!r} (there are: {', '.join(fields)})")
+        if fields[name].datatype not in _FLOATS:
+            raise ConversionError("fields", f"{name!r} is neither float32 nor float64")
+    x, y, z = (fields[name] for name in "xyz")
+    kind = _FLOATS[x.datatype]
+    size = int(kind[1])
+    together = y.offset == x.offset + size and z.offset == y.offset + size
+    if together and x.datatype == y.datatype == z.datatype:
+        return _table(message, x.offset, kind, 3)
+    columns = [_table(message, f.offset, _FLOATS[f.datatype], 1) for f in (x, y, z)]
+    return np.concatenate(columns, axis=1)
+
+
+def _table(message: PointCloud2, offset: int, kind: str, columns: int) -> NDArray[Any]:
+    """Return `columns` neighbouring numbers of every point, shape (n, columns); a view unless rows are padded."""
+    dtype = np.dtype((">" if message.is_bigendian else "<") + kind)
+    shape = (message.height, message.width, columns)
+    strides = (message.row_step, message.point_step, dtype.itemsize)
+    return _view(message.data, shape, dtype, offset, strides).reshape(-1, columns)
+
+
+def _view(data: Any, shape: tuple[int, ...], dtype: Any, offset: int, strides: tuple[int, ...]) -> NDArray[Any]:
+    if 0 in shape:
+        return np.zeros(shape, dtype)
+    try:
+        return np.ndarray(shape, dtype, buffer=data, offset=offset, strides=strides)
+    except (TypeError, ValueError) as error:
+        raise ConversionError("data", f"doesn't hold what the sizes announce: {error}") from None
+
+
+def _bytes(values: NDArray[Any]) -> array.array[int]:
+    """Return the memory of an array as the one type of sequence that messages take without a look at each element."""
+    data = array.array("B")
+    if values.size:
+        data.frombytes(memoryview(np.ascontiguousarray(values)).cast("B"))
+    return data
