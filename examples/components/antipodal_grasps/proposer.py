@@ -1,0 +1,218 @@
+"""Propose side grasps for upright things on a table, from a point cloud seen from above. Plain numpy and OpenCV.
+
+The hand's frame: origin on the palm, z out of the palm (the approach), x along the fingers, y the axis about which
+the fingers flex. A power grasp of an upright thing has z horizontal and y vertical. Lengths in m, angles in rad,
+world frame: z up, the robot's base at the origin.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+# Where to look.
+PICK_X = (0.36, 0.72)
+PICK_Y = (-0.16, 0.40)
+TABLE = 0.0
+MIN_HEIGHT = 0.03  # points lower above the table are the table
+MAX_HEIGHT = 0.35  # points higher above the table are the robot
+CELL = 0.008  # grid in which neighbouring points become one thing
+MIN_POINTS = 30
+
+# The hand.
+YAWS = 24
+PALM_GAP = 0.004  # between palm and thing
+PALM_HEIGHT = 0.08  # lowest palm above the table: the hand is that wide
+MAX_WIDTH = 0.09  # widest thing that the fingers close around
+APPROACH = 0.12
+LIFT = 0.15
+FINGERS = 0.13  # length of the open fingers
+FOREARM = 0.22  # what follows behind the palm and is as thick as the hand
+HAND_RADIUS = 0.05
+
+# What a good grasp is.
+ROUND = 0.89  # a square fills its bounding rectangle, a disc 0.785 of it
+OUTWARD, FREE, ALIGNED, NEAR = 1.0, 6.0, 1.0, 0.6
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A pose: position (3,) and quaternion (4,), ordered x y z w as in ROS messages."""
+
+    position: Array
+    quaternion: Array
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One way to take a thing; the frames are the hand's."""
+
+    pose: Frame
+    pre_grasp: Frame
+    post_grasp: Frame
+    width: float
+    quality: float
+
+
+@dataclass(frozen=True)
+class Thing:
+    """An upright prism or cylinder.
+
+    Attributes:
+        outline: its foot's corners, seen from above, shape (k, 2).
+        centre: of the foot, shape (2,).
+        angle: of one of its faces; 0 for a round thing.
+        top: height above the table.
+        is_round: whether it is a cylinder.
+    """
+
+    outline: Array
+    centre: Array
+    angle: float
+    top: float
+    is_round: bool
+
+    def half_width(self, direction: Array) -> float:
+        """Return half its extent along a horizontal unit vector."""
+        along = self.outline @ direction
+        return float(along.max() - along.min()) / 2
+
+
+def propose(points: Array) -> list[Candidate]:
+    """Return grasps of everything that stands in the pick region, the best first.
+
+    Args:
+        points: shape (n, 3), world frame; what isn't finite is ignored.
+    """
+    things = [thing for cluster in clusters(points) if (thing := fit(cluster)) is not None]
+    found = [grasp for i, thing in enumerate(things) for grasp in grasps(thing, things[:i] + things[i + 1 :])]
+    return sorted(found, key=lambda candidate: -candidate.quality)
+
+
+def clusters(points: Array) -> list[Array]:
+    """Return the points of each thing: what touches seen from above, in the pick region and above the table."""
+    points = np.asarray(points, dtype=float).reshape(-1, 3)
+    x, y, z = points.T
+    with np.errstate(invalid="ignore"):
+        inside = (x > PICK_X[0]) & (x < PICK_X[1]) & (y > PICK_Y[0]) & (y < PICK_Y[1])
+        inside &= (z > TABLE + MIN_HEIGHT) & (z < TABLE + MAX_HEIGHT)
+    points = points[inside]
+    cells = np.floor((points[:, :2] - [PICK_X[0], PICK_Y[0]]) / CELL).astype(int)
+    shape = np.ceil([(PICK_X[1] - PICK_X[0]) / CELL, (PICK_Y[1] - PICK_Y[0]) / CELL]).astype(int) + 1
+    grid = np.zeros(shape, np.uint8)
+    grid[cells[:, 0], cells[:, 1]] = 1
+    count, labels = cv2.connectedComponents(grid, connectivity=8)
+    label = labels[cells[:, 0], cells[:, 1]]
+    groups = (points[label == k] for k in range(1, count))
+    return [group for group in groups if len(group) >= MIN_POINTS]
+
+
+def fit(points: Array) -> Thing | None:
+    """Fit an upright cylinder or prism; None where the cluster is too low or too wide for a side grasp.
+
+    A camera above sees the whole top and some of the sides, so the foot is taken from the highest points only. How
+    much of its bounding rectangle (`cv2.minAreaRect`) the top's hull fills tells a disc from a square.
+    """
+    top = float(np.percentile(points[:, 2], 99))
+    highest = points[points[:, 2] > top - 0.012]
+    hull = cv2.convexHull(highest[:, :2].astype(np.float32))
+    (x, y), (width, depth), degrees = cv2.minAreaRect(hull)
+    if top - TABLE < PALM_HEIGHT or min(width, depth) > MAX_WIDTH or min(width, depth) < 0.01:
+        return None
+    is_round = cv2.contourArea(hull) < ROUND * width * depth and max(width, depth) < 1.2 * min(width, depth)
+    if is_round:
+        (x, y), radius = cv2.minEnclosingCircle(hull)
+        turn = np.linspace(0, 2 * np.pi, 48, endpoint=False)
+        outline = np.array([x, y]) + radius * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        return Thing(outline, np.array([x, y]), 0.0, top - TABLE, True)
+    corners = cv2.boxPoints(((x, y), (width, depth), degrees)).astype(float)
+    return Thing(corners, np.array([x, y]), float(np.radians(degrees)), top - TABLE, False)
+
+
+def grasps(thing: Thing, others: Sequence[Thing]) -> list[Candidate]:
+    """Return the side grasps of one thing that keep the hand clear of the others."""
+    height = TABLE + max(PALM_HEIGHT, 0.55 * thing.top)
+    narrowest = min(thing.half_width(unit(thing.angle + k * np.pi / 2)) for k in (0, 1))
+    reach = float(np.linalg.norm(thing.centre))
+    found = []
+    for k in range(YAWS):
+        approach = unit(thing.angle + 2 * np.pi * k / YAWS)
+        across = thing.half_width(np.array([-approach[1], approach[0]]))
+        if 2 * across > MAX_WIDTH:
+            continue
+        depth = thing.half_width(approach)
+        for flip in (1.0, -1.0):
+            rotation = side_rotation(approach, flip)
+            palm = np.array([*(thing.centre - (depth + PALM_GAP) * approach), height])
+            free = clearance(palm[:2], approach, rotation[:2, 0], others)
+            if free < 0:
+                continue
+            quality = (
+                OUTWARD * float(approach @ thing.centre) / reach
+                + FREE * min(free, 0.06)
+                - ALIGNED * (depth - narrowest) / narrowest
+                - NEAR * reach
+            )
+            found.append(candidate(palm, rotation, approach, 2 * across, quality))
+    return found
+
+
+def candidate(palm: Array, rotation: Array, approach: Array, width: float, quality: float) -> Candidate:
+    """Return a grasp with its straight approach and its straight lift."""
+    q = quaternion(rotation)
+    back = np.array([*(-APPROACH * approach), 0.0])
+    up = np.array([0.0, 0.0, LIFT])
+    return Candidate(Frame(palm, q), Frame(palm + back, q), Frame(palm + up, q), width, quality)
+
+
+def clearance(palm: Array, approach: Array, fingers: Array, others: Sequence[Thing]) -> float:
+    """Return how far hand and forearm stay from other things, seen from above; negative when they touch [m].
+
+    The hand counts as thick line segments: from the palm back along the approach, and along the open fingers, at the
+    grasp and where the approach begins.
+    """
+    lines = [
+        palm - np.linspace(0, APPROACH + FOREARM, 18)[:, None] * approach,
+        palm + np.linspace(0, FINGERS, 8)[:, None] * fingers,
+        palm - APPROACH * approach + np.linspace(0, FINGERS, 8)[:, None] * fingers,
+    ]
+    thickness = np.repeat([HAND_RADIUS, 0.015, 0.015], [len(line) for line in lines])
+    samples = np.concatenate(lines)
+    free = 1.0
+    for other in others:
+        radius = float(np.linalg.norm(other.outline - other.centre, axis=1).max())
+        away = np.linalg.norm(samples - other.centre, axis=1) - radius - thickness
+        free = min(free, float(away.min()))
+    return free
+
+
+def side_rotation(approach: Array, flip: float) -> Array:
+    """Return the hand's rotation matrix: z along the horizontal approach, y up (flip = 1) or down (flip = -1)."""
+    z, y = np.array([*approach, 0.0]), np.array([0.0, 0.0, flip])
+    return np.stack([np.cross(y, z), y, z], axis=1)
+
+
+def unit(yaw: float) -> Array:
+    """Return the horizontal unit vector at an angle from x, shape (2,)."""
+    return np.array([np.cos(yaw), np.sin(yaw)])
+
+
+def quaternion(rotation: Array) -> Array:
+    """Return the unit quaternion, x y z w, of a rotation matrix: the eigenvector of Bar-Itzhack's method (2000)."""
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = rotation
+    k = np.array(
+        [
+            [xx - yy - zz, yx + xy, zx + xz, zy - yz],
+            [yx + xy, yy - xx - zz, zy + yz, xz - zx],
+            [zx + xz, zy + yz, zz - xx - yy, yx - xy],
+            [zy - yz, xz - zx, yx - xy, xx + yy + zz],
+        ]
+    )
+    q: Array = np.linalg.eigh(k)[1][:, -1]
+    return q if q[3] >= 0 else -q
