@@ -4,6 +4,22 @@ Legacy machines run on it unchanged: `install()` makes this package the module `
 upstream, noetic 2.5.x, on purpose is listed in docs/smach.md, each with its test.
 """
 
+from . import (
+    concurrence,
+    container,
+    exceptions,
+    iterator,
+    log,
+    sequence,
+    state,
+    state_machine,
+    user_data,
+    util,
+)
+from ._install import install as install
+from ._install import uninstall as uninstall
+from ._settings import configure as configure
+from .concurrence import Concurrence
 from .container import Container
 from .exceptions import (
     InvalidConstructionError,
@@ -12,32 +28,48 @@ from .exceptions import (
     InvalidUserCodeError,
     SmachError,
 )
+from .iterator import Iterator
 from .log import logdebug, logerr, loginfo, logwarn, set_loggers
+from .sequence import Sequence
 from .state import CBState, State
 from .state_machine import StateMachine
 from .user_data import Remapper, UserData
 from .util import CBInterface, cb_interface, has_smach_interface, is_shutdown, set_shutdown_check
 
+# What `from smach import *` gives upstream, and SmachError; `install`, `uninstall` and `configure` are ours.
 __all__ = [
     "CBInterface",
     "CBState",
+    "Concurrence",
     "Container",
     "InvalidConstructionError",
     "InvalidStateError",
     "InvalidTransitionError",
     "InvalidUserCodeError",
+    "Iterator",
     "Remapper",
+    "Sequence",
     "SmachError",
     "State",
     "StateMachine",
     "UserData",
     "cb_interface",
+    "concurrence",
+    "container",
+    "exceptions",
     "has_smach_interface",
     "is_shutdown",
+    "iterator",
+    "log",
     "logdebug",
     "logerr",
     "loginfo",
     "logwarn",
+    "sequence",
     "set_loggers",
     "set_shutdown_check",
+    "state",
+    "state_machine",
+    "user_data",
+    "util",
 ]

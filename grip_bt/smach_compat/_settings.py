@@ -49,6 +49,16 @@ class Settings:
 settings = Settings()
 
 
+def configure(**changes: Any) -> None:
+    """Change settings of the process: `profile`, `strict_upstream_construction`, `wrap_interrupts`.
+
+    Raises:
+        ValueError: the profile isn't known.
+        TypeError: there is no such setting.
+    """
+    settings.update(**changes)
+
+
 def errors_of_user_code() -> type[BaseException]:
     """Return the class of what counts as an error of user code."""
     return BaseException if settings.wrap_interrupts else Exception

@@ -1,0 +1,54 @@
+"""`Sequence`: a state machine in which one outcome leads from each state to the next."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from grip_bt import smach_compat as smach
+
+from .state import State
+from .state_machine import StateMachine
+from .user_data import NOTHING
+
+
+class Sequence(StateMachine):
+    """A machine whose states follow each other by `connector_outcome`, in the order in which they were added.
+
+    Args:
+        outcomes: what its execution may end with.
+        connector_outcome: the outcome that leads on; that of the last state falls through.
+        input_keys: userdata copied in from the parent.
+        output_keys: userdata copied out to the parent.
+    """
+
+    def __init__(
+        self,
+        outcomes: Iterable[str],
+        connector_outcome: str,
+        input_keys: list[str] = NOTHING,
+        output_keys: list[str] = NOTHING,
+    ):
+        super().__init__(outcomes, input_keys, output_keys)
+        self._connector_outcome = connector_outcome
+        self._last_added_seq_label: str | None = None
+
+    @staticmethod
+    def add(  # type: ignore[override]  # upstream's has no constants
+        label: str, state: State, transitions: dict[str, Any] | None = None, remapping: Any = None
+    ) -> State:
+        """Add a state to the open sequence and lead the previous one to it, unless that one leads elsewhere."""
+        self = Sequence._currently_opened_container()
+        StateMachine.add(label, state, transitions, remapping)
+        previous, self._last_added_seq_label = self._last_added_seq_label, label
+        if previous is not None:
+            self._lead(previous, label)
+        return state
+
+    def _lead(self, previous: str, label: str) -> None:
+        connector, transitions = self._connector_outcome, self._transitions[previous]
+        if transitions.get(connector) is not None:
+            return
+        transitions[connector] = label
+        if connector not in self._states[previous].get_registered_outcomes():
+            smach.logerr(f"State {previous!r} of a sequence has no outcome {connector!r} to lead on with.")
