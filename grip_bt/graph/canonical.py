@@ -81,7 +81,9 @@ def _says_nothing(entry: Entry, defaults: dict[str, Any]) -> bool:
 
 
 def _has_comments(value: Value) -> bool:
-    return any(e.comments.any() or _has_comments(e.value) for e in entries_of(value))
+    return bool(getattr(value, "closing", ())) or any(
+        e.comments.any() or _has_comments(e.value) for e in entries_of(value)
+    )
 
 
 def _shortest(number: Any) -> Any:

@@ -24,9 +24,10 @@ class _Comment:
 
 @dataclass(frozen=True)
 class _Place:
-    """An entry and the innermost collection in braces or brackets that it is in."""
+    """An entry, the collection that it is in, and the innermost one in braces or brackets around it."""
 
     entry: Entry
+    parent: Mapping | Listing
     flow: Mapping | Listing | None
 
 
@@ -38,7 +39,7 @@ def attach_comments(tree: Mapping, text: str) -> list[str]:
     """
     places: list[_Place] = []
     spans: list[tuple[int, int]] = []
-    flows: list[Mapping | Listing] = []
+    flows: list[Entry] = []
     _collect(tree, places, spans, flows)
     _attach_blank_lines(places, text)
     header: list[str] = []
@@ -54,7 +55,7 @@ def attach_comments(tree: Mapping, text: str) -> list[str]:
         elif comment.alone:
             _attach_alone(places, below, comment)
         else:
-            on_line = next(p for p in reversed(places[:below]) if p.flow is None)
+            on_line = next((p for p in reversed(places[:below]) if p.flow is None), places[0])
             _put_beside(on_line.entry.comments, comment.text)
     first = places[0].entry.comments if places else Comments()
     if header and "" in first.before[:1]:
@@ -67,21 +68,23 @@ def _collect(
     tree: Mapping,
     places: list[_Place],
     spans: list[tuple[int, int]],
-    flows: list[Mapping | Listing],
+    flows: list[Entry],
 ) -> None:
-    """List entries, spans of scalars and keys, and flow collections, all in document order."""
-    stack: list[tuple[Entry, Mapping | Listing | None]] = [(e, None) for e in reversed(entries_of(tree))]
+    """List entries, spans of scalars and keys, and entries in braces or brackets, in document order."""
+    stack = [_Place(e, tree, tree if tree.flow else None) for e in reversed(entries_of(tree))]
     while stack:
-        entry, flow = stack.pop()
-        places.append(_Place(entry, flow))
+        place = stack.pop()
+        entry = place.entry
+        places.append(place)
         spans.append((entry.start, entry.key_end))
         value = entry.value
         if isinstance(value, Scalar):
             spans.append(value.span)
             continue
         if value.flow:
-            flows.append(value)
-        stack.extend((e, value if value.flow else flow) for e in reversed(entries_of(value)))
+            flows.append(entry)
+        flow = value if value.flow else place.flow
+        stack.extend(_Place(e, value, flow) for e in reversed(entries_of(value)))
 
 
 def _block_scalars(tree: Mapping) -> Iterator[Scalar]:
@@ -130,21 +133,23 @@ def _attach_blank_lines(places: list[_Place], text: str) -> None:
                 place.entry.comments.before.append("")
 
 
-def _enclosing(flows: list[Mapping | Listing], at: int) -> Mapping | Listing | None:
-    inside = [f for f in flows if f.span[0] < at < f.span[1]]
+def _enclosing(flows: list[Entry], at: int) -> Entry | None:
+    inside = [f for f in flows if f.value.span[0] < at < f.value.span[1]]
     return inside[-1] if inside else None
 
 
-def _attach_in_flow(flow: Mapping | Listing, comment: _Comment) -> None:
-    entries = entries_of(flow)
+def _attach_in_flow(flow: Entry, comment: _Comment) -> None:
+    entries = entries_of(flow.value)
     earlier = [e for e in entries if e.start < comment.start]
     later = entries[len(earlier) :]
     if earlier and not comment.alone:
         _put_beside(earlier[-1].comments, comment.text)
     elif later:
         later[0].comments.before.append(comment.text)
-    elif earlier:
-        earlier[-1].comments.after.append(comment.text)
+    elif earlier and not isinstance(flow.value, Scalar):
+        flow.value.closing.append(comment.text)
+    else:
+        _put_beside(flow.comments, comment.text)
 
 
 def _attach_alone(places: list[_Place], below: int, comment: _Comment) -> None:
@@ -155,9 +160,9 @@ def _attach_alone(places: list[_Place], below: int, comment: _Comment) -> None:
         at = len(before) - 1 if before and before[-1] == "" else len(before)
         before[at:at] = lines
         return
-    above = [p.entry for p in places[:below] if p.flow is None]
-    owner = next((e for e in reversed(above) if e.column <= comment.column), above[-1])
-    owner.comments.after.extend(lines)
+    above = [p for p in places[:below] if p.flow is None] or places[:1]
+    owner = next((p for p in reversed(above) if p.entry.column <= comment.column), above[0])
+    owner.parent.closing.extend(lines)
 
 
 def _put_beside(comments: Comments, text: str) -> None:

@@ -15,6 +15,7 @@ def fmt(text: str, source: str = "") -> str:
     Raises:
         DocumentError: the text isn't a task.
     """
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
     document = read_text(text, source)
     header = attach_comments(document.tree, text)
     return write_canonical(document.tree, header)

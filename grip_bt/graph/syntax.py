@@ -6,6 +6,7 @@ nesting beyond `MAX_DEPTH`, numbers beyond 64 bits, more than one document. No i
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
@@ -16,7 +17,9 @@ from .scalars import read_plain
 
 MAX_DEPTH = 120
 """Levels of mappings and lists in a file; a container of a task takes two."""
+LONGEST_KEY = 200
 MAX_CHARACTERS = 4_000_000
+_DIRECTIVE = re.compile(r"([ \t]*(#.*)?\r?\n)*%")
 
 
 @dataclass(slots=True)
@@ -25,11 +28,10 @@ class Comments:
 
     before: list[str] = field(default_factory=list)
     beside: str = ""
-    after: list[str] = field(default_factory=list)
 
     def any(self) -> bool:
         """Tell whether there is a comment; blank lines don't count."""
-        return bool(self.beside or self.after or any(self.before))
+        return bool(self.beside or any(self.before))
 
 
 @dataclass(slots=True)
@@ -66,6 +68,8 @@ class Mapping:
     column: int = 0
     span: tuple[int, int] = (0, 0)
     flow: bool = False
+    closing: list[str] = field(default_factory=list)
+    """Comments after the last entry."""
 
 
 @dataclass(slots=True)
@@ -77,6 +81,8 @@ class Listing:
     column: int = 0
     span: tuple[int, int] = (0, 0)
     flow: bool = False
+    closing: list[str] = field(default_factory=list)
+    """Comments after the last entry."""
 
 
 Value = Scalar | Mapping | Listing
@@ -118,6 +124,10 @@ def parse(text: str, source: str = "") -> Value:
 
     if len(text) > MAX_CHARACTERS:
         raise DocumentError(f"larger than {MAX_CHARACTERS} characters", source)
+    directive = _DIRECTIVE.match(text)
+    if directive:
+        line = text.count("\n", 0, directive.end()) + 1
+        raise DocumentError("a directive: tasks have none; remove the line", source, line, 1)
     builder = _Builder(source)
     try:
         for event in _events(YAML(typ="safe", pure=True), text):
@@ -126,6 +136,11 @@ def parse(text: str, source: str = "") -> Value:
         raise _syntax_error(error, source) from None
     except YAMLError as error:
         raise _unreadable(error, text, source) from None
+    except DocumentError:
+        raise
+    except Exception as error:
+        # the parser's own trouble with odd input, such as "\\UFFFFFFFF" or a directive
+        raise DocumentError(f"not valid YAML: {error}", source, 1, 1) from error
     if builder.root is None:
         raise DocumentError("the file is empty; a task begins with `grip: 1`", source, 1, 1)
     return builder.root
@@ -193,6 +208,7 @@ class _Builder:
     def _scalar(self, event: Any) -> Scalar:
         start, end = event.start_mark, event.end_mark
         try:
+            event.value.encode()  # refuses half characters such as "\\ud800"
             value = event.value if event.style else read_plain(event.value)
         except ValueError as error:
             raise self._error(event, str(error)) from None
@@ -234,6 +250,8 @@ class _Builder:
         if not isinstance(value, Scalar) or not isinstance(value.value, str):
             shown = repr(value.value) if isinstance(value, Scalar) else "a collection"
             raise DocumentError(f"{shown} as a key; keys are text: put it in quotes", *place)
+        if len(value.value) > LONGEST_KEY:
+            raise DocumentError(f"a key longer than {LONGEST_KEY} characters", *place)
         if value.value in parent.entries:
             first = parent.entries[value.value]
             raise DocumentError(f"the key {value.value!r} again; it stands in line {first.line} too", *place)

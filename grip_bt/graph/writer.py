@@ -38,9 +38,8 @@ def _block(value: Mapping | Listing, indent: int, always_block: AlwaysBlock) -> 
         if number == 0:
             before = before[next((i for i, c in enumerate(before) if c), len(before)) :]
         yield from (space + c if c else "" for c in before)
-        lines = _entry(value, entry, indent, always_block)
-        yield from lines
-        yield from (space + c for c in entry.comments.after)
+        yield from _entry(value, entry, indent, always_block)
+    yield from (space + c if c else "" for c in value.closing)
 
 
 def _entry(parent: Mapping | Listing, entry: Entry, indent: int, always_block: AlwaysBlock) -> list[str]:
@@ -52,7 +51,7 @@ def _entry(parent: Mapping | Listing, entry: Entry, indent: int, always_block: A
         first, *rest = _text(value.value, indent, len(lead) + 1)
         return [f"{space}{lead} {first}{beside}", *rest]
     flow = None if always_block(value) else _flow(value)
-    if flow is not None and indent + len(lead) + 1 + len(flow) <= WIDTH:
+    if flow is not None and (indent + len(lead) + 1 + len(flow) <= WIDTH or not entries_of(value)):
         return [f"{space}{lead} {flow}{beside}"]
     inner = list(_block(value, indent + 2, always_block))
     if isinstance(parent, Listing) and not beside and not inner[0].lstrip().startswith("#"):
@@ -64,6 +63,8 @@ def _flow(value: Value) -> str | None:
     """Return a value on one line; None when it carries comments or can't stand there."""
     if isinstance(value, Scalar):
         return write_scalar(value.value, flow=True)
+    if value.closing:
+        return None
     parts = []
     for entry in entries_of(value):
         inner = None if entry.comments.any() else _flow(entry.value)

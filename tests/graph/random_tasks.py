@@ -1,0 +1,109 @@
+"""Hypothesis strategies for tasks: any shape, any text, any literal; not necessarily valid tasks."""
+
+from __future__ import annotations
+
+from hypothesis import strategies as st
+
+from grip_bt.graph import (
+    Fallback,
+    Force,
+    Invert,
+    Leaf,
+    Parallel,
+    Repeat,
+    Retry,
+    Sequence,
+    StateMachine,
+    Task,
+    Timeout,
+    Variable,
+)
+
+names = st.from_regex(r"\A[A-Za-z_][A-Za-z0-9_ -]{0,8}\Z")
+tricky = st.sampled_from(
+    ["", "null", "on", "yes", "1", "1e5", "0x1F", ".inf", "- a", "a: b", "a #b", "#", "a\n", "a\n\nb", " a", "a ",
+     "'", '"', "[a]", "{a}", "a, b", "---", "...", "~", "\x85", "\u2028", "\ufeff", "é", "!a", "&a", "*a", "|", ">",
+     "%a", "@a", "`a", "a:", ":a", "a\tb", "true", "word " * 40, "\n" * 3, "a\n b\nc  \n", "?", "? a", "=", "<<"]
+)  # fmt: skip
+texts = tricky | st.text(
+    st.characters(exclude_categories=["Cs"]), max_size=30
+) | st.from_regex(r"\A[a-z,.:#' -]{0,160}\Z")  # fmt: skip
+meanings = st.sampled_from(["success", "failure"])
+literals = st.recursive(
+    st.none() | st.booleans() | st.integers(-(2**63) + 1, 2**63 - 1) | st.floats(allow_nan=False) | texts,
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(texts, inner, max_size=3),
+    max_leaves=6,
+)
+free = st.dictionaries(st.from_regex(r"\Ax-[a-z#: ]{0,6}\Z"), literals, max_size=2)
+variables = texts | st.builds(Variable, type=texts, doc=texts) | st.builds(
+    Variable, type=texts, value=literals
+)  # fmt: skip
+bindings = st.dictionaries(texts, texts, max_size=3)
+common = {"doc": texts, "on": bindings, "x": free}
+own = {
+    **common,
+    "data": st.dictionaries(names, variables, max_size=2),
+    "outcomes": st.dictionaries(names, meanings, max_size=2),
+}
+leaves = st.fixed_dictionaries(
+    {"node": texts},
+    optional={
+        **common,
+        "with": st.dictionaries(texts, literals, max_size=3),
+        "in": bindings,
+        "out": bindings,
+        "meaning": st.dictionaries(texts, meanings, max_size=2),
+    },
+).map(Leaf.model_validate)
+
+
+def _made(model, kind, fields, extra=None):
+    optional = {**own, **(extra or {})}
+    return st.fixed_dictionaries(
+        {"kind": st.just(kind), **fields},
+        optional={key: value for key, value in optional.items() if key not in fields},
+    ).map(model.model_validate)
+
+
+def _containers(nodes):
+    children = st.dictionaries(names, nodes, max_size=3)
+    child = st.dictionaries(names, nodes, min_size=1, max_size=1)
+    memory = {"memory": st.booleans(), "exits": bindings}
+    exits = {"exits": bindings}
+    seconds = st.floats(0.001, 1e6) | st.integers(1, 100).map(float)
+    return st.one_of(
+        _made(Sequence, "sequence", {"children": children}, memory),
+        _made(Fallback, "fallback", {"children": children}, memory),
+        _made(
+            Parallel,
+            "parallel",
+            {"children": children},
+            {"policy": st.sampled_from(["all", "any"]), "cancel": st.sampled_from(["halt", "join"])},
+        ),
+        _made(
+            StateMachine,
+            "state_machine",
+            {
+                "initial": texts,
+                "outcomes": st.dictionaries(names, meanings, min_size=1, max_size=2),
+                "children": st.dictionaries(names, nodes, min_size=1, max_size=3),
+            },
+        ),
+        _made(Retry, "retry", {"times": st.integers(1, 9), "child": child}, exits),
+        _made(Repeat, "repeat", {"child": child}, {"times": st.integers(1, 9), **exits}),
+        _made(Timeout, "timeout", {"seconds": seconds, "child": child}, exits),
+        _made(Invert, "invert", {"child": child}, exits),
+        _made(Force, "force", {"as": meanings, "child": child}, exits),
+    )
+
+
+nodes = st.recursive(leaves, _containers, max_leaves=6)
+tasks = st.fixed_dictionaries(
+    {"grip": st.just(1), "name": texts, "root": nodes},
+    optional={
+        "doc": texts,
+        "x": free,
+        "data": st.dictionaries(names, variables, max_size=3),
+        "outcomes": st.dictionaries(names, meanings, min_size=1, max_size=3),
+    },
+).map(Task.model_validate)
