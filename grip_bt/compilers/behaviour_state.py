@@ -1,0 +1,128 @@
+"""A behaviour as a state of a machine: one leaf, or a whole sub-tree whose parts interrupt each other."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Any
+
+from grip_bt.nodes.leaf import Leaf
+from grip_bt.nodes.node import Node
+from grip_bt.ports import Context
+from grip_bt.smach_compat import State
+from grip_bt.values import Failure
+
+from .drive import Halted, Pacer, Rushing, drive
+from .leaves import prepare
+
+Refined = Collection[tuple[str, str]]
+"""(outcome, failure code) pairs that have a label of their own, `outcome.code`."""
+
+
+class MachineRun:
+    """What the states of one machine share while it runs; the pacer of each of them.
+
+    Attributes:
+        pacer: says when to tick.
+        error: the first exception raised below. smach wraps exceptions, so that the original is kept here; the states
+            in other threads end because of it.
+    """
+
+    def __init__(self) -> None:
+        self.pacer: Pacer = Rushing()
+        self.error: BaseException | None = None
+
+    def turn(self) -> int:
+        """Wait for the time to tick; raise Halted when something else has raised."""
+        seen = self.pacer.turn()
+        if self.error is not None:
+            raise Halted
+        return seen
+
+    def rest(self, seen: int) -> None:
+        """Wait for something to look at."""
+        self.pacer.rest(seen)
+
+    def wake(self) -> None:
+        """Have every state look."""
+        self.pacer.wake()
+
+    def fail(self, error: BaseException) -> None:
+        """Keep the first error and have the other states end."""
+        self.error = self.error or error
+        self.pacer.wake()
+
+
+class TaskState:
+    """Mixed into states and containers that stand for a node: what they ended with, and why.
+
+    Attributes:
+        path: the node's path.
+        outcome: the label of the last end, without a code.
+        failure: the reason of the last end.
+    """
+
+    path: str
+    outcome: str | None = None
+    failure: Failure | None = None
+
+
+def labels(outcomes: Collection[str], refined: Refined) -> list[str]:
+    """Return the outcomes of a state: the node's own, and one for each refinement by a failure code."""
+    return [*outcomes, *(f"{outcome}.{code}" for outcome, code in sorted(refined))]
+
+
+def label(outcome: str, failure: Failure | None, refined: Refined) -> str:
+    """Return the outcome that a state returns for this end."""
+    if failure is not None and (outcome, failure.code) in refined:
+        return f"{outcome}.{failure.code}"
+    return outcome
+
+
+class BehaviourState(TaskState, State):
+    """Ticks a behaviour until it ends, waiting for what it waits for, and returns the label of its end.
+
+    Args:
+        node: a leaf, or the root of a sub-tree.
+        run: what the machine's states share.
+        refined: failure codes that have labels of their own.
+    """
+
+    def __init__(self, node: Node, run: MachineRun, refined: Refined = ()):
+        State.__init__(self, labels(node.meaning, refined))
+        self.node, self.run, self.refined = node, run, frozenset(refined)
+        self.path = node.path
+
+    @property
+    def embedded(self) -> bool:
+        """Whether this is a sub-tree and not one leaf."""
+        return not isinstance(self.node, Leaf)
+
+    def prepare(self, context: Context) -> None:
+        """Give every node below its context, in which a preempt request of this state is seen."""
+        prepare(self.node.iterate(), _StateContext(context, self))
+
+    def execute(self, userdata: Any) -> str:
+        """Tick to the end; a stop interrupts everything below, and unwinds."""
+        try:
+            drive(self.node, self.run)
+        except BaseException as error:
+            self.run.fail(error)
+            raise
+        self.outcome, self.failure = self.node.outcome, self.node.failure
+        assert self.outcome is not None, "a behaviour that ended has an outcome"
+        return label(self.outcome, self.failure, self.refined)
+
+
+class _StateContext:
+    """The run's context, with the preempt request that has reached this state."""
+
+    def __init__(self, context: Context, state: State):
+        self._context, self._state = context, state
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._context, name)
+
+    @property
+    def preempt_requested(self) -> bool:
+        """Whether the request has travelled to this state."""
+        return self._state.preempt_requested()

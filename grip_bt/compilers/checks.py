@@ -1,0 +1,167 @@
+"""What must hold before a task can be compiled at all."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from grip_bt.catalog import Manifest
+from grip_bt.errors import listing, nearest
+from grip_bt.graph.model import Leaf, Task
+from grip_bt.nodes.control import Edges
+
+from .scopes import Scope
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Why a task can't be compiled."""
+
+    path: str
+    code: str
+    message: str
+
+    def __str__(self) -> str:
+        return f"{self.path}: {self.message} [{self.code}]"
+
+
+def check_leaf(path: str, node: Leaf, manifest: Manifest, scope: Scope, problems: list[Problem]) -> None:
+    """Parameters, ports and variables of a leaf are there."""
+    for name, parameter in manifest.parameters.items():
+        if parameter.required and name not in node.with_:
+            problems.append(
+                Problem(path, "missing_parameter", f"{manifest.id} needs `with: {{{name}: ...}}` ({parameter.type})")
+            )
+    for port, declared in manifest.inputs.items():
+        if declared.required and port not in node.in_:
+            problems.append(
+                Problem(path, "unbound_input", f"{manifest.id} needs `in: {{{port}: <variable>}}` ({declared.type})")
+            )
+    for kind, given, allowed in (
+        ("parameter", node.with_, manifest.parameters),
+        ("input", node.in_, manifest.inputs),
+        ("output", node.out, manifest.outputs),
+        ("outcome", node.meaning, manifest.outcomes),
+    ):
+        for name in given:
+            if name not in allowed:
+                problems.append(
+                    Problem(
+                        path,
+                        f"unknown_{kind}",
+                        f"{manifest.id} has no {kind} {name!r}{nearest(name, allowed)} (there are: {listing(allowed)})",
+                    )
+                )
+    for variable in (*node.in_.values(), *node.out.values()):
+        if scope.find(variable) is None:
+            there = scope.visible()
+            problems.append(
+                Problem(
+                    path,
+                    "unknown_variable",
+                    f"no variable {variable!r} is declared here or above{nearest(variable, there)}"
+                    f" (there are: {listing(there)})",
+                )
+            )
+
+
+def check_edges(
+    path: str,
+    edges: Edges,
+    ends: Mapping[str, Mapping[str, str]],
+    outcomes: set[str],
+    initial: str | None,
+    problems: list[Problem],
+) -> None:
+    """Edges leave ends that exist, and lead somewhere; in a state machine every end has one.
+
+    Args:
+        path: the container.
+        edges: its exits, or the edges of a state machine.
+        ends: child -> its outcomes and their meaning.
+        outcomes: the container's outcomes.
+        initial: the first child of a state machine; None for other containers.
+        problems: what is found is added here.
+    """
+    targets = outcomes | set(ends) if initial is not None else outcomes
+    for (child, outcome, _), target in edges:
+        if child not in ends:
+            problems.append(
+                Problem(
+                    path, "unknown_child", f"an exit names {child!r}{nearest(child, ends)} (children: {listing(ends)})"
+                )
+            )
+        elif ends[child] and outcome not in ends[child]:
+            problems.append(
+                Problem(
+                    path,
+                    "unknown_outcome",
+                    f"{child!r} never ends with {outcome!r}{nearest(outcome, ends[child])}"
+                    f" (it ends with: {listing(ends[child])})",
+                )
+            )
+        if target not in targets:
+            problems.append(
+                Problem(
+                    path,
+                    "unknown_target",
+                    f"{child}.{outcome} leads to {target!r}{nearest(target, targets)}"
+                    f" (allowed: {listing(sorted(targets))})",
+                )
+            )
+    if initial is None:
+        return
+    if initial not in ends:
+        problems.append(
+            Problem(
+                path,
+                "unknown_child",
+                f"initial {initial!r} isn't a child{nearest(initial, ends)} (children: {listing(ends)})",
+            )
+        )
+    for child, labels in ends.items():
+        for outcome in labels:
+            if edges.target(child, outcome) is None:
+                problems.append(
+                    Problem(
+                        path,
+                        "no_target",
+                        f"{child!r} may end with {outcome!r}, which leads nowhere; add it to `on:` of {child!r}",
+                    )
+                )
+
+
+def check_root(task: Task, meaning: Mapping[str, str], problems: list[Problem]) -> Edges:
+    """Return where each end of the root leads; what `on:` doesn't map keeps its label, or else goes by its meaning."""
+    on = dict(task.root.on)
+    for label, target in on.items():
+        if label.split(".", 1)[0] not in meaning and meaning:
+            problems.append(
+                Problem(
+                    "/", "unknown_outcome", f"the root never ends with {label!r} (it ends with: {listing(meaning)})"
+                )
+            )
+        if target not in task.outcomes:
+            problems.append(
+                Problem(
+                    "/",
+                    "unknown_target",
+                    f"{label!r} leads to {target!r}{nearest(target, task.outcomes)}"
+                    f" (the task's outcomes: {listing(task.outcomes)})",
+                )
+            )
+    for outcome, means in meaning.items():
+        if outcome not in on:
+            target = next((t for t in (outcome, means) if t in task.outcomes), None)
+            if target is None:
+                problems.append(
+                    Problem(
+                        "/",
+                        "no_target",
+                        f"the root may end with {outcome!r}, which leads to no outcome of the task;"
+                        " add it to `on:` of the root",
+                    )
+                )
+            else:
+                on[outcome] = target
+    return Edges.of_children({"/": on})

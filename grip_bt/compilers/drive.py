@@ -1,0 +1,79 @@
+"""Driving one behaviour to its end: the loop that a whole tree and a state of a machine have in common."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+
+from grip_bt.nodes.node import halt
+from grip_bt.values import Failure
+
+
+class Halted(BaseException):
+    """The run was stopped. It passes every `except Exception`, so that nothing recovers from it."""
+
+
+class Pacer(Protocol):
+    """Says when to tick. It may be asked from several threads at once."""
+
+    def turn(self) -> int:
+        """Return when it is time to tick, with a number for `rest`; this is where a pause holds.
+
+        Raises:
+            Halted: the run was stopped.
+        """
+        ...
+
+    def rest(self, seen: int) -> None:
+        """Return when there may be something to look at since `turn` returned `seen`."""
+        ...
+
+    def wake(self) -> None:
+        """Have every `rest` return."""
+        ...
+
+
+class Rushing:
+    """A pacer that never waits, for leaves that need no time."""
+
+    def turn(self) -> int:
+        """Tick at once."""
+        return 0
+
+    def rest(self, seen: int) -> None:
+        """Don't wait."""
+
+    def wake(self) -> None:
+        """Nobody rests."""
+
+
+def drive(node: Behaviour, pacer: Pacer) -> Status:
+    """Tick `node` until it ends; whatever interrupts this halts everything below it first.
+
+    Raises:
+        Halted: the run was stopped.
+        NodeError: a leaf raised.
+    """
+    try:
+        while True:
+            seen = pacer.turn()
+            node.tick_once()
+            if node.status != Status.RUNNING:
+                return node.status
+            pacer.rest(seen)
+    except BaseException as error:
+        for path, trouble in halt(node):
+            error.add_note(f"while stopping {path}: {type(trouble).__name__}: {trouble}")
+        raise
+
+
+@dataclass(frozen=True)
+class TaskEnd:
+    """How a task has ended: its outcome, success or failure, and the reason of a failure."""
+
+    outcome: str
+    meaning: str
+    failure: Failure | None

@@ -1,0 +1,156 @@
+"""The front end of both compilers: a task with every name resolved, or all problems at once.
+
+Only what a compiler can't do without is looked at here; `grip_bt.validation` says more, earlier and with fixes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from grip_bt.catalog import Catalog, Manifest
+from grip_bt.errors import GripError, InvalidTaskError
+from grip_bt.graph.model import (
+    AnyNode,
+    Leaf,
+    StateMachine,
+    Task,
+    children_of,
+    join,
+    outcomes_of,
+)
+from grip_bt.nodes.control import Edges
+
+from .checks import Problem, check_edges, check_leaf, check_root
+from .scopes import Scope, Scopes
+
+
+@dataclass(frozen=True)
+class Part:
+    """One node of a task, resolved.
+
+    Attributes:
+        name: its key; the task's name for the root.
+        path: its path.
+        node: what the document says.
+        meaning: each of its outcomes -> success or failure.
+        scope: the variables that it sees.
+        declares: whether `scope` is its own.
+        children: its children, in order.
+        exits: ends of children -> its outcomes.
+        edges: of a state machine: ends of children -> siblings or its outcomes.
+        manifest: of a leaf.
+    """
+
+    name: str
+    path: str
+    node: AnyNode
+    meaning: Mapping[str, str]
+    scope: Scope
+    declares: bool
+    children: tuple[Part, ...] = ()
+    exits: Edges = field(default_factory=Edges)
+    edges: Edges = field(default_factory=Edges)
+    manifest: Manifest | None = None
+
+    def walk(self) -> Iterator[Part]:
+        """Yield this part and all below it, parents first."""
+        yield self
+        for child in self.children:
+            yield from child.walk()
+
+
+@dataclass(frozen=True)
+class Resolved:
+    """A task that can be compiled.
+
+    Attributes:
+        task: the document.
+        root: its root.
+        scopes: its variables.
+        ends: (``"/"``, root's outcome, code) -> outcome of the task.
+    """
+
+    task: Task
+    root: Part
+    scopes: Scopes
+    ends: Edges
+
+    def end(self, outcome: str, code: str | None) -> tuple[str, str]:
+        """Return the task's outcome for an end of the root, and its meaning."""
+        label = self.ends.target("/", outcome, code)
+        if label is None:
+            raise LookupError(f"the root ended with {outcome!r}, which leads to no outcome of the task")
+        return label, self.task.outcomes[label]
+
+
+def resolve(task: Task, catalog: Catalog, data: Mapping[str, Any] | None = None) -> Resolved:
+    """Resolve every name of a task.
+
+    Args:
+        task: the document.
+        catalog: where the leaves' manifests are.
+        data: values that replace the initial values of the task's own variables.
+
+    Raises:
+        InvalidTaskError: with all problems that were found.
+    """
+    work = _Resolver(catalog)
+    outer = work.scopes.declare(Scopes.TASK, task.data, None)
+    for name, value in (data or {}).items():
+        if name in outer.cells:
+            outer.cells[name].preset(value)
+        else:
+            there = ", ".join(outer.cells) or "none"
+            work.add("/", "unknown_variable", f"the task declares no variable {name!r} (there are: {there})")
+    root = work.part(task.name, "/", task.root, outer)
+    ends = check_root(task, root.meaning, work.problems)
+    if work.problems:
+        raise InvalidTaskError(work.problems, task.name)
+    return Resolved(task, root, work.scopes, ends)
+
+
+class _Resolver:
+    def __init__(self, catalog: Catalog):
+        self.catalog = catalog
+        self.scopes = Scopes()
+        self.problems: list[Problem] = []
+
+    def add(self, path: str, code: str, message: str) -> None:
+        self.problems.append(Problem(path, code, message))
+
+    def part(self, name: str, path: str, node: AnyNode, outer: Scope) -> Part:
+        if isinstance(node, Leaf):
+            return self.leaf(name, path, node, outer)
+        scope = self.scopes.declare(path, node.data, outer)
+        children = tuple(
+            self.part(child, join(path, child), below, scope) for child, below in children_of(node).items()
+        )
+        machine = isinstance(node, StateMachine)
+        exits, edges = Edges(), Edges()
+        if isinstance(node, StateMachine):
+            edges = Edges.of_children({child: below.on for child, below in node.children.items()})
+        else:
+            exits = Edges.of_exits(node.exits)
+            for child, below in children_of(node).items():
+                if below.on:
+                    self.add(
+                        join(path, child),
+                        "edge_outside_machine",
+                        "`on:` is only for children of a state_machine; use `exits:` of the container",
+                    )
+        ends = {child.name: child.meaning for child in children}
+        initial = node.initial if isinstance(node, StateMachine) else None
+        check_edges(path, edges if machine else exits, ends, set(outcomes_of(node)), initial, self.problems)
+        return Part(name, path, node, outcomes_of(node), scope, scope is not outer, children, exits, edges)
+
+    def leaf(self, name: str, path: str, node: Leaf, scope: Scope) -> Part:
+        try:
+            manifest = self.catalog.get(node.node)
+        except GripError as error:
+            self.add(path, "unknown_node", str(error))
+            return Part(name, path, node, {}, scope, False)
+        check_leaf(path, node, manifest, scope, self.problems)
+        meaning = manifest.outcomes_for(dict(node.meaning))
+        return Part(name, path, node, meaning, scope, False, manifest=manifest)

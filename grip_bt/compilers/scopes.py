@@ -1,0 +1,142 @@
+"""The variables of one run: a scope per declaring container, a cell per variable, closures for ports.
+
+Names are resolved once, when a task is compiled; at run time a port reads and writes its cell and looks nothing up. A
+scope is reset each time its container is entered anew: each variable gets its initial value again, or is unwritten.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from copy import deepcopy
+from typing import Any
+
+from grip_bt.catalog import check_value, parse_type
+from grip_bt.errors import DataError
+from grip_bt.graph.model import Variable
+
+
+class _Unset:
+    def __repr__(self) -> str:
+        return "<unset>"
+
+
+UNSET = _Unset()
+"""The value of a variable that hasn't been written."""
+
+
+class Cell:
+    """One variable of one scope."""
+
+    __slots__ = ("_initial", "name", "parsed", "type", "value")
+
+    def __init__(self, name: str, declared: Variable | str):
+        variable = Variable(type=declared) if isinstance(declared, str) else declared
+        self.name, self.type, self.parsed = name, variable.type, parse_type(variable.type)
+        self._initial: Any = variable.value if variable.has_value else UNSET
+        self.value: Any = UNSET
+        self.reset()
+
+    def reset(self) -> None:
+        """Take the initial value again, or become unwritten."""
+        self.value = self._initial if self._initial is UNSET else deepcopy(self._initial)
+
+    def preset(self, value: Any) -> None:
+        """Replace the initial value, and take it."""
+        self._initial = value
+        self.reset()
+
+
+class Scope:
+    """The variables that one container declares."""
+
+    def __init__(self, path: str, declared: Mapping[str, Variable | str], outer: Scope | None = None):
+        self.path, self.outer = path, outer
+        self.cells = {name: Cell(name, variable) for name, variable in declared.items()}
+
+    def reset(self) -> None:
+        """Start anew; called when the container is entered."""
+        for cell in self.cells.values():
+            cell.reset()
+
+    def find(self, name: str) -> Cell | None:
+        """Return the innermost visible variable of this name, or None."""
+        scope: Scope | None = self
+        while scope is not None:
+            if name in scope.cells:
+                return scope.cells[name]
+            scope = scope.outer
+        return None
+
+    def visible(self) -> list[str]:
+        """Return all names that can be seen from here, inner ones first."""
+        names: dict[str, None] = {}
+        scope: Scope | None = self
+        while scope is not None:
+            names.update(dict.fromkeys(scope.cells))
+            scope = scope.outer
+        return list(names)
+
+
+class Scopes:
+    """All variables of a compiled task; `[path]` is the scope that the container at `path` declares.
+
+    The task's own variables are under the empty path.
+
+    Attributes:
+        on_write: called as (node's path, variable, type, value) after each write.
+    """
+
+    TASK = ""
+
+    def __init__(self) -> None:
+        self._scopes: dict[str, Scope] = {}
+        self.on_write: Callable[[str, str, str, Any], None] | None = None
+
+    def declare(self, path: str, declared: Mapping[str, Variable | str], outer: Scope | None) -> Scope:
+        """Add a scope; a container that declares nothing shares its outer one."""
+        if not declared and outer is not None:
+            return outer
+        scope = self._scopes[path] = Scope(path, declared, outer)
+        return scope
+
+    def __getitem__(self, path: str) -> Scope:
+        return self._scopes[path]
+
+    def __contains__(self, path: str) -> bool:
+        return path in self._scopes
+
+    def __iter__(self) -> Iterator[Scope]:
+        return iter(self._scopes.values())
+
+    def snapshot(self) -> dict[tuple[str, str], Any]:
+        """Return the value of every written variable by (container's path, name)."""
+        return {
+            (path, name): cell.value
+            for path, scope in self._scopes.items()
+            for name, cell in scope.cells.items()
+            if cell.value is not UNSET
+        }
+
+    def reader(self, path: str, port: str, cell: Cell) -> Callable[[], Any]:
+        """Return what the port of the node at `path` reads with."""
+
+        def read() -> Any:
+            value = cell.value
+            if value is UNSET:
+                raise DataError(path, port, f"variable {cell.name!r} was read before it was written")
+            return value
+
+        return read
+
+    def writer(self, path: str, port: str, cell: Cell) -> Callable[[Any], None]:
+        """Return what the port of the node at `path` writes with; a value of a wrong type is refused."""
+
+        def write(value: Any) -> None:
+            wrong = check_value(cell.parsed, value)
+            if wrong is not None:
+                raise DataError(path, port, f"variable {cell.name!r} is {cell.type}: {wrong}")
+            cell.value = value
+            if self.on_write is not None:
+                self.on_write(path, cell.name, cell.type, value)
+
+        return write

@@ -1,0 +1,163 @@
+"""The containers of a compiled machine: smach's, with a path, a reason carried up, an observer, and variables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from grip_bt.nodes.control import Edges, End, decide, first_reason
+from grip_bt.nodes.control.parallel import Policy
+from grip_bt.nodes.observer import SILENT, Observer
+from grip_bt.smach_compat import Concurrence, State, StateMachine
+from grip_bt.values import Failure
+
+from .behaviour_state import Refined, TaskState, label, labels
+
+
+class TaskContainer(TaskState):
+    """Mixed in before a container of smach.
+
+    Attributes:
+        meaning: each outcome -> success or failure.
+        refined: (outcome, code) pairs with labels of their own.
+        enter: resets the container's variables, if it declares some.
+    """
+
+    observer: Observer = SILENT
+    meaning: Mapping[str, str]
+    refined: Refined
+
+    def take(self, path: str, meaning: Mapping[str, str], refined: Refined, enter: Callable[[], None] | None) -> None:
+        """Become the container of the node at `path`."""
+        self.path, self.meaning, self.refined = path, dict(meaning), frozenset(refined)
+        self._entries = [] if enter is None else [enter]
+
+    def on_enter(self, reset: Callable[[], None]) -> None:
+        """Have `reset` called each time the container is entered."""
+        self._entries.append(reset)
+
+    def execute(self, parent_ud: Any = None) -> Any:
+        """Execute as smach does, and report where the activation begins and ends."""
+        self.outcome = self.failure = None
+        self.observer.entered(self.path)
+        try:
+            for reset in self._entries:
+                reset()
+            reached = super().execute(parent_ud)  # type: ignore[misc]
+            self.outcome = str(reached).split(".", 1)[0]
+            self.failure = self.reason() if self.meaning[self.outcome] == "failure" else None
+        except BaseException:
+            self.observer.interrupted(self.path)
+            raise
+        self.observer.ended(self.path, self.outcome, self.failure)
+        return reached
+
+    def reason(self) -> Failure | None:
+        """Return why the container fails."""
+        raise NotImplementedError
+
+
+class TaskMachine(TaskContainer, StateMachine):
+    """A container whose children run one after the other."""
+
+    def __init__(
+        self,
+        path: str,
+        meaning: Mapping[str, str],
+        refined: Refined = (),
+        enter: Callable[[], None] | None = None,
+    ):
+        StateMachine.__init__(self, labels(meaning, refined))
+        self.take(path, meaning, refined, enter)
+        self._last: TaskState | None = None
+        self.register_termination_cb(self._remember)
+
+    def _remember(self, userdata: Any, terminal_states: list[str], outcome: str) -> None:
+        self._last = self[terminal_states[0]]  # type: ignore[assignment]
+
+    def reason(self) -> Failure | None:
+        """Return the reason of the state that ended the machine."""
+        return self._last.failure if self._last is not None else None
+
+
+class TaskConcurrence(TaskContainer, Concurrence):
+    """A parallel that joins: each child in its own thread; the rule is read when all have ended.
+
+    `ends_of` holds, for the label of each child's state, the child's name and the meaning of its outcomes.
+
+    A preempt request travels to all children and is left for them to obey. Upstream would end with the outcome
+    `preempted` when no child has seen the request, which a parallel doesn't have.
+    """
+
+    def __init__(
+        self,
+        path: str,
+        meaning: Mapping[str, str],
+        rule: tuple[Policy, Edges],
+        refined: Refined = (),
+        enter: Callable[[], None] | None = None,
+    ):
+        Concurrence.__init__(self, labels(meaning, refined), default_outcome="failure", outcome_cb=self._choose)
+        self.take(path, meaning, refined, enter)
+        self.policy, self.exits = rule
+        self.ends_of: dict[str, tuple[str, Mapping[str, str]]] = {}
+
+    def ends(self) -> list[End]:
+        """Return how each child has ended, in the document's order."""
+        result = []
+        for state_label, (name, meaning) in self.ends_of.items():
+            state: Any = self[state_label]
+            result.append(End(name, state.outcome, meaning[state.outcome], state.failure))
+        return result
+
+    def reason(self) -> Failure | None:
+        """Return the reason of the first child that accounts for the outcome."""
+        return first_reason(self.ends(), self.exits, self.outcome or "failure")
+
+    def _choose(self, outcomes: Mapping[str, str]) -> str:
+        ends = self.ends()
+        outcome = decide(self.policy, self.exits, ends) or "failure"
+        failure = first_reason(ends, self.exits, outcome) if self.meaning[outcome] == "failure" else None
+        return label(outcome, failure, self.refined)
+
+    def execute(self, parent_ud: Any = None) -> Any:
+        """Bring a request that came before to the children, then execute."""
+        if State.preempt_requested(self):
+            self._ask_children()
+        return super().execute(parent_ud)
+
+    def request_preempt(self) -> None:
+        """Ask every child to stop; the concurrence itself ends when they have ended."""
+        State.request_preempt(self)
+        self._ask_children()
+
+    def _ask_children(self) -> None:
+        for child in self.get_children().values():
+            child.request_preempt()
+
+
+class Count(TaskState, State):
+    """Counts the attempts of its machine; `again` or, when there were enough, `enough`.
+
+    Args:
+        child: whose attempts are counted; its reason becomes that of `enough`.
+        times: how many attempts there are in all.
+        refined: codes for which `enough` has a label of its own.
+    """
+
+    def __init__(self, child: TaskState, times: int, refined: Refined = ()):
+        State.__init__(self, labels(("again", "enough"), refined))
+        self.child, self.times, self.refined = child, times, frozenset(refined)
+        self.path = child.path
+        self.attempts = 0
+
+    def reset(self) -> None:
+        """Begin to count; called when the machine is entered."""
+        self.attempts = 0
+
+    def execute(self, userdata: Any) -> str:
+        """Count one attempt."""
+        self.attempts += 1
+        self.outcome = "enough" if self.attempts >= self.times else "again"
+        self.failure = self.child.failure if self.outcome == "enough" else None
+        return label(self.outcome, self.failure, self.refined)

@@ -1,0 +1,224 @@
+"""Graph -> SMACH machine: one container per composite, and what interrupts a running child embedded as one state."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+from grip_bt import smach_compat
+from grip_bt.catalog import Catalog
+from grip_bt.errors import NotExpressibleError
+from grip_bt.graph import model
+from grip_bt.nodes.leaf import Leaf
+from grip_bt.nodes.node import Node
+from grip_bt.nodes.observer import Observer
+
+from .behaviour_state import BehaviourState, MachineRun, Refined, TaskState
+from .drive import Pacer, TaskEnd
+from .leaves import LeafFactory, implementation_of, release
+from .resolve import Part, Resolved, resolve
+from .scopes import Scopes
+from .task_machine import Count, TaskConcurrence, TaskContainer, TaskMachine
+from .to_tree import TreeBuilder
+from .transitions import COUNT, counts, interrupts, state_labels, table_of
+
+_log = logging.getLogger("grip_bt.smach")
+
+
+class MachineBuilder:
+    """Makes the states of a resolved task.
+
+    Attributes:
+        by_path: every state and container, and every behaviour inside an embedded sub-tree.
+    """
+
+    def __init__(self, scopes: Scopes, factory: LeafFactory, run: MachineRun, embed: bool = True):
+        self.tree, self.run, self.embed = TreeBuilder(scopes, factory), run, embed
+        self.states: dict[str, TaskState] = {}
+
+    def build(self, part: Part, needed: Refined) -> TaskState:
+        """Return the state of `part`.
+
+        Args:
+            part: a node.
+            needed: (outcome, code) pairs for which the parent has an edge.
+
+        Raises:
+            NotExpressibleError: it interrupts a running child, and embedding isn't allowed.
+        """
+        if isinstance(part.node, model.Leaf):
+            state: TaskState = BehaviourState(self.tree.build(part), self.run, needed)
+        elif interrupts(part):
+            if not self.embed:
+                what = f"a {part.node.kind} that interrupts a running child, or has none,"
+                raise NotExpressibleError(part.path, what, "a machine of blocking states")
+            state = BehaviourState(self.tree.build(part), self.run, needed)
+        elif isinstance(part.node, model.Parallel):
+            state = self._concurrence(part, part.node, needed)
+        else:
+            state = self._machine(part, needed)
+        self.states[part.path] = state
+        return state
+
+    def _machine(self, part: Part, needed: Refined) -> TaskMachine:
+        table, names = table_of(part, needed), state_labels(part)
+        machine = TaskMachine(part.path, part.meaning, needed, part.scope.reset if part.declares else None)
+        with machine:
+            for child in part.children:
+                state = self.build(child, table.refined[child.name])
+                TaskMachine.add(names[child.name], state, table.rows[names[child.name]])
+            if counts(part):
+                self._count(part, machine, needed, names[part.children[0].name])
+            machine.set_initial_state([table.initial])
+        return machine
+
+    def _count(self, part: Part, machine: TaskMachine, needed: Refined, child: str) -> None:
+        """Add the state that counts attempts."""
+        end = "failure" if isinstance(part.node, model.Retry) else "success"
+        codes = {code for outcome, code in needed if outcome == end == "failure"}
+        count = Count(machine[child], part.node.times, {("enough", code) for code in codes})
+        row = {"again": child, "enough": end, **{f"enough.{code}": f"{end}.{code}" for code in codes}}
+        TaskMachine.add(COUNT, count, row)
+        machine.on_enter(count.reset)
+
+    def _concurrence(self, part: Part, node: model.Parallel, needed: Refined) -> TaskConcurrence:
+        enter = part.scope.reset if part.declares else None
+        machine = TaskConcurrence(part.path, part.meaning, (node.policy, part.exits), needed, enter)
+        names = state_labels(part)
+        with machine:
+            for child in part.children:
+                TaskConcurrence.add(names[child.name], self.build(child, ()))
+                machine.ends_of[names[child.name]] = (child.name, child.meaning)
+        return machine
+
+
+class CompiledMachine:
+    """A task as a machine of smach_compat.
+
+    Attributes:
+        task: the document.
+        machine: the machine; its one state is the root of the task, its outcomes are the task's.
+        data: the run's variables.
+        by_path: states and containers by path; inside an embedded sub-tree, behaviours.
+        leaves: the leaves, by path, in document order.
+    """
+
+    target = "sm"
+
+    def __init__(self, resolved: Resolved, builder: MachineBuilder, machine: smach_compat.StateMachine):
+        self._resolved, self._run = resolved, builder.run
+        self._root = builder.states["/"]
+        self.task, self.data, self.machine = resolved.task, resolved.scopes, machine
+        self._nodes: Mapping[str, Node] = builder.tree.by_path
+        self.by_path: dict[str, Any] = {**builder.tree.by_path, **builder.states}
+        self.leaves = {
+            part.path: leaf for part in resolved.root.walk() if isinstance(leaf := self._nodes.get(part.path), Leaf)
+        }
+
+    def observe(self, observer: Observer) -> None:
+        """Have every activation and every write reported to `observer`."""
+        self.data.on_write = observer.wrote
+        for node in self._nodes.values():
+            node.observer = observer
+        for state in self.by_path.values():
+            if isinstance(state, TaskContainer):
+                state.observer = observer
+
+    def prepare(self, context: Any) -> None:
+        """Give the run's context to every node and prepare every leaf, once, before the machine is executed.
+
+        Raises:
+            NodeError: a leaf can't be prepared.
+        """
+        for state in self.by_path.values():
+            if isinstance(state, BehaviourState):
+                state.prepare(context)
+
+    def release(self) -> None:
+        """Undo `prepare`; nothing runs any more."""
+        release(self._nodes.values())
+
+    def request_preempt(self) -> None:
+        """Ask the task to come to an end on its own terms: smach's flag, which travels to the active state."""
+        self.machine.request_preempt()
+
+    def execute(self, pacer: Pacer) -> TaskEnd:
+        """Execute the machine in this thread; each active state ticks its behaviour as the pacer says.
+
+        Raises:
+            Halted: the run was stopped; everything was interrupted, and no recovery state ran.
+            NodeError: a leaf raised; everything was interrupted.
+        """
+        self._run.pacer, self._run.error = pacer, None
+        self.data[Scopes.TASK].reset()
+        try:
+            with _logged():
+                outcome = self.machine.execute()
+        except BaseException as error:
+            if self._run.error is not None and self._run.error is not error:
+                raise self._run.error from None
+            raise
+        meaning = self.task.outcomes[outcome]
+        return TaskEnd(outcome, meaning, self._root.failure if meaning == "failure" else None)
+
+
+def to_machine(
+    task: model.Task,
+    catalog: Catalog,
+    *,
+    leaf_factory: LeafFactory | None = None,
+    data: Mapping[str, Any] | None = None,
+    embed: bool = True,
+) -> CompiledMachine:
+    """Compile a task to a machine of smach_compat; exact, or refused.
+
+    Args:
+        task: the document.
+        catalog: where manifests and implementations are.
+        leaf_factory: makes the leaves instead of the catalogue's implementations.
+        data: initial values for the task's own variables, in place of those in the document.
+        embed: allow a sub-tree that interrupts a running child to become one state that ticks it.
+
+    Raises:
+        InvalidTaskError: the task is wrong; it holds everything that was found.
+        NotExpressibleError: `embed` is off and a part interrupts a running child.
+    """
+    resolved = resolve(task, catalog, data)
+    builder = MachineBuilder(resolved.scopes, leaf_factory or implementation_of, MachineRun(), embed)
+    needed = {(outcome, code) for (_, outcome, code), _ in resolved.ends if code is not None}
+    root = builder.build(resolved.root, needed)
+    machine = smach_compat.StateMachine(list(task.outcomes))
+    row = {
+        label: target
+        for (_, outcome, code), target in resolved.ends
+        for label in [outcome if code is None else f"{outcome}.{code}"]
+    }
+    name = task.name
+    while name in task.outcomes:
+        name += "'"
+    with machine:
+        smach_compat.StateMachine.add(name, root, row)
+    return CompiledMachine(resolved, builder, machine)
+
+
+_loggers_lock = threading.Lock()
+
+
+@contextmanager
+def _logged() -> Iterator[None]:
+    """Send smach's messages, which go to stdout by default, to Python's logging while a compiled machine runs."""
+    names = ("loginfo", "logwarn", "logdebug", "logerr")
+    ours = (_log.debug, _log.warning, _log.debug, _log.debug)
+    with _loggers_lock:
+        before = tuple(getattr(smach_compat, name) for name in names)
+        for name, function in zip(names, ours, strict=True):
+            setattr(smach_compat, name, function)
+    try:
+        yield
+    finally:
+        with _loggers_lock:
+            for name, function in zip(names, before, strict=True):
+                setattr(smach_compat, name, function)

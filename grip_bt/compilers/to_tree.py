@@ -1,0 +1,152 @@
+"""Graph -> py_trees behaviour tree."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from py_trees.behaviour import Behaviour
+
+from grip_bt.catalog import Catalog
+from grip_bt.graph import model
+from grip_bt.nodes import control
+from grip_bt.nodes.leaf import Leaf
+from grip_bt.nodes.node import Node
+from grip_bt.nodes.observer import Observer
+
+from .drive import Pacer, TaskEnd, drive
+from .leaves import LeafFactory, implementation_of, make_leaf, prepare, release
+from .resolve import Part, Resolved, resolve
+from .scopes import Scopes
+
+
+class TreeBuilder:
+    """Makes the behaviours of a resolved task, or of a part of it.
+
+    Attributes:
+        by_path: every behaviour made so far.
+    """
+
+    def __init__(self, scopes: Scopes, factory: LeafFactory):
+        self.scopes, self.factory = scopes, factory
+        self.by_path: dict[str, Node] = {}
+
+    def build(self, part: Part) -> Node:
+        """Return the behaviour of `part`, with everything below it."""
+        if isinstance(part.node, model.Leaf):
+            node: Node = make_leaf(part, self.factory, self.scopes)
+        else:
+            children = [self.build(child) for child in part.children]
+            node = _container(part, face_of(part), children)
+        self.by_path[part.path] = node
+        return node
+
+
+def face_of(part: Part) -> control.Face:
+    """Return what the container of `part` is made with."""
+    enter = part.scope.reset if part.declares else None
+    return control.Face(part.name, part.path, part.meaning, part.exits, enter)
+
+
+def _container(part: Part, face: control.Face, children: list[Behaviour]) -> Node:
+    match part.node:
+        case model.Sequence(memory=memory):
+            return control.Sequence(face, children, memory)
+        case model.Fallback(memory=memory):
+            return control.Fallback(face, children, memory)
+        case model.Parallel(policy=policy, cancel=cancel):
+            return control.Parallel(face, children, policy, cancel)
+        case model.StateMachine(initial=initial):
+            return control.Dispatch(face, children, initial, part.edges)
+        case model.Retry(times=attempts):
+            return control.Retry(face, children[0], attempts)
+        case model.Repeat(times=times):
+            return control.Repeat(face, children[0], times)
+        case model.Timeout(seconds=seconds):
+            return control.Timeout(face, children[0], seconds)
+        case model.Invert():
+            return control.Invert(face, children[0])
+        case model.Force(as_=outcome):
+            return control.Force(face, children[0], outcome)
+    raise TypeError(f"{part.path}: no behaviour for {type(part.node).__name__}")
+
+
+class CompiledTree:
+    """A task as a py_trees tree.
+
+    Attributes:
+        task: the document.
+        root: the tree; any tool of py_trees works on it.
+        data: the run's variables.
+        by_path: the behaviours, by path.
+        leaves: the leaves, by path, in document order.
+    """
+
+    target = "bt"
+
+    def __init__(self, resolved: Resolved, root: Node, by_path: Mapping[str, Node]):
+        self._resolved = resolved
+        self.task, self.data, self.root = resolved.task, resolved.scopes, root
+        self.by_path = dict(by_path)
+        self.leaves = {
+            part.path: leaf for part in resolved.root.walk() if isinstance(leaf := self.by_path[part.path], Leaf)
+        }
+
+    def observe(self, observer: Observer) -> None:
+        """Have every activation and every write reported to `observer`."""
+        self.data.on_write = observer.wrote
+        for node in self.by_path.values():
+            node.observer = observer
+
+    def prepare(self, context: Any) -> None:
+        """Give the run's context to every node and prepare every leaf, once, before the first tick.
+
+        Raises:
+            NodeError: a leaf can't be prepared.
+        """
+        prepare(self.by_path.values(), context)
+
+    def release(self) -> None:
+        """Undo `prepare`; nothing runs any more."""
+        release(self.by_path.values())
+
+    def execute(self, pacer: Pacer) -> TaskEnd:
+        """Tick until the task ends.
+
+        Raises:
+            Halted: the run was stopped; everything was interrupted.
+            NodeError: a leaf raised; everything was interrupted.
+        """
+        self.data[Scopes.TASK].reset()
+        drive(self.root, pacer)
+        return self.end()
+
+    def end(self) -> TaskEnd:
+        """Return how the task has ended; the root has ended."""
+        assert self.root.outcome is not None, "the root has ended"
+        outcome, meaning = self._resolved.end(self.root.outcome, self.root.code)
+        return TaskEnd(outcome, meaning, self.root.failure if meaning == "failure" else None)
+
+
+def to_tree(
+    task: model.Task,
+    catalog: Catalog,
+    *,
+    leaf_factory: LeafFactory | None = None,
+    data: Mapping[str, Any] | None = None,
+) -> CompiledTree:
+    """Compile a task to a py_trees behaviour tree; always exact.
+
+    Args:
+        task: the document.
+        catalog: where manifests and implementations are.
+        leaf_factory: makes the leaves instead of the catalogue's implementations.
+        data: initial values for the task's own variables, in place of those in the document.
+
+    Raises:
+        InvalidTaskError: the task is wrong; it holds everything that was found.
+    """
+    resolved = resolve(task, catalog, data)
+    builder = TreeBuilder(resolved.scopes, leaf_factory or implementation_of)
+    root = builder.build(resolved.root)
+    return CompiledTree(resolved, root, builder.by_path)
