@@ -1,0 +1,114 @@
+"""What a run offers to its leaves: its clock, waking, workers, and the robot's parts by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar
+
+from grip_bt.errors import MissingPartError, UnknownNameError
+from grip_bt.operation import Operation
+from grip_bt.ports import Arm, Camera, Clock, Component, Hand, Scene
+
+from .clock import WallClock
+from .waker import Waker
+from .workers import Workers
+
+T = TypeVar("T")
+
+
+class RunContext:
+    """Implements `grip_bt.ports.Context` over mappings.
+
+    Args:
+        clock: the run's clock; the wall's by default.
+        arms: by name.
+        hands: by name.
+        cameras: by the sensor's name.
+        components: external components, by name.
+        scene: the planning scene, where there is one.
+        workers: how many threads run blocking code at most.
+    """
+
+    def __init__(
+        self,
+        clock: Clock | None = None,
+        *,
+        arms: Mapping[str, Arm] | None = None,
+        hands: Mapping[str, Hand] | None = None,
+        cameras: Mapping[str, Camera] | None = None,
+        components: Mapping[str, Component] | None = None,
+        scene: Scene | None = None,
+        workers: int = 4,
+    ):
+        self._clock: Clock = clock if clock is not None else WallClock()
+        self._arms, self._hands = dict(arms or {}), dict(hands or {})
+        self._cameras, self._components = dict(cameras or {}), dict(components or {})
+        self._scene = scene
+        self._workers = Workers(workers)
+        self._preempt_requested = False
+        self.waker = Waker(self._clock)
+
+    @property
+    def clock(self) -> Clock:
+        """The run's clock."""
+        return self._clock
+
+    @property
+    def preempt_requested(self) -> bool:
+        """Whether somebody asked the task to come to an end on its own terms."""
+        return self._preempt_requested
+
+    def request_preempt(self) -> None:
+        """Ask the task to come to an end on its own terms."""
+        self._preempt_requested = True
+        self.wake()
+
+    def wake(self) -> None:
+        """Have the task ticked soon; from any thread."""
+        self.waker.wake()
+
+    def wake_at(self, time: float) -> None:
+        """Have the task ticked when the run's clock reaches `time` [s]."""
+        self.waker.wake_at(time)
+
+    def run_in_worker(self, work: Callable[[], T]) -> Operation[T]:
+        """Run blocking code in a worker thread."""
+        return self._workers.run(work)
+
+    def arm(self, name: str) -> Arm:
+        """Return an arm; an empty name means the only one.
+
+        Raises:
+            UnknownNameError: there is no such arm; it lists those that exist.
+        """
+        return _named("arm", self._arms, name)
+
+    def hand(self, name: str) -> Hand:
+        """Return a hand, likewise."""
+        return _named("hand", self._hands, name)
+
+    def camera(self, name: str) -> Camera:
+        """Return a sensor's camera, likewise."""
+        return _named("sensor", self._cameras, name)
+
+    def component(self, name: str) -> Component:
+        """Return an external component, likewise."""
+        return _named("component", self._components, name)
+
+    def scene(self) -> Scene:
+        """Return the planning scene.
+
+        Raises:
+            MissingPartError: this run has none.
+        """
+        if self._scene is None:
+            raise MissingPartError("a planning scene", "run with a robot: `grip run TASK --robot sim`")
+        return self._scene
+
+
+def _named(kind: str, parts: Mapping[str, Any], name: str) -> Any:
+    if not name and len(parts) == 1:
+        return next(iter(parts.values()))
+    if name not in parts:
+        raise UnknownNameError(kind, name, parts)
+    return parts[name]
