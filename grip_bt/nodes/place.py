@@ -41,10 +41,8 @@ class Place(ArmHandLeaf):
         if not held:
             raise NothingHeldError(f"the scene has nothing attached to the hand {self.hand.name!r}")
         self._object = held[0]
-        candidates = self._candidates(self._region())
-        if not candidates:
-            raise NoRoomError(f"no free spot in {self.params['target'] or 'reach of the position'}")
-        return first_of(self._tries(candidates)).then(self._release)
+        region = self._region()
+        return self.context.run_in_worker(lambda: self._candidates(region)).then(self._go).then(self._release)
 
     # --- where ---
 
@@ -86,6 +84,11 @@ class Place(ArmHandLeaf):
         return candidates
 
     # --- how ---
+
+    def _go(self, candidates: list[Grasp]) -> Operation[Grasp]:
+        if not candidates:
+            raise NoRoomError(f"no free spot in {self.params['target'] or 'reach of the position'}")
+        return first_of(self._tries(candidates))
 
     def _tries(self, candidates: list[Grasp]) -> Iterator[Callable[[], Operation[Grasp]]]:
         remaining = sorted(candidates, key=lambda c: -c.quality)
