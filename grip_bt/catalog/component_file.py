@@ -20,7 +20,7 @@ FILE_NAME = "component.yaml"
 
 Identifier = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*$")]
 Label = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]
-InterfaceName = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*/(srv|action)/[A-Z][A-Za-z0-9]*$")]
+InterfaceName = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*/srv/[A-Z][A-Za-z0-9]*$")]
 ServerName = Annotated[str, StringConstraints(pattern=r"^(/[A-Za-z_][A-Za-z0-9_]*)+$")]
 FieldName = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*$")]
 

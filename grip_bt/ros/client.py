@@ -24,6 +24,8 @@ IN_FLIGHT = 8
 """Requests under way at once: a server keeps the last 10, and what it drops is lost without a word."""
 TRUST = 0.5
 """How long a check of the server holds [s]; a query per call would double the price of a call."""
+GRACE = 1.0
+"""How long to wait for the exit of a process of ours whose server has gone [s]: it says more than DDS does."""
 STALE = 3.5
 """How long a second server may be a dead one whose lease is running out [s]."""
 _QOS = QoSProfile(
@@ -45,6 +47,7 @@ class _Call:
     deadline: float
     future: Any = None
     servers: frozenset[bytes] = field(default_factory=frozenset)
+    gone_since: float | None = None
 
 
 class ServiceClient:
@@ -64,6 +67,7 @@ class ServiceClient:
         self._servers: frozenset[bytes] = frozenset()
         self._checked = float("-inf")
         self._server_ended: str | None = None
+        self._supervised = False
 
     # --- from any thread ---
 
@@ -91,8 +95,12 @@ class ServiceClient:
         self._bus.post(end)
 
     def server_started(self) -> None:
-        """Say that the server's process was started: calls wait for it again."""
-        self._bus.post(lambda: setattr(self, "_server_ended", None))
+        """Say that the server's process was started by us, so that `server_ended` will tell its end."""
+
+        def start() -> None:
+            self._server_ended, self._supervised = None, True
+
+        self._bus.post(start)
 
     def _begin(self, request: Any, timeout: float, wait: float) -> Operation[Any]:
         def abandon() -> None:
@@ -113,7 +121,9 @@ class ServiceClient:
         if self._sent:
             present = gids_of(servers_of(self._bus.node, self.name))
             for call in [c for c in self._sent if not c.servers & present]:
-                self._finish(call, self._lost("the server that had the request is gone"))
+                call.gone_since = call.gone_since or now
+                if not self._supervised or now > call.gone_since + GRACE:
+                    self._finish(call, self._lost("the server that had the request is gone"))
             if present != self._servers:
                 self._servers = frozenset()
         for call in [c for c in (*self._sent, *self._waiting) if now > c.deadline]:

@@ -94,7 +94,7 @@ def from_message(message: Any, declared: Any = Any) -> Any:
 
     Raises:
         ConversionError: it can't be one, with the field that doesn't fit.
-        UnknownNameError: the declared type doesn't exist.
+        ValueError: the declared type isn't one.
     """
     wanted = python_type(declared) if isinstance(declared, str) else declared
     if wanted is Any:

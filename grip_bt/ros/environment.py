@@ -15,7 +15,7 @@ from grip_bt.errors import MissingPartError
 DDS_PROFILE = Path(__file__).with_name("fastdds_profile.xml")
 """Settings of Fast DDS: a dead participant is noticed after 3 s, not 20 s; a new one is found in its first second."""
 
-_PROFILE_VARIABLES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
+PROFILE_VARIABLES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
 _WHEELS_REMEDY = "pip install 'grip-bt[ros]' (x86-64 Linux with glibc 2.28 or newer)"
 _MIXED_REMEDY = (
     "use one of the two: start from a shell in which no setup.bash of ROS was sourced "
@@ -85,8 +85,8 @@ def prepare() -> None:
     """
     os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    if not any(v in os.environ for v in _PROFILE_VARIABLES):
-        for variable in _PROFILE_VARIABLES:
+    if not any(v in os.environ for v in PROFILE_VARIABLES):
+        for variable in PROFILE_VARIABLES:
             os.environ[variable] = str(DDS_PROFILE)
 
 

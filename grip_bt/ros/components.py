@@ -1,0 +1,189 @@
+"""The components of a project, from folder to port: interfaces built, processes started, servers found."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from grip_bt.catalog.component_file import FILE_NAME, ComponentFile, load_component
+from grip_bt.errors import DocumentError, ServerLostError, UnknownNameError
+from grip_bt.ports import Component
+
+from .bus import Bus
+from .client import ServiceClient
+from .component import RosComponent
+from .interfaces import build_interfaces
+from .overlay import activate
+from .process import Process, child_environment
+
+INTERFACES = "interfaces"
+"""Sub-folder of a component with its interface packages."""
+
+
+@dataclass(frozen=True)
+class _Running:
+    component: RosComponent
+    client: ServiceClient
+    process: Process | None
+
+
+class Components:
+    """Components that answer.
+
+    Attributes:
+        bus: the connection to ROS.
+        build_seconds: how long the interfaces took to build; 0 when all were in the cache.
+        ready_seconds: how long it took from the start of the processes until all servers were there.
+    """
+
+    def __init__(self, bus: Bus, running: Mapping[str, _Running], build_seconds: float):
+        self.bus, self.build_seconds, self.ready_seconds = bus, build_seconds, 0.0
+        self._running = dict(running)
+
+    def client(self, name: str) -> Component:
+        """Return a component; an empty name means the only one.
+
+        Raises:
+            UnknownNameError: there is none of that name.
+        """
+        if not name and len(self._running) == 1:
+            return next(iter(self._running.values())).component
+        if name not in self._running:
+            raise UnknownNameError("component", name, self._running)
+        return self._running[name].component
+
+    def process(self, name: str) -> Process | None:
+        """Return a component's process; None when it wasn't started by us."""
+        return self._running[name].process
+
+    def wait_ready(self) -> None:
+        """Wait until every server is there.
+
+        Raises:
+            ServerLostError: one isn't within its time, or its process ended; with the end of its log.
+        """
+        started = time.monotonic()
+        waits = {
+            name: running.client.wait_ready(running.component.file.timeouts.ready)
+            for name, running in self._running.items()
+        }
+        for name, operation in waits.items():
+            operation.wait(self._running[name].component.file.timeouts.ready + 5.0)
+            try:
+                operation.result()
+            except ServerLostError as error:
+                process = self._running[name].process
+                tail = process.log_tail() if process is not None and process.alive else ""
+                said = f"; its log ({process.log}) ends with:\n{tail}" if process and tail else ""
+                raise ServerLostError(f"component {name}: {error.message}{said}", **error.data) from None
+        self.ready_seconds = time.monotonic() - started
+
+    def close(self) -> None:
+        """End all calls and all processes that were started, together; then leave ROS."""
+        self.bus.close()
+        processes = [r.process for r in self._running.values() if r.process is not None]
+        for process in processes:
+            process.ask_to_stop()
+        for process in processes:
+            process.stop()
+
+    def __enter__(self) -> Components:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def find_components(folder: Path) -> dict[str, Path]:
+    """Return the folder of each component below `folder`, by name.
+
+    Raises:
+        DocumentError: a component file is wrong, or two have one name.
+    """
+    found: dict[str, Path] = {}
+    for file in sorted(folder.glob(f"*/{FILE_NAME}")):
+        name = load_component(file).name
+        if name in found:
+            raise DocumentError(f"the component {name!r} is also in {found[name]}", str(file))
+        found[name] = file.parent
+    return found
+
+
+def start_components(
+    project_folder: Path | str,
+    names: Iterable[str],
+    domain_id: int | None = None,
+    folder: str = "components",
+) -> Components:
+    """Start the named components of a project and wait until their servers answer.
+
+    Interfaces are built into `<project>/.grip/interfaces` unless they are there; what a component prints goes to
+    `<project>/.grip/logs/<name>.log`. A component without `start` is expected to be running.
+
+    Args:
+        project_folder: the project.
+        names: which components.
+        domain_id: the DDS domain of us and of what we start; ROS_DOMAIN_ID, else 0, by default.
+        folder: where the project keeps its components.
+
+    Raises:
+        UnknownNameError: a component isn't there.
+        DocumentError, MissingPartError, InterfaceBuildError: its files are wrong, or its interfaces can't be built.
+        ServerLostError: a server didn't come; it says why, with the end of its log.
+    """
+    project = Path(project_folder).resolve()
+    folders = find_components(project / folder)
+    wanted = list(dict.fromkeys(names))
+    for name in wanted:
+        if name not in folders:
+            raise UnknownNameError("component", name, folders, str(project / folder))
+    files = {name: load_component(folders[name]) for name in wanted}
+    started = time.monotonic()
+    overlays, built = {}, False
+    for name in wanted:
+        overlays[name], fresh = _build(folders[name], project)
+        built |= fresh
+    seconds = time.monotonic() - started if built else 0.0
+    for prefix in dict.fromkeys(p for prefixes in overlays.values() for p in prefixes):
+        activate(prefix)
+    bus = Bus(domain_id=domain_id)
+    components = Components(bus, {}, seconds)
+    try:
+        for name, file in files.items():
+            log = project / ".grip" / "logs" / f"{name}.log"
+            components._running[name] = _start(bus, file, folders[name], overlays[name], domain_id, log)
+        components.wait_ready()
+    except BaseException:
+        components.close()
+        raise
+    return components
+
+
+def component_overlays(folder: Path, project: Path) -> list[Path]:
+    """Build the interfaces of one component, and return their prefixes; none when it brings no interfaces."""
+    return _build(folder, project)[0]
+
+
+def _build(folder: Path, project: Path) -> tuple[list[Path], bool]:
+    if not (folder / INTERFACES).is_dir():
+        return [], False
+    built = build_interfaces(folder / INTERFACES, project / ".grip" / "interfaces")
+    return [b.prefix for b in built], any(not b.cached for b in built)
+
+
+def _start(
+    bus: Bus, file: ComponentFile, folder: Path, overlays: list[Path], domain_id: int | None, log: Path
+) -> _Running:
+    client = bus.service(file.interface, file.server, timeout=file.timeouts.call, wait=file.timeouts.ready)
+    process = None
+    if file.start is not None:
+        ours = any("{python}" in word for word in file.start.command)
+        env = child_environment(overlays if ours else (), domain_id) | dict(file.start.env)
+        command = [word.replace("{python}", sys.executable) for word in file.start.command]
+        process = Process(file.name, command, folder, env, log)
+        client.server_started()
+        process.when_ended(lambda: client.server_ended(process.describe_end()))
+    return _Running(RosComponent(file, client), client, process)

@@ -1,0 +1,142 @@
+"""Somebody else's process: started in a group of its own, logged, watched, and certain to die with us.
+
+A small warden (`grip_bt.ros.warden`) stands between: it ends the whole group when we ask for it and when we vanish.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+from grip_bt.operation import Operation
+
+from . import warden
+from .environment import DDS_PROFILE, PROFILE_VARIABLES
+from .overlay import child_paths
+
+_PATIENCE = 3.5
+"""How long the warden may take to end the group [s]."""
+_OURS = ("_ROS_WHEELS_BOOTSTRAP_COMPLETE", "ROS_PYTHON_CHECK_FIELDS")
+
+
+class Process:
+    """A command that runs until it ends or is stopped.
+
+    Args:
+        name: used in messages.
+        command: program and arguments.
+        folder: its working directory.
+        env: all of its environment.
+        log: file that takes what it prints; its folder is made.
+    """
+
+    def __init__(self, name: str, command: Sequence[str], folder: Path, env: Mapping[str, str], log: Path):
+        self.name, self.command, self.log = name, tuple(command), log
+        log.parent.mkdir(parents=True, exist_ok=True)
+        with log.open("wb") as output:
+            self._popen = subprocess.Popen(
+                [sys.executable, "-I", "-S", str(Path(warden.__file__).resolve()), *command],
+                cwd=folder,
+                env=dict(env),
+                stdin=subprocess.PIPE,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+            )
+        self._end: Operation[int] = Operation()
+        threading.Thread(target=self._watch, name=f"process-{name}", daemon=True).start()
+
+    @property
+    def alive(self) -> bool:
+        """Whether it runs."""
+        return not self._end.done()
+
+    @property
+    def pid(self) -> int:
+        """The process id of the warden; it leads the session of everything below."""
+        return self._popen.pid
+
+    @property
+    def returncode(self) -> int | None:
+        """The exit status (128 + number for a signal), None while it runs."""
+        return self._end.result() if self._end.done() else None
+
+    def when_ended(self, callback: Callable[[], None]) -> None:
+        """Call `callback()` when it has ended, from another thread; at once if it has."""
+        self._end.add_done_callback(callback)
+
+    def stop(self) -> None:
+        """End the whole group and wait for it, at most some seconds; harmless when it has ended."""
+        assert self._popen.stdin is not None
+        self._popen.stdin.close()
+        if not self._end.wait(_PATIENCE):
+            self._popen.kill()  # the command dies with the warden
+            self._end.wait(1.0)
+
+    def ask_to_stop(self) -> None:
+        """Begin to end the group, without waiting."""
+        assert self._popen.stdin is not None
+        self._popen.stdin.close()
+
+    def log_tail(self, lines: int = 12) -> str:
+        """Return the last lines that it printed."""
+        try:
+            text = self.log.read_bytes()[-8192:].decode("utf-8", "replace")
+        except OSError:
+            return ""
+        return "\n".join(text.strip().splitlines()[-lines:])
+
+    def describe_end(self) -> str:
+        """Return how it ended and what it printed last, for an error message."""
+        tail = self.log_tail()
+        said = f"; its last words ({self.log}):\n{tail}" if tail else f"; it printed nothing ({self.log})"
+        return f"the process {self.name!r} ended with status {self.returncode}{said}"
+
+    def _watch(self) -> None:
+        self._end.succeed(self._popen.wait())
+
+
+def child_environment(overlays: Sequence[Path] = (), domain_id: int | None = None) -> dict[str, str]:
+    """Return the environment for a process that we start.
+
+    What belongs to this very interpreter is taken out: the wheels' guard variable and library folders would make
+    another Python load our libraries (its own wheels add theirs again). Discovery range and DDS profile are ours.
+
+    Args:
+        overlays: prefixes whose interface packages the process may import; only for our own Python.
+        domain_id: the DDS domain; this process's by default.
+    """
+    env = {k: v for k, v in os.environ.items() if k not in _OURS}
+    libraries = [p for p in _split(env.get("LD_LIBRARY_PATH")) if not _is_wheels_folder(p)]
+    _join(env, "LD_LIBRARY_PATH", libraries)
+    for variable, folders in child_paths(overlays).items():
+        rest = [p for p in _split(env.get(variable)) if Path(p) not in folders]
+        _join(env, variable, [*map(str, folders), *rest])
+    if domain_id is not None:
+        env["ROS_DOMAIN_ID"] = str(domain_id)
+    env.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    if not any(v in env for v in PROFILE_VARIABLES):
+        env |= dict.fromkeys(PROFILE_VARIABLES, str(DDS_PROFILE))
+    env["PYTHONUNBUFFERED"] = "1"  # or the last words of a process that dies are lost
+    return env
+
+
+def _is_wheels_folder(path: str) -> bool:
+    folder = Path(path)
+    bundled = folder.name.startswith("ros_") and folder.suffix == ".libs"
+    return folder == Path(sys.prefix) / "lib" or bundled
+
+
+def _split(text: str | None) -> list[str]:
+    return [p for p in (text or "").split(os.pathsep) if p]
+
+
+def _join(env: dict[str, str], variable: str, folders: Sequence[str]) -> None:
+    if folders:
+        env[variable] = os.pathsep.join(folders)
+    else:
+        env.pop(variable, None)
