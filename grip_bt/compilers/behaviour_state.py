@@ -52,7 +52,7 @@ class MachineRun:
         self.pacer.wake()
 
 
-class TaskState:
+class TaskState(State):
     """Mixed into states and containers that stand for a node: what they ended with, and why.
 
     Attributes:
@@ -78,7 +78,7 @@ def label(outcome: str, failure: Failure | None, refined: Refined) -> str:
     return outcome
 
 
-class BehaviourState(TaskState, State):
+class BehaviourState(TaskState):
     """Ticks a behaviour until it ends, waiting for what it waits for, and returns the label of its end.
 
     Args:

@@ -152,8 +152,8 @@ def check_root(task: Task, meaning: Mapping[str, str], problems: list[Problem]) 
             )
     for outcome, means in meaning.items():
         if outcome not in on:
-            target = next((t for t in (outcome, means) if t in task.outcomes), None)
-            if target is None:
+            found = next((t for t in (outcome, means) if t in task.outcomes), None)
+            if found is None:
                 problems.append(
                     Problem(
                         "/",
@@ -163,5 +163,5 @@ def check_root(task: Task, meaning: Mapping[str, str], problems: list[Problem]) 
                     )
                 )
             else:
-                on[outcome] = target
+                on[outcome] = found
     return Edges.of_children({"/": on})

@@ -12,6 +12,7 @@ from grip_bt.smach_compat import Concurrence, State, StateMachine
 from grip_bt.values import Failure
 
 from .behaviour_state import Refined, TaskState, label, labels
+from .drive import Halted
 
 
 class TaskContainer(TaskState):
@@ -43,8 +44,10 @@ class TaskContainer(TaskState):
         try:
             for reset in self._entries:
                 reset()
-            reached = super().execute(parent_ud)  # type: ignore[misc]
-            self.outcome = str(reached).split(".", 1)[0]
+            reached = super().execute(parent_ud)
+            if reached is None:
+                raise Halted  # smach's shutdown was asked for
+            self.outcome = reached.split(".", 1)[0]
             self.failure = self.reason() if self.meaning[self.outcome] == "failure" else None
         except BaseException:
             self.observer.interrupted(self.path)
@@ -136,7 +139,7 @@ class TaskConcurrence(TaskContainer, Concurrence):
             child.request_preempt()
 
 
-class Count(TaskState, State):
+class Count(TaskState):
     """Counts the attempts of its machine; `again` or, when there were enough, `enough`.
 
     Args:

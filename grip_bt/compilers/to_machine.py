@@ -17,7 +17,7 @@ from grip_bt.nodes.node import Node
 from grip_bt.nodes.observer import Observer
 
 from .behaviour_state import BehaviourState, MachineRun, Refined, TaskState
-from .drive import Pacer, TaskEnd
+from .drive import Halted, Pacer, TaskEnd
 from .leaves import LeafFactory, implementation_of, release
 from .resolve import Part, Resolved, resolve
 from .scopes import Scopes
@@ -71,15 +71,18 @@ class MachineBuilder:
                 state = self.build(child, table.refined[child.name])
                 TaskMachine.add(names[child.name], state, table.rows[names[child.name]])
             if counts(part):
-                self._count(part, machine, needed, names[part.children[0].name])
+                self._count(part, machine, needed)
             machine.set_initial_state([table.initial])
         return machine
 
-    def _count(self, part: Part, machine: TaskMachine, needed: Refined, child: str) -> None:
+    def _count(self, part: Part, machine: TaskMachine, needed: Refined) -> None:
         """Add the state that counts attempts."""
+        assert isinstance(part.node, (model.Retry, model.Repeat)), "only these count"
+        assert part.node.times is not None, "without a number there is nothing to count"
         end = "failure" if isinstance(part.node, model.Retry) else "success"
+        child = state_labels(part)[part.children[0].name]
         codes = {code for outcome, code in needed if outcome == end == "failure"}
-        count = Count(machine[child], part.node.times, {("enough", code) for code in codes})
+        count = Count(self.states[part.children[0].path], part.node.times, {("enough", code) for code in codes})
         row = {"again": child, "enough": end, **{f"enough.{code}": f"{end}.{code}" for code in codes}}
         TaskMachine.add(COUNT, count, row)
         machine.on_enter(count.reset)
@@ -161,6 +164,8 @@ class CompiledMachine:
             if self._run.error is not None and self._run.error is not error:
                 raise self._run.error from None
             raise
+        if outcome is None:
+            raise Halted  # smach's shutdown was asked for
         meaning = self.task.outcomes[outcome]
         return TaskEnd(outcome, meaning, self._root.failure if meaning == "failure" else None)
 
