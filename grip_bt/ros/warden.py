@@ -72,16 +72,24 @@ def _reap(leader: int) -> int | None:
     return found
 
 
+def _has_children() -> bool:
+    """Tell whether any child is left: running, or ended but not collected, as long as one of its threads lives."""
+    try:
+        os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT)
+    except ChildProcessError:
+        return False
+    return True
+
+
 def _end_all(leader: int, status: int | None) -> int:
     """End the group and every other descendant, more and more firmly; return the leader's status."""
     for number, patience in _STEPS:
         deadline = time.monotonic() + patience
         _signal(leader, number)
         while time.monotonic() < deadline:
-            alive = _descendants()
-            ended = _reap(leader)  # after the look: what has just died would stay a zombie
+            ended = _reap(leader)
             status = ended if ended is not None else status
-            if not alive:
+            if not _has_children():
                 return status if status is not None else 0
             time.sleep(0.01)
     return status if status is not None else signal.SIGKILL
