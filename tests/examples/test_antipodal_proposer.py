@@ -1,0 +1,170 @@
+"""The example's proposer on clouds of known shapes, seen by a pinhole camera from above."""
+
+import importlib.util
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+PROPOSER = Path(__file__).parents[2] / "examples/components/antipodal_grasps/proposer.py"
+CAMERA = np.array([0.53, 0.14, 1.30])
+
+
+@pytest.fixture(scope="module")
+def proposer():
+    spec = importlib.util.spec_from_file_location("antipodal_proposer_under_test", PROPOSER)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    yield module
+    del sys.modules[spec.name]
+
+
+def rays(step=0.0018):
+    """Directions of a camera that looks straight down: 240 x 320 pixels, 0.44 rad."""
+    v, u = np.meshgrid((np.arange(240) - 119.5) * step, (np.arange(320) - 159.5) * step, indexing="ij")
+    return np.stack([-v, -u, -np.ones_like(u)], axis=-1).reshape(-1, 3)
+
+
+def hit_prism(origin, directions, corners, height):
+    """Return the distances along the rays to an upright prism over a convex, counter-clockwise foot; inf for a miss."""
+    near, far = np.zeros(len(directions)), np.full(len(directions), np.inf)
+    planes = [((b - a)[1], -(b - a)[0], 0.0, a) for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True)]
+    normals = [(np.array(n[:3]), np.array([*n[3], 0.0])) for n in planes]
+    normals += [(np.array([0, 0, 1.0]), np.array([0, 0, height])), (np.array([0, 0, -1.0]), np.zeros(3))]
+    for normal, point in normals:
+        speed, gap = directions @ normal, (origin - point) @ normal
+        with np.errstate(divide="ignore", invalid="ignore"):
+            t = -gap / speed
+        near = np.where(speed < 0, np.maximum(near, t), near)
+        far = np.where(speed > 0, np.minimum(far, t), far)
+        far = np.where((speed == 0) & (gap > 0), -np.inf, far)
+    return np.where(near <= far, near, np.inf)
+
+
+def look(*shapes, noise=0.0, seed=0):
+    """Return the cloud of the table and the shapes, each a (foot, height)."""
+    directions = rays()
+    distance = -CAMERA[2] / directions[:, 2]
+    for corners, height in shapes:
+        distance = np.minimum(distance, hit_prism(CAMERA, directions, np.asarray(corners), height))
+    points = CAMERA + distance[:, None] * directions
+    return points + np.random.default_rng(seed).normal(0, noise, points.shape) if noise else points
+
+
+def cylinder(x, y, radius=0.03, height=0.15):
+    turn = np.linspace(0, 2 * np.pi, 64, endpoint=False)
+    return np.array([x, y]) + radius * np.stack([np.cos(turn), np.sin(turn)], axis=1), height
+
+
+def box(x, y, half=0.03, height=0.15, yaw=0.3):
+    c, s = np.cos(yaw), np.sin(yaw)
+    corners = half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) @ np.array([[c, s], [-s, c]])
+    return corners + [x, y], height
+
+
+def rotation(q):
+    x, y, z, w = q
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def centre_of(grasp):
+    """Return where the thing's axis must be for this grasp of a round thing."""
+    return grasp.pose.position[:2] + (grasp.width / 2 + 0.004) * rotation(grasp.pose.quaternion)[:2, 2]
+
+
+@pytest.mark.parametrize("x", [0.42, 0.53, 0.64])
+@pytest.mark.parametrize("y", [-0.08, 0.14, 0.32])
+@pytest.mark.parametrize("noise", [0.0, 0.001])
+def test_a_cylinder_is_found_to_3_mm_anywhere_in_the_pick_region(proposer, x, y, noise):
+    (thing,) = [proposer.fit(c) for c in proposer.clusters(look(cylinder(x, y, 0.031, 0.16), noise=noise))]
+    assert thing.is_round
+    np.testing.assert_allclose(thing.centre, [x, y], atol=0.003)
+    assert thing.half_width(np.array([1.0, 0.0])) == pytest.approx(0.031, abs=0.004)
+    assert thing.top == pytest.approx(0.16, abs=0.003)
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.3, 0.7, 1.2])
+def test_a_box_is_told_from_a_cylinder_and_its_faces_are_found(proposer, yaw):
+    (thing,) = [proposer.fit(c) for c in proposer.clusters(look(box(0.5, 0.1, 0.03, 0.15, yaw)))]
+    assert not thing.is_round
+    off = (thing.angle - yaw + np.pi / 4) % (np.pi / 2) - np.pi / 4
+    assert abs(off) < 0.06
+    assert thing.half_width(proposer.unit(yaw)) == pytest.approx(0.03, abs=0.004)
+
+
+def test_grasps_follow_the_convention_of_the_grasp_frame(proposer):
+    grasps = proposer.propose(look(cylinder(0.5, 0.1, 0.03, 0.16)))
+    assert len(grasps) == 48
+    for grasp in grasps:
+        r = rotation(grasp.pose.quaternion)
+        np.testing.assert_allclose(r @ r.T, np.eye(3), atol=1e-9)
+        assert np.linalg.det(r) == pytest.approx(1)
+        assert abs(r[2, 2]) < 1e-9, "the approach is horizontal"
+        assert abs(r[2, 1]) == pytest.approx(1), "the fingers flex about the vertical"
+        np.testing.assert_allclose(grasp.pre_grasp.position, grasp.pose.position - 0.12 * r[:, 2], atol=1e-9)
+        np.testing.assert_allclose(grasp.post_grasp.position, grasp.pose.position + [0, 0, 0.15], atol=1e-9)
+        assert grasp.pose.position[2] >= 0.075
+        np.testing.assert_allclose(centre_of(grasp), [0.5, 0.1], atol=0.004)
+        assert grasp.width == pytest.approx(0.06, abs=0.006)
+    ups = {round(rotation(g.pose.quaternion)[2, 1]) for g in grasps}
+    assert ups == {1, -1}
+    assert [g.quality for g in grasps] == sorted((g.quality for g in grasps), reverse=True)
+
+
+def test_the_best_grasp_comes_from_the_robots_side(proposer):
+    best = proposer.propose(look(cylinder(0.5, 0.2)))[0]
+    outward = np.array([0.5, 0.2]) / np.hypot(0.5, 0.2)
+    assert rotation(best.pose.quaternion)[:2, 2] @ outward > 0.9
+
+
+def test_the_best_grasp_of_a_box_faces_one_of_its_sides(proposer):
+    best = proposer.propose(look(box(0.55, 0.1, yaw=0.2)))[0]
+    z = rotation(best.pose.quaternion)[:2, 2]
+    angle = np.arctan2(z[1], z[0]) - 0.2
+    off = (angle + np.pi / 4) % (np.pi / 2) - np.pi / 4
+    assert abs(off) < 0.1
+
+
+def test_a_neighbour_in_the_way_changes_the_approach(proposer):
+    behind = cylinder(0.42, 0.1)
+    target = cylinder(0.58, 0.1)
+    for grasp in proposer.propose(look(behind, target)):
+        if np.linalg.norm(centre_of(grasp) - [0.58, 0.1]) > 0.02:
+            continue
+        z = rotation(grasp.pose.quaternion)[:2, 2]
+        back = grasp.pose.position[:2] - np.linspace(0, 0.25, 30)[:, None] * z
+        assert np.linalg.norm(back - [0.42, 0.1], axis=1).min() > 0.03 + 0.045
+
+
+def test_three_things_at_the_least_distance_can_all_be_taken(proposer):
+    places = [(0.5, 0.0), (0.5, 0.15), (0.62, 0.08)]
+    grasps = proposer.propose(look(cylinder(*places[0]), box(*places[1]), cylinder(*places[2])))
+    for place in places:
+        mine = [g for g in grasps if np.linalg.norm(centre_of(g) - place) < 0.02]
+        assert len(mine) >= 4, place
+
+
+def test_an_empty_table_and_no_points_give_no_grasps(proposer):
+    assert proposer.propose(look()) == []
+    assert proposer.propose(np.zeros((0, 3))) == []
+    assert proposer.propose(np.full((50, 3), np.nan)) == []
+
+
+def test_what_is_outside_the_pick_region_too_low_or_too_wide_is_left_alone(proposer):
+    assert proposer.propose(look(cylinder(0.5, -0.3))) == []
+    assert proposer.propose(look(cylinder(0.5, 0.1, height=0.05))) == []
+    assert proposer.propose(look(cylinder(0.5, 0.1, radius=0.07))) == []
+
+
+def test_it_knows_nothing_of_grip():
+    text = PROPOSER.read_text()
+    assert "import grip" not in text
+    assert "from grip" not in text
