@@ -1,0 +1,32 @@
+"""`grip edit`: the editor, in a browser."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from grip_bt.errors import DocumentError, MissingPartError
+
+
+def add_parser(subparsers: Any) -> None:
+    """Add the verb."""
+    parser = subparsers.add_parser("edit", help="show a project's tasks in a browser, run them, and replay runs")
+    parser.add_argument(
+        "path", nargs="?", default=".", type=Path, help="a project folder or a task file (default: here)"
+    )
+    parser.add_argument("--port", type=int, default=0, help="port on this machine (default: a free one)")
+    parser.add_argument("--no-browser", action="store_true", help="only print the address")
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Serve until Ctrl-C."""
+    try:
+        from grip_gui import serve
+    except ImportError as error:
+        raise MissingPartError(f"the editor ({error.name})", "pip install 'grip-bt[gui]'") from error
+    if not args.path.exists():
+        raise DocumentError("nothing is there; give a project folder or a task file", str(args.path))
+    task = args.path if args.path.is_file() and args.path.name != "grip.yaml" else None
+    return serve(args.path, task=task, port=args.port, open_browser=not args.no_browser)

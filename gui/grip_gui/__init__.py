@@ -1,0 +1,13 @@
+"""The editor's server: shows a project's tasks in a browser, runs each in a process of its own, live and in replay."""
+
+from importlib import import_module
+from typing import Any
+
+_HOME = {"serve": "server", "create_app": "application", "RunOptions": "launcher"}
+__all__ = ["RunOptions", "create_app", "serve"]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'grip_gui' has no attribute {name!r}")
+    return getattr(import_module(f"grip_gui.{_HOME[name]}"), name)

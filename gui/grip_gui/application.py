@@ -1,0 +1,92 @@
+"""Puts the server together: the routes, the socket, the gate and the page."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from secrets import token_urlsafe
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from fastapi.staticfiles import StaticFiles
+
+from grip_bt.errors import DocumentError, GripError, MissingPartError, UnknownNameError
+
+from .journal import RunSource, SqliteRuns
+from .launcher import CommandLineLauncher, Launcher, RunOptions
+from .project import OutsideProjectError, ProjectFolder
+from .routes import make_router
+from .security import Gate
+from .session import BusyError, RunDesk
+
+log = logging.getLogger(__name__)
+STATIC = Path(__file__).parent / "static"
+_STATUS: tuple[tuple[type[GripError], int], ...] = (
+    (OutsideProjectError, 403),
+    (UnknownNameError, 404),
+    (DocumentError, 404),
+    (BusyError, 409),
+)
+
+
+def create_app(
+    project_folder: Path | str,
+    launcher: Launcher | None = None,
+    *,
+    token: str | None = None,
+    source: RunSource | None = None,
+    task: str | None = None,
+    autostart: RunOptions | None = None,
+) -> FastAPI:
+    """Return the server of one project.
+
+    Args:
+        project_folder: the folder that it serves; nothing outside it is reached.
+        launcher: makes the processes of runs; `grip run` by default.
+        token: who has it may talk to the server; a fresh one by default, found as `app.state.token`.
+        source: where runs are read; the project's journal by default.
+        task: the task that the page opens first, relative to the folder.
+        autostart: run `task` with these options as soon as the server is up.
+
+    Raises:
+        DocumentError: the folder, or the task, isn't there.
+        OutsideProjectError: the task isn't in the folder.
+        MissingPartError: the page wasn't built.
+    """
+    if not (STATIC / "index.html").is_file():
+        raise MissingPartError("the editor's page", "npm ci && npm run build in gui/frontend")
+    folder = ProjectFolder(project_folder)
+    task_file = folder.task_file(task) if task is not None else None
+    desk = RunDesk(launcher or CommandLineLauncher(), folder.journal)
+
+    @asynccontextmanager
+    async def lifespan(_: FastAPI) -> AsyncIterator[None]:
+        if autostart is not None and task is not None and task_file is not None:
+            await desk.start(task, task_file, autostart)
+        yield
+        await desk.close()
+
+    app = FastAPI(title="GRIP editor", lifespan=lifespan, docs_url=None, redoc_url=None, openapi_url=None)
+    app.state.token = token or token_urlsafe(24)
+    app.add_middleware(Gate, token=app.state.token)
+    app.add_exception_handler(GripError, _teach)
+    app.add_exception_handler(RequestValidationError, _refuse_malformed)
+    app.include_router(make_router(folder, desk, source or SqliteRuns(folder.journal), task))
+    app.mount("/", StaticFiles(directory=STATIC, html=True))
+    return app
+
+
+async def _teach(request: Request, error: Exception) -> JSONResponse:
+    status = next((code for kind, code in _STATUS if isinstance(error, kind)), 400)
+    log.warning("%s %s: %s", request.method, request.url.path, error)
+    return JSONResponse({"detail": str(error)}, status_code=status)
+
+
+async def _refuse_malformed(request: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, RequestValidationError)
+    why = "; ".join(f"{'.'.join(str(part) for part in e['loc'])}: {e['msg']}" for e in error.errors()[:5])
+    log.warning("%s %s refused: %s", request.method, request.url.path, why)
+    return JSONResponse({"detail": f"malformed request: {why}"}, status_code=422)

@@ -1,0 +1,180 @@
+"""Starts the process in which a run executes, so that a crash or a hang of user code never takes the editor down."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import sys
+from collections import deque
+from collections.abc import AsyncIterator
+from dataclasses import dataclass
+from pathlib import Path
+from secrets import token_hex
+from typing import Any, Protocol
+
+from .messages import Command
+from .processes import MARK, end_marked
+
+LINES_KEPT = 40
+"""How many of the last lines of output are kept, to say why a process died."""
+LONGEST_LINE = 1 << 20
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """What a run is started with.
+
+    Attributes:
+        robot: `sim`, `fake` or `ros`.
+        target: `bt` (behaviour tree) or `sm` (state machine).
+        seed: seed of everything random.
+    """
+
+    robot: str = "sim"
+    target: str = "bt"
+    seed: int = 0
+
+
+class RunProcess(Protocol):
+    """A run's process, as the session sees it."""
+
+    def lines(self) -> AsyncIterator[dict[str, Any]]:
+        """Yield what the process says, one object a line, until its output ends; `{"event": "log"}` for plain text."""
+        ...
+
+    async def send(self, command: Command) -> None:
+        """Send a command; nothing happens when the process is gone."""
+        ...
+
+    async def wait(self) -> int:
+        """Wait for the end and return the exit status; negative is the signal that ended it."""
+        ...
+
+    async def kill(self) -> None:
+        """End the process and everything that it started, now. Idempotent."""
+        ...
+
+    def tail(self) -> str:
+        """Return the last lines that weren't part of the protocol."""
+        ...
+
+
+class Launcher(Protocol):
+    """Makes run processes."""
+
+    async def start(self, task_file: Path, journal: Path, options: RunOptions) -> RunProcess:
+        """Start a run.
+
+        Raises:
+            OSError: the process can't be started.
+        """
+        ...
+
+
+class CommandLineLauncher:
+    """Runs `grip run --control` with this interpreter, in a process group of its own."""
+
+    def __init__(self, command: tuple[str, ...] = (sys.executable, "-m", "grip_bt.cli")):
+        self.command = command
+
+    async def start(self, task_file: Path, journal: Path, options: RunOptions) -> RunProcess:
+        """Start `grip run`; what it starts in turn carries a mark by which it is found again."""
+        journal.parent.mkdir(parents=True, exist_ok=True)
+        mark = token_hex(8)
+        process = await asyncio.create_subprocess_exec(
+            *self.command,
+            *("run", str(task_file), "--control", "--journal", str(journal)),
+            *("--robot", options.robot, "--seed", str(options.seed), "--as", options.target),
+            stdin=asyncio.subprocess.PIPE,
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.PIPE,
+            limit=LONGEST_LINE,
+            env={**os.environ, MARK: mark, "PYTHONUNBUFFERED": "1"},
+            start_new_session=True,
+        )
+        return CommandLineProcess(process, mark)
+
+
+class CommandLineProcess:
+    """A `grip run --control` under way."""
+
+    def __init__(self, process: asyncio.subprocess.Process, mark: str):
+        self._process, self._mark = process, mark
+        self._tail: deque[str] = deque(maxlen=LINES_KEPT)
+
+    @property
+    def pid(self) -> int:
+        """The process id, which is also that of its group."""
+        return self._process.pid
+
+    async def lines(self) -> AsyncIterator[dict[str, Any]]:
+        """Yield protocol objects from stdout and `log` objects from stderr, as they come."""
+        queue: asyncio.Queue[dict[str, Any] | None] = asyncio.Queue()
+        readers = [
+            asyncio.create_task(self._read(stream, queue)) for stream in (self._process.stdout, self._process.stderr)
+        ]
+        try:
+            open_streams = len(readers)
+            while open_streams:
+                message = await queue.get()
+                if message is None:
+                    open_streams -= 1
+                else:
+                    yield message
+        finally:
+            for reader in readers:
+                reader.cancel()
+
+    async def _read(self, stream: asyncio.StreamReader | None, queue: asyncio.Queue[dict[str, Any] | None]) -> None:
+        assert stream is not None
+        try:
+            while line := await _line(stream):
+                await queue.put(self._parsed(line.decode(errors="replace").rstrip()))
+        finally:
+            await queue.put(None)
+
+    def _parsed(self, text: str) -> dict[str, Any]:
+        if text.startswith("{"):
+            try:
+                message = json.loads(text)
+            except ValueError:
+                message = None
+            if isinstance(message, dict) and isinstance(message.get("event"), str):
+                return message
+        self._tail.append(text)
+        return {"event": "log", "text": text}
+
+    async def send(self, command: Command) -> None:
+        """Write one line to the process's stdin."""
+        stdin = self._process.stdin
+        if stdin is None or stdin.is_closing():
+            return
+        try:
+            stdin.write(json.dumps({"command": command}).encode() + b"\n")
+            await stdin.drain()
+        except (BrokenPipeError, ConnectionResetError):
+            return
+
+    async def wait(self) -> int:
+        """Wait for the end, then end whatever it left behind."""
+        status = await self._process.wait()
+        await end_marked(self._mark)
+        return status
+
+    async def kill(self) -> None:
+        """End the group and everything marked."""
+        await end_marked(self._mark, group=self._process.pid if self._process.returncode is None else None)
+        await self._process.wait()
+
+    def tail(self) -> str:
+        """Return the last lines of plain output."""
+        return "\n".join(self._tail)
+
+
+async def _line(stream: asyncio.StreamReader) -> bytes:
+    """Return the next line; of one that is longer than the limit, nothing but a note."""
+    try:
+        return await stream.readline()
+    except ValueError:
+        return b"(a line that was too long was left out)\n"

@@ -1,0 +1,88 @@
+"""The project folder: which task files it has, and the guard that no request reaches a file outside it."""
+
+from __future__ import annotations
+
+from pathlib import Path, PurePosixPath
+
+from grip_bt.errors import DocumentError, GripError
+
+from .messages import TaskEntry
+
+
+class OutsideProjectError(GripError):
+    """A path leads out of the project folder, or isn't the path of a task file."""
+
+    def __init__(self, path: str, why: str):
+        self.path = path
+        super().__init__(f"{path!r} {why}; name a task file below the project folder, such as 'tasks/pick.yaml'")
+
+
+class ProjectFolder:
+    """A folder with a grip.yaml (or just task files).
+
+    Args:
+        folder: the project folder.
+
+    Raises:
+        DocumentError: the folder isn't there.
+    """
+
+    def __init__(self, folder: Path | str):
+        self.folder = Path(folder).resolve()
+        if not self.folder.is_dir():
+            raise DocumentError("this folder isn't there; make one with `grip new`", str(folder))
+
+    @property
+    def name(self) -> str:
+        """The folder's name."""
+        return self.folder.name
+
+    @property
+    def journal(self) -> Path:
+        """The journal of the project's runs."""
+        return self.folder / ".grip" / "runs.sqlite"
+
+    def tasks(self) -> list[TaskEntry]:
+        """Return the task files below `tasks/`, sorted by path; layout files aren't tasks."""
+        files = sorted((self.folder / "tasks").rglob("*.yaml"))
+        return [
+            TaskEntry(path=file.relative_to(self.folder).as_posix(), name=file.stem)
+            for file in files
+            if not file.name.endswith(".layout.yaml") and self._inside(file)
+        ]
+
+    def task_file(self, path: str) -> Path:
+        """Return the file at a path that came from outside.
+
+        Args:
+            path: relative to the project folder, with `/`.
+
+        Raises:
+            OutsideProjectError: the path is absolute, climbs, follows a link outwards, or isn't a YAML file.
+            DocumentError: there is no such file.
+        """
+        pure = PurePosixPath(path)
+        if "\0" in path or "\\" in path or pure.is_absolute() or ".." in pure.parts:
+            raise OutsideProjectError(path, "isn't a path inside the project")
+        if pure.suffix not in {".yaml", ".yml"} or any(part.startswith(".") for part in pure.parts):
+            raise OutsideProjectError(path, "isn't a task file")
+        file = self.folder / pure
+        if not self._inside(file):
+            raise OutsideProjectError(path, "leads out of the project folder")
+        if not file.is_file():
+            raise DocumentError("there is no such task file in the project", path)
+        return file
+
+    def relative(self, file: Path) -> str:
+        """Return a file's path relative to the project folder.
+
+        Raises:
+            OutsideProjectError: it lies outside.
+        """
+        resolved = file.resolve()
+        if not resolved.is_relative_to(self.folder):
+            raise OutsideProjectError(str(file), "lies outside the project folder")
+        return resolved.relative_to(self.folder).as_posix()
+
+    def _inside(self, file: Path) -> bool:
+        return file.resolve().is_relative_to(self.folder)

@@ -1,0 +1,131 @@
+"""A task as the page draws it. Computed here, so that Python is the one place that knows what a task means."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from typing import Any, TypeAlias
+
+from grip_bt.catalog.manifest import Manifest
+from grip_bt.graph.model import AnyNode, Leaf, StateMachine, Task, Variable, children_of, join, outcomes_of, walk
+
+from .messages import Meaning, NodeView, Problem, TaskView, Transition, VariableView
+
+FindManifest: TypeAlias = Callable[[str], "Manifest | None"]
+PREVIEW = 120
+"""Longest preview of an initial value, in characters."""
+
+
+def project_task(task: Task, path: str, find: FindManifest, problems: list[Problem] | None = None) -> TaskView:
+    """Return the view of a task.
+
+    Args:
+        task: what was read.
+        path: the file, relative to the project folder.
+        find: returns the manifest of a catalogue id, None for one that isn't known.
+        problems: what the validation found.
+    """
+    return TaskView(
+        path=path,
+        name=task.name,
+        doc=task.doc,
+        outcomes=dict(task.outcomes),
+        nodes=_nodes(task, find),
+        variables=_variables(task),
+        problems=problems or [],
+    )
+
+
+def _nodes(task: Task, find: FindManifest) -> list[NodeView]:
+    views = {"/": _node("/", None, task.name, task.root, find, _edges(task.root.on, ends=task.outcomes))}
+    for path, parent in walk(task.root):
+        for name, child in children_of(parent).items():
+            edges = _edges_below(parent, name, child)
+            initial = isinstance(parent, StateMachine) and parent.initial == name
+            views[join(path, name)] = _node(join(path, name), path, name, child, find, edges, initial)
+    # `walk` is parents first and in document order; `views` was filled level by level.
+    return [views[path] for path, _ in walk(task.root)]
+
+
+def _node(
+    path: str,
+    parent: str | None,
+    name: str,
+    node: AnyNode,
+    find: FindManifest,
+    edges: list[Transition],
+    initial: bool = False,
+) -> NodeView:
+    common: dict[str, Any] = {"path": path, "parent": parent, "name": name, "on": edges, "initial": initial}
+    if isinstance(node, Leaf):
+        manifest = find(node.node)
+        return NodeView(
+            **common,
+            kind="leaf",
+            label=node.node,
+            doc=node.doc or (manifest.doc if manifest else ""),
+            outcomes=_leaf_outcomes(node, manifest),
+            inputs=dict(node.in_),
+            outputs=dict(node.out),
+            parameters=dict(node.with_),
+        )
+    return NodeView(
+        **common,
+        kind=node.kind,
+        label=container_label(node),
+        doc=node.doc,
+        children=[join(path, child) for child in children_of(node)],
+        outcomes=outcomes_of(node),
+    )
+
+
+def _leaf_outcomes(node: Leaf, manifest: Manifest | None) -> dict[str, Meaning]:
+    if manifest is not None:
+        return manifest.outcomes_for(dict(node.meaning))
+    return {"success": "success", "failure": "failure", **node.meaning}
+
+
+def _edges_below(parent: AnyNode, name: str, child: AnyNode) -> list[Transition]:
+    """Return where a child's outcomes lead: its `on` in a state machine, else its parent's `exits`."""
+    if isinstance(parent, StateMachine):
+        return _edges(child.on, ends=parent.outcomes)
+    exits: Mapping[str, str] = getattr(parent, "exits", {})
+    own = {key.removeprefix(f"{name}."): target for key, target in exits.items() if key.startswith(f"{name}.")}
+    return [Transition(outcome=outcome, target=target, ends=True) for outcome, target in own.items()]
+
+
+def _edges(on: Mapping[str, str], ends: Mapping[str, Meaning]) -> list[Transition]:
+    return [Transition(outcome=outcome, target=target, ends=target in ends) for outcome, target in on.items()]
+
+
+def container_label(node: AnyNode) -> str:
+    """Return a container's settings in a few words; empty where the kind says it all."""
+    match node.__dict__:
+        case {"kind": "sequence" | "fallback", "memory": False}:
+            return "asks again on every tick"
+        case {"kind": "parallel", "policy": policy, "cancel": cancel}:
+            return f"{policy} must succeed" if policy == "all" else f"first success ends it, {cancel}"
+        case {"kind": "retry", "times": times}:
+            return f"at most {times} attempts"
+        case {"kind": "repeat", "times": None}:
+            return "for ever"
+        case {"kind": "repeat", "times": times}:
+            return f"{times} times"
+        case {"kind": "timeout", "seconds": seconds}:
+            return f"at most {seconds:g} s"
+        case {"kind": "force", "as_": meaning}:
+            return f"always {meaning}"
+    return ""
+
+
+def _variables(task: Task) -> list[VariableView]:
+    scopes: list[tuple[str, Mapping[str, Variable | str]]] = [("", task.data)]
+    scopes += [(path, getattr(node, "data", {})) for path, node in walk(task.root)]
+    return [_variable(scope, name, declared) for scope, data in scopes for name, declared in data.items()]
+
+
+def _variable(scope: str, name: str, declared: Variable | str) -> VariableView:
+    if isinstance(declared, str):
+        return VariableView(scope=scope, name=name, type=declared)
+    initial = json.dumps(declared.value, default=str)[:PREVIEW] if declared.has_value else None
+    return VariableView(scope=scope, name=name, type=declared.type, doc=declared.doc, initial=initial)

@@ -1,0 +1,141 @@
+"""Who may talk to the server: pages that were opened with this start's token, on this machine, from this origin."""
+
+from __future__ import annotations
+
+import logging
+from http.cookies import CookieError, SimpleCookie
+from secrets import compare_digest
+from typing import Any
+from urllib.parse import parse_qsl, urlencode, urlsplit
+
+from starlette.datastructures import Headers
+from starlette.exceptions import HTTPException
+from starlette.responses import JSONResponse, RedirectResponse
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+log = logging.getLogger(__name__)
+
+LARGEST_BODY = 64 * 1024
+"""Longest body of a request [bytes]."""
+TOO_LARGE = f"a request may have {LARGEST_BODY} bytes"
+LOOPBACK = frozenset({"127.0.0.1", "localhost", "::1"})
+HEADERS = {
+    "Content-Security-Policy": (
+        "default-src 'self'; img-src 'self' data:; style-src 'self' 'unsafe-inline'; "
+        "frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
+    ),
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cache-Control": "no-cache",
+}
+
+
+class Gate:
+    """ASGI middleware that lets nobody in without the token.
+
+    The token comes once, in the opened URL, and becomes a cookie; then the URL is cleaned. The name of the cookie
+    carries the port, since browsers share the cookies of a host between its ports. Requests that change something, and
+    the socket, must come from this origin, which a foreign page can't forge; the host must be a loopback name, which
+    stops DNS rebinding.
+
+    Args:
+        app: what is guarded.
+        token: this start's secret.
+    """
+
+    def __init__(self, app: ASGIApp, token: str):
+        self._app, self._token = app, token
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Guard one connection."""
+        if scope["type"] == "lifespan":
+            await self._app(scope, receive, send)
+            return
+        headers = Headers(scope=scope)
+        status, why = self._refusal(scope, headers)
+        if why:
+            log.warning("refused %s %s from %s: %s", scope["type"], scope["path"], scope.get("client"), why)
+            await self._refuse(scope, receive, send, status, why)
+        elif scope["type"] == "http" and (given := self._given(scope)) is not None:
+            await self._welcome(scope, given)(scope, receive, send)
+        else:
+            await self._pass(scope, receive, send)
+
+    def _refusal(self, scope: Scope, headers: Headers) -> tuple[int, str]:
+        host = urlsplit(f"//{headers.get('host', '')}")
+        if host.hostname not in LOOPBACK:
+            return 400, "the host isn't this machine"
+        changes = scope["type"] == "websocket" or scope["method"] not in {"GET", "HEAD"}
+        origin = headers.get("origin")
+        if (changes or origin) and origin != f"http://{host.netloc}":
+            return 403, "the request comes from another origin"
+        if scope["type"] == "http" and self._given(scope) is not None:
+            return 0, ""
+        if not self._knows_token(scope, headers):
+            return 401, "open the address that `grip edit` printed: it carries the token of this start"
+        length = headers.get("content-length", "0")
+        if not length.isdigit() or int(length) > LARGEST_BODY:
+            return 413, TOO_LARGE
+        return 0, ""
+
+    def _given(self, scope: Scope) -> str | None:
+        """Return the query without the token when the URL carries the right one, else None."""
+        query = parse_qsl(scope["query_string"].decode("latin-1"))
+        tokens = [value for key, value in query if key == "token"]
+        if not any(_equal(token, self._token) for token in tokens):
+            return None
+        return urlencode([(key, value) for key, value in query if key != "token"])
+
+    def _knows_token(self, scope: Scope, headers: Headers) -> bool:
+        try:
+            jar = SimpleCookie(headers.get("cookie", ""))
+        except CookieError:
+            return False
+        name = cookie_name(scope)
+        return name in jar and _equal(jar[name].value, self._token)
+
+    def _welcome(self, scope: Scope, query: str) -> RedirectResponse:
+        # Relative to the root whatever the path was: a redirect never leaves this server.
+        response = RedirectResponse("/" + (f"?{query}" if query else ""), status_code=303)
+        response.set_cookie(cookie_name(scope), self._token, httponly=True, samesite="lax", path="/")
+        return response
+
+    async def _refuse(self, scope: Scope, receive: Receive, send: Send, status: int, why: str) -> None:
+        if scope["type"] == "websocket":
+            await receive()
+            await send({"type": "websocket.close", "code": 1008, "reason": why})
+        else:
+            await JSONResponse({"detail": why}, status_code=status)(scope, receive, send)
+
+    async def _pass(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Let a connection in, with a limit on what it sends and headers on what it gets."""
+        seen = 0
+
+        async def limited() -> Message:
+            nonlocal seen
+            message = await receive()
+            seen += len(message.get("body", b"")) if message["type"] == "http.request" else 0
+            if seen > LARGEST_BODY:
+                log.warning("refused a body of more than %d bytes from %s", LARGEST_BODY, scope.get("client"))
+                raise HTTPException(413, TOO_LARGE)
+            return message
+
+        async def dressed(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                message["headers"] = [*message["headers"], *_raw(HEADERS)]
+            await send(message)
+
+        await self._app(scope, limited, dressed)
+
+
+def cookie_name(scope: Any) -> str:
+    """Return the name of the cookie that holds the token of the server at this port."""
+    return f"grip_token_{(scope.get('server') or ('', 0))[1]}"
+
+
+def _equal(given: str, token: str) -> bool:
+    return compare_digest(given.encode("utf-8", "replace"), token.encode())
+
+
+def _raw(headers: dict[str, str]) -> list[tuple[bytes, bytes]]:
+    return [(key.lower().encode(), value.encode()) for key, value in headers.items()]

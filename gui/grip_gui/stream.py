@@ -1,0 +1,126 @@
+"""The WebSocket of one viewer: how the run under way is, and the events of the run that the viewer looks at."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from contextlib import suppress
+
+from fastapi import WebSocket, WebSocketDisconnect
+from pydantic import BaseModel, ValidationError
+
+from .journal import RunSource
+from .messages import EventsFrame, RefusedFrame, SessionFrame, SessionView, Subscribe
+from .session import RunDesk
+
+log = logging.getLogger(__name__)
+
+FRAME = 1 / 30
+"""Shortest time between two frames to one viewer [s]."""
+BATCH = 1000
+"""Most events in one frame."""
+POLL = 1.0
+"""How often the journal is asked about a run that another process executes [s]."""
+LARGEST_MESSAGE = 4096
+"""Longest message that a viewer may send, in characters."""
+STRIKES = 20
+"""After this many refused messages the connection is closed."""
+
+
+class Viewer:
+    """Streams to one page until it leaves."""
+
+    def __init__(self, socket: WebSocket, desk: RunDesk, source: RunSource):
+        self._socket, self._desk, self._source = socket, desk, source
+        self._changed = desk.watch()
+        self._run: str | None = None
+        self._next = 0
+        self._complete = False
+        self._told: SessionView | str | None = "nothing"
+
+    async def serve(self) -> None:
+        """Talk until the page leaves or breaks the rules too often."""
+        sender = asyncio.create_task(self._send())
+        try:
+            await self._receive()
+        except WebSocketDisconnect:
+            pass
+        finally:
+            self._desk.unwatch(self._changed)
+            sender.cancel()
+            with suppress(asyncio.CancelledError, WebSocketDisconnect, RuntimeError):
+                await sender
+
+    async def _receive(self) -> None:
+        strikes = 0
+        while strikes < STRIKES:
+            message = await self._socket.receive()
+            if message["type"] == "websocket.disconnect":
+                return
+            reason = self._understand(message.get("text"))
+            if reason:
+                strikes += 1
+                log.warning("refused a message from %s: %s", self._socket.client, reason)
+                await self._write(RefusedFrame(reason=reason))
+        await self._socket.close(code=1008, reason="too many messages that aren't understood")
+
+    def _understand(self, text: str | None) -> str:
+        """Act on a message; return why it is refused, empty when it is fine."""
+        if text is None:
+            return "messages are text"
+        if len(text) > LARGEST_MESSAGE:
+            return f"a message may have {LARGEST_MESSAGE} characters, not {len(text)}"
+        try:
+            wish = Subscribe.model_validate_json(text)
+        except (ValidationError, RecursionError) as error:
+            return f"not a subscription: {str(error).splitlines()[0]}"
+        self._run, self._next, self._complete = wish.run, wish.from_seq, False
+        self._changed.set()
+        return ""
+
+    async def _send(self) -> None:
+        while True:
+            await self._wait()
+            self._changed.clear()
+            if self._desk.view != self._told:
+                self._told = self._desk.view
+                await self._write(SessionFrame(session=self._told))
+            more = await self._send_events()
+            if more:
+                self._changed.set()
+            await asyncio.sleep(FRAME)
+
+    async def _wait(self) -> None:
+        """Wait for news. A run of another process sends none, so its journal is asked now and then."""
+        watching = self._run is not None and not self._complete
+        try:
+            await asyncio.wait_for(self._changed.wait(), POLL if watching else None)
+        except TimeoutError:
+            return
+
+    async def _send_events(self) -> bool:
+        """Send the next batch; return whether there may be more at once."""
+        run, first = self._run, self._next
+        if run is None or self._complete:
+            return False
+        # Whether it has ended is asked before the events are read: what was committed before the end is then in them.
+        over = await asyncio.to_thread(self._is_over, run)
+        events = await asyncio.to_thread(self._source.events, run, first, BATCH)
+        if (run, first) != (self._run, self._next):
+            return True  # the viewer has turned to another run meanwhile
+        complete = over and len(events) < BATCH
+        if events or complete:
+            self._next = events[-1].seq + 1 if events else first
+            self._complete = complete
+            await self._write(EventsFrame(run=run, events=events, complete=complete))
+        return len(events) == BATCH
+
+    def _is_over(self, run: str) -> bool:
+        view = self._desk.view
+        if view is not None and view.run == run:
+            return view.state == "ended"
+        record = self._source.run(run)
+        return record is None or record.status != "running"
+
+    async def _write(self, frame: BaseModel) -> None:
+        await self._socket.send_text(frame.model_dump_json())
