@@ -1,0 +1,66 @@
+/** The events of one run, and the moment after any of them: near a kept copy, then forward by the same reducer. */
+import type { RunEvent } from "../protocol/generated";
+import { apply, Moment, type TaskIndex } from "./status";
+
+const KEEP_EVERY = 256;
+
+export class History {
+  readonly events: RunEvent[] = [];
+  private readonly kept: Moment[] = [new Moment()];
+  private latest = new Moment();
+
+  constructor(readonly index: TaskIndex) {}
+
+  get length(): number {
+    return this.events.length;
+  }
+
+  /** Number of the next event that is missing. */
+  get nextSeq(): number {
+    return (this.events.at(-1)?.seq ?? -1) + 1;
+  }
+
+  /** Add events that follow those that are there; what came twice is left out. */
+  add(events: readonly RunEvent[]): void {
+    for (const event of events) {
+      if (event.seq < this.nextSeq) continue;
+      this.events.push(event);
+      apply(this.latest, event, this.index);
+      if (this.events.length % KEEP_EVERY === 0) this.kept.push(this.latest.copy());
+    }
+  }
+
+  /** Say that no more will come. A run whose process died has written no end, so one is put in its place. */
+  close(): void {
+    const last = this.events.at(-1);
+    if (!last || last.event === "run_ended") return;
+    const end = { seq: last.seq + 1, t: last.t, path: "/", event: "run_ended", outcome: null, code: null };
+    this.add([{ ...end, data: { status: "lost" } }]);
+  }
+
+  /** The moment after all events; it changes as events are added. */
+  now(): Moment {
+    return this.latest;
+  }
+
+  /** A copy of the moment after the first `count` events. */
+  at(count: number): Moment {
+    const wanted = Math.max(0, Math.min(count, this.events.length));
+    const start = Math.floor(wanted / KEEP_EVERY);
+    const moment = (this.kept[start] ?? new Moment()).copy();
+    for (let i = start * KEEP_EVERY; i < wanted; i++) apply(moment, this.events[i] as RunEvent, this.index);
+    return moment;
+  }
+
+  /** How many events had happened at run clock `t` [s]. */
+  countAt(t: number): number {
+    let low = 0;
+    let high = this.events.length;
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if ((this.events[middle] as RunEvent).t <= t) low = middle + 1;
+      else high = middle;
+    }
+    return low;
+  }
+}

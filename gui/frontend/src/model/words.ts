@@ -1,0 +1,82 @@
+/** Words for people: statuses, times, events. Nothing is told by colour alone. */
+import type { RunEvent, SessionView } from "../protocol/generated";
+import type { NodeStatus, Phase, RunFacts } from "./status";
+
+const PHASES: Record<Phase, string> = {
+  idle: "not started",
+  running: "running",
+  success: "success",
+  failure: "failure",
+  ended: "ended",
+  interrupted: "interrupted",
+  error: "error",
+};
+
+export const KINDS: Record<string, string> = {
+  leaf: "leaf",
+  sequence: "sequence",
+  fallback: "fallback",
+  parallel: "parallel",
+  state_machine: "state machine",
+  retry: "retry",
+  repeat: "repeat",
+  timeout: "timeout",
+  invert: "invert",
+  force: "force",
+};
+
+/** `success`, `none (success)`, `failure.no_plan`, `running` ... */
+export function statusText(status: NodeStatus): string {
+  const { phase, outcome, code } = status;
+  if (phase === "success" || phase === "failure" || phase === "ended") {
+    const label = outcome ?? phase;
+    const full = code ? `${label}.${code}` : label;
+    return label === phase || phase === "ended" ? full : `${full} (${phase})`;
+  }
+  return PHASES[phase];
+}
+
+export function seconds(t: number): string {
+  return `${t.toFixed(t < 10 ? 2 : 1)} s`;
+}
+
+/** The state of the run in the top bar. */
+export function runText(session: SessionView | null): string {
+  if (!session) return "no run";
+  if (session.state !== "ended") return session.state;
+  const outcome = session.outcome ? `: ${session.outcome}` : "";
+  return `${session.status ?? "ended"}${outcome}`;
+}
+
+export function factsText(facts: RunFacts): string {
+  if (facts.state !== "ended") return facts.state;
+  return facts.outcome ? `${facts.status ?? "ended"}: ${facts.outcome}` : (facts.status ?? "ended");
+}
+
+/** One line of the log. */
+export function eventText(event: RunEvent): string {
+  const data = event.data;
+  switch (event.event) {
+    case "enter":
+      return "starts";
+    case "exit": {
+      const label = event.code ? `${event.outcome}.${event.code}` : `${event.outcome}`;
+      return data["message"] ? `${label}: ${String(data["message"])}` : label;
+    }
+    case "write":
+      return `${String(data["variable"])} = ${String(data["preview"])}`;
+    case "message":
+      return String(data["text"] ?? "");
+    case "state":
+      return `the run is ${String(data["state"])}`;
+    case "error":
+      return `${String(data["type"])}: ${String(data["message"])}`;
+    case "run_ended":
+      if (data["status"] === "lost") return "the run's process is gone";
+      return `the run ended: ${[data["status"], event.outcome].filter(Boolean).map(String).join(", ")}`;
+    case "run_started":
+      return "the run starts";
+    default:
+      return event.event;
+  }
+}

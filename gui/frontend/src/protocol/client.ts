@@ -1,0 +1,85 @@
+/** Talks to the server: questions over HTTP, news over one WebSocket that comes back by itself. */
+import type {
+  Control,
+  ProjectView,
+  RunRecord,
+  RunView,
+  ServerFrame,
+  SessionView,
+  StartRun,
+  Subscribe,
+  TaskView,
+  Trouble,
+} from "./generated";
+
+async function ask<T>(path: string, body?: unknown): Promise<T> {
+  const init: RequestInit =
+    body === undefined
+      ? {}
+      : { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(body) };
+  const answer = await fetch(`/api/${path}`, init);
+  if (!answer.ok) {
+    const trouble = (await answer.json().catch(() => null)) as Trouble | null;
+    throw new Error(trouble?.detail ?? `the server answered ${answer.status}`);
+  }
+  return (await answer.json()) as T;
+}
+
+export const server = {
+  project: () => ask<ProjectView>("project"),
+  task: (path: string) => ask<TaskView>(`task?path=${encodeURIComponent(path)}`),
+  runs: () => ask<RunRecord[]>("runs"),
+  run: (id: string) => ask<RunView>(`runs/${encodeURIComponent(id)}`),
+  start: (wish: StartRun) => ask<SessionView>("session", wish),
+  control: (wish: Control) => ask<SessionView>("session/control", wish),
+};
+
+const LONGEST_PAUSE = 5000;
+
+export interface SocketListener {
+  frame(frame: ServerFrame): void;
+  connected(yes: boolean): void;
+  /** What to subscribe to, asked after every (re)connection. */
+  wish(): Subscribe | null;
+}
+
+/** The socket; it reconnects with growing pauses until `close`. */
+export class Socket {
+  private socket: WebSocket | null = null;
+  private pause = 250;
+  private closed = false;
+  private timer: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(private readonly listener: SocketListener) {
+    this.open();
+  }
+
+  subscribe(): void {
+    const wish = this.listener.wish();
+    if (wish && this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(wish));
+  }
+
+  close(): void {
+    this.closed = true;
+    clearTimeout(this.timer);
+    this.socket?.close();
+  }
+
+  private open(): void {
+    const scheme = location.protocol === "https:" ? "wss" : "ws";
+    const socket = new WebSocket(`${scheme}://${location.host}/api/socket`);
+    this.socket = socket;
+    socket.onopen = () => {
+      this.pause = 250;
+      this.listener.connected(true);
+      this.subscribe();
+    };
+    socket.onmessage = (message) => this.listener.frame(JSON.parse(String(message.data)) as ServerFrame);
+    socket.onclose = () => {
+      if (this.closed) return;
+      this.listener.connected(false);
+      this.timer = setTimeout(() => this.open(), this.pause);
+      this.pause = Math.min(this.pause * 2, LONGEST_PAUSE);
+    };
+  }
+}

@@ -1,0 +1,95 @@
+/** What the buttons do, and what the socket brings: the one place that joins server and stores. */
+import { server, Socket } from "../protocol/client";
+import type { Control, RunRecord, ServerFrame, StartRun } from "../protocol/generated";
+import { usePage } from "./page";
+import { useRun } from "./run";
+
+let socket: Socket | null = null;
+/** The run that is being opened, so that a frame that comes meanwhile doesn't open it twice. */
+let opening: string | null = null;
+
+export function connect(): () => void {
+  socket = new Socket({
+    frame: heard,
+    connected: (yes) => useRun.getState().setConnected(yes),
+    wish: () => {
+      const { record, history } = useRun.getState();
+      return record ? { type: "subscribe", run: record.id, from_seq: history.nextSeq } : null;
+    },
+  });
+  return () => socket?.close();
+}
+
+function heard(frame: ServerFrame): void {
+  const run = useRun.getState();
+  switch (frame.type) {
+    case "session": {
+      const known = run.session?.run;
+      run.setSession(frame.session);
+      const id = frame.session?.run;
+      // A run that has just begun, here or on another page, is what everybody wants to see.
+      if (id && id !== known && id !== run.record?.id) void openRun(id);
+      break;
+    }
+    case "events":
+      run.addEvents(frame.run, frame.events, frame.complete);
+      break;
+    case "refused":
+      run.setTrouble(`The server refused a message: ${frame.reason}`);
+      break;
+  }
+}
+
+/** Run something that asks the server; what goes wrong is shown, not thrown. */
+async function trying(work: () => Promise<void>): Promise<void> {
+  useRun.getState().setTrouble("");
+  try {
+    await work();
+  } catch (error) {
+    useRun.getState().setTrouble(error instanceof Error ? error.message : String(error));
+  }
+}
+
+export function openTask(path: string): Promise<void> {
+  return trying(async () => {
+    const task = await server.task(path);
+    useRun.getState().showTask(task);
+    usePage.getState().select(task.nodes[0]?.path ?? null);
+  });
+}
+
+export function openRun(id: string): Promise<void> {
+  if (opening === id) return Promise.resolve();
+  opening = id;
+  return trying(async () => {
+    const view = await server.run(id);
+    useRun.getState().showTask(view.task, view.run);
+    socket?.subscribe();
+  }).finally(() => {
+    opening = null;
+  });
+}
+
+export function startRun(wish: StartRun): Promise<void> {
+  return trying(async () => {
+    const { task, record } = useRun.getState();
+    // An old run on display gives way to the task as it is now.
+    if (record || task.path !== wish.task) await openTask(wish.task);
+    // How it goes on is told by the socket alone: an answer may come later than newer news.
+    await server.start(wish);
+  });
+}
+
+export function control(command: Control["command"]): Promise<void> {
+  return trying(async () => {
+    await server.control({ command });
+  });
+}
+
+export async function listRuns(): Promise<RunRecord[]> {
+  let runs: RunRecord[] = [];
+  await trying(async () => {
+    runs = await server.runs();
+  });
+  return runs;
+}

@@ -1,0 +1,67 @@
+/** The run that is looked at: its events, the moment that is shown, and the process behind it. */
+import { create } from "zustand";
+
+import { History } from "../model/history";
+import { Moment, TaskIndex } from "../model/status";
+import type { RunEvent, RunRecord, SessionView, TaskView } from "../protocol/generated";
+
+const NO_TASK: TaskView = { path: "", name: "", doc: "", outcomes: {}, nodes: [], variables: [], problems: [] };
+
+export interface RunStore {
+  readonly task: TaskView;
+  readonly index: TaskIndex;
+  readonly record: RunRecord | null;
+  readonly history: History;
+  /** What is shown: the latest moment when live, else a copy of an earlier one. */
+  readonly moment: Moment;
+  /** How many events are taken into `moment` while scrubbing; null while it follows the run. */
+  readonly cursor: number | null;
+  readonly complete: boolean;
+  /** Grows with every change, since `history` and the live moment change in place. */
+  readonly version: number;
+  readonly session: SessionView | null;
+  readonly connected: boolean;
+  readonly trouble: string;
+
+  showTask(task: TaskView, record?: RunRecord | null): void;
+  addEvents(run: string, events: readonly RunEvent[], complete: boolean): void;
+  scrub(cursor: number | null): void;
+  setSession(session: SessionView | null): void;
+  setConnected(connected: boolean): void;
+  setTrouble(trouble: string): void;
+}
+
+export const useRun = create<RunStore>()((set, get) => ({
+  ...fresh(NO_TASK),
+  record: null,
+  version: 0,
+  session: null,
+  connected: false,
+  trouble: "",
+
+  showTask: (task, record = null) => set((s) => ({ ...fresh(task), record, version: s.version + 1 })),
+
+  addEvents: (run, events, complete) => {
+    const { record, history, cursor, version } = get();
+    if (record?.id !== run) return;
+    history.add(events);
+    if (complete) history.close();
+    set({ complete, version: version + 1, ...(cursor === null ? { moment: history.now() } : {}) });
+  },
+
+  scrub: (cursor) => {
+    const { history, version } = get();
+    const moment = cursor === null ? history.now() : history.at(cursor);
+    set({ cursor, moment, version: version + 1 });
+  },
+
+  setSession: (session) => set({ session }),
+  setConnected: (connected) => set({ connected }),
+  setTrouble: (trouble) => set({ trouble }),
+}));
+
+function fresh(task: TaskView): Pick<RunStore, "task" | "index" | "history" | "moment" | "cursor" | "complete"> {
+  const index = new TaskIndex(task);
+  const history = new History(index);
+  return { task, index, history, moment: history.now(), cursor: null, complete: false };
+}

@@ -1,0 +1,83 @@
+/** The same tree as an ARIA tree: one tab stop, arrow keys, statuses as text. */
+import { type JSX, type KeyboardEvent, useMemo, useRef } from "react";
+
+import { outlineKey, type Row, visibleRows } from "../model/outline";
+import { IDLE } from "../model/status";
+import { KINDS, statusText } from "../model/words";
+import { usePage } from "../store/page";
+import { useRun } from "../store/run";
+import { KindIcon, PhaseIcon } from "./icons";
+
+export function Outline(): JSX.Element {
+  const nodes = useRun((s) => s.task.nodes);
+  const closed = usePage((s) => s.closed);
+  const selected = usePage((s) => s.selected);
+  const { select, setClosed } = usePage.getState();
+  const rows = useMemo(() => visibleRows(nodes, closed), [nodes, closed]);
+  const focused = rows.some((row) => row.node.path === selected) ? selected : rows[0]?.node.path;
+  const list = useRef<HTMLDivElement>(null);
+
+  function onKeyDown(event: KeyboardEvent): void {
+    const step = focused === null || focused === undefined ? null : outlineKey(event.key, focused, rows, closed);
+    if (!step) return;
+    event.preventDefault();
+    if ("open" in step) setClosed(step.open, false);
+    else if ("close" in step) setClosed(step.close, true);
+    else {
+      select(step.go);
+      list.current?.querySelector<HTMLElement>(`[data-row="${CSS.escape(step.go)}"]`)?.focus();
+    }
+  }
+
+  return (
+    <section className="panel outline" aria-labelledby="outline-title">
+      <h2 id="outline-title">Outline</h2>
+      <div className="scroll" role="tree" aria-labelledby="outline-title" ref={list} onKeyDown={onKeyDown}>
+        {rows.map((row) => (
+          <OutlineRow key={row.node.path} row={row} isClosed={closed.has(row.node.path)} isTabStop={row.node.path === focused} />
+        ))}
+      </div>
+    </section>
+  );
+}
+
+function OutlineRow({ row, isClosed, isTabStop }: { row: Row; isClosed: boolean; isTabStop: boolean }): JSX.Element {
+  const { node, level, position, siblings } = row;
+  const status = useRun((s) => s.moment.nodes.get(node.path) ?? IDLE);
+  const selected = usePage((s) => s.selected === node.path);
+  const { select, setClosed } = usePage.getState();
+  const isContainer = node.children.length > 0;
+  const words = statusText(status);
+  return (
+    <div
+      role="treeitem"
+      className={`row is-${status.phase}`}
+      data-row={node.path}
+      aria-level={level}
+      aria-posinset={position}
+      aria-setsize={siblings}
+      aria-selected={selected}
+      {...(isContainer ? { "aria-expanded": !isClosed } : {})}
+      aria-label={`${node.name}, ${KINDS[node.kind] ?? node.kind}, ${words}`}
+      tabIndex={isTabStop ? 0 : -1}
+      style={{ paddingInlineStart: `${level * 14 - 6}px` }}
+      onClick={() => select(node.path)}
+      onFocus={() => select(node.path)}
+    >
+      <span
+        className={`twisty${isContainer ? (isClosed ? " closed" : " open") : ""}`}
+        onClick={(event) => {
+          if (!isContainer) return;
+          event.stopPropagation();
+          setClosed(node.path, !isClosed);
+        }}
+      />
+      <KindIcon kind={node.kind} />
+      <span className="row-name">{node.name}</span>
+      <span className={`row-status phase-${status.phase}`}>
+        {status.phase === "idle" ? "" : words}
+        <PhaseIcon phase={status.phase} />
+      </span>
+    </div>
+  );
+}

@@ -1,0 +1,130 @@
+/** The run over time: a bar per activation of a leaf, and a slider that shows any moment again, during and after the run. */
+import { type JSX, type KeyboardEvent, type PointerEvent, useEffect, useMemo, useState } from "react";
+
+import { spansOf } from "../model/spans";
+import { eventText, factsText, seconds } from "../model/words";
+import type { RunRecord } from "../protocol/generated";
+import { listRuns, openRun } from "../store/desk";
+import { usePage } from "../store/page";
+import { useRun } from "../store/run";
+
+const WIDTH = 1000;
+const LANE = 7;
+
+export function TimeLine(): JSX.Element {
+  const version = useRun((s) => s.version);
+  const { history, cursor, moment, scrub, index } = useRun.getState();
+  const follow = usePage((s) => s.follow);
+  const spans = useMemo(() => spansOf(history.events, index), [history, index, version]);
+  const end = Math.max(history.events.at(-1)?.t ?? 0, 1e-6);
+  const shown = cursor ?? history.length;
+  const event = history.events[shown - 1];
+  const x = (t: number): number => (t / end) * WIDTH;
+  const lanes = 1 + spans.reduce((most, span) => Math.max(most, span.lane), 0);
+
+  function go(count: number): void {
+    scrub(count >= history.length ? null : Math.max(0, count));
+  }
+  function onKeyDown(key: KeyboardEvent): void {
+    const steps: Record<string, number> = {
+      ArrowLeft: shown - 1,
+      ArrowDown: shown - 1,
+      ArrowRight: shown + 1,
+      ArrowUp: shown + 1,
+      PageDown: shown - 10,
+      PageUp: shown + 10,
+      Home: 0,
+      End: history.length,
+    };
+    const to = steps[key.key];
+    if (to === undefined) return;
+    key.preventDefault();
+    go(to);
+  }
+  function onPointer(pointer: PointerEvent<SVGSVGElement>): void {
+    if (pointer.buttons !== 1 || history.length === 0) return;
+    pointer.currentTarget.setPointerCapture(pointer.pointerId);
+    const box = pointer.currentTarget.getBoundingClientRect();
+    const part = Math.max(0, Math.min(1, (pointer.clientX - box.left) / box.width));
+    go(part >= 1 ? history.length : history.countAt(part * end));
+  }
+
+  return (
+    <section className="panel time-line" aria-labelledby="time-title">
+      <div className="time-head">
+        <h2 id="time-title">Time line</h2>
+        <RunPicker />
+        <span className="time-words">
+          {history.length === 0
+            ? "Nothing has run yet."
+            : `${seconds(event?.t ?? 0)} of ${seconds(end)} · event ${shown} of ${history.length} · ${factsText(moment.facts)}`}
+        </span>
+        <label className="check">
+          <input type="checkbox" checked={follow} onChange={(e) => usePage.getState().setFollow(e.target.checked)} />
+          Follow
+        </label>
+        <button disabled={shown === 0} aria-label="Previous event" onClick={() => go(shown - 1)}>
+          ◂
+        </button>
+        <button disabled={shown >= history.length} aria-label="Next event" onClick={() => go(shown + 1)}>
+          ▸
+        </button>
+        <button disabled={cursor === null} onClick={() => scrub(null)}>
+          Latest
+        </button>
+      </div>
+      <svg
+        className="time-track"
+        viewBox={`0 0 ${WIDTH} ${Math.max(lanes, 2) * LANE + 4}`}
+        preserveAspectRatio="none"
+        role="slider"
+        tabIndex={0}
+        aria-label="Moment of the run"
+        aria-valuemin={0}
+        aria-valuemax={history.length}
+        aria-valuenow={shown}
+        aria-valuetext={event ? `${seconds(event.t)}, ${event.path} ${eventText(event)}` : "before the first event"}
+        onKeyDown={onKeyDown}
+        onPointerDown={onPointer}
+        onPointerMove={onPointer}
+      >
+        {spans.map((span, i) => (
+          <rect
+            key={i}
+            className={`span phase-${span.phase}`}
+            x={x(span.from)}
+            y={2 + span.lane * LANE}
+            width={Math.max(x(span.to ?? end) - x(span.from), 2)}
+            height={LANE - 1}
+          >
+            <title>{`${span.path}: ${span.phase}, ${seconds(span.from)} to ${seconds(span.to ?? end)}`}</title>
+          </rect>
+        ))}
+        {history.length > 0 && <line className="cursor" x1={x(event?.t ?? 0)} x2={x(event?.t ?? 0)} y1={0} y2={500} />}
+      </svg>
+    </section>
+  );
+}
+
+function RunPicker(): JSX.Element {
+  const record = useRun((s) => s.record);
+  const ended = useRun((s) => s.session?.state === "ended");
+  const run = useRun((s) => s.session?.run);
+  const [runs, setRuns] = useState<RunRecord[]>([]);
+  useEffect(() => {
+    void listRuns().then(setRuns);
+  }, [run, ended]);
+  return (
+    <label>
+      <span className="hidden">Run to look at</span>
+      <select value={record?.id ?? ""} onChange={(event) => event.target.value && void openRun(event.target.value)}>
+        {!record && <option value="">choose a run</option>}
+        {runs.map((entry) => (
+          <option key={entry.id} value={entry.id}>
+            {`${new Date(entry.started * 1000).toLocaleString()} · ${entry.task_name} · ${entry.outcome ?? entry.status}`}
+          </option>
+        ))}
+      </select>
+    </label>
+  );
+}

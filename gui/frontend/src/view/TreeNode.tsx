@@ -1,0 +1,63 @@
+/** One node on the canvas. It holds no state of its own: canvases unmount what is out of sight. */
+import { Handle, type NodeProps, Position } from "@xyflow/react";
+import type { JSX } from "react";
+
+import { IDLE } from "../model/status";
+import { KINDS, statusText } from "../model/words";
+import type { NodeView, Transition } from "../protocol/generated";
+import { usePage } from "../store/page";
+import { useRun } from "../store/run";
+import { KindIcon, PhaseIcon } from "./icons";
+
+export function TreeNode({ data }: NodeProps): JSX.Element {
+  const node = data["node"] as NodeView;
+  const status = useRun((s) => s.moment.nodes.get(node.path) ?? IDLE);
+  const selected = usePage((s) => s.selected === node.path);
+  const said = status.phase === "idle" ? "" : (status.message ?? "");
+  const again = status.activations > 1 ? ` ×${status.activations}` : "";
+  return (
+    <div
+      className={`node kind-${node.kind} is-${status.phase}${selected ? " selected" : ""}`}
+      data-path={node.path}
+      title={[node.doc, said].filter(Boolean).join("\n\n")}
+    >
+      <Handle type="target" position={Position.Left} isConnectable={false} />
+      <div className="node-head">
+        <KindIcon kind={node.kind} />
+        <span className="node-name">
+          {node.initial && <span className="initial" title="the state machine starts here" />}
+          {node.name}
+        </span>
+        <span className={`badge phase-${status.phase}`}>
+          <PhaseIcon phase={status.phase} />
+          {status.phase === "idle" ? "" : statusText(status) + again}
+        </span>
+      </div>
+      <div className={said ? "node-sub said" : "node-sub"}>{said || subtitle(node)}</div>
+      {node.on.length > 0 && (
+        <ul className="node-on">
+          {node.on.map((edge) => (
+            <li key={edge.outcome} className={isTaken(edge, node, status.outcome, status.code) ? "taken" : ""}>
+              <span>{edge.outcome}</span> {edge.ends ? "⇥" : "→"} {edge.target}
+            </li>
+          ))}
+        </ul>
+      )}
+      <Handle type="source" position={Position.Right} isConnectable={false} />
+    </div>
+  );
+}
+
+function subtitle(node: NodeView): string {
+  if (node.kind === "leaf") return node.label;
+  const kind = KINDS[node.kind] ?? node.kind;
+  return node.label ? `${kind}, ${node.label}` : kind;
+}
+
+/** Whether this edge was followed: the most specific one wins. */
+function isTaken(edge: Transition, node: NodeView, outcome?: string, code?: string): boolean {
+  if (outcome === undefined) return false;
+  const specific = code ? `${outcome}.${code}` : outcome;
+  const hit = node.on.some((other) => other.outcome === specific) ? specific : outcome;
+  return edge.outcome === hit;
+}

@@ -1,0 +1,63 @@
+/** Small drawings for kinds and statuses. Each has a shape of its own, so that none is told by colour alone. */
+import type { JSX } from "react";
+
+import type { Phase } from "../model/status";
+
+const KIND_SHAPES: Record<string, JSX.Element> = {
+  leaf: <circle cx="8" cy="8" r="3.2" fill="currentColor" stroke="none" />,
+  sequence: <path d="M2 8h11M9 4l4 4-4 4" />,
+  fallback: <path d="M5 5.6a3 3 0 1 1 4.3 2.7c-.9.5-1.3 1-1.3 2M8 13v.4" />,
+  parallel: <path d="M2 5h10M9.5 2.5 12 5 9.5 7.5M2 11h10M9.5 8.5 12 11 9.5 13.5" />,
+  state_machine: <path d="M2 4.5h4v7H2zM10 4.5h4v7h-4zM6 6.5h4M10 9.5H6" />,
+  retry: <path d="M12.5 5.5A5 5 0 1 0 13 9M13 2.5v3.3H9.7" />,
+  repeat: <path d="M3 7V6a2 2 0 0 1 2-2h7M10 2l2 2-2 2M13 9v1a2 2 0 0 1-2 2H4M6 14l-2-2 2-2" />,
+  timeout: <path d="M8 3a5.5 5.5 0 1 0 .01 0M8 5.5V9l2 1.5M6.5 1h3" />,
+  invert: <path d="M5 2v11M2 10.5 5 13.5l3-3M11 14V3M8 5.5l3-3 3 3" />,
+  force: <path d="M8 2v8M8 13v.5M3 2h10" />,
+};
+
+export function KindIcon({ kind }: { kind: string }): JSX.Element {
+  return (
+    <svg className="icon" viewBox="0 0 16 16" aria-hidden="true">
+      {KIND_SHAPES[kind] ?? KIND_SHAPES["leaf"]}
+    </svg>
+  );
+}
+
+const PHASE_SHAPES: Record<Phase, JSX.Element> = {
+  idle: <circle cx="8" cy="8" r="4.5" strokeDasharray="2 2.7" />,
+  running: (
+    <>
+      <circle cx="8" cy="8" r="5.5" opacity="0.35" />
+      <path className="spin" d="M8 2.5A5.5 5.5 0 0 1 13.5 8" />
+    </>
+  ),
+  success: (
+    <>
+      <circle cx="8" cy="8" r="6.2" />
+      <path d="M5 8.2 7.2 10.5 11 6" />
+    </>
+  ),
+  failure: (
+    <>
+      <rect x="2" y="2" width="12" height="12" rx="1.5" />
+      <path d="m5.2 5.2 5.6 5.6M10.8 5.2l-5.6 5.6" />
+    </>
+  ),
+  ended: <path d="M8 2 14 8 8 14 2 8z" />,
+  interrupted: <path d="M3 8h10M5.5 4v8M10.5 4v8" />,
+  error: (
+    <>
+      <path d="M8 1.8 14.5 13.5h-13z" />
+      <path d="M8 6v3.5M8 11.3v.4" />
+    </>
+  ),
+};
+
+export function PhaseIcon({ phase }: { phase: Phase }): JSX.Element {
+  return (
+    <svg className={`icon phase-${phase}`} viewBox="0 0 16 16" aria-hidden="true">
+      {PHASE_SHAPES[phase]}
+    </svg>
+  );
+}
