@@ -1,0 +1,173 @@
+"""A project folder, and a launcher whose runs play recorded events instead of starting a process."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import sqlite3
+import warnings
+from collections.abc import AsyncIterator, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from grip_gui.application import create_app
+from grip_gui.launcher import RunOptions
+
+with warnings.catch_warnings():
+    # Starlette's client asks for the successor of httpx, which does the same here.
+    warnings.filterwarnings("ignore", message="Using `httpx` with `starlette.testclient`")
+    from starlette.testclient import TestClient
+
+TASK = """\
+grip: 1
+name: tiny
+doc: Two waits, then a machine.
+data:
+  count: {type: int, value: 0, doc: how often}
+root:
+  kind: sequence
+  children:
+    first: {node: flow/wait, with: {seconds: 0.1}}
+    machine:
+      kind: state_machine
+      initial: a
+      data: {count: int}
+      outcomes: {success: success, failure: failure}
+      children:
+        a: {node: flow/wait, with: {seconds: 0.1}, on: {success: b}}
+        b: {node: flow/wait, with: {seconds: 0.1}, on: {success: success}}
+"""
+SCHEMA = """
+CREATE TABLE IF NOT EXISTS runs(id TEXT PRIMARY KEY, task_name TEXT, task_path TEXT, task_text TEXT, target TEXT,
+  seed INTEGER, started REAL, ended REAL, status TEXT, outcome TEXT);
+CREATE TABLE IF NOT EXISTS events(run TEXT, seq INTEGER, t REAL, wall REAL, path TEXT, event TEXT, outcome TEXT,
+  code TEXT, data TEXT, PRIMARY KEY(run, seq));
+"""
+HOLD = "hold"
+"""In a script: from here on, only commands make something happen."""
+EVENTS: list[tuple[str, str, str | None, dict[str, Any]]] = [
+    ("/", "run_started", None, {}),
+    ("/", "enter", None, {}),
+    ("first", "enter", None, {}),
+    ("first", "write", None, {"variable": "count", "type": "int", "preview": "1"}),
+    ("first", "exit", "success", {}),
+    ("machine", "enter", None, {}),
+    ("machine/a", "enter", None, {}),
+]
+
+
+def record(journal: Path, run: str, events: list[Any] = EVENTS, status: str = "running", first: int = 0) -> None:
+    """Write a run, or more events of one, as the runner does."""
+    with sqlite3.connect(journal) as connection:
+        connection.executescript(SCHEMA)
+        row = (run, "tiny", "tasks/tiny.yaml", TASK, "bt", 7, 1.0, None, status, None)
+        connection.execute("INSERT OR REPLACE INTO runs VALUES (?,?,?,?,?,?,?,?,?,?)", row)
+        for seq, (path, event, outcome, data) in enumerate(events, start=first):
+            values = (run, seq, seq * 0.5, 0.0, path, event, outcome, None, json.dumps(data))
+            connection.execute("INSERT INTO events VALUES (?,?,?,?,?,?,?,?,?)", values)
+    connection.close()
+
+
+@dataclass
+class PlayedRun:
+    """A run process that writes recorded events to the journal and obeys commands, unless it is deaf or dies."""
+
+    journal: Path
+    deaf: bool = False
+    dies: bool = False
+    run: str = "run-1"
+    said: list[str] = field(default_factory=list)
+    killed: bool = False
+
+    def __post_init__(self) -> None:
+        self.messages: asyncio.Queue[dict[str, Any] | None] = asyncio.Queue()
+        self.ended: asyncio.Future[int] = asyncio.get_running_loop().create_future()
+        record(self.journal, self.run)
+        self.tell(event="log", text="the world starts")
+        self.tell(event="started", run=self.run, journal=str(self.journal))
+        self.tell(event="committed", seq=len(EVENTS) - 1)
+        self.tell(event="state", state="running")
+        if self.dies:
+            self.end(70)
+
+    def tell(self, **message: Any) -> None:
+        self.messages.put_nowait(message)
+
+    def end(self, status: int) -> None:
+        if not self.ended.done():
+            self.messages.put_nowait(None)
+            self.ended.set_result(status)
+
+    async def lines(self) -> AsyncIterator[dict[str, Any]]:
+        while (message := await self.messages.get()) is not None:
+            yield message
+
+    async def send(self, command: str) -> None:
+        self.said.append(command)
+        if self.deaf:
+            return
+        if command in {"pause", "resume"}:
+            self.tell(event="state", state="paused" if command == "pause" else "running")
+        elif command == "stop":
+            self.tell(event="state", state="stopping")
+            record(self.journal, self.run, [("/", "run_ended", None, {"status": "stopped"})], "stopped", len(EVENTS))
+            self.tell(event="ended", status="stopped", outcome=None)
+            self.end(130)
+
+    async def wait(self) -> int:
+        return await asyncio.shield(self.ended)
+
+    async def kill(self) -> None:
+        self.killed = True
+        self.end(-9)
+
+    def tail(self) -> str:
+        return "Traceback: something broke" if self.dies else ""
+
+
+@dataclass
+class PlayedLauncher:
+    """Makes `PlayedRun`s."""
+
+    deaf: bool = False
+    dies: bool = False
+    started: list[tuple[Path, RunOptions]] = field(default_factory=list)
+    last: PlayedRun | None = None
+
+    async def start(self, task_file: Path, journal: Path, options: RunOptions) -> PlayedRun:
+        journal.parent.mkdir(exist_ok=True)
+        self.started.append((task_file, options))
+        self.last = PlayedRun(journal, self.deaf, self.dies, run=f"run-{len(self.started)}")
+        return self.last
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    """A project folder with one task, and a file beside the folder that nobody may see."""
+    folder = tmp_path / "project"
+    (folder / "tasks").mkdir(parents=True)
+    (folder / "grip.yaml").write_text("grip: 1\n")
+    (folder / "tasks" / "tiny.yaml").write_text(TASK)
+    (tmp_path / "secret.yaml").write_text("grip: 1\nname: secret\n")
+    return folder
+
+
+@pytest.fixture
+def launcher() -> PlayedLauncher:
+    return PlayedLauncher()
+
+
+BASE = "http://127.0.0.1:8765"
+SOCKET = "ws://127.0.0.1:8765/api/socket"
+
+
+@pytest.fixture
+def page(project: Path, launcher: PlayedLauncher) -> Iterator[TestClient]:
+    """A browser that has opened the printed address."""
+    app = create_app(project, launcher, token="right")
+    with TestClient(app, base_url=BASE, headers={"origin": BASE}) as client:
+        assert client.get("/?token=right").status_code == 200
+        yield client

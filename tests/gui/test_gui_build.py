@@ -1,0 +1,79 @@
+"""The committed page is the one that its sources give; the types are those of the models."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from grip_gui.typescript import TARGET, typescript
+
+GUI = Path(__file__).parents[2] / "gui"
+FRONTEND, STATIC = GUI / "frontend", GUI / "grip_gui" / "static"
+FILES = ["index.html", "package-lock.json", "package.json", "tsconfig.json", "vite.config.ts"]
+
+
+def test_types_of_the_page_are_fresh() -> None:
+    assert TARGET.read_text(encoding="utf-8") == typescript(), (
+        "run `python -m grip_gui.typescript`, then build the page"
+    )
+
+
+def test_the_committed_page_was_built_from_these_sources() -> None:
+    sources = [path.relative_to(FRONTEND).as_posix() for path in (FRONTEND / "src").rglob("*") if path.is_file()]
+    digest = hashlib.sha256()
+    for name in sorted([*FILES, *sources]):
+        digest.update(name.encode() + b"\0" + (FRONTEND / name).read_bytes() + b"\0")
+    built = json.loads((STATIC / "build-info.json").read_text(encoding="utf-8"))
+    assert built == {"source": digest.hexdigest()}, "the page is stale: `npm ci && npm run build` in gui/frontend"
+
+
+def test_the_page_needs_nothing_from_elsewhere() -> None:
+    page = (STATIC / "index.html").read_text(encoding="utf-8")
+    assert not re.findall(r"(?:src|href)=\"(?:https?:)?//", page)
+    for sheet in STATIC.rglob("*.css"):
+        assert "url(http" not in sheet.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("folder", ["frontend", "e2e"])
+def test_lock_files_name_no_download_hosts(folder: str) -> None:
+    lock = json.loads((GUI / folder / "package-lock.json").read_text(encoding="utf-8"))
+    assert lock["packages"]
+    assert not [name for name, entry in lock["packages"].items() if "resolved" in entry]
+
+
+def test_notices_name_all_that_is_shipped() -> None:
+    notices = (STATIC / "THIRD_PARTY_NOTICES.txt").read_text(encoding="utf-8")
+    for package in json.loads((FRONTEND / "package.json").read_text(encoding="utf-8"))["dependencies"]:
+        assert f"\n{package} " in notices
+
+
+def test_the_first_load_stays_small() -> None:
+    import gzip
+
+    total = sum(len(gzip.compress(file.read_bytes())) for file in (STATIC / "assets").glob("*.js"))
+    assert total < 250_000, f"{total} bytes of compressed script"
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("npm") is None, reason="npm isn't installed")
+def test_a_fresh_build_gives_the_same_bytes(tmp_path: Path) -> None:
+    frontend = tmp_path / "frontend"
+    shutil.copytree(FRONTEND, frontend, ignore=shutil.ignore_patterns("node_modules"))
+    install = subprocess.run(
+        ["npm", "ci", "--prefer-offline", "--no-audit", "--no-fund"], cwd=frontend, capture_output=True, text=True
+    )
+    if install.returncode:
+        pytest.skip(f"npm ci can't fetch the packages here: {install.stderr.strip().splitlines()[-1:]}")
+    build = subprocess.run(["npm", "run", "build"], cwd=frontend, capture_output=True, text=True)
+    assert build.returncode == 0, build.stdout + build.stderr
+    made = tmp_path / "grip_gui" / "static"
+    files = {path.relative_to(STATIC) for path in STATIC.rglob("*") if path.is_file()}
+    assert {path.relative_to(made) for path in made.rglob("*") if path.is_file()} == files
+    changed = [str(name) for name in sorted(files) if (made / name).read_bytes() != (STATIC / name).read_bytes()]
+    assert not changed

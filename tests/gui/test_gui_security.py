@@ -1,0 +1,159 @@
+"""Who gets in, and what is refused."""
+
+from __future__ import annotations
+
+import logging
+from pathlib import Path
+
+import pytest
+from conftest import BASE, SOCKET, TestClient
+from starlette.websockets import WebSocketDisconnect
+
+from grip_gui.application import create_app
+from grip_gui.security import LARGEST_BODY
+
+
+@pytest.fixture
+def stranger(project: Path, launcher: object) -> TestClient:
+    return TestClient(create_app(project, launcher, token="right"), base_url=BASE, headers={"origin": BASE})
+
+
+@pytest.mark.parametrize("path", ["/", "/api/project", "/assets/index.js", "/api/runs", "/nothing"])
+def test_nothing_is_served_without_the_token(stranger: TestClient, path: str) -> None:
+    answer = stranger.get(path)
+    assert answer.status_code == 401
+    assert "grip edit" in answer.json()["detail"]
+
+
+@pytest.mark.parametrize("token", ["wrong", "", "righ", "right2", "r%C3%AFght"])
+def test_a_wrong_token_is_refused(stranger: TestClient, token: str) -> None:
+    assert stranger.get(f"/?token={token}").status_code == 401
+    stranger.cookies.set("grip_token_8765", "wrong")
+    assert stranger.get("/api/project").status_code == 401
+
+
+def test_the_token_becomes_a_cookie_and_leaves_the_address(stranger: TestClient) -> None:
+    answer = stranger.get("/?token=right&task=x", follow_redirects=False)
+    assert answer.status_code == 303
+    assert answer.headers["location"] == "/?task=x"
+    cookie = answer.headers["set-cookie"].lower()
+    assert "httponly" in cookie
+    assert "samesite=lax" in cookie
+    assert stranger.get("/api/project").status_code == 200
+
+
+def test_the_redirect_never_leaves_the_server(stranger: TestClient) -> None:
+    answer = stranger.get("//evil.example/?token=right", follow_redirects=False)
+    assert answer.headers["location"] == "/"
+
+
+@pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://127.0.0.1:9999", "https://127.0.0.1:8765"])
+def test_a_request_from_another_origin_is_refused(page: TestClient, origin: str) -> None:
+    body = {"command": "stop"}
+    answer = page.post("/api/session/control", json=body, headers={"origin": origin})
+    assert answer.status_code == 403
+    with pytest.raises(WebSocketDisconnect), page.websocket_connect(SOCKET, headers={"origin": origin}):
+        pass
+
+
+def test_a_change_without_an_origin_is_refused(project: Path, launcher: object) -> None:
+    client = TestClient(create_app(project, launcher, token="right"), base_url=BASE)
+    client.get("/?token=right")
+    assert client.post("/api/session/control", json={"command": "stop"}).status_code == 403
+
+
+@pytest.mark.parametrize("host", ["evil.example", "127.0.0.1.evil.example", "0.0.0.0:8765", ""])
+def test_another_host_name_is_refused(page: TestClient, host: str) -> None:
+    assert page.get("/api/project", headers={"host": host}).status_code == 400
+
+
+def test_the_socket_needs_the_token(stranger: TestClient, caplog: pytest.LogCaptureFixture) -> None:
+    with (
+        caplog.at_level(logging.WARNING),
+        pytest.raises(WebSocketDisconnect),
+        stranger.websocket_connect(SOCKET, headers={"origin": BASE}),
+    ):
+        pass
+    assert "refused websocket" in caplog.text
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "../secret.yaml",
+        "tasks/../../secret.yaml",
+        "/etc/passwd",
+        "/etc/x.yaml",
+        "tasks/tiny.yaml/../../../secret.yaml",
+        "..\\secret.yaml",
+        "tasks/tiny.yaml\0.yaml",
+        ".grip/runs.sqlite",
+        ".hidden/x.yaml",
+        "grip.txt",
+        "",
+        "tasks",
+    ],
+)
+def test_no_path_leads_out_of_the_project(page: TestClient, path: str) -> None:
+    answer = page.get("/api/task", params={"path": path})
+    assert answer.status_code == 403
+    assert page.post("/api/session", json={"task": path, "robot": "fake", "target": "bt", "seed": 0}).status_code == 403
+
+
+def test_a_link_that_leads_out_is_not_followed(page: TestClient, project: Path) -> None:
+    (project / "tasks" / "link.yaml").symlink_to(project.parent / "secret.yaml")
+    assert page.get("/api/task", params={"path": "tasks/link.yaml"}).status_code == 403
+    assert [task["path"] for task in page.get("/api/project").json()["tasks"]] == ["tasks/tiny.yaml"]
+
+
+@pytest.mark.parametrize("path", ["/../secret.yaml", "/..%2f..%2fsecret.yaml", "/assets/..%2f..%2fapplication.py"])
+def test_static_files_do_not_leave_their_folder(page: TestClient, path: str) -> None:
+    assert page.get(path).status_code in {400, 404}
+
+
+def test_a_large_body_is_refused_with_and_without_its_length(
+    page: TestClient, caplog: pytest.LogCaptureFixture
+) -> None:
+    big = b'{"command": "' + b"x" * LARGEST_BODY + b'"}'
+    assert page.post("/api/session/control", content=big).status_code == 413
+    pieces = (big[i : i + 1000] for i in range(0, len(big), 1000))
+    assert (
+        page.post("/api/session/control", content=pieces, headers={"content-type": "application/json"}).status_code
+        == 413
+    )
+    assert "refused" in caplog.text
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        b"",
+        b"{",
+        b"[]",
+        b'{"command": "explode"}',
+        b'{"command": "stop", "extra": 1}',
+        b'{"command": null}',
+        b"\xff\xfe",
+        b"[" * 20_000,
+    ],
+)
+def test_malformed_requests_are_refused_and_the_server_lives(page: TestClient, body: bytes) -> None:
+    answer = page.post("/api/session/control", content=body, headers={"content-type": "application/json"})
+    assert answer.status_code in {400, 422}
+    assert page.get("/api/project").status_code == 200
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"robot": "other"}, {"seed": -1}, {"seed": 2**31}, {"target": "x"}, {"task": "x" * 2000}, {"shell": "rm"}],
+)
+def test_run_options_outside_their_range_are_refused(page: TestClient, change: dict[str, object]) -> None:
+    wish = {"task": "tasks/tiny.yaml", "robot": "fake", "target": "bt", "seed": 0, **change}
+    assert page.post("/api/session", json=wish).status_code == 422
+
+
+def test_pages_forbid_foreign_scripts_and_frames(page: TestClient) -> None:
+    headers = page.get("/").headers
+    assert "default-src 'self'" in headers["content-security-policy"]
+    assert "frame-ancestors 'none'" in headers["content-security-policy"]
+    assert headers["x-content-type-options"] == "nosniff"
