@@ -1,0 +1,83 @@
+"""The manifests and the classes behind them say the same."""
+
+import inspect
+import re
+from pathlib import Path
+
+import pytest
+
+from grip_bt.catalog import Catalog
+from grip_bt.catalog.implementation import load_implementation
+from grip_bt.catalog.reference import builtin_reference
+from grip_bt.catalog.sensors import sensor_manifest
+from grip_bt.catalog.types import check_value, parse_type
+from grip_bt.graph import load
+from grip_bt.graph.model import Leaf as LeafNode
+from grip_bt.graph.model import walk
+from grip_bt.nodes import Leaf
+
+ROOT = Path(__file__).parents[2]
+MANIFESTS = [*Catalog.builtin(), sensor_manifest("overhead")]
+
+
+@pytest.fixture(params=MANIFESTS, ids=lambda m: m.id)
+def manifest(request):
+    return request.param
+
+
+def source_of(manifest):
+    """Return the text of the class and of those it inherits from, without the shared base."""
+    classes = [c for c in load_implementation(manifest).__mro__ if c.__module__.startswith("grip_bt.nodes")]
+    return "\n".join(inspect.getsource(c) for c in classes if c.__module__ != "grip_bt.nodes.leaf")
+
+
+def test_the_implementation_is_a_leaf(manifest):
+    assert issubclass(load_implementation(manifest), Leaf)
+
+
+def test_a_leaf_reads_exactly_its_declared_inputs(manifest):
+    assert set(re.findall(r'self\.read\("(\w+)"\)', source_of(manifest))) == set(manifest.inputs)
+
+
+def test_a_leaf_uses_exactly_its_declared_parameters(manifest):
+    used = set(re.findall(r'(?:params|\bp)\["(\w+)"\]', source_of(manifest)))
+    assert used == set(manifest.parameters)
+
+
+def test_a_leaf_writes_exactly_its_declared_outputs(manifest):
+    text = source_of(manifest)
+    written = set(re.findall(r"self\.end\((\w+)=", text)) | set(re.findall(r'(?:points|outputs) = \{"(\w+)"', text))
+    assert written == set(manifest.outputs)
+
+
+def test_every_default_is_of_its_parameters_type(manifest):
+    for name, parameter in manifest.parameters.items():
+        if not parameter.required:
+            assert check_value(parse_type(parameter.type), parameter.default) is None, name
+
+
+def test_a_leaf_that_may_fail_says_with_which_codes(manifest):
+    assert bool(manifest.codes) == ("failure" in manifest.outcomes.values())
+
+
+def test_every_leaf_and_port_is_documented(manifest):
+    assert manifest.doc.endswith(".")
+    ports = {**manifest.parameters, **manifest.inputs, **manifest.outputs}
+    assert all(port.doc for port in ports.values()), [n for n, p in ports.items() if not p.doc]
+
+
+def test_the_example_task_binds_only_what_the_manifests_declare():
+    known = {m.id: m for m in MANIFESTS}
+    for path, node in walk(load(ROOT / "examples/tasks/reactive_pick.yaml").root):
+        if isinstance(node, LeafNode) and not node.node.startswith("component/"):
+            manifest = known[node.node]
+            assert set(node.with_) <= set(manifest.parameters), path
+            assert set(node.in_) <= set(manifest.inputs), path
+            assert set(node.out) <= set(manifest.outputs), path
+            codes = {edge.partition(".")[2] for edge in node.on if "." in edge}
+            assert codes <= set(manifest.codes), path
+
+
+def test_the_reference_page_is_as_new_as_the_manifests():
+    page = (ROOT / "docs/nodes.md").read_text(encoding="utf-8")
+    assert page == builtin_reference(), "run: python -m grip_bt.catalog.reference docs/nodes.md"
