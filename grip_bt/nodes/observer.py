@@ -46,3 +46,35 @@ class Silent:
 
 
 SILENT = Silent()
+
+
+class Observers:
+    """Several observers as one; each is told in turn."""
+
+    def __init__(self, *observers: Observer):
+        self._observers = observers
+
+    def entered(self, path: str) -> None:
+        """Tell all."""
+        for observer in self._observers:
+            observer.entered(path)
+
+    def ended(self, path: str, outcome: str, failure: Failure | None) -> None:
+        """Tell all."""
+        for observer in self._observers:
+            observer.ended(path, outcome, failure)
+
+    def interrupted(self, path: str) -> None:
+        """Tell all."""
+        for observer in self._observers:
+            observer.interrupted(path)
+
+    def message(self, path: str, text: str) -> None:
+        """Tell all."""
+        for observer in self._observers:
+            observer.message(path, text)
+
+    def wrote(self, path: str, variable: str, type_name: str, value: Any) -> None:
+        """Tell all."""
+        for observer in self._observers:
+            observer.wrote(path, variable, type_name, value)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from grip_bt.compilers import CompiledMachine, CompiledTree, Halted, TaskEnd
+from grip_bt.nodes.observer import Observer, Observers
 from grip_bt.ports import Clock
 from grip_bt.values import Failure
 
@@ -80,9 +81,14 @@ class Runner:
         if journal is not None:
             log = journal.begin(compiled.task.name, task_path, task_text, compiled.target, seed)
             self.run_id, self._recorder = log.id, Recorder(log, context.clock)
+        self._observers: list[Observer] = [] if self._recorder is None else [self._recorder]
         self._begun = threading.Lock()
         if self._recorder is not None:
             self.pacing.on_state(self._recorder.state)
+
+    def observe(self, observer: Observer) -> None:
+        """Have `observer` told of what the nodes do, after the journal; before `run`."""
+        self._observers.append(observer)
 
     def pause(self) -> None:
         """Tick no more until `resume` or `step`."""
@@ -114,8 +120,9 @@ class Runner:
         """
         if not self._begun.acquire(blocking=False):
             raise RuntimeError("a runner runs once; compile the task again for another run")
+        if self._observers:
+            self.compiled.observe(Observers(*self._observers) if len(self._observers) > 1 else self._observers[0])
         if self._recorder is not None:
-            self.compiled.observe(self._recorder)
             self._recorder.started()
         start = self.context.clock.now()
         result = self._attempt(start)

@@ -1,0 +1,117 @@
+"""Running a task of a project: checked, compiled, with the parts of a robot that it needs, into the journal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+from grip_bt.compilers import to_machine, to_tree
+from grip_bt.graph import Document, read
+from grip_bt.graph.model import Leaf, walk
+from grip_bt.runtime import Journal, RunContext, Runner, RunResult
+from grip_bt.validation import Report, validate
+
+from .project import Project, find_project
+from .resources import Progress, Resources, open_resources, silent
+
+Target = Literal["bt", "sm"]
+RobotKind = Literal["sim", "fake"]
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """How a task is run.
+
+    Attributes:
+        target: behaviour tree or state machine.
+        robot: simulated, or fake parts that do as asked.
+        seed: of the simulated world.
+        pace: simulated seconds per second for watching; None for as fast as it goes.
+        data: initial values for the task's variables.
+        journal: where to write; None for the project's own.
+    """
+
+    target: Target = "bt"
+    robot: RobotKind = "sim"
+    seed: int = 0
+    pace: float | None = None
+    data: Mapping[str, Any] = field(default_factory=dict)
+    journal: Path | None = None
+
+
+@dataclass
+class Session:
+    """A task that is ready to run: everything is started, nothing has moved."""
+
+    project: Project
+    document: Document
+    report: Report
+    resources: Resources
+    runner: Runner
+    journal: Path
+
+
+def check_task(path: str | Path) -> tuple[Project, Document, Report]:
+    """Read a task file and check it against its project's nodes.
+
+    Raises:
+        DocumentError: it can't be read.
+        InvalidTaskError: it is wrong; the error holds all issues.
+    """
+    document = read(Path(path))
+    project = find_project(path)
+    report = validate(document.task, project.catalog(), document)
+    report.raise_if_invalid(str(path))
+    return project, document, report
+
+
+@contextmanager
+def open_session(path: str | Path, options: RunOptions, progress: Progress = silent) -> Iterator[Session]:
+    """Check a task, start what it needs, and compile it; everything is stopped and closed at the end.
+
+    Raises:
+        DocumentError, InvalidTaskError: the task or the project is wrong; nothing was started.
+        GripError: a part of the robot, or a component, can't be started.
+    """
+    project, document, report = check_task(path)
+    catalog = project.catalog()
+    compile_task = to_machine if options.target == "sm" else to_tree
+    compiled = compile_task(document.task, catalog, data=options.data)
+    needs = {node.node for _, node in walk(document.task.root) if isinstance(node, Leaf)}
+    parts = open_resources(project, needs, options.robot, options.seed, options.pace, progress)
+    with parts as resources, Journal(options.journal or project.journal) as journal:
+        context = RunContext(
+            resources.clock,
+            arms=resources.arms,
+            hands=resources.hands,
+            cameras=resources.cameras,
+            components=resources.components,
+            scene=resources.scene,
+        )
+        runner = Runner(
+            compiled,
+            context,
+            journal=journal,
+            task_path=str(path),
+            task_text=document.text,
+            seed=options.seed,
+        )
+        yield Session(project, document, report, resources, runner, journal.file)
+
+
+def run(path: str | Path, **options: Any) -> RunResult:
+    """Run a task file to its end and return the result.
+
+    Args:
+        path: the task file.
+        **options: see `RunOptions`: target, robot, seed, pace, data, journal.
+
+    Raises:
+        DocumentError, InvalidTaskError: the task or the project is wrong; nothing was started.
+        GripError: a part of the robot, or a component, can't be started.
+    """
+    with open_session(path, RunOptions(**options)) as session:
+        return session.runner.run()

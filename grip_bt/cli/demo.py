@@ -1,0 +1,110 @@
+"""`grip demo`: a packaged demonstration from end to end, with the referee's word at the end."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from typing import Any
+
+from grip_bt.app import open_session
+from grip_bt.app.attempts import Attempt, AttemptRecorder
+from grip_bt.app.demos import DEMOS, Demo, find_demo
+from grip_bt.app.execute import Session
+from grip_bt.app.report import attempt_line, object_table
+from grip_bt.runtime import RunResult
+
+from .run import EXIT_STATUS, add_run_options, describe, options_of, stop_on_signals
+
+
+def add_parser(subparsers: Any) -> None:
+    """Add the verb."""
+    parser = subparsers.add_parser("demo", help="run a packaged demonstration in simulation")
+    parser.add_argument("name", nargs="?", default="reactive", help=f"which one (there are: {', '.join(DEMOS)})")
+    add_run_options(parser)
+    parser.add_argument("--json", action="store_true", help="print the summary as one JSON object")
+    parser.add_argument("--gui", action="store_true", help="show the run live in a browser")
+    parser.add_argument("--port", type=int, default=0, help="of the page (default: a free one)")
+    parser.add_argument("--no-browser", action="store_true", help="only print the page's address")
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run the demonstration; 0 only when the referee agrees that everything was done."""
+    demo = find_demo(args.name)
+    if args.gui:
+        return _show(demo, args)
+    began = time.monotonic()
+    say = _nothing if args.json else print
+    form = "state machine" if args.target == "sm" else "behaviour tree"
+    say(f"GRIP demo {demo.name!r} as a {form}, seed {args.seed}\n{demo.doc}\n")
+    with open_session(demo.task, options_of(args), progress=lambda p, d: say(f"  {p:<11} {d}")) as session:
+        say(f"  {'task':<11} {demo.task.name}: {len(list(_nodes(session)))} nodes, no problems\n")
+        stop_on_signals(session.runner)
+        recorder = _recorder(demo, session, say)
+        session.runner.observe(recorder)
+        result = session.runner.run()
+        truth = session.resources.referee.truth() if session.resources.referee is not None else {}
+        run_id, journal = session.runner.run_id, session.journal
+    wall = time.monotonic() - began
+    placed = sum(state.status == "placed" for state in truth.values())
+    if args.json:
+        print(json.dumps(_summary(result, recorder.attempts, placed, len(truth), wall)))
+    else:
+        print("", *object_table(truth, recorder.attempts), "", sep="\n")
+        print(f"{describe(result)}. The referee: {placed} of {len(truth)} objects lie in the crate.")
+        print(f"{result.duration:.1f} s on the run's clock, {wall:.1f} s in all; run {run_id} in {journal}")
+    if result.status == "success" and placed < len(truth):
+        return 3
+    return EXIT_STATUS[result.status]
+
+
+def _recorder(demo: Demo, session: Session, say: Any) -> AttemptRecorder:
+    referee = session.resources.referee
+    clock = session.runner.context.clock
+    return AttemptRecorder(
+        demo.attempt,
+        demo.check,
+        clock.now,
+        referee.truth if referee is not None else None,
+        lambda attempt: say(attempt_line(attempt)),
+    )
+
+
+def _nodes(session: Session) -> Any:
+    from grip_bt.graph import walk
+
+    return walk(session.document.task.root)
+
+
+def _summary(result: RunResult, attempts: list[Attempt], placed: int, objects: int, wall: float) -> dict[str, Any]:
+    return {
+        "status": result.status,
+        "outcome": result.outcome,
+        "placed": placed,
+        "objects": objects,
+        "attempts": sum(a.outcome != "nothing_left" for a in attempts),
+        "failures": [f"{a.where}: {a.failure.code}" for a in attempts if a.failure is not None],
+        "false_placements": sum("place" in dict(a.steps) and not a.held for a in attempts),
+        "simulated": result.duration,
+        "wall_in_all": wall,
+        "message": str(result.error or result.failure or ""),
+    }
+
+
+def _show(demo: Demo, args: argparse.Namespace) -> int:
+    from grip_gui import RunOptions, serve
+
+    options = RunOptions(target=args.target, robot=args.robot, seed=args.seed, pace=args.pace or 1.0)
+    return serve(
+        demo.task.parent.parent,
+        task=demo.task,
+        autostart=options,
+        port=args.port,
+        open_browser=not args.no_browser and sys.stdout.isatty(),
+    )
+
+
+def _nothing(text: str) -> None:
+    """Say nothing."""
