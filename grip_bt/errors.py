@@ -95,6 +95,14 @@ class LivelockError(GripError):
         super().__init__(f"{path}: {transitions} transitions in one tick: the task loops without waiting for anything")
 
 
+class ContractError(GripError):
+    """An interface doesn't keep the component contract; `problems` holds everything that was found."""
+
+    def __init__(self, where: str, problems: Sequence[str]):
+        self.where, self.problems = where, tuple(problems)
+        super().__init__("\n  ".join([f"{where} doesn't keep the component contract:", *problems]))
+
+
 class MissingPartError(GripError):
     """Something that this command needs isn't installed; `remedy` is the command that mends it."""
 
@@ -140,6 +148,12 @@ class NoIkError(ExpectedError):
     """No joint positions reach the wanted pose."""
 
     code = "no_ik"
+
+
+class OutOfLimitsError(ExpectedError):
+    """Joint positions lie outside their limits; `data['joints']` names the joints."""
+
+    code = "out_of_limits"
 
 
 class StartInCollisionError(ExpectedError):

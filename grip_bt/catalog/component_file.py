@@ -8,13 +8,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError, field_validator, model_validator
-from ruamel.yaml import YAML
-from ruamel.yaml.error import MarkedYAMLError
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, field_validator, model_validator
 
-from grip_bt.errors import DocumentError
 from grip_bt.graph.frozen import FrozenDict
 from grip_bt.graph.model import Meaning
+from grip_bt.graph.settings_file import read_model
 
 FILE_NAME = "component.yaml"
 
@@ -109,33 +107,7 @@ def load_component(path: str | Path) -> ComponentFile:
     """Read a component file, or the one in a component's folder.
 
     Raises:
-        DocumentError: it isn't there, isn't YAML, or says something that the format doesn't allow.
+        DocumentError: it isn't there, isn't YAML, or says something that the format doesn't allow; with the place.
     """
     file = Path(path)
-    if file.is_dir():
-        file = file / FILE_NAME
-    try:
-        text = file.read_text(encoding="utf-8")
-    except OSError as error:
-        raise DocumentError(f"can't be read as a component file: {error.strerror}", str(file)) from None
-    return parse_component(text, str(file))
-
-
-def parse_component(text: str, source: str = "") -> ComponentFile:
-    """Make a component from the text of its file.
-
-    Raises:
-        DocumentError: see `load_component`; the line is given for errors of the YAML itself.
-    """
-    try:
-        data = YAML(typ="safe", pure=True).load(text)
-    except MarkedYAMLError as error:
-        mark = error.problem_mark
-        raise DocumentError(str(error.problem), source, mark and mark.line + 1, mark and mark.column + 1) from None
-    if not isinstance(data, dict):
-        raise DocumentError("a component file is a mapping with name, interface, server and outcomes", source)
-    try:
-        return ComponentFile.model_validate(data)
-    except ValidationError as error:
-        problems = (f"{'.'.join(map(str, e['loc'])) or 'file'}: {e['msg']}" for e in error.errors())
-        raise DocumentError("; ".join(problems), source) from None
+    return read_model(file / FILE_NAME if file.is_dir() else file, ComponentFile)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TypeVar, get_args
+from types import UnionType
+from typing import TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
@@ -53,6 +54,10 @@ def _models_below(annotation: object, value: Value, name: str) -> Iterator[tuple
     """Yield the models that a field holds, itself or as the values of a dict, with their part of the file."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         yield (name, annotation), value
+        return
+    if get_origin(annotation) in (Union, UnionType):
+        for member in get_args(annotation):
+            yield from _models_below(member, value, name)
         return
     models = [a for a in get_args(annotation) if isinstance(a, type) and issubclass(a, BaseModel)]
     if models and isinstance(value, Mapping):

@@ -1,0 +1,73 @@
+"""A component's node run once against a scripted answer: what generated tests and `grip component test` look at."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from grip_bt.catalog.implementation import load_implementation
+from grip_bt.catalog.reader import read_manifests
+from grip_bt.operation import Operation
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How the node ended.
+
+    Attributes:
+        outcome: its label.
+        meaning: `success` or `failure`.
+        code: why it failed, None otherwise.
+        message: the failure in words.
+        outputs: what it wrote, by port.
+        request: what the component was sent, by field.
+    """
+
+    outcome: str
+    meaning: str
+    code: str | None
+    message: str
+    outputs: Mapping[str, Any]
+    request: Mapping[str, Any]
+
+
+class _Scripted:
+    """A component that gives one answer, and the run of which the node is a part."""
+
+    preempt_requested = False
+
+    def __init__(self, reply: Mapping[str, Any]):
+        self.reply, self.request = reply, {}
+
+    def call(self, request: Mapping[str, Any]) -> Operation[Mapping[str, Any]]:
+        self.request = dict(request)
+        return Operation.finished(self.reply)
+
+    def component(self, name: str) -> _Scripted:
+        return self
+
+    def wake(self) -> None:
+        """Nobody waits: the answer is there at once."""
+
+
+def rehearse(package: Path, reply: Mapping[str, Any], inputs: Mapping[str, Any] | None = None) -> Ending:
+    """Tick the node of a package until it ends.
+
+    Args:
+        package: folder with the node's manifest.yaml.
+        reply: the answer's fields as values, with `outcome`.
+        inputs: values of the inputs; by default an object for each.
+    """
+    (manifest,) = read_manifests(package / "manifest.yaml")
+    given = {port: object() for port in manifest.inputs} if inputs is None else inputs
+    written: dict[str, Any] = {}
+    scripted = _Scripted(reply)
+    leaf = load_implementation(manifest)(manifest.id, manifest.id, manifest, {}, {})
+    leaf.readers = {port: (lambda value=value: value) for port, value in given.items()}
+    leaf.writers = {port: (lambda value, port=port: written.update({port: value})) for port in manifest.outputs}
+    leaf.setup(context=scripted)
+    leaf.tick_once()
+    code, message = (leaf.failure.code, leaf.failure.message) if leaf.failure else (None, "")
+    return Ending(leaf.outcome, leaf.meaning[leaf.outcome], code, message, written, scripted.request)
