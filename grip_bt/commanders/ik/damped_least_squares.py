@@ -21,7 +21,7 @@ _MAX_STEP = 0.5
 
 
 def solve_from(
-    chain: Chain, target: pin.SE3, start: NDArray[np.float64], iterations: int = 80
+    chain: Chain, target: pin.SE3, start: NDArray[np.float64], iterations: int = 30
 ) -> NDArray[np.float64] | None:
     """Return the configuration, shape (n,), that the descent from `start` reaches, or None when it doesn't converge.
 

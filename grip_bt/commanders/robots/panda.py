@@ -8,7 +8,7 @@ from .parts import ArmPart, assemble
 
 PANDA = ArmPart(
     name="panda",
-    urdf="panda_description/urdf/panda_collision.urdf",
+    urdf="panda_description/urdf/panda.urdf",
     base_link="panda_link0",
     flange="panda_link8",
     joints=tuple(f"panda_joint{k}" for k in range(1, 8)),

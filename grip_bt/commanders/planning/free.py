@@ -1,0 +1,155 @@
+"""Free paths between two configurations by OMPL's planners, with batched collision checks of whole motions."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+import ompl.base as ob
+import ompl.geometric as og
+import ompl.util as ou
+from numpy.typing import NDArray
+
+from grip_bt.errors import CanceledError, NoPlanError, TimeOutError, UnknownNameError
+
+from ..collision import CollisionChecker
+from .paths import Path, interpolated, shortened
+
+RESOLUTION = 0.02
+"""No joint moves more than this [rad] between two checks while planning; the timed result is checked more finely."""
+_COARSE = 8
+
+
+@cache
+def planners() -> tuple[str, ...]:
+    """Return the names of the planners that OMPL offers here."""
+    classes = ((name, getattr(og, name)) for name in dir(og))
+    return tuple(n for n, c in classes if isinstance(c, type) and issubclass(c, ob.Planner))
+
+
+class MotionCheck:
+    """Tells whether straight motions in joint space are free."""
+
+    def __init__(self, checker: CollisionChecker, resolution: float = RESOLUTION):
+        self.checker, self.resolution = checker, resolution
+
+    def __call__(self, one: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
+        """Check the motion, its start excepted: every eighth sample first, since most collisions are found by these."""
+        samples = interpolated(np.stack([one, other]), self.resolution)[:0:-1]
+        if len(samples) <= 2 * _COARSE:
+            return self.checker.all_free(samples)
+        return self.checker.all_free(samples[::_COARSE]) and self.checker.all_free(samples)
+
+
+def plan_free(
+    checker: CollisionChecker,
+    start: NDArray[np.float64],
+    goal: NDArray[np.float64],
+    planner: str,
+    seed: int,
+    deadline: float,
+    canceled: Callable[[], bool],
+    resolution: float = RESOLUTION,
+) -> Path:
+    """Return a short free path from `start` to `goal`, shape (k, n).
+
+    Args:
+        checker: what is avoided; start and goal are free in it.
+        start: shape (n,).
+        goal: shape (n,).
+        planner: name of an OMPL planner.
+        seed: of all random choices.
+        deadline: time on `time.monotonic` to give up at [s].
+        canceled: asked often; True ends it.
+        resolution: largest joint step between two checks [rad].
+
+    Raises:
+        UnknownNameError: there is no such planner.
+        CanceledError: it was cancelled.
+        TimeOutError: the deadline passed.
+        NoPlanError: the planner gave up.
+    """
+    if planner not in planners():
+        raise UnknownNameError("planner", planner, planners())
+    motion_free = MotionCheck(checker, resolution)
+    if motion_free(start, goal):
+        return np.stack([start, goal])
+
+    def over() -> bool:
+        return canceled() or time.monotonic() > deadline
+
+    path = _solved(checker, motion_free, start, goal, planner, seed, over)
+    if canceled():
+        raise CanceledError("planning was cancelled")
+    if path is None:
+        if time.monotonic() > deadline:
+            raise TimeOutError(f"{planner} found no path in time", planner=planner)
+        raise NoPlanError(f"{planner} found no path", planner=planner)
+    return shortened(path, motion_free, np.random.default_rng(seed))
+
+
+def _solved(
+    checker: CollisionChecker,
+    motion_free: MotionCheck,
+    start: NDArray[np.float64],
+    goal: NDArray[np.float64],
+    planner: str,
+    seed: int,
+    over: Callable[[], bool],
+) -> Path | None:
+    # Re-seeding after the first use is what makes requests independent of one another; OMPL logs an error about it.
+    ou.setLogLevel(ou.LogLevel.LOG_NONE)
+    ou.RNG.setSeed(seed + 1)
+    setup = og.SimpleSetup(_space(checker))
+    information = setup.getSpaceInformation()
+    dimension = len(start)
+    setup.setStateValidityChecker(lambda state: checker.free(_values(state, dimension)))
+    information.setMotionValidator(_MotionValidator(information, motion_free, dimension))
+    space = setup.getStateSpace()
+    setup.setStartAndGoalStates(_state(space, start), _state(space, goal))
+    setup.setPlanner(getattr(og, planner)(information))
+    objective = ob.PathLengthOptimizationObjective(information)
+    objective.setCostThreshold(ob.Cost(1e9))  # optimising planners: the first path will do, it is shortened anyway
+    setup.setOptimizationObjective(objective)
+    setup.solve(ob.PlannerTerminationCondition(over))
+    if not setup.haveExactSolutionPath():
+        return None
+    path = setup.getSolutionPath()
+    rows = [_values(path.getState(k), dimension) for k in range(path.getStateCount())]
+    rows[0], rows[-1] = start, goal
+    return np.stack(rows)
+
+
+class _MotionValidator(ob.MotionValidator):
+    """OMPL's question about an edge, answered by one batched check."""
+
+    def __init__(self, information: ob.SpaceInformation, motion_free: MotionCheck, dimension: int):
+        super().__init__(information)
+        self.motion_free, self.dimension = motion_free, dimension
+
+    def checkMotion(self, one: ob.State, other: ob.State, *_: object) -> bool:
+        return self.motion_free(_values(one, self.dimension), _values(other, self.dimension))
+
+
+def _space(checker: CollisionChecker) -> ob.RealVectorStateSpace:
+    limits = checker.chain.limits
+    space = ob.RealVectorStateSpace(len(limits.lower))
+    bounds = ob.RealVectorBounds(len(limits.lower))
+    for k, (low, high) in enumerate(zip(limits.lower, limits.upper, strict=True)):
+        bounds.setLow(k, float(low))
+        bounds.setHigh(k, float(high))
+    space.setBounds(bounds)
+    return space
+
+
+def _values(state: ob.State, dimension: int) -> NDArray[np.float64]:
+    return np.array([state[k] for k in range(dimension)])
+
+
+def _state(space: ob.StateSpace, q: NDArray[np.float64]) -> ob.State:
+    state = space.allocState()
+    for k, value in enumerate(q):
+        state[k] = float(value)
+    return state

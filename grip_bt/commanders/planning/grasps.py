@@ -1,0 +1,169 @@
+"""Which grasp an arm can really do: reach it, approach and lift straight, and touch nothing but the object."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from grip_bt.errors import CanceledError, NoGraspError
+from grip_bt.values import Grasp, JointState, Pose
+from grip_bt.values.pose import check_frame
+
+from ..collision import CollisionChecker
+from ..ik import solver
+from ..model import Chain, RobotModel
+from ..scene import SceneSnapshot
+from .free import RESOLUTION
+from .paths import interpolated
+from .requests import ChosenGrasp, Situation
+from .straight import BrokenLineError, straight_path
+
+TARGET_WITHIN = 0.03
+"""The object nearest to the closing point, at most this far from it [m], is the one that a grasp takes."""
+_RESTARTS = 6
+_SOLUTIONS = 4
+
+
+def closing_point(grasp: Grasp) -> NDArray[np.float64]:
+    """Return the middle of what is between palm and fingers, shape (3,) [m]: half its width in front of the palm."""
+    return grasp.pose.position + max(grasp.width, 0.03) / 2 * grasp.pose.rotation()[:, 2]
+
+
+def target_of(grasp: Grasp, scene: SceneSnapshot) -> str | None:
+    """Return the name of the object that a grasp takes, or None when the scene has none there."""
+    near = scene.around(closing_point(grasp), TARGET_WITHIN)
+    return near[0] if near else None
+
+
+def choose_grasp(
+    model: RobotModel, situation: Situation, grasps: Sequence[Grasp], canceled: Callable[[], bool]
+) -> ChosenGrasp:
+    """Return the first feasible grasp, by falling quality.
+
+    A grasp is feasible when some joint positions reach the pre-grasp and touch nothing there, the straight
+    approach from there to the grasp touches nothing but the object to be taken, and the straight lift to the
+    post-grasp, object in hand, touches nothing.
+
+    Raises:
+        NoGraspError: none is; `data['reasons']` counts why, `data['candidates']` how many there were.
+        CanceledError: it was cancelled.
+    """
+    rng = np.random.default_rng(situation.settings.seed)
+    reasons: Counter[str] = Counter()
+    checkers = Checkers(model, situation)
+    for grasp in sorted(grasps, key=lambda g: -g.quality):
+        trial = GraspTrial(checkers, grasp)
+        for q in trial.configurations(rng):
+            if canceled():
+                raise CanceledError("the choice of a grasp was cancelled")
+            if (pre := trial.pre_configuration(q)) is not None:
+                names = trial.chain.joints
+                return ChosenGrasp(grasp, JointState(names, pre), JointState(names, q), dict(reasons))
+        reasons[trial.reason] += 1
+    counts = ", ".join(f"{count} {reason}" for reason, count in reasons.most_common())
+    raise NoGraspError(
+        f"none of {len(grasps)} grasps is feasible" + (f": {counts}" if counts else ""),
+        reasons=dict(reasons),
+        candidates=len(grasps),
+    )
+
+
+class Checkers:
+    """Collision checkers of one situation; candidates for one object share theirs."""
+
+    def __init__(self, model: RobotModel, situation: Situation):
+        self.model, self.situation = model, situation
+        self._made: dict[tuple[int, str | None], CollisionChecker] = {}
+
+    def chain(self, grasp: Grasp) -> Chain:
+        """Return the arm with its hand in the grasp's pre-posture."""
+        posture = grasp.pre_posture or self.model.description.named_state("hand", "open")
+        return self.model.chain(self.situation.group, self.situation.start, posture)
+
+    def without(self, chain: Chain, target: str | None) -> CollisionChecker:
+        """Return the checker that doesn't see an object; None stands for no object."""
+        key = (id(chain), target)
+        if key not in self._made:
+            scene = self.situation.scene
+            seen = scene if target is None else scene.without([target])
+            self._made[key] = CollisionChecker(chain, seen, self.situation.hand)
+        return self._made[key]
+
+    def holding(self, chain: Chain, target: str | None, grasp: Pose) -> CollisionChecker:
+        """Return the checker in which the hand holds an object, having closed at `grasp`."""
+        if target is None:
+            return self.without(chain, None)
+        held = self.situation.scene.attaching(target, self.situation.hand, grasp)
+        return CollisionChecker(chain, held, self.situation.hand)
+
+
+class GraspTrial:
+    """One candidate under test.
+
+    Attributes:
+        chain: the arm with its hand in the grasp's pre-posture.
+        reason: how far the candidate got: `no_ik`, `in_collision`, `approach_blocked`, `pre_grasp_in_collision`
+            or `lift_blocked`.
+    """
+
+    _STAGES = ("no_ik", "in_collision", "approach_blocked", "pre_grasp_in_collision", "lift_blocked")
+
+    def __init__(self, checkers: Checkers, grasp: Grasp):
+        for pose in (grasp.pre_grasp, grasp.pose, grasp.post_grasp):
+            check_frame(pose, "world")
+        self._checkers, self._grasp = checkers, grasp
+        self._target = target_of(grasp, checkers.situation.scene)
+        self.chain = checkers.chain(grasp)
+        self._approach = checkers.without(self.chain, self._target)
+        self._stage = 0
+
+    @property
+    def reason(self) -> str:
+        """Why it was refused, judged by the configuration that came furthest."""
+        return self._STAGES[self._stage]
+
+    def configurations(self, rng: np.random.Generator) -> list[NDArray[np.float64]]:
+        """Return up to four free configurations at the grasp, the nearest to the present one first."""
+        situation = self._checkers.situation
+        start = situation.start.ordered(self.chain.joints)
+        home = self._checkers.model.description.named_state(situation.group, "home").position
+        find = solver(situation.settings.kinematics)
+        free = []
+        for q in find(self.chain, _se3(self._grasp.pose), rng, (start, home), _RESTARTS):
+            self._reached(1)
+            if self._approach.free(q):
+                free.append(q)
+            if len(free) == _SOLUTIONS:
+                break
+        return sorted(free, key=lambda q: float(np.linalg.norm(q - start)))
+
+    def pre_configuration(self, q: NDArray[np.float64]) -> NDArray[np.float64] | None:
+        """Return the configuration at the pre-grasp from which the straight approach ends at `q`, or None.
+
+        None too when the lift from `q` isn't possible.
+        """
+        self._reached(2)
+        try:
+            approach = straight_path(self.chain, q, _se3(self._grasp.pre_grasp))
+            if not self._approach.all_free(interpolated(approach, RESOLUTION)):
+                return None
+            self._reached(3)
+            if not self._checkers.without(self.chain, None).free(approach[-1]):
+                return None
+            self._reached(4)
+            lift = straight_path(self.chain, q, _se3(self._grasp.post_grasp))
+        except BrokenLineError:
+            return None
+        holding = self._checkers.holding(self.chain, self._target, self._grasp.pose)
+        return approach[-1] if holding.all_free(interpolated(lift, RESOLUTION)) else None
+
+    def _reached(self, stage: int) -> None:
+        self._stage = max(self._stage, stage)
+
+
+def _se3(pose: Pose) -> pin.SE3:
+    return pin.SE3(pose.matrix())

@@ -1,0 +1,66 @@
+"""Piecewise linear paths in joint space: arrays of shape (k, n) whose rows are configurations."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+Path = NDArray[np.float64]
+EdgeCheck = Callable[[NDArray[np.float64], NDArray[np.float64]], bool]
+"""`(one, other) -> whether the straight motion between two configurations is free`."""
+
+
+def interpolated(path: Path, resolution: float) -> Path:
+    """Return the path with rows added so that no joint moves more than `resolution` [rad] between two."""
+    pieces = [path[:1]]
+    for one, other in zip(path[:-1], path[1:], strict=True):
+        steps = max(1, int(np.ceil(np.abs(other - one).max() / resolution)))
+        pieces.append(one + (other - one) * (np.arange(1, steps + 1) / steps)[:, None])
+    return np.concatenate(pieces)
+
+
+def length(path: Path) -> float:
+    """Return the length of a path [rad], joints weighted alike."""
+    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+
+
+def shortened(path: Path, edge_free: EdgeCheck, rng: np.random.Generator, rounds: int = 60) -> Path:
+    """Return a path with the same ends that is no longer.
+
+    First every row that can be skipped is skipped, from the far end on; then random pairs of points on the path
+    are joined where the straight motion is free (Geraerts and Overmars 2007). The number of rounds is fixed, so
+    the result depends on nothing but the arguments.
+    """
+    path = _pruned(path, edge_free)
+    for _ in range(rounds):
+        if len(path) < 3:
+            break
+        at = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
+        low, high = np.sort(rng.uniform(0.0, at[-1], 2))
+        i, j = int(np.searchsorted(at, low, "right")) - 1, int(np.searchsorted(at, high, "right")) - 1
+        if i == j:
+            continue
+        one, other = _point(path, at, i, low), _point(path, at, j, high)
+        if edge_free(one, other):
+            path = np.concatenate([path[: i + 1], [one, other], path[j + 1 :]])
+    return _pruned(path, edge_free)
+
+
+def _pruned(path: Path, edge_free: EdgeCheck) -> Path:
+    rows, i = [0], 0
+    while i < len(path) - 1:
+        i = next((j for j in range(len(path) - 1, i + 1, -1) if edge_free(path[i], path[j])), i + 1)
+        rows.append(i)
+    return path[rows]
+
+
+def _point(path: Path, at: NDArray[np.float64], row: int, where: float) -> NDArray[np.float64]:
+    if row >= len(path) - 1:
+        return np.array(path[-1])
+    span = at[row + 1] - at[row]
+    point: NDArray[np.float64] = path[row] + (path[row + 1] - path[row]) * (
+        (where - at[row]) / span if span > 0 else 0.0
+    )
+    return point

@@ -1,0 +1,106 @@
+"""What a planner is asked, as values that can be sent to another process, and what it answers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from grip_bt.values import Grasp, JointState, Pose
+
+from ..scene import SceneSnapshot
+
+
+@dataclass(frozen=True, slots=True)
+class PlanningSettings:
+    """How to plan: the fields of an arm in a project file.
+
+    Attributes:
+        planner: an OMPL planner by its name; see `planning.free.planners`.
+        kinematics: an inverse kinematics solver by its name; see `ik.SOLVERS`.
+        speed: part of the velocity and acceleration limits to use, in (0, 1].
+        time_limit: wall time for one plan [s].
+        margin: distance to keep from the scene's objects where start and goal leave room for it [m].
+        seed: the same request with the same seed gives the same plan.
+    """
+
+    planner: str = "RRTConnect"
+    kinematics: str = "damped_least_squares"
+    speed: float = 0.6
+    time_limit: float = 5.0
+    margin: float = 0.01
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if not 0 < self.speed <= 1:
+            raise ValueError(f"speed is a part of the limits, in (0, 1], not {self.speed}")
+        if not self.time_limit > 0 or not self.margin >= 0:
+            raise ValueError(f"time_limit {self.time_limit} s and margin {self.margin} m can't be negative")
+
+
+@dataclass(frozen=True, slots=True)
+class Situation:
+    """Where a plan begins.
+
+    Attributes:
+        group: the joints to move.
+        start: measured positions of the robot's joints, those of the hand included.
+        scene: what to avoid.
+        hand: the hand at the group's end, by its name in the scene.
+        settings: how to plan.
+    """
+
+    group: str
+    start: JointState
+    scene: SceneSnapshot
+    hand: str
+    settings: PlanningSettings
+
+
+@dataclass(frozen=True, slots=True)
+class PlanTo:
+    """Plan a free path to joint positions or to a pose of the grasp frame.
+
+    Attributes:
+        situation: where it begins.
+        goal: where it ends.
+        hints: for a pose: joint positions that reach it, to be tried first.
+    """
+
+    situation: Situation
+    goal: JointState | Pose
+    hints: tuple[JointState, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class PlanStraight:
+    """Plan a motion of the grasp frame along straight lines through poses in world."""
+
+    situation: Situation
+    poses: tuple[Pose, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ChooseGrasp:
+    """Find the first feasible grasp, by falling quality."""
+
+    situation: Situation
+    grasps: tuple[Grasp, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ChosenGrasp:
+    """A feasible grasp.
+
+    Attributes:
+        grasp: one of those that were asked about.
+        at_pre_grasp: joint positions of the group where the straight approach begins.
+        at_grasp: joint positions where it ends.
+        reasons: how often better ones were refused, by reason.
+    """
+
+    grasp: Grasp
+    at_pre_grasp: JointState
+    at_grasp: JointState
+    reasons: dict[str, int] = field(default_factory=dict)
+
+
+Request = PlanTo | PlanStraight | ChooseGrasp
