@@ -15,7 +15,7 @@ from fastapi.staticfiles import StaticFiles
 
 from grip_bt.errors import DocumentError, GripError, MissingPartError, UnknownNameError
 
-from .journal import RunSource, SqliteRuns
+from .journal import JournalRuns, RunSource
 from .launcher import CommandLineLauncher, Launcher, RunOptions
 from .project import OutsideProjectError, ProjectFolder
 from .routes import make_router
@@ -60,7 +60,8 @@ def create_app(
         raise MissingPartError("the editor's page", "npm ci && npm run build in gui/frontend")
     folder = ProjectFolder(project_folder)
     task_file = folder.task_file(task) if task is not None else None
-    desk = RunDesk(launcher or CommandLineLauncher(), folder.journal)
+    runs = source or JournalRuns(folder.journal, folder.folder)
+    desk = RunDesk(launcher or CommandLineLauncher(), folder.journal, runs)
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
@@ -74,7 +75,7 @@ def create_app(
     app.add_middleware(Gate, token=app.state.token)
     app.add_exception_handler(GripError, _teach)
     app.add_exception_handler(RequestValidationError, _refuse_malformed)
-    app.include_router(make_router(folder, desk, source or SqliteRuns(folder.journal), task))
+    app.include_router(make_router(folder, desk, runs, task))
     app.mount("/", StaticFiles(directory=STATIC, html=True))
     return app
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 from grip_bt.app.project import project_catalog
 from grip_bt.catalog import Catalog
 from grip_bt.errors import DocumentError, GripError, UnknownNameError
-from grip_bt.graph import loads
-from grip_bt.graph.document import read_file
-from grip_bt.validation import validate
+from grip_bt.graph.document import read_file, read_text
+from grip_bt.validation import Issue, validate
 
 from .messages import Problem, TaskView
 from .project import ProjectFolder
@@ -32,19 +31,16 @@ def task_view(folder: ProjectFolder, path: str) -> TaskView:
 def view_of_text(folder: ProjectFolder, text: str, path: str) -> TaskView:
     """Return the view of a task's text, with what is wrong with it; the nodes are missing when it can't be read."""
     try:
-        task = loads(text, path)
+        document = read_text(text, path)
     except GripError as error:
         return _unreadable(path, [_trouble("document", error)])
     try:
         catalog = project_catalog(folder.folder)
     except GripError as error:
         # The project's other files are wrong; the task can still be drawn, with the built-in nodes' faces.
-        return project_task(task, path, _finder(Catalog.builtin()), [_trouble("project", error)])
-    problems = [
-        Problem(path=issue.path, code=issue.code, severity=issue.severity, message=issue.message, fix=issue.fix or "")
-        for issue in validate(task, catalog)
-    ]
-    return project_task(task, path, _finder(catalog), problems)
+        return project_task(document.task, path, _finder(Catalog.builtin()), [_trouble("project", error)])
+    problems = [_problem(issue) for issue in validate(document.task, catalog, document).issues]
+    return project_task(document.task, path, _finder(catalog), problems)
 
 
 def _finder(catalog: Catalog) -> FindManifest:
@@ -55,6 +51,17 @@ def _finder(catalog: Catalog) -> FindManifest:
             return None
 
     return find  # type: ignore[return-value]
+
+
+def _problem(issue: Issue) -> Problem:
+    return Problem(
+        path=issue.path,
+        code=issue.code,
+        severity=issue.severity,
+        message=issue.message,
+        fix=issue.fix,
+        line=issue.line,
+    )
 
 
 def _unreadable(path: str, problems: list[Problem]) -> TaskView:

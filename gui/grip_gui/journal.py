@@ -1,20 +1,26 @@
-"""Reads runs and events from the journal, for the live view and the replay alike."""
+"""Runs and their events for the page, out of the project's journal: the live view and the replay read the same."""
 
 from __future__ import annotations
 
-import json
-import sqlite3
-from contextlib import closing
+import threading
+from dataclasses import asdict
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Literal, Protocol
+
+from grip_bt.errors import UnknownNameError
+from grip_bt.runtime import Event, Journal, JournalError, JournalReader, RunLog
+from grip_bt.runtime import RunRecord as JournalRecord
 
 from .messages import RunEvent, RunRecord
+
+LISTED = 100
+"""Most runs that are offered."""
 
 
 class RunSource(Protocol):
     """Where the page's runs come from."""
 
-    def runs(self, limit: int = 100) -> list[RunRecord]:
+    def runs(self) -> list[RunRecord]:
         """Return the latest runs, newest first."""
         ...
 
@@ -30,61 +36,78 @@ class RunSource(Protocol):
         """Return at most `limit` events from `from_seq` on, in order."""
         ...
 
-    def last_seq(self, run: str) -> int:
-        """Return the number of the last event, -1 when there is none."""
+    def end_run(self, run: str, status: Literal["stopped", "error"]) -> None:
+        """Enter that a run has ended whose process could not do so itself."""
         ...
 
 
-_RUN = "SELECT id, task_name, task_path, target, seed, started, ended, status, outcome FROM runs"
-_EVENT = "SELECT seq, t, path, event, outcome, code, data FROM events WHERE run = ? AND seq >= ? ORDER BY seq LIMIT ?"
+class JournalRuns:
+    """The runs of a journal file; as long as there is no file there are no runs. Safe to use from several threads.
 
+    Args:
+        file: the journal.
+        folder: the project folder, to which the paths of tasks are made relative.
+    """
 
-class SqliteRuns:
-    """The journal file of a project, opened read-only for each question; a missing file has no runs."""
+    def __init__(self, file: Path, folder: Path):
+        self.file, self._folder = file, folder
+        self._lock = threading.Lock()
+        self._opened: JournalReader | None = None
 
-    def __init__(self, file: Path):
-        self.file = file
-
-    def runs(self, limit: int = 100) -> list[RunRecord]:
+    def runs(self) -> list[RunRecord]:
         """Return the latest runs, newest first."""
-        return [_record(row) for row in self._ask(f"{_RUN} ORDER BY started DESC LIMIT ?", (limit,))]
+        reader = self._reader()
+        return [] if reader is None else [self._wire(record) for record in reader.runs()[:LISTED]]
 
     def run(self, run: str) -> RunRecord | None:
         """Return one run, None when it isn't there."""
-        rows = self._ask(f"{_RUN} WHERE id = ?", (run,))
-        return _record(rows[0]) if rows else None
+        record = self._find(run)
+        return None if record is None else self._wire(record)
 
     def task_text(self, run: str) -> str:
         """Return the task file as it was when the run started."""
-        rows = self._ask("SELECT task_text FROM runs WHERE id = ?", (run,))
-        return str(rows[0]["task_text"]) if rows else ""
+        record = self._find(run)
+        return "" if record is None else record.task_text
 
     def events(self, run: str, from_seq: int, limit: int) -> list[RunEvent]:
         """Return at most `limit` events from `from_seq` on, in order."""
-        return [_event(row) for row in self._ask(_EVENT, (run, from_seq, limit))]
+        reader = self._reader()
+        found = [] if reader is None else reader.events(run, from_seq - 1)
+        return [_wire_event(event) for event in found[:limit]]
 
-    def last_seq(self, run: str) -> int:
-        """Return the number of the last event, -1 when there is none."""
-        rows = self._ask("SELECT MAX(seq) AS last FROM events WHERE run = ?", (run,))
-        return -1 if not rows or rows[0]["last"] is None else int(rows[0]["last"])
+    def end_run(self, run: str, status: Literal["stopped", "error"]) -> None:
+        """Enter that a run has ended whose process could not do so itself."""
+        with Journal(self.file) as journal:
+            RunLog(journal, run).end(status, None)
 
-    def _ask(self, query: str, values: tuple[Any, ...]) -> list[sqlite3.Row]:
-        if not self.file.is_file():
-            return []
-        with closing(sqlite3.connect(f"{self.file.as_uri()}?mode=ro", uri=True, timeout=2.0)) as connection:
-            connection.row_factory = sqlite3.Row
-            try:
-                return connection.execute(query, values).fetchall()
-            except sqlite3.OperationalError as error:
-                if "no such table" in str(error):
-                    return []  # the run's process has made the file and not yet its tables
-                raise
+    def _find(self, run: str) -> JournalRecord | None:
+        reader = self._reader()
+        try:
+            return None if reader is None else reader.run(run)
+        except UnknownNameError:
+            return None
+
+    def _reader(self) -> JournalReader | None:
+        with self._lock:
+            if self._opened is None and self.file.is_file():
+                try:
+                    self._opened = JournalReader(self.file)
+                except JournalError as error:
+                    if "no such table" not in str(error):
+                        raise
+                    # A run has just made the file and is about to make its tables.
+            return self._opened
+
+    def _wire(self, record: JournalRecord) -> RunRecord:
+        fields = asdict(record)
+        fields.pop("task_text")
+        path = Path(record.task_path)
+        if path.is_relative_to(self._folder):
+            fields["task_path"] = path.relative_to(self._folder).as_posix()
+        return RunRecord(**fields)
 
 
-def _record(row: sqlite3.Row) -> RunRecord:
-    return RunRecord(**dict(row))
-
-
-def _event(row: sqlite3.Row) -> RunEvent:
-    data = json.loads(row["data"]) if row["data"] else {}
-    return RunEvent(**{**dict(row), "path": row["path"] or "/", "data": data})
+def _wire_event(event: Event) -> RunEvent:
+    fields = asdict(event)
+    fields.pop("wall")
+    return RunEvent(**fields)

@@ -26,14 +26,21 @@ class RunOptions:
     """What a run is started with.
 
     Attributes:
-        robot: `sim`, `fake` or `ros`.
+        robot: `sim` or `fake`.
         target: `bt` (behaviour tree) or `sm` (state machine).
         seed: seed of everything random.
+        pace: simulated seconds in a second; None for as fast as it goes.
     """
 
     robot: str = "sim"
     target: str = "bt"
     seed: int = 0
+    pace: float | None = 1.0
+
+    def arguments(self) -> tuple[str, ...]:
+        """Return them as `grip run` takes them."""
+        pace = () if self.pace is None else ("--pace", f"{self.pace:g}")
+        return ("--robot", self.robot, "--seed", str(self.seed), "--as", self.target, *pace)
 
 
 class RunProcess(Protocol):
@@ -85,7 +92,7 @@ class CommandLineLauncher:
         process = await asyncio.create_subprocess_exec(
             *self.command,
             *("run", str(task_file), "--control", "--journal", str(journal)),
-            *("--robot", options.robot, "--seed", str(options.seed), "--as", options.target),
+            *options.arguments(),
             stdin=asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.PIPE,

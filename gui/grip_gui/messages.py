@@ -78,6 +78,7 @@ class Problem(Wire):
     severity: Literal["error", "warning"]
     message: str
     fix: str = ""
+    line: int | None = None
 
 
 class TaskView(Wire):
@@ -136,7 +137,6 @@ class RunView(Wire):
 
     run: RunRecord
     task: TaskView
-    last_seq: int
 
 
 class RunEvent(Wire):
@@ -156,9 +156,11 @@ class StartRun(Wire):
     """Start a run of a task."""
 
     task: Annotated[str, Field(max_length=1024)]
-    robot: Literal["sim", "fake", "ros"] = "sim"
+    robot: Literal["sim", "fake"] = "sim"
     target: Literal["bt", "sm"] = "bt"
     seed: Annotated[int, Field(ge=0, le=2**31 - 1)] = 0
+    pace: Annotated[float, Field(gt=0, le=1000)] | None = 1.0
+    """Simulated seconds in a second; None for as fast as it goes."""
 
 
 class Control(Wire):

@@ -14,7 +14,7 @@ from .project import ProjectFolder
 from .session import RunDesk
 from .stream import Viewer
 
-ROBOTS = ["sim", "fake", "ros"]
+ROBOTS = ["sim", "fake"]
 
 
 def make_router(folder: ProjectFolder, desk: RunDesk, source: RunSource, selected: str | None) -> APIRouter:
@@ -39,12 +39,8 @@ def make_router(folder: ProjectFolder, desk: RunDesk, source: RunSource, selecte
     def run(run: str) -> RunView:
         record = source.run(run)
         if record is None:
-            raise UnknownNameError("run", run, (r.id for r in source.runs(10)))
-        return RunView(
-            run=record,
-            task=view_of_text(folder, source.task_text(run), record.task_path),
-            last_seq=source.last_seq(run),
-        )
+            raise UnknownNameError("run", run, (r.id for r in source.runs()[:10]))
+        return RunView(run=record, task=view_of_text(folder, source.task_text(run), record.task_path))
 
     @api.get("/session")
     async def session() -> SessionView | None:
@@ -52,7 +48,7 @@ def make_router(folder: ProjectFolder, desk: RunDesk, source: RunSource, selecte
 
     @api.post("/session", status_code=201)
     async def start(wish: StartRun) -> SessionView:
-        options = RunOptions(robot=wish.robot, target=wish.target, seed=wish.seed)
+        options = RunOptions(robot=wish.robot, target=wish.target, seed=wish.seed, pace=wish.pace)
         try:
             return await desk.start(wish.task, folder.task_file(wish.task), options)
         except OSError as error:

@@ -7,10 +7,11 @@ import logging
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from grip_bt.errors import GripError
 
+from .journal import RunSource
 from .launcher import Launcher, RunOptions, RunProcess
 from .messages import Command, RunState, SessionView
 
@@ -35,8 +36,8 @@ class Session:
     Args:
         process: the process.
         view: what is known at the start.
-        changed: called after each change of `view`.
-        committed: called when new events can be read from the journal.
+        changed: called after each change of `view`, and when new events can be read from the journal.
+        source: where the end of the run is entered if its process dies.
     """
 
     def __init__(
@@ -44,12 +45,13 @@ class Session:
         process: RunProcess,
         view: SessionView,
         changed: Callable[[], None],
-        committed: Callable[[], None],
+        source: RunSource,
     ):
         self.view = view
-        self._process, self._changed, self._committed = process, changed, committed
+        self._process, self._changed, self._source = process, changed, source
         self._acknowledged = asyncio.Event()
         self._killed_because = ""
+        self._run: str | None = None
         self._stopping: asyncio.Task[None] | None = None
         self._life = asyncio.create_task(self._live())
 
@@ -94,7 +96,7 @@ class Session:
         reader.cancel()
         with suppress(asyncio.CancelledError):
             await reader
-        self._ended(status)
+        await self._ended(status)
 
     async def _read(self) -> None:
         async for message in self._process.lines():
@@ -103,10 +105,12 @@ class Session:
     def _heard(self, message: dict[str, Any]) -> None:
         match message:
             case {"event": "started", "run": str(run)}:
-                self._set(run=run, state="running", message="")
-                self._committed()
+                self._run = run
+                self._set(state="running", message="")
             case {"event": "committed"}:
-                self._committed()
+                # Only now the run is in the journal for sure, so that viewers may ask for it.
+                self._set(run=self._run)
+                self._changed()
             case {"event": "state", "state": str(word)} if word in _STATES:
                 if word == "stopping":
                     self._acknowledged.set()
@@ -115,21 +119,27 @@ class Session:
             case {"event": "ended", "status": str(status)}:
                 self._acknowledged.set()
                 self._set(status=status, outcome=message.get("outcome"), message="")
-                self._committed()
+                self._changed()
             case {"event": "log", "text": str(text)}:
                 log.info("run: %s", text)
                 if self.view.state == "starting" and text.strip():
                     self._set(message=text.strip()[:200])
 
-    def _ended(self, exit_status: int) -> None:
+    async def _ended(self, exit_status: int) -> None:
         self._acknowledged.set()
-        if self._killed_because:
+        if self.view.status is not None:
+            self._set(state="ended", message=self._killed_because)
+        elif self._killed_because:
+            await self._enter_end("stopped")
             self._set(state="ended", status="killed", message=self._killed_because)
-        elif self.view.status is not None:
-            self._set(state="ended")
         else:
+            await self._enter_end("error")
             self._set(state="ended", status="died", message=_obituary(exit_status, self._process.tail()))
-        self._committed()
+        self._changed()
+
+    async def _enter_end(self, status: Literal["stopped", "error"]) -> None:
+        if self.view.run is not None:
+            await asyncio.to_thread(self._source.end_run, self.view.run, status)
 
     def _set(self, **changes: Any) -> None:
         if any(getattr(self.view, key) != value for key, value in changes.items()):
@@ -157,10 +167,11 @@ class RunDesk:
     Args:
         launcher: makes the processes.
         journal: the file that runs are written to.
+        source: where the end of a run is entered whose process died.
     """
 
-    def __init__(self, launcher: Launcher, journal: Path):
-        self._launcher, self.journal = launcher, journal
+    def __init__(self, launcher: Launcher, journal: Path, source: RunSource):
+        self._launcher, self.journal, self._source = launcher, journal, source
         self.session: Session | None = None
         self._starting = False
         self._viewers: set[asyncio.Event] = set()
@@ -185,7 +196,7 @@ class RunDesk:
         finally:
             self._starting = False
         view = SessionView(state="starting", task=task, robot=options.robot, target=options.target, seed=options.seed)
-        self.session = Session(process, view, self.notify, self.notify)
+        self.session = Session(process, view, self.notify, self._source)
         self.notify()
         return self.session.view
 

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import json
-import sqlite3
 import warnings
 from collections.abc import AsyncIterator, Iterator
 from dataclasses import dataclass, field
@@ -13,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from grip_bt.runtime import Journal, RunLog
 from grip_gui.application import create_app
 from grip_gui.launcher import RunOptions
 
@@ -40,14 +39,6 @@ root:
         a: {node: flow/wait, with: {seconds: 0.1}, on: {success: b}}
         b: {node: flow/wait, with: {seconds: 0.1}, on: {success: success}}
 """
-SCHEMA = """
-CREATE TABLE IF NOT EXISTS runs(id TEXT PRIMARY KEY, task_name TEXT, task_path TEXT, task_text TEXT, target TEXT,
-  seed INTEGER, started REAL, ended REAL, status TEXT, outcome TEXT);
-CREATE TABLE IF NOT EXISTS events(run TEXT, seq INTEGER, t REAL, wall REAL, path TEXT, event TEXT, outcome TEXT,
-  code TEXT, data TEXT, PRIMARY KEY(run, seq));
-"""
-HOLD = "hold"
-"""In a script: from here on, only commands make something happen."""
 EVENTS: list[tuple[str, str, str | None, dict[str, Any]]] = [
     ("/", "run_started", None, {}),
     ("/", "enter", None, {}),
@@ -59,16 +50,19 @@ EVENTS: list[tuple[str, str, str | None, dict[str, Any]]] = [
 ]
 
 
-def record(journal: Path, run: str, events: list[Any] = EVENTS, status: str = "running", first: int = 0) -> None:
-    """Write a run, or more events of one, as the runner does."""
-    with sqlite3.connect(journal) as connection:
-        connection.executescript(SCHEMA)
-        row = (run, "tiny", "tasks/tiny.yaml", TASK, "bt", 7, 1.0, None, status, None)
-        connection.execute("INSERT OR REPLACE INTO runs VALUES (?,?,?,?,?,?,?,?,?,?)", row)
-        for seq, (path, event, outcome, data) in enumerate(events, start=first):
-            values = (run, seq, seq * 0.5, 0.0, path, event, outcome, None, json.dumps(data))
-            connection.execute("INSERT INTO events VALUES (?,?,?,?,?,?,?,?,?)", values)
-    connection.close()
+def record(file: Path, events: list[Any] = EVENTS, status: str | None = None) -> str:
+    """Write a run, as the runner does; return its id."""
+    with Journal(file) as journal:
+        log = journal.begin("tiny", "tasks/tiny.yaml", TASK, "bt", 7)
+        write(log, events)
+        if status is not None:
+            log.end(status, None)
+    return log.id
+
+
+def write(log: RunLog, events: list[Any]) -> None:
+    for i, (path, event, outcome, data) in enumerate(events):
+        log.append(i * 0.5, path, event, outcome, None, data)
 
 
 @dataclass
@@ -78,17 +72,19 @@ class PlayedRun:
     journal: Path
     deaf: bool = False
     dies: bool = False
-    run: str = "run-1"
     said: list[str] = field(default_factory=list)
     killed: bool = False
 
     def __post_init__(self) -> None:
         self.messages: asyncio.Queue[dict[str, Any] | None] = asyncio.Queue()
         self.ended: asyncio.Future[int] = asyncio.get_running_loop().create_future()
-        record(self.journal, self.run)
+        self.file = Journal(self.journal)
+        self.log = self.file.begin("tiny", "tasks/tiny.yaml", TASK, "bt", 7)
+        write(self.log, EVENTS)
+        self.file.flush()
         self.tell(event="log", text="the world starts")
-        self.tell(event="started", run=self.run, journal=str(self.journal))
-        self.tell(event="committed", seq=len(EVENTS) - 1)
+        self.tell(event="started", run=self.log.id, journal=str(self.journal))
+        self.tell(event="committed", seq=len(EVENTS))
         self.tell(event="state", state="running")
         if self.dies:
             self.end(70)
@@ -98,6 +94,7 @@ class PlayedRun:
 
     def end(self, status: int) -> None:
         if not self.ended.done():
+            self.file.close()
             self.messages.put_nowait(None)
             self.ended.set_result(status)
 
@@ -113,7 +110,9 @@ class PlayedRun:
             self.tell(event="state", state="paused" if command == "pause" else "running")
         elif command == "stop":
             self.tell(event="state", state="stopping")
-            record(self.journal, self.run, [("/", "run_ended", None, {"status": "stopped"})], "stopped", len(EVENTS))
+            write(self.log, [("/", "run_ended", None, {"status": "stopped"})])
+            self.log.end("stopped", None)
+            self.file.flush()
             self.tell(event="ended", status="stopped", outcome=None)
             self.end(130)
 
@@ -138,9 +137,8 @@ class PlayedLauncher:
     last: PlayedRun | None = None
 
     async def start(self, task_file: Path, journal: Path, options: RunOptions) -> PlayedRun:
-        journal.parent.mkdir(exist_ok=True)
         self.started.append((task_file, options))
-        self.last = PlayedRun(journal, self.deaf, self.dies, run=f"run-{len(self.started)}")
+        self.last = PlayedRun(journal, self.deaf, self.dies)
         return self.last
 
 

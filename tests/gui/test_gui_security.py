@@ -145,7 +145,16 @@ def test_malformed_requests_are_refused_and_the_server_lives(page: TestClient, b
 
 @pytest.mark.parametrize(
     "change",
-    [{"robot": "other"}, {"seed": -1}, {"seed": 2**31}, {"target": "x"}, {"task": "x" * 2000}, {"shell": "rm"}],
+    [
+        {"robot": "other"},
+        {"seed": -1},
+        {"seed": 2**31},
+        {"pace": 0},
+        {"pace": "nan"},
+        {"target": "x"},
+        {"task": "x" * 2000},
+        {"shell": "rm"},
+    ],
 )
 def test_run_options_outside_their_range_are_refused(page: TestClient, change: dict[str, object]) -> None:
     wish = {"task": "tasks/tiny.yaml", "robot": "fake", "target": "bt", "seed": 0, **change}

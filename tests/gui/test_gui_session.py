@@ -11,7 +11,7 @@ from conftest import EVENTS, SOCKET, PlayedLauncher, TestClient, record
 from grip_gui import session as session_module
 from grip_gui.stream import STRIKES
 
-WISH = {"task": "tasks/tiny.yaml", "robot": "fake", "target": "sm", "seed": 7}
+WISH = {"task": "tasks/tiny.yaml", "robot": "fake", "target": "sm", "seed": 7, "pace": 2.5}
 
 
 def until(socket: Any, wanted: Any) -> dict[str, Any]:
@@ -37,16 +37,16 @@ def test_a_run_is_started_with_the_options_of_the_page(
     assert answer.status_code == 201
     file, options = launcher.started[0]
     assert file == project / "tasks" / "tiny.yaml"
-    assert (options.robot, options.target, options.seed) == ("fake", "sm", 7)
+    assert options.arguments() == ("--robot", "fake", "--seed", "7", "--as", "sm", "--pace", "2.5")
 
 
 def test_events_are_streamed_from_the_wanted_number_on(page: TestClient) -> None:
     with page.websocket_connect(SOCKET) as socket:
         page.post("/api/session", json=WISH)
         run = until(socket, in_state("running"))["session"]["run"]
-        socket.send_json({"type": "subscribe", "run": run, "from_seq": 2})
+        socket.send_json({"type": "subscribe", "run": run, "from_seq": 3})
         frame = until(socket, is_events)
-        assert [event["seq"] for event in frame["events"]] == list(range(2, len(EVENTS)))
+        assert [event["seq"] for event in frame["events"]] == list(range(3, len(EVENTS) + 1))
         assert frame["events"][1]["data"]["preview"] == "1"
         assert frame["complete"] is False
 
@@ -114,32 +114,29 @@ def test_all_viewers_see_the_same_and_any_may_stop(page: TestClient) -> None:
 
 
 def test_an_old_run_is_replayed_over_the_same_socket(page: TestClient, project: Path) -> None:
-    (project / ".grip").mkdir()
-    record(project / ".grip" / "runs.sqlite", "old", status="success")
-    assert [run["id"] for run in page.get("/api/runs").json()] == ["old"]
-    view = page.get("/api/runs/old").json()
+    old = record(project / ".grip" / "runs.sqlite", status="success")
+    assert [run["id"] for run in page.get("/api/runs").json()] == [old]
+    view = page.get(f"/api/runs/{old}").json()
     assert view["task"]["nodes"][0]["name"] == "tiny"
-    assert view["last_seq"] == len(EVENTS) - 1
     with page.websocket_connect(SOCKET) as socket:
-        socket.send_json({"type": "subscribe", "run": "old", "from_seq": 0})
+        socket.send_json({"type": "subscribe", "run": old, "from_seq": 0})
         frame = until(socket, is_events)
         assert len(frame["events"]) == len(EVENTS)
         assert frame["complete"] is True
 
 
 def test_a_long_run_comes_in_batches_without_gaps(page: TestClient, project: Path) -> None:
-    (project / ".grip").mkdir()
     many = [("first", "message", None, {"text": str(i)}) for i in range(2500)]
-    record(project / ".grip" / "runs.sqlite", "long", many, status="success")
+    long = record(project / ".grip" / "runs.sqlite", many, status="success")
     with page.websocket_connect(SOCKET) as socket:
-        socket.send_json({"type": "subscribe", "run": "long", "from_seq": 0})
+        socket.send_json({"type": "subscribe", "run": long, "from_seq": 0})
         seen: list[int] = []
         while True:
             frame = until(socket, is_events)
             seen += [event["seq"] for event in frame["events"]]
             if frame["complete"]:
                 break
-    assert seen == list(range(2500))
+    assert seen == list(range(1, 2501))
 
 
 @pytest.mark.parametrize(

@@ -37,6 +37,7 @@ export interface Problem {
   severity: "error" | "warning";
   message: string;
   fix: string;
+  line: number | null;
 }
 
 /** What the page knows about the project when it opens. */
@@ -82,7 +83,6 @@ export interface RunRecord {
 export interface RunView {
   run: RunRecord;
   task: TaskView;
-  last_seq: number;
 }
 
 export type ServerFrame = SessionFrame | EventsFrame | RefusedFrame;
@@ -109,9 +109,10 @@ export interface SessionView {
 /** Start a run of a task. */
 export interface StartRun {
   task: string;
-  robot: "sim" | "fake" | "ros";
+  robot: "sim" | "fake";
   target: "bt" | "sm";
   seed: number;
+  pace: number | null;
 }
 
 /** Page to server: send this run's events from `from_seq` on. */

@@ -50,7 +50,8 @@ function Problems(): JSX.Element | null {
       <ul>
         {problems.map((problem, i) => (
           <li key={i}>
-            <strong>{problem.severity}</strong> {problem.path && `${problem.path}: `}
+            <strong>{problem.severity}</strong> {problem.line !== null && `line ${problem.line}, `}
+            {problem.path && `${problem.path}: `}
             {problem.message}
             {problem.fix && ` ${problem.fix}`}
           </li>

@@ -6,13 +6,16 @@ import type { ProjectView, StartRun } from "../protocol/generated";
 import { control, openTask, startRun } from "../store/desk";
 import { useRun } from "../store/run";
 
-type Options = Pick<StartRun, "robot" | "target" | "seed">;
+type Options = Omit<StartRun, "task">;
+
+/** Simulated seconds in a second; 0 stands for no limit. */
+const PACES = [0.25, 0.5, 1, 2, 5, 0];
 
 export function TopBar({ project }: { project: ProjectView }): JSX.Element {
   const task = useRun((s) => s.task);
   const session = useRun((s) => s.session);
   const broken = task.problems.some((problem) => problem.severity === "error");
-  const [options, setOptions] = useState<Options>({ robot: "sim", target: "bt", seed: 0 });
+  const [options, setOptions] = useState<Options>({ robot: "sim", target: "bt", seed: 0, pace: 1 });
   const state = session?.state ?? "ended";
   const under_way = state !== "ended";
   const change = (part: Partial<Options>): void => setOptions({ ...options, ...part });
@@ -92,6 +95,21 @@ function RunOptionFields(props: {
         >
           <option value="bt">tree</option>
           <option value="sm">machine</option>
+        </select>
+      </label>
+      <label>
+        Pace
+        <select
+          value={options.pace ?? 0}
+          disabled={disabled}
+          title="Simulated seconds in a second"
+          onChange={(event) => change({ pace: Number(event.target.value) || null })}
+        >
+          {PACES.map((pace) => (
+            <option key={pace} value={pace}>
+              {pace === 0 ? "as fast as it goes" : `${pace}x`}
+            </option>
+          ))}
         </select>
       </label>
       <label>
