@@ -1,0 +1,198 @@
+"""Random tasks over every kind of node, with scripts for their leaves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from random import Random
+from typing import Any
+
+from parity_world import FACES
+
+CODES = ("no_ik", "no_plan", "time_out")
+EXTRA = {"won": "success", "lost": "failure", "none": "success"}
+SEQUENTIAL = ("sequence", "fallback", "state_machine", "retry", "repeat", "invert", "force")
+BRANCHING = ("sequence", "fallback", "state_machine")
+INTERRUPTING = ("reactive_sequence", "reactive_fallback", "timeout", "parallel")
+
+
+@dataclass
+class _Maker:
+    random: Random
+    embed: bool
+    join: bool
+    scripts: dict[str, list[dict[str, Any]]] = field(default_factory=dict)
+    leaves: int = 0
+    names: int = 0
+    concurrent: bool = False
+
+    def chance(self, probability: float) -> bool:
+        return self.random.random() < probability
+
+    def name(self) -> str:
+        if self.chance(0.05):
+            return self.random.choice(("success", "failure", "won", "task"))
+        self.names += 1
+        return f"n{self.names}"
+
+    def node(
+        self, depth: int, seen: list[str], own: list[str], embedded: bool, usual: str
+    ) -> tuple[dict[str, Any], dict[str, str]]:
+        """Return a node and its outcomes; it may read the variables `seen` and write those in `own`.
+
+        A leaf mostly ends with the `usual` meaning, so that what comes after it is reached.
+        """
+        if depth <= 0 or self.leaves > 24 or self.chance((0.4, 0.25, 0.1, 0.02)[min(depth, 4) - 1]):
+            return self.leaf(seen, own, usual)
+        kinds = [*SEQUENTIAL, *SEQUENTIAL, *BRANCHING, *BRANCHING]
+        if self.embed:
+            kinds += 2 * INTERRUPTING
+        if self.join:
+            kinds += ("join",) * 6
+        return self.container(self.random.choice(kinds), depth, seen, own, embedded)
+
+    def leaf(self, seen: list[str], own: list[str], usual: str) -> tuple[dict[str, Any], dict[str, str]]:
+        self.leaves += 1
+        script = f"s{self.leaves}"
+        face = self.random.choice(list(FACES))
+        node: dict[str, Any] = {"node": face, "with": {"script": script}}
+        for key, ports, variables in (("in", "ab", seen), ("out", "xy", own)):
+            bound = {port: self.random.choice(variables) for port in ports if variables and self.chance(0.5)}
+            if bound:
+                node[key] = bound
+        outcomes = dict(FACES[face])
+        if self.chance(0.1):
+            changed = self.random.choice(list(outcomes))
+            node["meaning"] = {changed: self.random.choice(("success", "failure"))}
+            outcomes.update(node["meaning"])
+        self.scripts[script] = [self.step(face, usual) for _ in range(self.random.randint(1, 4))]
+        return node, outcomes
+
+    def step(self, face: str, usual: str) -> dict[str, Any]:
+        step: dict[str, Any] = {"outcome": usual if self.chance(0.75) else self.random.choice(list(FACES[face]))}
+        if self.chance(0.4):
+            step["ticks"] = self.random.randint(1, 3)
+        if self.chance(0.5):
+            step["code"] = self.random.choice(CODES)
+        if self.chance(0.4):
+            step["advance"] = self.random.randint(1, 3)
+        return step
+
+    def container(
+        self, kind: str, depth: int, seen: list[str], own: list[str], embedded: bool
+    ) -> tuple[dict[str, Any], dict[str, str]]:
+        data = self.variables()
+        seen, own = [*seen, *data], [*own, *data]
+        if kind == "join" and not embedded:
+            self.concurrent = True
+        inside = embedded or kind in INTERRUPTING
+        usual = "failure" if kind in ("fallback", "reactive_fallback", "retry") else "success"
+        single = kind in ("retry", "repeat", "invert", "force", "timeout")
+        children: dict[str, Any] = {}
+        ends: dict[str, dict[str, str]] = {}
+        for _ in range(1 if single else self.random.choice((2, 2, 3, 3, 4))):
+            name = self.name()
+            # The children of a concurrence write only what they declare themselves: else their order would show.
+            writable = [] if kind == "join" and not embedded else own
+            children[name], ends[name] = self.node(depth - 1, seen, writable, inside, usual)
+        if kind == "state_machine":
+            node, outcomes = self.machine(children, ends)
+        else:
+            node = self.plain(kind, children)
+            outcomes = {"success": "success", "failure": "failure"}
+            if self.chance(0.35):
+                node["outcomes"] = {k: EXTRA[k] for k in self.random.sample(sorted(EXTRA), self.random.randint(1, 2))}
+                outcomes.update(node["outcomes"])
+                node["exits"] = self.exits(ends, list(outcomes))
+        if data:
+            node["data"] = data
+        return node, outcomes
+
+    def variables(self) -> dict[str, Any]:
+        if not self.chance(0.35):
+            return {}
+        made = self.random.sample(("u", "v", "w"), self.random.randint(1, 2))
+        return {
+            name: {"type": "int", "value": self.random.randint(0, 9)} if self.chance(0.6) else "int" for name in made
+        }
+
+    def plain(self, kind: str, children: dict[str, Any]) -> dict[str, Any]:
+        times = self.random.randint(1, 3)
+        child = next(iter(children.items()))
+        only = {"child": {child[0]: child[1]}}
+        made: dict[str, dict[str, Any]] = {
+            "sequence": {"kind": "sequence", "children": children},
+            "fallback": {"kind": "fallback", "children": children},
+            "reactive_sequence": {"kind": "sequence", "memory": False, "children": children},
+            "reactive_fallback": {"kind": "fallback", "memory": False, "children": children},
+            "parallel": {"kind": "parallel", "policy": self.random.choice(("all", "any")), "children": children},
+            "join": {
+                "kind": "parallel",
+                "policy": self.random.choice(("all", "any")),
+                "cancel": "join",
+                "children": children,
+            },
+            "retry": {"kind": "retry", "times": times, **only},
+            "repeat": {"kind": "repeat", **({} if self.chance(0.2) else {"times": times}), **only},
+            "timeout": {"kind": "timeout", "seconds": self.random.randint(1, 6), **only},
+            "invert": {"kind": "invert", **only},
+            "force": {"kind": "force", "as": self.random.choice(("success", "failure")), **only},
+        }
+        return made[kind]
+
+    def exits(self, ends: dict[str, dict[str, str]], targets: list[str]) -> dict[str, str]:
+        exits = {}
+        for child, outcomes in ends.items():
+            for outcome in outcomes:
+                if self.chance(0.1):
+                    exits[f"{child}.{outcome}"] = self.random.choice(targets)
+                if self.chance(0.25):
+                    exits[f"{child}.{outcome}.{self.random.choice(CODES)}"] = self.random.choice(targets)
+        return exits
+
+    def machine(
+        self, children: dict[str, Any], ends: dict[str, dict[str, str]]
+    ) -> tuple[dict[str, Any], dict[str, str]]:
+        declared = {"success": "success", "failure": "failure", **EXTRA}
+        outcomes = {k: declared[k] for k in self.random.sample(sorted(declared), self.random.randint(1, 3))}
+        targets = [*outcomes, *outcomes, *children, *children, *children]
+        for child, labels in ends.items():
+            on = {outcome: self.random.choice(targets) for outcome in labels}
+            for outcome in labels:
+                if self.chance(0.3):
+                    on[f"{outcome}.{self.random.choice(CODES)}"] = self.random.choice(targets)
+            children[child]["on"] = on
+        initial = self.random.choice(list(children))
+        return {"kind": "state_machine", "initial": initial, "outcomes": outcomes, "children": children}, outcomes
+
+
+def make_case(seed: int) -> dict[str, Any]:
+    """Return a random task with scripts; three in five have no part that must be embedded.
+
+    One in five has concurrent parts: its leaves' own sequences are compared, so that nothing in it depends on the order
+    of siblings (no timeout, whose clock they share, and no preempt request, stop or error under way).
+    """
+    random = Random(seed)
+    flavour = seed % 5
+    maker = _Maker(random, embed=flavour in (3, 4), join=flavour == 2)
+    data = maker.variables()
+    root, outcomes = maker.node(random.randint(2, 5), list(data), list(data), False, "success")
+    task: dict[str, Any] = {"grip": 1, "name": "fuzzed", "root": root}
+    task["outcomes"] = {"success": "success", "failure": "failure", "other": random.choice(("success", "failure"))}
+    root["on"] = {outcome: random.choice(list(task["outcomes"])) for outcome in outcomes}
+    for outcome in outcomes:
+        if maker.chance(0.2):
+            root["on"][f"{outcome}.{random.choice(CODES)}"] = random.choice(list(task["outcomes"]))
+    if data:
+        task["data"] = data
+    case: dict[str, Any] = {"task": task, "scripts": maker.scripts}
+    if maker.concurrent:
+        case["concurrent"] = True
+        if maker.chance(0.3):
+            case["preempt_at"] = -1
+        return case
+    if maker.chance(0.4):
+        case["preempt_at"] = random.randint(-1, 8)
+    if maker.chance(0.15):
+        steps = random.choice(list(maker.scripts.values()))
+        random.choice(steps)[random.choice(("raises", "stops"))] = True
+    return case

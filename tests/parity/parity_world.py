@@ -1,0 +1,253 @@
+"""Scripted leaves, and one task run by both targets: what they did, written down in the same way."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass, field
+from typing import Any
+
+from py_trees.common import Status
+from py_trees.trees import BehaviourTree
+
+from grip_bt.catalog import Catalog, Manifest
+from grip_bt.compilers import Halted, to_machine, to_tree
+from grip_bt.compilers.scopes import Scopes
+from grip_bt.errors import DataError, NodeError
+from grip_bt.graph.model import Task
+from grip_bt.nodes import Leaf
+from grip_bt.nodes.node import halt
+from grip_bt.runtime import ManualClock
+
+FACES = {
+    "fuzz/plain": {"success": "success", "failure": "failure"},
+    "fuzz/rich": {"success": "success", "failure": "failure", "none": "success", "lost": "failure"},
+}
+CATALOG = Catalog(
+    Manifest(
+        id=id,
+        doc="Does what its script says.",
+        implementation="tests:ScriptedLeaf",
+        parameters={"script": {"type": "str"}},
+        inputs={port: {"type": "int", "required": False} for port in ("a", "b")},
+        outputs={port: {"type": "int", "on": list(outcomes)} for port in ("x", "y")},
+        outcomes=outcomes,
+    )
+    for id, outcomes in FACES.items()
+)
+MAX_ACTIVATIONS = 60
+MAX_TURNS = 3000
+
+
+@dataclass
+class World:
+    """What the scripted leaves of one run share; also their context and the observer of all nodes."""
+
+    scripts: dict[str, list[dict[str, Any]]]
+    preempt_at: int | None = None
+    clock: ManualClock = field(default_factory=ManualClock)
+    activations: int = 0
+    turns: int = 0
+    over_budget: bool = False
+    preempt_requested: bool = False
+    stopped: bool = False
+    request_preempt: Any = None
+    counts: dict[str, int] = field(default_factory=dict)
+    trace: list[tuple[Any, ...]] = field(default_factory=list)
+    events: list[tuple[Any, ...]] = field(default_factory=list)
+    lock: threading.Lock = field(default_factory=threading.Lock)
+
+    def wake(self) -> None:
+        """The runs here never wait."""
+
+    def wake_at(self, time: float) -> None:
+        """The runs here never wait."""
+
+    def begin(self, path: str, script: str) -> tuple[int, dict[str, Any]]:
+        with self.lock:
+            k = self.counts.get(path, 0)
+            self.counts[path] = k + 1
+            if self.preempt_at == self.activations:
+                self.request_preempt()
+            self.activations += 1
+            if self.activations > MAX_ACTIVATIONS:
+                self.over_budget = True
+                return k, {"stops": True}
+        steps = self.scripts[script]
+        return k, steps[k % len(steps)]
+
+    # --- as a pacer ---
+
+    def turn(self) -> int:
+        self.turns += 1
+        if self.turns > MAX_TURNS:
+            self.over_budget = True
+        if self.stopped or self.turns > MAX_TURNS:
+            raise Halted
+        return 0
+
+    def rest(self, seen: int) -> None:
+        """Go on at once."""
+
+    # --- as an observer ---
+
+    def entered(self, path: str) -> None:
+        self.events.append((path, "enter"))
+
+    def ended(self, path: str, outcome: str, failure: Any) -> None:
+        self.events.append((path, "exit", outcome, failure.code if failure else None))
+
+    def interrupted(self, path: str) -> None:
+        self.events.append((path, "interrupted"))
+
+    def message(self, path: str, text: str) -> None:
+        self.events.append((path, "message", text))
+
+    def wrote(self, path: str, variable: str, type_name: str, value: Any) -> None:
+        self.events.append((path, "write", variable, type_name, value))
+
+
+class ScriptedLeaf(Leaf):
+    """Runs for so many ticks, then reads, writes a function of what it read, and ends as its script says."""
+
+    world: World
+    step: dict[str, Any] | None = None
+
+    def initialise(self) -> None:
+        self.k, self.step = self.world.begin(self.path, self.params["script"])
+        self.ticks = self.step.get("ticks", 0)
+
+    def update(self) -> Status:
+        assert self.step is not None
+        if self.step.get("stops"):
+            self.world.stopped = True
+            return self.running("stopping")
+        self.world.clock.advance(self.step.get("advance", 0))
+        if self.ticks:
+            self.ticks -= 1
+            return self.running()
+        if self.step.get("raises"):
+            raise RuntimeError(f"{self.path} breaks")
+        seen = {port: self._seen(port) for port in sorted(self.readers)}
+        value = (sum(v for v in seen.values() if v != "-") + 7 * self.k + len(self.path)) % 101
+        outputs = {port: value + i for i, port in enumerate(sorted(self.writers))}
+        outcome, code = self.step["outcome"], self.step.get("code")
+        outcome = outcome if outcome in self.meaning else "failure"
+        self._note(seen, outcome, code)
+        self.step = None
+        status = self.end(outcome, **outputs)
+        if code is not None and status == Status.FAILURE:
+            self.fail(code, outcome=outcome)
+        return status
+
+    def terminate(self, new_status: Status) -> None:
+        if new_status == Status.INVALID and self.step is not None:
+            self._note({}, "halted", None)
+            self.step = None
+
+    def _seen(self, port: str) -> Any:
+        try:
+            return self.read(port)
+        except DataError:
+            return "-"
+
+    def _note(self, seen: dict[str, Any], outcome: str, code: str | None) -> None:
+        record = (self.path, self.k, tuple(seen.items()), outcome, code, self.context.preempt_requested)
+        self.world.trace.append(record)
+
+
+@dataclass
+class Run:
+    """What one target did."""
+
+    end: tuple[Any, ...]
+    trace: list[tuple[Any, ...]]
+    events: list[tuple[Any, ...]]
+    data: dict[Any, Any]
+    over_budget: bool
+    activations: int
+
+
+def _factory(world: World) -> Any:
+    def make(path: str, node: Any, manifest: Manifest) -> Leaf:
+        leaf = ScriptedLeaf(path, path, manifest, dict(node.with_), dict(node.meaning))
+        leaf.world = world
+        return leaf
+
+    return make
+
+
+def _run_of(world: World, end: tuple[Any, ...], data: Scopes) -> Run:
+    return Run(end, world.trace, world.events, data.snapshot(), world.over_budget, world.activations)
+
+
+def run_tree(case: dict[str, Any]) -> Run:
+    """Tick the compiled tree with py_trees' own manager."""
+    world = World(case["scripts"], case.get("preempt_at"))
+    compiled = to_tree(Task.model_validate(case["task"]), CATALOG, leaf_factory=_factory(world))
+
+    def request_preempt() -> None:
+        world.preempt_requested = True
+
+    world.request_preempt = request_preempt
+    if world.preempt_at == -1:
+        request_preempt()
+    compiled.observe(world)
+    tree = BehaviourTree(compiled.root)
+    tree.setup(context=world)
+    try:
+        while True:
+            world.turn()
+            tree.tick()
+            if compiled.root.status != Status.RUNNING:
+                break
+        reached = compiled.end()
+        end: tuple[Any, ...] = (reached.outcome, reached.meaning, reached.failure.code if reached.failure else None)
+    except Halted:
+        halt(compiled.root)
+        end = ("stopped",)
+    except NodeError as error:
+        halt(compiled.root)
+        end = ("error", error.path, str(error.cause))
+    return _run_of(world, end, compiled.data)
+
+
+def run_machine(case: dict[str, Any]) -> Run:
+    """Execute the compiled machine."""
+    world = World(case["scripts"], case.get("preempt_at"))
+    compiled = to_machine(Task.model_validate(case["task"]), CATALOG, leaf_factory=_factory(world))
+    world.request_preempt = compiled.request_preempt
+    if world.preempt_at == -1:
+        compiled.request_preempt()
+    compiled.observe(world)
+    compiled.prepare(world)
+    try:
+        reached = compiled.execute(world)
+        end: tuple[Any, ...] = (reached.outcome, reached.meaning, reached.failure.code if reached.failure else None)
+    except Halted:
+        end = ("stopped",)
+    except NodeError as error:
+        end = ("error", error.path, str(error.cause))
+    return _run_of(world, end, compiled.data)
+
+
+def projections(records: list[tuple[Any, ...]]) -> dict[str, list[tuple[Any, ...]]]:
+    """Return the records of each path, in order."""
+    result: dict[str, list[tuple[Any, ...]]] = {}
+    for record in records:
+        result.setdefault(record[0], []).append(record)
+    return result
+
+
+def difference(case: dict[str, Any]) -> str | None:
+    """Run a case on both targets; return how they differ, None when they don't, '' when it was over budget."""
+    tree, machine = run_tree(case), run_machine(case)
+    if tree.over_budget or machine.over_budget:
+        if case.get("concurrent") or tree.over_budget != machine.over_budget or tree.activations <= MAX_ACTIVATIONS:
+            return "" if tree.activations <= MAX_ACTIVATIONS or case.get("concurrent") else "one is over budget"
+    for what in ("trace", "events", "end", "data"):
+        left, right = getattr(tree, what), getattr(machine, what)
+        if case.get("concurrent") and what in ("trace", "events"):
+            left, right = projections(left), projections(right)
+        if left != right:
+            return f"{what} differ\n  tree:    {left}\n  machine: {right}"
+    return None

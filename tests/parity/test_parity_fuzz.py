@@ -1,0 +1,58 @@
+"""Both targets do the same, on random tasks and on every case that once showed a difference."""
+
+from __future__ import annotations
+
+import io
+import os
+from pathlib import Path
+from typing import Any
+
+import pytest
+from parity_generate import make_case
+from parity_shrink import shrink
+from parity_world import difference
+from ruamel.yaml import YAML
+
+from grip_bt.errors import InvalidTaskError
+
+TASKS = int(os.environ.get("GRIP_FUZZ_TASKS", "1000"))
+FIRST = int(os.environ.get("GRIP_FUZZ_SEED", "0"))
+CHUNKS = 20
+CASES = sorted((Path(__file__).parent / "cases").glob("*.yaml"))
+
+
+def differs(case: dict[str, Any]) -> bool:
+    """Tell whether a valid case shows a difference."""
+    try:
+        return bool(difference(case))
+    except (InvalidTaskError, ValueError, KeyError):
+        return False
+
+
+def report(seed: int, case: dict[str, Any]) -> str:
+    """Return the shrunk case as a file that this module runs, and what differs in it."""
+    small = shrink(case, differs)
+    text = io.StringIO()
+    YAML(typ="safe").dump(small, text)
+    return (
+        f"seed {seed}: {difference(small)}\n"
+        f"To reproduce, save this as tests/parity/cases/seed_{seed}.yaml and run this file again:\n{text.getvalue()}"
+    )
+
+
+@pytest.mark.parametrize("chunk", range(CHUNKS))
+def test_tree_and_machine_agree_on_random_tasks(chunk: int) -> None:
+    size = max(1, TASKS // CHUNKS)
+    compared = 0
+    for seed in range(FIRST + chunk * size, FIRST + (chunk + 1) * size):
+        case = make_case(seed)
+        found = difference(case)
+        if found:
+            pytest.fail(report(seed, case))
+        compared += found is None
+    assert compared >= 0.9 * size, f"only {compared} of {size} tasks ended within the budget"
+
+
+@pytest.mark.parametrize("file", CASES, ids=lambda f: f.stem)
+def test_tree_and_machine_agree_on_cases_that_once_differed(file: Path) -> None:
+    assert difference(YAML(typ="safe").load(file.read_text())) is None
