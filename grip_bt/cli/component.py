@@ -65,13 +65,15 @@ def run_test(args: argparse.Namespace) -> int:
     """Start the component, call it with an empty request, and tell what it answered and how fast."""
     import time
 
+    from grip_bt.app.project import find_project
     from grip_bt.catalog.component_file import load_component
     from grip_bt.ros.components import start_components
 
     folder = args.folder.resolve()
     component = load_component(folder)
     stale = run_add(argparse.Namespace(folder=[args.folder], check=True))
-    with start_components(folder.parent, [component.name], folder=".") as components:
+    project = find_project(folder).folder
+    with start_components(project, [component.name], folder=folder.parent) as components:
         print(f"interfaces: {_seconds(components.build_seconds)}")
         print(f"server: {component.server} after {components.ready_seconds:.2f} s")
         started = time.perf_counter()

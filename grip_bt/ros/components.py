@@ -116,7 +116,7 @@ def start_components(
     project_folder: Path | str,
     names: Iterable[str],
     domain_id: int | None = None,
-    folder: str = "components",
+    folder: Path | str = "components",
 ) -> Components:
     """Start the named components of a project and wait until their servers answer.
 
@@ -127,7 +127,7 @@ def start_components(
         project_folder: the project.
         names: which components.
         domain_id: the DDS domain of us and of what we start; ROS_DOMAIN_ID, else 0, by default.
-        folder: where the project keeps its components.
+        folder: where the components are, in the project or anywhere.
 
     Raises:
         UnknownNameError: a component isn't there.

@@ -14,6 +14,8 @@ ONE, SEVERAL, NONE = 0, 1, 2  # the outcomes, as component.yaml names them
 
 def points_of(cloud):
     """Return the points of a PointCloud2 with float32 x, y, z, as an array of shape (n, 3)."""
+    if not cloud.data:
+        return np.zeros((0, 3))
     offsets = [next(f.offset for f in cloud.fields if f.name == axis) for axis in "xyz"]
     rows = np.frombuffer(cloud.data, np.uint8).reshape(-1, cloud.point_step)
     columns = [rows[:, offset : offset + 4].copy().view("<f4") for offset in offsets]
