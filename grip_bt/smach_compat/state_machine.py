@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import traceback
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, NoReturn
 
 from grip_bt import smach_compat as smach
 
@@ -57,8 +57,8 @@ class StateMachine(Container):
         self._last_added_label: str | None = None
         self._connector_outcomes: list[str] = []
 
-        self._own_getters: dict[str, State] = {}
-        self._views: dict[str, Remapper] = {}
+        # label -> (state, input keys, output keys, remapping, userdata, constants, the view made from these), if plain
+        self._views: dict[str, tuple[Any, ...]] = {}
 
     # --- construction ---
 
@@ -230,7 +230,7 @@ class StateMachine(Container):
     def _run(self, parent_ud: Any) -> str | None:
         # The request itself is kept: one that came before the execution preempts the initial state.
         self._preempted_label = self._preempted_state = None
-        self._own_getters = {label: state for label, state in self._states.items() if _has_own_getters(state)}
+        self._views.clear()
         self._set_current_state(self._initial_state_label)
         self._copy_input_keys(parent_ud, self.userdata)
         smach.loginfo(
@@ -253,39 +253,40 @@ class StateMachine(Container):
 
     def _update_once(self) -> str | None:
         """Execute the current state and follow its outcome; return the machine's outcome at the end."""
-        label, states = self._current_label, self._states
+        label, state, states = self._current_label, self._current_state, self._states
         if label not in states:
             raise InvalidStateError(f"There is no state {label!r} in the machine: {list(states)}")
         if self._preempt_requested:
             self._pass_on_preempt()
-        outcome = self._execute_current(label, self._current_state)
+        view, plain = self._view(label, state)
+        lock = self._state_transitioning_lock
+        lock.release()  # so that a preempt can be requested meanwhile
+        try:
+            outcome = state.execute(view)
+        except errors_of_user_code() as error:
+            self._raise_as_user_code(label, state, error)
+        finally:
+            lock.acquire()
 
-        # Read again: the state may have changed the machine. One that executed its own machine has left None here.
-        state, label, transitions = (
-            self._current_state,
-            self._current_label,
-            self._current_transitions,
-        )
-        registered = (
-            state._outcomes  # type: ignore[union-attr]
-            if self._own_getters.get(label) is state  # type: ignore[arg-type]
-            else state.get_registered_outcomes()  # type: ignore[union-attr]
-        )
+        if self._current_state is not state:  # it executed its own machine; upstream stumbles below, over None
+            label, state, plain = self._current_label, self._current_state, False
+        registered = state._outcomes if plain else state.get_registered_outcomes()  # type: ignore[union-attr]
         if outcome not in registered:
             raise InvalidTransitionError(
                 f"State {label!r} returned {outcome!r}, but its outcomes are {list(registered)}"
             )
-        if outcome not in transitions:  # type: ignore[operator]
+        transitions: Any = self._current_transitions
+        if outcome not in transitions:
             raise InvalidTransitionError(f"Outcome {outcome!r} of state {label!r} has no transition: {transitions}")
-        target = transitions[outcome]  # type: ignore[index]
-        if target in states:
-            self._current_label = target
-            self._current_state = states[target]
-            self._current_transitions = self._transitions[target]
-            smach.loginfo(f"State machine transitioning {label!r}:{outcome!r}-->{target!r}")
-            self.call_transition_cbs()
-            return None
-        return self._terminate(label, state, outcome, target)
+        target = transitions[outcome]
+        if target not in states:
+            return self._terminate(label, state, outcome, target)
+        self._current_label = target
+        self._current_state = states[target]
+        self._current_transitions = self._transitions[target]
+        smach.loginfo(f"State machine transitioning '{label}':'{outcome}'-->'{target}'")
+        self.call_transition_cbs()
+        return None
 
     def _terminate(self, label: Any, state: Any, outcome: str, target: str | None) -> str:
         """Leave by an outcome of the machine."""
@@ -304,46 +305,43 @@ class StateMachine(Container):
         self.call_termination_cbs([label], reached)
         return reached  # type: ignore[return-value]
 
-    def _execute_current(self, label: Any, state: Any) -> Any:
-        """Execute the state with the lock given up, so that a preempt can be requested meanwhile."""
-        constants = self._constants.get(label)  # none for a state put into `_states` by hand
+    def _raise_as_user_code(self, label: Any, state: Any, error: BaseException) -> NoReturn:
+        """Raise what a state raised; all but InvalidUserCodeError wrapped into one."""
+        if isinstance(error, InvalidUserCodeError):
+            smach.logerr(f"State {label!r} failed to execute.")
+            raise error
+        trace = "".join(traceback.format_exception(error))
+        raise InvalidUserCodeError(
+            f"Could not execute state {label!r} of type {type(state).__name__}: {trace}"
+        ) from error
+
+    def _view(self, label: Any, state: Any) -> tuple[Remapper, bool]:
+        """Write the state's constants; return its view of the userdata and whether its sets speak for it.
+
+        A view is used again while all that it was made from is the same, and the state has left nothing on it.
+        """
+        ud, names = self.userdata, self._remappings[label]
+        try:
+            known, inputs, outputs, known_names, known_ud, constants, view = self._views[label]
+        except KeyError:
+            known, constants = None, self._constants.get(label)  # none for a state put in by hand
         if constants:
             for key, value in constants.items():
-                self.userdata[key] = value
-        view = self._view(label, state)
-        lock = self._state_transitioning_lock
-        lock.release()
-        try:
-            return state.execute(view)
-        except InvalidUserCodeError:
-            smach.logerr(f"State {label!r} failed to execute.")
-            raise
-        except errors_of_user_code() as error:
-            raise InvalidUserCodeError(
-                f"Could not execute state {label!r} of type {type(state).__name__}: {traceback.format_exc()}"
-            ) from error
-        finally:
-            lock.acquire()
-
-    def _view(self, label: str, state: Any) -> Remapper:
-        """Return the state's view of the userdata, that of its last execution where nothing has changed since."""
-        if self._own_getters.get(label) is not state:
-            inputs = state.get_registered_input_keys()
-            outputs = state.get_registered_output_keys()
-            return Remapper(self.userdata, inputs, outputs, self._remappings[label])
-        view = self._views.get(label)
+                ud[key] = value
         if (
-            view is None
-            or view._input != state._input_keys
-            or view._output != state._output_keys
-            or view._map is not self._remappings[label]
-            or view._ud is not self.userdata
-            or view.__dict__
+            known is state
+            and inputs == state._input_keys
+            and outputs == state._output_keys
+            and known_names is names
+            and known_ud is ud
+            and not view.__dict__
         ):
-            view = self._views[label] = Remapper(
-                self.userdata, state._input_keys, state._output_keys, self._remappings[label]
-            )
-        return view
+            return view, True
+        view = Remapper(ud, state.get_registered_input_keys(), state.get_registered_output_keys(), names)
+        plain = _is_plain(state)
+        if plain:
+            self._views[label] = (state, view._input, view._output, names, ud, constants, view)
+        return view, plain
 
     # --- preemption ---
 
@@ -381,7 +379,6 @@ class StateMachine(Container):
     def __getstate__(self) -> dict[str, Any]:
         return {
             **{k: v for k, v in self.__dict__.items() if k != "_state_transitioning_lock"},
-            "_own_getters": {},
             "_views": {},
         }
 
@@ -390,7 +387,7 @@ class StateMachine(Container):
         self._state_transitioning_lock = threading.RLock()
 
 
-def _has_own_getters(state: Any) -> bool:
+def _is_plain(state: Any) -> bool:
     """Tell whether a state answers the container's questions from its sets, as `State` does."""
     return isinstance(state, State) and all(
         getattr(type(state), name) is getattr(State, name) and name not in state.__dict__ for name in _GETTERS

@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import threading
 from collections.abc import Collection, Iterable
-from typing import Any
+from typing import Any, NoReturn
 
 from grip_bt import smach_compat as smach
 
@@ -15,39 +15,46 @@ NOTHING: list[Any] = []
 """The default of list arguments. A list and not a tuple, because callers' lists are added to it; never written."""
 
 
+class _Locks(dict[str, threading.Lock]):
+    """The locks of keys, made for who asks. Where nobody did there is nothing to wait for: a dict needs no lock."""
+
+    def __missing__(self, key: str) -> threading.Lock:
+        return self.setdefault(key, threading.Lock())
+
+
 class UserData:
     """The variables of a container, as attributes and as items.
 
     Names that begin with an underscore are attributes of the object and no data. A missing name raises KeyError,
-    for attributes too: `hasattr` doesn't work on it.
+    for attributes too: `hasattr` doesn't work on it. Who holds `_locks[name]` keeps others from the attribute.
     """
 
     def __init__(self) -> None:
         self._data: dict[str, Any] = {}
-        self._locks: dict[str, threading.Lock] = {}
+        self._locks: dict[str, threading.Lock] = _Locks()
 
     def __getattr__(self, name: str) -> Any:
         if name[0] == "_":
             raise AttributeError(f"userdata has no attribute {name!r}")
-        locks = self._locks
-        lock = locks[name] if name in locks else locks.setdefault(name, threading.Lock())
-        with lock:
-            if name in self._data:
-                return self._data[name]
-        smach.logerr(f"Userdata key {name!r} not available; available keys are: {self.keys()}")
+        try:
+            if name in self._locks:
+                with self._locks[name]:
+                    return self._data[name]
+            return self._data[name]
+        except KeyError:
+            smach.logerr(f"Userdata key {name!r} not available; available keys are: {self.keys()}")
         raise KeyError()
+
+    __getitem__ = __getattr__
 
     def __setattr__(self, name: str, value: Any) -> None:
         if name[0] == "_":
             object.__setattr__(self, name, value)
-            return
-        locks = self._locks
-        lock = locks[name] if name in locks else locks.setdefault(name, threading.Lock())
-        with lock:
+        elif name in self._locks:
+            with self._locks[name]:
+                self._data[name] = value
+        else:
             self._data[name] = value
-
-    def __getitem__(self, key: str) -> Any:
-        return self.__getattr__(key)
 
     def __setitem__(self, key: str, value: Any) -> None:
         self._data[key] = value
@@ -77,10 +84,10 @@ class UserData:
             self[remapping.get(key, key)] = copy.copy(ud[key])
 
     def __getstate__(self) -> dict[str, Any]:
-        return {"_data": self._data, "_locks": {}}
+        return {k: v for k, v in self.__dict__.items() if k != "_locks"}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
+        self.__dict__.update(state, _locks=_Locks())
 
 
 class Const:
@@ -137,37 +144,49 @@ class Remapper:
         self._output = frozenset(output_keys)
         self._map: Any = remapping
 
+    # Access by attribute is what states do at each activation, hence not by way of the items.
+
     def __getattr__(self, name: str) -> Any:
-        if name in self._input:
-            mapping = self._map
-            value = self._ud[mapping[name] if name in mapping else name]
-            return value if name in self._output else get_const(value)
         if name[0] == "_":
             raise AttributeError(f"userdata has no attribute {name!r}")
-        return self.__getitem__(name)
+        if name not in self._input:
+            self._refuse_reading(name)
+        names = self._map
+        value = self._ud[names[name] if name in names else name]
+        if name in self._output or not hasattr(value, "__dict__"):
+            return value
+        return Const(value)
 
     def __setattr__(self, name: str, value: Any) -> None:
         if name[0] == "_":
             object.__setattr__(self, name, value)
+        elif name in self._output:
+            names = self._map
+            self._ud[names[name] if name in names else name] = value
         else:
-            self[name] = value
+            self._refuse_writing(name)
 
     def __getitem__(self, key: str) -> Any:
         if key not in self._input:
-            raise InvalidUserCodeError(
-                f"Reading userdata key {key!r}, but the declared inputs of this state are: {sorted(self._input)}"
-            )
+            self._refuse_reading(key)
         value = self._ud[self._remap(key)]
         return value if key in self._output else get_const(value)
 
     def __setitem__(self, key: str, value: Any) -> None:
         if key not in self._output:
-            smach.logerr(
-                f"Writing userdata key {key!r}, but the declared outputs of this state are: {sorted(self._output)}"
-            )
+            self._refuse_writing(key)
             return
-        mapping = self._map
-        self._ud[mapping[key] if key in mapping else key] = value
+        self._ud[self._remap(key)] = value
+
+    def _refuse_reading(self, key: str) -> NoReturn:
+        raise InvalidUserCodeError(
+            f"Reading userdata key {key!r}, but the declared inputs of this state are: {sorted(self._input)}"
+        )
+
+    def _refuse_writing(self, key: str) -> None:
+        smach.logerr(
+            f"Writing userdata key {key!r}, but the declared outputs of this state are: {sorted(self._output)}"
+        )
 
     def __contains__(self, key: object) -> bool:
         return key in self._input and self._remap(key) in self._ud
