@@ -1,0 +1,42 @@
+"""Is a task right: every issue at once, before anything runs. The rules are listed in `docs/validation_rules.md`."""
+
+from __future__ import annotations
+
+from grip_bt.catalog import Catalog
+from grip_bt.graph import Task
+from grip_bt.graph.document import Document
+
+from .codes import SEVERITY
+from .dataflow import check_dataflow
+from .issue import Issue, Report, Severity, ordered
+from .possible import Possible
+from .rules.names import check_names
+from .rules.outcomes import check_outcomes
+from .rules.parallel import check_parallel
+from .rules.reach import check_reach
+from .rules.variables import check_variables
+from .survey import Survey
+
+__all__ = ["SEVERITY", "Issue", "Report", "Severity", "validate"]
+
+
+def validate(task: Task, catalog: Catalog, document: Document | None = None) -> Report:
+    """Check a task against the nodes that exist.
+
+    Args:
+        task: the task.
+        catalog: the nodes that exist.
+        document: the text that the task was read from; with it, issues have lines and columns.
+
+    Returns:
+        All issues, in the order of the text.
+    """
+    survey = Survey(task, catalog, document)
+    possible = Possible(survey)
+    check_names(survey)
+    check_variables(survey)
+    check_outcomes(survey, possible)
+    check_reach(survey, possible)
+    check_parallel(survey)
+    check_dataflow(survey)
+    return ordered(survey.issues)

@@ -1,0 +1,44 @@
+"""Every code that validation may report, with its severity; `docs/validation_rules.md` explains each with examples."""
+
+from __future__ import annotations
+
+from .issue import Severity
+
+_ERRORS = (
+    "unknown-node",
+    "unknown-parameter",
+    "missing-parameter",
+    "wrong-parameter-type",
+    "unknown-input",
+    "missing-input",
+    "unknown-output",
+    "unknown-type",
+    "undeclared-variable",
+    "wrong-variable-type",
+    "wrong-initial-value",
+    "read-before-write",
+    "unknown-outcome",
+    "contradictory-outcome",
+    "unknown-child",
+    "unknown-target",
+    "ambiguous-target",
+    "missing-target",
+    "misplaced-on",
+    "empty-container",
+    "parallel-writes",
+)
+_WARNINGS = (
+    "unknown-code",
+    "impossible-outcome",
+    "unused-outcome",
+    "never-read",
+    "shadowed-variable",
+    "parallel-read-write",
+    "unreachable-node",
+    "endless-machine",
+    "dead-end",
+)
+SEVERITY: dict[str, Severity] = {
+    **dict.fromkeys(_ERRORS, "error"),
+    **dict.fromkeys(_WARNINGS, "warning"),
+}

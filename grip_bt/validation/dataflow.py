@@ -1,0 +1,199 @@
+"""Which variables are surely written where: a forward analysis over all paths that a task can take.
+
+The state is the set of variables that are written on *every* path to a point (an integer, a bit per variable). A
+node maps the state before it to a state per outcome; where paths meet, only what both have written remains. State
+machines are solved to the greatest fixed point by a work list: states only shrink, so it ends, and what is missing
+in one round is missing in the last.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator, Mapping
+
+from grip_bt.graph import (
+    Fallback,
+    Force,
+    Invert,
+    Leaf,
+    Parallel,
+    Repeat,
+    Sequence,
+    StateMachine,
+    Timeout,
+)
+
+from .survey import Spot, Survey
+
+States = dict[str, int]
+"""Outcome -> variables that are surely written when a node ends with it; an outcome that can't occur is absent."""
+
+
+class DataFlow:
+    """The analysis of one task.
+
+    Attributes:
+        missing: (path, port) -> variable, for every read that may come before the write.
+    """
+
+    def __init__(self, survey: Survey):
+        self.missing: dict[tuple[str, str], str] = {}
+        self._known: dict[tuple[str, int], States] = {}
+        start = 0
+        for declared in survey.task_scope.values():
+            start |= declared.bit if declared.has_value else 0
+        self._after(survey.root, start)
+
+    def _after(self, spot: Spot, state: int) -> States:
+        key = (spot.path, state)
+        if key not in self._known:
+            self._known[key] = self._analyse(spot, state)
+        return self._known[key]
+
+    def _analyse(self, spot: Spot, state: int) -> States:
+        node = spot.node
+        if isinstance(node, Leaf):
+            return self._leaf(spot, node, state)
+        for name in node.data:  # a scope begins anew each time its container is entered
+            declared = spot.scope[name]
+            state = state | declared.bit if declared.has_value else state & ~declared.bit
+        if isinstance(node, Sequence):
+            return self._in_order(spot, state, "success")
+        if isinstance(node, Fallback):
+            return self._in_order(spot, state, "failure")
+        if isinstance(node, Parallel):
+            return self._parallel(spot, node, state)
+        if isinstance(node, StateMachine):
+            return self._machine(spot, node, state)
+        return self._decorated(spot, state)
+
+    def _leaf(self, spot: Spot, node: Leaf, state: int) -> States:
+        manifest = spot.manifest
+        for port, name in node.in_.items():
+            declared = spot.scope.get(name)
+            if declared is not None and not declared.bit & state:
+                self.missing[spot.path, port] = name
+        after = dict.fromkeys(spot.outcomes, state)
+        for port, name in node.out.items():
+            declared = spot.scope.get(name)
+            if declared is None:
+                continue
+            output = manifest.outputs.get(port) if manifest else None
+            for outcome in after:
+                if output is None or manifest is None:
+                    written = True  # unknown: another rule says so
+                elif output.on:
+                    written = outcome in output.on
+                else:
+                    written = manifest.outcomes[outcome] == "success"
+                if written:
+                    after[outcome] |= declared.bit
+        return after
+
+    def _ends(self, spot: Spot, child: Spot, after: States) -> Iterator[tuple[str, bool, int]]:
+        """Yield what each end of a child is to its container: an exit (True) or a meaning, and the state there."""
+        exits: Mapping[str, str] = getattr(spot.node, "exits", {})
+        refined = {k.rpartition(".")[0]: v for k, v in exits.items() if k.count(".") == 2}
+        for label, state in after.items():
+            key = f"{child.name}.{label}"
+            if key in refined:
+                yield refined[key], True, state
+            if key in exits:
+                yield exits[key], True, state
+            else:
+                yield child.outcomes[label], False, state
+
+    def _in_order(self, spot: Spot, state: int, goes_on: str) -> States:
+        found: States = {}
+        for child in spot.children.values():
+            going_on: States = {}
+            for label, is_exit, there in self._ends(spot, child, self._after(child, state)):
+                _meet(going_on if label == goes_on and not is_exit else found, label, there)
+            if goes_on not in going_on:
+                return found
+            state = going_on[goes_on]
+        _meet(found, goes_on, state)
+        return found
+
+    def _parallel(self, spot: Spot, node: Parallel, state: int) -> States:
+        one, every = ("failure", "success") if node.policy == "all" else ("success", "failure")
+        found: States = {}
+        decided: States = {}
+        together, joined, all_can = state, state, True
+        for child in spot.children.values():
+            after = self._after(child, state)
+            ends: States = {}
+            for label, is_exit, there in self._ends(spot, child, after):
+                _meet(found if is_exit else decided if label == one else ends, label, there)
+            if node.cancel == "join" and after:
+                joined |= _met(after)
+            all_can = all_can and every in ends
+            together |= ends.get(every, 0)
+        if one in decided:  # the others may have been interrupted, unless they are joined
+            _meet(found, one, decided[one] | joined)
+        if all_can:
+            _meet(found, every, together)
+        return found
+
+    def _decorated(self, spot: Spot, state: int) -> States:
+        node = spot.node
+        found: States = {}
+        for child in spot.children.values():
+            for label, is_exit, there in self._ends(spot, child, self._after(child, state)):
+                if is_exit:
+                    _meet(found, label, there)
+                elif isinstance(node, Invert):
+                    _meet(found, "failure" if label == "success" else "success", there)
+                elif isinstance(node, Force):
+                    _meet(found, node.as_, there)
+                elif not (isinstance(node, Repeat) and node.times is None and label == "success"):
+                    _meet(found, label, there)
+        if isinstance(node, Timeout):
+            _meet(found, "failure", state)
+        return found
+
+    def _machine(self, spot: Spot, node: StateMachine, state: int) -> States:
+        found: States = {}
+        before: States = {node.initial: state}
+        todo = deque(name for name in (node.initial,) if name in spot.children)
+        while todo:
+            name = todo.popleft()
+            child = spot.children[name]
+            for label, there in self._after(child, before[name]).items():
+                for target in _targets(child.node.on, label):
+                    if target in node.outcomes:
+                        _meet(found, target, there)
+                    if target in spot.children and _meet(before, target, there):
+                        todo.append(target)
+        return found
+
+
+def _targets(on: Mapping[str, str], label: str) -> list[str]:
+    """Return where a label leads, with any failure code."""
+    return [t for key, t in on.items() if key == label or key.startswith(f"{label}.")]
+
+
+def _meet(states: States, label: str, state: int) -> bool:
+    """Let a path with `state` lead to `label`; tell whether that changed what is known there."""
+    old = states.get(label)
+    states[label] = state if old is None else old & state
+    return states[label] != old
+
+
+def _met(states: States) -> int:
+    met = -1
+    for state in states.values():
+        met &= state
+    return met
+
+
+def check_dataflow(survey: Survey) -> None:
+    """Find reads of variables that some path hasn't written."""
+    for (path, port), name in DataFlow(survey).missing.items():
+        survey.add(
+            path,
+            ("in", port),
+            "read-before-write",
+            f"the port {port!r} reads {name!r}, which isn't written on every path to here",
+            f"write {name!r} on every path before, or give it an initial value in `data`",
+        )

@@ -1,0 +1,120 @@
+"""With which outcomes nodes can end at all, and which children are ever reached, whatever the leaves do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from grip_bt.graph import (
+    Fallback,
+    Force,
+    Invert,
+    Leaf,
+    Parallel,
+    Repeat,
+    Sequence,
+    StateMachine,
+    Timeout,
+)
+
+from .survey import Spot, Survey
+
+
+class Possible:
+    """Possible ends of every node, found from the leaves upwards."""
+
+    def __init__(self, survey: Survey):
+        self._labels: dict[str, frozenset[str]] = {}
+        self.unreached: list[Spot] = []
+        for spot in reversed(survey.spots):
+            self._labels[spot.path] = self._of(spot)
+
+    def labels(self, spot: Spot) -> frozenset[str]:
+        """Return the outcomes with which a node can end."""
+        return self._labels[spot.path]
+
+    def _of(self, spot: Spot) -> frozenset[str]:
+        node = spot.node
+        if isinstance(node, Leaf):
+            return frozenset(spot.outcomes)
+        if isinstance(node, StateMachine):
+            return self._machine(spot, node)
+        if isinstance(node, Sequence | Fallback):
+            return self._in_order(spot, "success" if isinstance(node, Sequence) else "failure")
+        if isinstance(node, Parallel):
+            return self._parallel(spot, node)
+        return self._decorated(spot)
+
+    def _ends(self, spot: Spot, child: Spot) -> Iterator[tuple[str, bool]]:
+        """Yield what each possible end of a child is to its container: an exit (True) or a meaning."""
+        exits = getattr(spot.node, "exits", {})
+        refined = {k.rpartition(".")[0]: v for k, v in exits.items() if k.count(".") == 2}
+        for label in self._labels[child.path]:
+            key = f"{child.name}.{label}"
+            if key in refined:
+                yield refined[key], True
+            yield (exits[key], True) if key in exits else (child.outcomes[label], False)
+
+    def _in_order(self, spot: Spot, goes_on: str) -> frozenset[str]:
+        found: set[str] = set()
+        reached = True
+        for child in spot.children.values():
+            if not reached:
+                self.unreached.append(child)
+                continue
+            ends = set(self._ends(spot, child))
+            found.update(label for label, is_exit in ends if is_exit or label != goes_on)
+            reached = (goes_on, False) in ends
+        return frozenset(found | {goes_on}) if reached else frozenset(found)
+
+    def _parallel(self, spot: Spot, node: Parallel) -> frozenset[str]:
+        one, every = ("failure", "success") if node.policy == "all" else ("success", "failure")
+        ends = [set(self._ends(spot, child)) for child in spot.children.values()]
+        found = {label for each in ends for label, is_exit in each if is_exit}
+        if any((one, False) in each for each in ends):
+            found.add(one)
+        if all((every, False) in each for each in ends):
+            found.add(every)
+        return frozenset(found)
+
+    def _decorated(self, spot: Spot) -> frozenset[str]:
+        node = spot.node
+        found: set[str] = set()
+        for child in spot.children.values():
+            for label, is_exit in self._ends(spot, child):
+                if is_exit:
+                    found.add(label)
+                elif isinstance(node, Invert):
+                    found.add("failure" if label == "success" else "success")
+                elif isinstance(node, Force):
+                    found.add(node.as_)
+                elif not (isinstance(node, Repeat) and node.times is None and label == "success"):
+                    found.add(label)
+        if isinstance(node, Timeout):
+            found.add("failure")
+        return frozenset(found)
+
+    def _machine(self, spot: Spot, node: StateMachine) -> frozenset[str]:
+        edges = machine_edges(spot, self._labels)
+        reached = reachable(node.initial, edges)
+        self.unreached.extend(c for name, c in spot.children.items() if name not in reached)
+        return frozenset(node.outcomes) & reached
+
+
+def machine_edges(spot: Spot, labels: Mapping[str, frozenset[str]]) -> dict[str, list[str]]:
+    """Return where each child of a state machine can lead: siblings and outcomes."""
+    edges: dict[str, list[str]] = {}
+    for name, child in spot.children.items():
+        possible = labels[child.path]
+        edges[name] = [t for label, t in child.node.on.items() if label.partition(".")[0] in possible]
+    return edges
+
+
+def reachable(start: str, edges: Mapping[str, list[str]]) -> set[str]:
+    """Return everything that can be reached from `start`, itself included."""
+    seen, stack = {start}, [start]
+    while stack:
+        for target in edges.get(stack.pop(), ()):
+            if target not in seen:
+                seen.add(target)
+                stack.append(target)
+    return seen

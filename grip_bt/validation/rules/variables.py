@@ -1,0 +1,108 @@
+"""Variables: their types, their names, what is bound to them."""
+
+from __future__ import annotations
+
+from grip_bt.catalog import InputPort, OutputPort, check_value, is_assignable, parse_type
+from grip_bt.errors import listing, nearest
+from grip_bt.graph import Leaf, Variable
+
+from ..survey import Declared, Spot, Survey
+from ..wording import take_hint
+
+
+def check_variables(survey: Survey) -> None:
+    """Find wrong types, shadowed and never read variables, and ports bound to nothing or to another type."""
+    for declared in survey.declared:
+        _declaration(survey, declared)
+    _shadowed(survey)
+    for spot in survey.spots:
+        if isinstance(spot.node, Leaf):
+            manifest = spot.manifest
+            for port, name in spot.node.in_.items():
+                reads = manifest.inputs.get(port) if manifest else None
+                _binding(survey, spot, ("in", port), name, reads)
+            for port, name in spot.node.out.items():
+                writes = manifest.outputs.get(port) if manifest else None
+                _binding(survey, spot, ("out", port), name, writes)
+    read, written = survey.root.reads, survey.root.writes
+    for declared in survey.declared:
+        if not declared.bit & read:
+            what = "written but never read" if declared.bit & written else "never used"
+            survey.add(
+                declared.owner,
+                ("data", declared.name),
+                "never-read",
+                f"the variable {declared.name!r} is {what}",
+                "remove it, or bind it under `in` of the node that needs it",
+            )
+
+
+def _declaration(survey: Survey, declared: Declared) -> None:
+    where = ("data", declared.name)
+    try:
+        type_ = parse_type(declared.type_text)
+    except ValueError as error:
+        survey.add(declared.owner, where, "unknown-type", f"{declared.name!r}: {error}")
+        return
+    if isinstance(declared.variable, Variable) and declared.has_value:
+        reason = check_value(type_, declared.variable.value)
+        if reason:
+            survey.add(
+                declared.owner,
+                (*where, "value"),
+                "wrong-initial-value",
+                f"the initial value of {declared.name!r} {reason}",
+                f"give a literal of type {type_}, or leave `value` out and write the variable first",
+            )
+
+
+def _shadowed(survey: Survey) -> None:
+    for spot in survey.spots:
+        data = getattr(spot.node, "data", {})
+        outer = spot.parent.scope if spot.parent is not None else survey.task_scope
+        for name in data:
+            if name in outer:
+                owner = outer[name].owner or "the task"
+                survey.add(
+                    spot.path,
+                    ("data", name),
+                    "shadowed-variable",
+                    f"the variable {name!r} hides the one that {owner} declares",
+                    "give it another name, or remove this declaration to share the outer one",
+                )
+
+
+def _binding(
+    survey: Survey, spot: Spot, where: tuple[str, str], name: str, port: InputPort | OutputPort | None
+) -> None:
+    declared = spot.scope.get(name)
+    if declared is None:
+        hint = nearest(name, spot.scope)
+        new = f"declare it: `data: {{{name}: {port.type if port else 'Any'}}}` in this or an enclosing container"
+        survey.add(
+            spot.path,
+            where,
+            "undeclared-variable",
+            f"the port {where[1]!r} is bound to {name!r}, which isn't declared{hint} "
+            f"(there are: {listing(spot.scope)})",
+            take_hint(hint, new),
+        )
+        return
+    if port is None or declared.type is None:
+        return
+    wanted, held = parse_type(port.type), declared.type
+    if isinstance(port, InputPort):
+        fits = is_assignable(held, wanted)
+        message = f"the port {where[1]!r} reads {wanted}, but {name!r} holds {held}"
+    else:
+        fits = is_assignable(wanted, held)
+        message = f"the port {where[1]!r} writes {wanted}, but {name!r} holds {held}"
+    if not fits:
+        owner = f"`data` of {declared.owner or 'the task'}"
+        survey.add(
+            spot.path,
+            where,
+            "wrong-variable-type",
+            message,
+            f"bind a variable of type {wanted}, or change {name!r} in {owner}",
+        )

@@ -1,0 +1,203 @@
+"""A task with every name looked up once: what all rules read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from grip_bt.catalog import Catalog, Manifest, Type, parse_type
+from grip_bt.graph import (
+    AnyNode,
+    Leaf,
+    StateMachine,
+    Task,
+    Variable,
+    children_of,
+    join,
+    outcomes_of,
+)
+from grip_bt.graph.document import Document
+
+from .codes import SEVERITY
+from .issue import Issue
+
+Key = str | tuple[str | int, ...] | None
+
+
+@dataclass(frozen=True, slots=True)
+class Declared:
+    """A declared variable; `bit` is its place in sets of variables, which are integers."""
+
+    name: str
+    owner: str
+    variable: Variable | str
+    bit: int
+
+    @property
+    def type_text(self) -> str:
+        """The type as it is written."""
+        return self.variable if isinstance(self.variable, str) else self.variable.type
+
+    @property
+    def type(self) -> Type | None:
+        """The type; None when it isn't one, which is an issue of its own."""
+        try:
+            return parse_type(self.type_text)
+        except ValueError:
+            return None
+
+    @property
+    def has_value(self) -> bool:
+        """Whether it has an initial value."""
+        return isinstance(self.variable, Variable) and self.variable.has_value
+
+
+Scope = Mapping[str, Declared]
+
+
+@dataclass(slots=True)
+class Spot:
+    """One node in its surroundings.
+
+    Attributes:
+        path: its path.
+        name: its key.
+        node: what the document says.
+        parent: None for the root.
+        scope: the variables that it sees; a container's own included.
+        manifest: of a leaf whose type is known.
+        outcomes: its outcomes and their meanings; of a leaf of unknown type, whatever the task expects of it.
+        children: by name, in order.
+        reads: variables that it or anything below it reads.
+        writes: likewise.
+    """
+
+    path: str
+    name: str
+    node: AnyNode
+    parent: Spot | None
+    scope: Scope
+    manifest: Manifest | None = None
+    outcomes: Mapping[str, str] = field(default_factory=dict)
+    children: dict[str, Spot] = field(default_factory=dict)
+    reads: int = 0
+    writes: int = 0
+
+    @property
+    def codes(self) -> tuple[str, ...] | None:
+        """Failure codes that it may end with; None when they aren't known."""
+        return self.manifest.codes if self.manifest is not None else None
+
+    @property
+    def in_machine(self) -> bool:
+        """Whether it is a child of a state machine."""
+        return self.parent is not None and isinstance(self.parent.node, StateMachine)
+
+
+class Survey:
+    """All nodes and variables of a task.
+
+    Attributes:
+        task: the task.
+        catalog: the nodes that exist.
+        spots: every node, parents first, in document order.
+        declared: every variable, in document order.
+        issues: what rules have found.
+    """
+
+    def __init__(self, task: Task, catalog: Catalog, document: Document | None = None):
+        self.task, self.catalog = task, catalog
+        self._document = document
+        self.declared: list[Declared] = []
+        self.issues: list[Issue] = []
+        self.task_scope = self._scope({}, "", task.data)
+        self.spots = self._spots()
+        for spot in reversed(self.spots):
+            self._sum_up(spot)
+
+    @property
+    def root(self) -> Spot:
+        """The root's spot."""
+        return self.spots[0]
+
+    def add(
+        self,
+        path: str,
+        key: Key,
+        code: str,
+        message: str,
+        fix: str = "",
+    ) -> None:
+        """Note an issue, of a code of `SEVERITY`, at a key of the node at `path`."""
+        place = self._document.position(path, key) if self._document else None
+        line, column = place or (None, None)
+        source = self._document.source if self._document else ""
+        self.issues.append(Issue(path, code, SEVERITY[code], message, fix, line, column, source))
+
+    def _scope(self, outer: Scope, owner: str, data: Mapping[str, Variable | str]) -> Scope:
+        if not data:
+            return outer
+        scope = dict(outer)
+        for name, variable in data.items():
+            scope[name] = Declared(name, owner, variable, 1 << len(self.declared))
+            self.declared.append(scope[name])
+        return scope
+
+    def _spots(self) -> list[Spot]:
+        spots: list[Spot] = []
+        stack = [Spot("/", self.task.name, self.task.root, None, self.task_scope)]
+        while stack:
+            spot = stack.pop()
+            spots.append(spot)
+            node = spot.node
+            if isinstance(node, Leaf):
+                self._look_up(spot, node)
+                continue
+            spot.outcomes = outcomes_of(node)
+            spot.scope = self._scope(spot.scope, spot.path, node.data)
+            spot.children = {
+                name: Spot(join(spot.path, name), name, child, spot, spot.scope)
+                for name, child in children_of(node).items()
+            }
+            stack.extend(reversed(spot.children.values()))
+        return spots
+
+    def _look_up(self, spot: Spot, node: Leaf) -> None:
+        if node.node in self.catalog:
+            spot.manifest = self.catalog.get(node.node)
+            spot.outcomes = spot.manifest.outcomes_for(dict(node.meaning))
+        else:
+            spot.outcomes = _expected_outcomes(spot)
+
+    def _sum_up(self, spot: Spot) -> None:
+        node = spot.node
+        if isinstance(node, Leaf):
+            for bound, is_read in ((node.in_, True), (node.out, False)):
+                for name in bound.values():
+                    declared = spot.scope.get(name)
+                    if declared is not None and is_read:
+                        spot.reads |= declared.bit
+                    elif declared is not None:
+                        spot.writes |= declared.bit
+        if spot.parent is not None:
+            spot.parent.reads |= spot.reads
+            spot.parent.writes |= spot.writes
+
+
+def _expected_outcomes(spot: Spot) -> dict[str, str]:
+    """Return what a task expects of a leaf that isn't known, so that one wrong name isn't reported many times."""
+    expected = dict.fromkeys((key.partition(".")[0] for key in spot.node.on), "failure")
+    parent = spot.parent.node if spot.parent is not None else None
+    if parent is not None and not isinstance(parent, Leaf | StateMachine):
+        for key in parent.exits:
+            child, _, label = key.partition(".")
+            if child == spot.name:
+                expected[label.partition(".")[0]] = "failure"
+    if spot.in_machine:
+        expected = expected or {"success": "success"}
+    else:
+        expected["failure"] = "failure"
+    if "success" in expected or not spot.in_machine:
+        expected["success"] = "success"
+    assert isinstance(spot.node, Leaf)
+    return {**expected, **spot.node.meaning}
