@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections import Counter
 from collections.abc import Callable, Sequence
 
@@ -9,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from grip_bt.errors import CanceledError, NoGraspError
+from grip_bt.errors import CanceledError, NoGraspError, NoPlanError, TimeOutError
 from grip_bt.values import Grasp, JointState, Pose
 from grip_bt.values.pose import check_frame
 
@@ -17,7 +18,7 @@ from ..collision import CollisionChecker
 from ..ik import solver
 from ..model import Chain, RobotModel
 from ..scene import SceneSnapshot
-from .free import RESOLUTION
+from .free import RESOLUTION, plan_free
 from .paths import interpolated
 from .requests import ChosenGrasp, Situation
 from .straight import BrokenLineError, straight_path
@@ -26,6 +27,7 @@ TARGET_WITHIN = 0.03
 """The object nearest to the closing point, at most this far from it [m], is the one that a grasp takes."""
 _RESTARTS = 6
 _SOLUTIONS = 4
+_PATIENCE = 1.0
 
 
 def closing_point(grasp: Grasp) -> NDArray[np.float64]:
@@ -44,9 +46,9 @@ def choose_grasp(
 ) -> ChosenGrasp:
     """Return the first feasible grasp, by falling quality.
 
-    A grasp is feasible when some joint positions reach the pre-grasp and touch nothing there, the straight
-    approach from there to the grasp touches nothing but the object to be taken, and the straight lift to the
-    post-grasp, object in hand, touches nothing.
+    A grasp is feasible when some joint positions reach the pre-grasp and touch nothing there, a free path leads
+    there, the straight approach from there to the grasp touches nothing but the object to be taken, and the
+    straight lift to the post-grasp, object in hand, touches nothing.
 
     Raises:
         NoGraspError: none is; `data['reasons']` counts why, `data['candidates']` how many there were.
@@ -60,7 +62,7 @@ def choose_grasp(
         for q in trial.configurations(rng):
             if canceled():
                 raise CanceledError("the choice of a grasp was cancelled")
-            if (pre := trial.pre_configuration(q)) is not None:
+            if (pre := trial.pre_configuration(q)) is not None and trial.can_go_to(pre, canceled):
                 names = trial.chain.joints
                 return ChosenGrasp(grasp, JointState(names, pre), JointState(names, q), dict(reasons))
         reasons[trial.reason] += 1
@@ -107,10 +109,10 @@ class GraspTrial:
     Attributes:
         chain: the arm with its hand in the grasp's pre-posture.
         reason: how far the candidate got: `no_ik`, `in_collision`, `approach_blocked`, `pre_grasp_in_collision`
-            or `lift_blocked`.
+            `lift_blocked` or `no_plan`.
     """
 
-    _STAGES = ("no_ik", "in_collision", "approach_blocked", "pre_grasp_in_collision", "lift_blocked")
+    _STAGES = ("no_ik", "in_collision", "approach_blocked", "pre_grasp_in_collision", "lift_blocked", "no_plan")
 
     def __init__(self, checkers: Checkers, grasp: Grasp):
         for pose in (grasp.pre_grasp, grasp.pose, grasp.post_grasp):
@@ -160,6 +162,24 @@ class GraspTrial:
             return None
         holding = self._checkers.holding(self.chain, self._target, self._grasp.pose)
         return approach[-1] if holding.all_free(interpolated(lift, RESOLUTION)) else None
+
+    def can_go_to(self, pre: NDArray[np.float64], canceled: Callable[[], bool]) -> bool:
+        """Tell whether a free path leads from the present configuration to `pre`.
+
+        The search gets little time: a path that is hard to find here is hard to find again when it is needed.
+        """
+        self._reached(5)
+        situation = self._checkers.situation
+        settings, start = situation.settings, situation.start.ordered(self.chain.joints)
+        checker = self._checkers.without(self.chain, None)
+        if not checker.free(start):
+            return True  # the plan itself will tell that the start is in collision
+        deadline = time.monotonic() + _PATIENCE
+        try:
+            plan_free(checker, start, pre, settings.planner, settings.seed, deadline, canceled)
+        except (NoPlanError, TimeOutError):
+            return False
+        return True
 
     def _reached(self, stage: int) -> None:
         self._stage = max(self._stage, stage)

@@ -78,11 +78,12 @@ def plan_to(model: RobotModel, request: PlanTo, canceled: Callable[[], bool]) ->
     else:
         goals = _pose_goals(chain, checker, request, start)
     roomy = CollisionChecker(chain, situation.scene, situation.hand, settings.margin)
+    wide = roomy.free(start)
+    tries = [(goal, c) for goal in goals for c in ([roomy] if wide and roomy.free(goal) else []) + [checker]]
     failure: ExpectedError = NoPlanError("there is no goal to plan to")
-    for k, goal in enumerate(goals):
-        wide = roomy.free(start) and roomy.free(goal)
-        share = time.monotonic() + max(0.0, deadline - time.monotonic()) / (len(goals) - k)
-        search = partial(plan_free, roomy if wide else checker, start, goal, settings.planner, canceled=canceled)
+    for k, (goal, avoid) in enumerate(tries):
+        share = time.monotonic() + max(0.0, deadline - time.monotonic()) / (len(tries) - k)
+        search = partial(plan_free, avoid, start, goal, settings.planner, canceled=canceled)
         try:
             return _searched_and_timed(chain, checker, search, settings.seed, settings.speed, share)
         except (NoPlanError, TimeOutError, PathInvalidError) as error:

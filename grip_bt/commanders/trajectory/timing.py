@@ -77,6 +77,7 @@ def _timed_spline(
     if timing is None:
         return None
     times = np.linspace(0.0, timing.duration, max(2, int(np.ceil(timing.duration / SAMPLING)) + 1))
-    positions = timing(times)
+    # Between knots that lie on a limit the spline swings past it a little; an executor must not see that.
+    positions = np.clip(timing(times), limits.lower, limits.upper)
     positions[0], positions[-1] = knots[0], knots[-1]
     return Trajectory(names, times, positions, timing(times, 1), timing(times, 2))
