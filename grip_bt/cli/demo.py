@@ -6,16 +6,16 @@ import argparse
 import json
 import sys
 import time
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from grip_bt.app import open_session
-from grip_bt.app.attempts import Attempt, AttemptRecorder
 from grip_bt.app.demos import DEMOS, Demo, find_demo
-from grip_bt.app.execute import Session
-from grip_bt.app.report import attempt_line, object_table
-from grip_bt.runtime import RunResult
 
 from .run import EXIT_STATUS, add_run_options, describe, options_of, stop_on_signals
+
+if TYPE_CHECKING:  # the verbs are listed without loading what they run
+    from grip_bt.app.attempts import Attempt, AttemptRecorder
+    from grip_bt.app.execute import Session
+    from grip_bt.runtime import RunResult
 
 
 def add_parser(subparsers: Any) -> None:
@@ -32,6 +32,10 @@ def add_parser(subparsers: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run the demonstration; 0 only when the referee agrees that everything was done."""
+    from grip_bt.app import open_session
+    from grip_bt.app.report import object_table
+    from grip_bt.graph import walk
+
     demo = find_demo(args.name)
     if args.gui:
         return _show(demo, args)
@@ -40,7 +44,8 @@ def run(args: argparse.Namespace) -> int:
     form = "state machine" if args.target == "sm" else "behaviour tree"
     say(f"GRIP demo {demo.name!r} as a {form}, seed {args.seed}\n{demo.doc}\n")
     with open_session(demo.task, options_of(args), progress=lambda p, d: say(f"  {p:<11} {d}")) as session:
-        say(f"  {'task':<11} {demo.task.name}: {len(list(_nodes(session)))} nodes, no problems\n")
+        nodes = sum(1 for _ in walk(session.document.task.root))
+        say(f"  {'task':<11} {demo.task.name}: {nodes} nodes, no problems\n")
         stop_on_signals(session.runner)
         recorder = _recorder(demo, session, say)
         session.runner.observe(recorder)
@@ -61,6 +66,9 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _recorder(demo: Demo, session: Session, say: Any) -> AttemptRecorder:
+    from grip_bt.app.attempts import AttemptRecorder
+    from grip_bt.app.report import attempt_line
+
     referee = session.resources.referee
     clock = session.runner.context.clock
     return AttemptRecorder(
@@ -70,12 +78,6 @@ def _recorder(demo: Demo, session: Session, say: Any) -> AttemptRecorder:
         referee.truth if referee is not None else None,
         lambda attempt: say(attempt_line(attempt)),
     )
-
-
-def _nodes(session: Session) -> Any:
-    from grip_bt.graph import walk
-
-    return walk(session.document.task.root)
 
 
 def _summary(result: RunResult, attempts: list[Attempt], placed: int, objects: int, wall: float) -> dict[str, Any]:

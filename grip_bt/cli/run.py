@@ -8,10 +8,11 @@ import signal
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from grip_bt.app import RunOptions, open_session
-from grip_bt.runtime import Runner, RunResult, serve_control
+if TYPE_CHECKING:  # the verbs are listed without loading what they run
+    from grip_bt.app import RunOptions
+    from grip_bt.runtime import Runner, RunResult
 
 EXIT_STATUS = {"success": 0, "failure": 3, "error": 4, "stopped": 130}
 
@@ -40,11 +41,16 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
 
 def options_of(args: argparse.Namespace) -> RunOptions:
     """Return the options that a command line gave."""
+    from grip_bt.app import RunOptions
+
     return RunOptions(target=args.target, robot=args.robot, seed=args.seed, pace=args.pace)
 
 
 def run(args: argparse.Namespace) -> int:
     """Run the task; the exit status tells how it ended."""
+    from grip_bt.app import open_session
+    from grip_bt.runtime import serve_control
+
     options = replace(options_of(args), data=dict(args.data), journal=args.journal)
     with open_session(args.task, options, progress=_progress) as session:
         stop_on_signals(session.runner)
