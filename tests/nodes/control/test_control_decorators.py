@@ -1,0 +1,153 @@
+"""Retry, repeat, timeout, invert, force; variables of a scope; leaves that break."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from control_world import World, leaf
+from py_trees.common import Status
+
+from grip_bt.errors import DataError, NodeError
+
+
+def over(kind: str, child: dict[str, Any] | None = None, **more: Any) -> dict[str, Any]:
+    return {"kind": kind, "child": {"c": child or leaf()}, **more}
+
+
+def test_retry_makes_one_attempt_a_tick_and_wakes_for_the_next() -> None:
+    world = World(over("retry", times=3), {"c": "failure failure success"})
+    assert world.tick() == Status.RUNNING
+    assert world.wakes == 1
+    assert world.tick(2) == Status.SUCCESS
+    assert world.ticked == ["c", "c", "c"]
+
+
+def test_retry_fails_with_the_reason_of_the_last_attempt() -> None:
+    world = World(over("retry", times=2), {"c": "failure.no_ik failure.no_plan"})
+    assert world.run() == 2
+    assert world.reason == "no_plan"
+
+
+def test_retry_leaves_by_an_exit_without_another_attempt() -> None:
+    world = World(over("retry", times=5, exits={"c.failure.no_grasp": "failure"}), {"c": "failure failure.no_grasp"})
+    assert world.run() == 2
+    assert world.reason == "no_grasp"
+
+
+def test_retry_counts_afresh_when_it_is_entered_again() -> None:
+    root = over("retry", times=2, child=over("retry", times=2))
+    world = World(root, {"c": "failure"})
+    assert world.run() == 4
+
+
+def test_repeat_succeeds_after_so_many_successes_and_fails_with_the_first_failure() -> None:
+    assert World(over("repeat", times=3)).run() == 3
+    world = World(over("repeat", times=3), {"c": "success failure.no_contact"})
+    assert world.run() == 2
+    assert world.reason == "no_contact"
+
+
+def test_repeat_without_a_number_goes_on_until_a_failure() -> None:
+    world = World(over("repeat"), {"c": "success " * 50 + "failure"})
+    assert world.run() == 51
+
+
+def test_a_timeout_interrupts_its_child_at_the_deadline() -> None:
+    world = World(over("timeout", seconds=2.0), {"c": "." * 9 + "success"})
+    assert world.tick() == Status.RUNNING
+    assert world.wake_times == [2.0]
+    world.clock.advance(1.9)
+    assert world.tick() == Status.RUNNING
+    world.clock.advance(0.1)
+    assert world.tick() == Status.FAILURE
+    assert world.reason == "time_out"
+    assert world.halted == ["c"]
+
+
+def test_a_child_that_finishes_at_the_deadline_has_finished() -> None:
+    world = World(over("timeout", seconds=2.0), {"c": ".success"})
+    world.tick()
+    world.clock.advance(5.0)
+    assert world.tick() == Status.SUCCESS
+    assert world.root.failure is None
+
+
+def test_a_timeout_passes_on_the_reason_of_a_child_that_failed_in_time() -> None:
+    world = World(over("timeout", seconds=2.0), {"c": ".failure.no_plan"})
+    assert world.run() == 2
+    assert world.reason == "no_plan"
+
+
+def test_a_timeout_counts_from_each_entry() -> None:
+    world = World(over("retry", times=2, child=over("timeout", seconds=2.0)), {"c": "....success"})
+    world.tick()
+    world.clock.advance(2.0)
+    assert world.tick() == Status.RUNNING
+    world.tick()
+    assert world.wake_times == [2.0, 4.0]
+    world.clock.advance(1.0)
+    assert world.tick() == Status.RUNNING
+
+
+@pytest.mark.parametrize(
+    ("word", "outcome"), [("success", "failure"), ("failure.no_ik", "success"), ("none", "failure")]
+)
+def test_invert_swaps_the_meaning_and_gives_no_reason(word: str, outcome: str) -> None:
+    world = World(over("invert"), {"c": word})
+    world.run()
+    assert (world.root.outcome, world.root.failure) == (outcome, None)
+
+
+@pytest.mark.parametrize(
+    ("word", "forced", "code"),
+    [("success", "failure", None), ("failure.no_ik", "success", None), ("failure.no_ik", "failure", "no_ik")],
+)
+def test_force_ends_as_it_says_and_keeps_the_reason_of_a_failure(word: str, forced: str, code: str | None) -> None:
+    world = World(over("force", **{"as": forced}), {"c": "." + word})
+    assert world.run() == 2
+    assert (world.root.outcome, world.reason) == (forced, code)
+
+
+def test_variables_of_a_container_start_anew_at_each_entry() -> None:
+    inner = {
+        "kind": "sequence",
+        "data": {"n": {"type": "int", "value": 5}},
+        "children": {
+            "a": leaf(**{"in": {"a": "n"}, "out": {"x": "n"}}),
+            "b": leaf(**{"in": {"a": "n"}, "out": {"x": "n"}}),
+        },
+    }
+    world = World(over("repeat", times=2, child=inner))
+    world.run()
+    assert [event[3] for event in world.events if event[0] == "write"] == [6, 7, 6, 7]
+
+
+def test_a_variable_without_a_value_is_unwritten_again_at_each_entry() -> None:
+    inner = {
+        "kind": "fallback",
+        "data": {"n": "int"},
+        "children": {"write": leaf(out={"x": "n"}), "read": leaf(**{"in": {"a": "n"}, "out": {"x": "n"}})},
+    }
+    world = World(over("repeat", times=2, child=inner), {"write": "success failure"})
+    with pytest.raises(NodeError, match="'n' was read before it was written") as raised:
+        world.run()
+    assert isinstance(raised.value.cause, DataError)
+    assert raised.value.path == "c/read"
+
+
+def test_an_initial_value_is_not_shared_between_entries() -> None:
+    root = {"kind": "sequence", "data": {"n": {"type": "list[int]", "value": [1]}}, "children": {"a": leaf()}}
+    world = World(root)
+    world.tree.data["/"].cells["n"].value.append(2)
+    world.tick()
+    assert world.tree.data["/"].cells["n"].value == [1]
+
+
+def test_a_leaf_that_raises_is_named_and_terminated() -> None:
+    world = World({"kind": "sequence", "children": {"a": leaf(), "b": leaf()}}, {"b": "!"})
+    with pytest.raises(NodeError, match="b: RuntimeError: broken") as raised:
+        world.tick()
+    assert raised.value.path == "b"
+    assert world.tree.by_path["b"].status == Status.INVALID
+    assert ("interrupted", "b") in world.events
