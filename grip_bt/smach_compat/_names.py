@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 
-class Names(set):
+class Names(set[Any]):
     """A set that iterates in the order in which names were added first."""
 
     def __init__(self, names: Iterable[Any] = ()):
@@ -34,7 +34,7 @@ class Names(set):
             for name in names:
                 self.add(name)
 
-    def __ior__(self, other: Any) -> Names:
+    def __ior__(self, other: Any) -> Names:  # type: ignore[misc]  # `|` still gives a plain set
         self.update(other)
         return self
 

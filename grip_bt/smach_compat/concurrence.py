@@ -228,7 +228,7 @@ class Concurrence(Container):
                     self._woken = True
                 self._done_cond.notify_all()
 
-    def _execute_child(self, label: str) -> str:
+    def _execute_child(self, label: str) -> Any:
         try:
             outcome = self._states[label].execute(self._view(label))
         except errors_of_user_code() as error:

@@ -125,7 +125,7 @@ class Iterator(Container):
 
     # --- execution ---
 
-    def execute(self, parent_ud: Any = None) -> str:
+    def execute(self, parent_ud: Any = None) -> Any:
         """Execute the state for each item.
 
         Returns:
@@ -146,8 +146,8 @@ class Iterator(Container):
         self._copy_output_keys(self.userdata, parent_ud)
         return outcome
 
-    def _loop(self, items: Iterable[Any]) -> str:
-        outcome = self._exhausted_outcome
+    def _loop(self, items: Iterable[Any]) -> Any:
+        outcome: Any = self._exhausted_outcome
         iterator = iter(items)
         while not smach.is_shutdown():
             try:
@@ -166,7 +166,7 @@ class Iterator(Container):
         loop = self._loop_outcomes
         return outcome in self._break_outcomes or (bool(loop) and outcome not in loop)
 
-    def _execute_state(self) -> str:
+    def _execute_state(self) -> Any:
         try:
             return self._state.execute(self.userdata)  # type: ignore[union-attr]
         except InvalidUserCodeError:

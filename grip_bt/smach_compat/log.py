@@ -36,4 +36,4 @@ def logerr(msg: Any) -> None:
 
 def set_loggers(info: Logger, warn: Logger, debug: Logger, error: Logger) -> None:
     """Replace the four functions; mind the order, `debug` comes before `error`."""
-    smach.loginfo, smach.logwarn, smach.logdebug, smach.logerr = info, warn, debug, error
+    vars(smach).update(loginfo=info, logwarn=warn, logdebug=debug, logerr=error)

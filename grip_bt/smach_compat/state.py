@@ -32,8 +32,8 @@ class State:
         self._output_keys = Names(output_keys + io_keys)
         self._preempt_requested = False
 
-    def execute(self, ud: Any) -> str:
-        """Do the work; it may block. Returns one of the outcomes."""
+    def execute(self, ud: Any) -> Any:
+        """Do the work, which may block, and return one of the outcomes."""
         raise NotImplementedError(f"{type(self).__name__}.execute")
 
     def register_outcomes(self, new_outcomes: Iterable[str]) -> None:
@@ -109,6 +109,6 @@ class CBState(State):
             self.register_output_keys(cb.get_registered_output_keys())  # type: ignore[attr-defined]
             self.register_outcomes(cb.get_registered_outcomes())  # type: ignore[attr-defined]
 
-    def execute(self, ud: Any) -> str:
+    def execute(self, ud: Any) -> Any:
         """Call the function."""
         return self._cb(ud, *self._cb_args, **self._cb_kwargs)

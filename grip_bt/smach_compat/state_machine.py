@@ -10,16 +10,11 @@ from typing import Any, NoReturn
 from grip_bt import smach_compat as smach
 
 from ._settings import errors_of_user_code, settings
+from ._views import Views
 from .container import Container
 from .exceptions import InvalidStateError, InvalidTransitionError, InvalidUserCodeError
 from .state import State
-from .user_data import NOTHING, Remapper, UserData
-
-_GETTERS = (
-    "get_registered_outcomes",
-    "get_registered_input_keys",
-    "get_registered_output_keys",
-)
+from .user_data import NOTHING, UserData
 
 
 class StateMachine(Container):
@@ -46,7 +41,7 @@ class StateMachine(Container):
         self._initial_state_label: str | None = None
 
         self._current_label: str | None = None
-        self._current_state: State | None = None
+        self._current_state: Any = None
         self._current_transitions: dict[str, str | None] | None = None
         self._preempted_label: str | None = None
         self._preempted_state: State | None = None
@@ -57,8 +52,7 @@ class StateMachine(Container):
         self._last_added_label: str | None = None
         self._connector_outcomes: list[str] = []
 
-        # label -> (state, input keys, output keys, remapping, userdata, constants, the view made from these), if plain
-        self._views: dict[str, tuple[Any, ...]] = {}
+        self._views = Views()
 
     # --- construction ---
 
@@ -101,7 +95,8 @@ class StateMachine(Container):
         self._states[label] = state
         self._transitions[label] = transitions
         self._remappings[label] = {} if remapping is None else remapping
-        self._constants[label] = {} if constants is None else constants
+        if constants is not None:
+            self._constants[label] = constants
         self._connect_pending(label)
         return state
 
@@ -258,7 +253,10 @@ class StateMachine(Container):
             raise InvalidStateError(f"There is no state {label!r} in the machine: {list(states)}")
         if self._preempt_requested:
             self._pass_on_preempt()
-        view, plain = self._view(label, state)
+        if label in self._constants:
+            for key, value in self._constants[label].items():
+                self.userdata[key] = value
+        view, plain = self._views.get(label, state, self.userdata, self._remappings[label])
         lock = self._state_transitioning_lock
         lock.release()  # so that a preempt can be requested meanwhile
         try:
@@ -270,8 +268,12 @@ class StateMachine(Container):
 
         if self._current_state is not state:  # it executed its own machine; upstream stumbles below, over None
             label, state, plain = self._current_label, self._current_state, False
-        registered = state._outcomes if plain else state.get_registered_outcomes()  # type: ignore[union-attr]
-        if outcome not in registered:
+        registered = state._outcomes if plain else state.get_registered_outcomes()
+        try:
+            is_registered = outcome in registered
+        except TypeError:  # a list, say: no member of a set, and no outcome
+            is_registered = False
+        if not is_registered:
             raise InvalidTransitionError(
                 f"State {label!r} returned {outcome!r}, but its outcomes are {list(registered)}"
             )
@@ -303,7 +305,7 @@ class StateMachine(Container):
         self._set_current_state(None)
         smach.loginfo(f"State machine terminating {label!r}:{outcome!r}:{reached!r}")
         self.call_termination_cbs([label], reached)
-        return reached  # type: ignore[return-value]
+        return reached
 
     def _raise_as_user_code(self, label: Any, state: Any, error: BaseException) -> NoReturn:
         """Raise what a state raised; all but InvalidUserCodeError wrapped into one."""
@@ -314,34 +316,6 @@ class StateMachine(Container):
         raise InvalidUserCodeError(
             f"Could not execute state {label!r} of type {type(state).__name__}: {trace}"
         ) from error
-
-    def _view(self, label: Any, state: Any) -> tuple[Remapper, bool]:
-        """Write the state's constants; return its view of the userdata and whether its sets speak for it.
-
-        A view is used again while all that it was made from is the same, and the state has left nothing on it.
-        """
-        ud, names = self.userdata, self._remappings[label]
-        try:
-            known, inputs, outputs, known_names, known_ud, constants, view = self._views[label]
-        except KeyError:
-            known, constants = None, self._constants.get(label)  # none for a state put in by hand
-        if constants:
-            for key, value in constants.items():
-                ud[key] = value
-        if (
-            known is state
-            and inputs == state._input_keys
-            and outputs == state._output_keys
-            and known_names is names
-            and known_ud is ud
-            and not view.__dict__
-        ):
-            return view, True
-        view = Remapper(ud, state.get_registered_input_keys(), state.get_registered_output_keys(), names)
-        plain = _is_plain(state)
-        if plain:
-            self._views[label] = (state, view._input, view._output, names, ud, constants, view)
-        return view, plain
 
     # --- preemption ---
 
@@ -377,18 +351,8 @@ class StateMachine(Container):
     # --- copies ---
 
     def __getstate__(self) -> dict[str, Any]:
-        return {
-            **{k: v for k, v in self.__dict__.items() if k != "_state_transitioning_lock"},
-            "_views": {},
-        }
+        return {k: v for k, v in self.__dict__.items() if k != "_state_transitioning_lock"}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         self._state_transitioning_lock = threading.RLock()
-
-
-def _is_plain(state: Any) -> bool:
-    """Tell whether a state answers the container's questions from its sets, as `State` does."""
-    return isinstance(state, State) and all(
-        getattr(type(state), name) is getattr(State, name) and name not in state.__dict__ for name in _GETTERS
-    )

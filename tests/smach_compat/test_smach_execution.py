@@ -57,7 +57,7 @@ def test_interrupts_are_wrapped_as_upstream_where_that_is_asked_for():  # probe 
         machine(raises(KeyboardInterrupt())).execute()
 
 
-@pytest.mark.parametrize("returned", ["zz", None])
+@pytest.mark.parametrize("returned", ["zz", None, ["ok"]])
 def test_an_unregistered_outcome_is_an_invalid_transition(returned):  # probes 31 50
     with pytest.raises(InvalidTransitionError):
         machine(Returns(returned, outcomes=["ok"])).execute()
