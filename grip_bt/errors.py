@@ -24,7 +24,17 @@ def listing(words: Iterable[str], nothing: str = "none") -> str:
 
 
 class GripError(Exception):
-    """Root of all errors that GRIP raises on purpose."""
+    """Root of all errors that GRIP raises on purpose. They can be sent between processes."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Restore the attributes as they are: constructors ask for more than the message that `args` holds."""
+        return _restored, (type(self), self.args, dict(self.__dict__))
+
+
+def _restored(cls: type[GripError], args: tuple[Any, ...], attributes: dict[str, Any]) -> GripError:
+    error = cls.__new__(cls, *args)
+    error.__dict__.update(attributes)
+    return error
 
 
 class DocumentError(GripError):
@@ -220,6 +230,12 @@ class SensorError(ExpectedError):
     """A sensor gave nothing usable."""
 
     code = "no_data"
+
+
+class PlannerLostError(ExpectedError):
+    """The planning process died twice over one request."""
+
+    code = "planner_lost"
 
 
 class ServerLostError(ExpectedError):

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from types import MappingProxyType
+from typing import Any
 
 from grip_bt.errors import UnknownNameError
 from grip_bt.values import JointState, Pose
@@ -80,6 +81,13 @@ class RobotDescription:
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
         states = {g: MappingProxyType(dict(s)) for g, s in self.named_states.items()}
         object.__setattr__(self, "named_states", MappingProxyType(states))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Send read-only mappings as plain ones: those can't be pickled."""
+        states = {group: dict(states) for group, states in self.named_states.items()}
+        values = {f.name: getattr(self, f.name) for f in fields(self)} | {"named_states": states}
+        plain = (dict(v) if isinstance(v, Mapping) else v for v in values.values())
+        return type(self), tuple(plain)
 
     @property
     def joints(self) -> tuple[str, ...]:

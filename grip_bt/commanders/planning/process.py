@@ -1,0 +1,101 @@
+"""The planning process: `python -m grip_bt.commanders.planning.process`, started by `commanders.worker`.
+
+It reads frames from stdin and writes frames to a private copy of stdout; a frame is a pickled tuple behind its
+length. Both ends are one program on one machine, so pickle is safe here; nothing from outside gets in.
+
+    in   ("robot", RobotDescription) once, then ("plan", number, request) and ("cancel", number)
+    out  ("ready",) once, then ("done", number, result) or ("failed", number, error)
+
+The end of stdin means that the parent is gone, however it went: the thread that reads then ends the process.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import queue
+import signal
+import struct
+import sys
+import threading
+from typing import Any, BinaryIO
+
+_LENGTH = struct.Struct("<Q")
+
+
+def write_frame(stream: BinaryIO, message: tuple[Any, ...]) -> None:
+    """Write one message."""
+    body = pickle.dumps(message, protocol=pickle.HIGHEST_PROTOCOL)
+    stream.write(_LENGTH.pack(len(body)) + body)
+    stream.flush()
+
+
+def read_frame(stream: BinaryIO) -> tuple[Any, ...] | None:
+    """Return the next message, or None at the end of the stream."""
+    head = stream.read(_LENGTH.size)
+    if len(head) < _LENGTH.size:
+        return None
+    size = _LENGTH.unpack(head)[0]
+    body = stream.read(size)
+    if len(body) < size:
+        return None
+    message: tuple[Any, ...] = pickle.loads(body)
+    return message
+
+
+class Inbox:
+    """Reads messages on a thread of its own, so that a cancellation is seen while a plan is being made."""
+
+    def __init__(self, stream: BinaryIO):
+        self.requests: queue.SimpleQueue[tuple[Any, ...]] = queue.SimpleQueue()
+        self._stream = stream
+        self._canceled: set[int] = set()
+        threading.Thread(target=self._read, name="inbox", daemon=True).start()
+
+    def canceled(self, number: int) -> bool:
+        """Tell whether a request was cancelled."""
+        return number in self._canceled
+
+    def _read(self) -> None:
+        while (message := read_frame(self._stream)) is not None:
+            if message[0] == "cancel":
+                self._canceled.add(message[1])
+            else:
+                self.requests.put(message)
+        os._exit(0)  # whatever OMPL is doing: nobody waits for it any more
+
+
+def main() -> None:
+    """Serve until stdin ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's business; it closes stdin
+    out = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # what libraries print must not get between the frames
+    inbox = Inbox(sys.stdin.buffer)
+
+    from ..model import RobotModel
+    from .motions import answer
+
+    _, description = inbox.requests.get()
+    model = RobotModel(description)
+    write_frame(out, ("ready",))
+    while True:
+        _, number, request = inbox.requests.get()
+        try:
+            result = answer(model, request, lambda number=number: inbox.canceled(number))
+        except Exception as error:  # noqa: BLE001 - sent to the caller, who raises it
+            write_frame(out, ("failed", number, _sendable(error)))
+        else:
+            write_frame(out, ("done", number, result))
+
+
+def _sendable(error: Exception) -> Exception:
+    """Return the error, or a plain copy of its words where it can't be pickled."""
+    try:
+        pickle.loads(pickle.dumps(error))
+    except Exception:  # noqa: BLE001 - any error of anybody's __reduce__
+        return RuntimeError(f"{type(error).__name__}: {error}")
+    return error
+
+
+if __name__ == "__main__":
+    main()
