@@ -1,0 +1,157 @@
+"""Graph -> machine: containers, transitions, labels of failure codes, embedded parts, preempt requests."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from py_trees.common import Status
+
+from grip_bt import smach_compat
+from grip_bt.catalog import Catalog, Manifest
+from grip_bt.compilers import BehaviourState, Rushing, to_machine
+from grip_bt.errors import NotExpressibleError
+from grip_bt.graph.model import Task
+from grip_bt.nodes import Leaf
+
+CATALOG = Catalog([Manifest(id="test/leaf", doc="Ends as it is told.", implementation="tests:Told")])
+
+
+class Told(Leaf):
+    told: dict[str, str]
+    saw_preempt: list[tuple[str, bool]]
+    machine: Any = None
+
+    def update(self) -> Status:
+        if self.told.get(self.path) == "ask":
+            self.machine.request_preempt()
+        self.saw_preempt.append((self.path, self.context.preempt_requested))
+        code = self.told.get(self.path, "")
+        return self.fail(code) if code not in ("", "ask") else self.end()
+
+
+class Context:
+    preempt_requested = False
+
+    def wake(self) -> None:
+        """Nobody waits."""
+
+
+def machine_of(root: dict[str, Any], told: dict[str, str] | None = None, **options: Any) -> Any:
+    saw: list[tuple[str, bool]] = []
+
+    def make(path: str, node: Any, manifest: Manifest) -> Leaf:
+        leaf = Told(path, path, manifest, {}, {})
+        leaf.told, leaf.saw_preempt = told or {}, saw
+        return leaf
+
+    task = Task.model_validate({"grip": 1, "name": "tested", "root": root})
+    compiled = to_machine(task, CATALOG, leaf_factory=make, **options)
+    for leaf in compiled.leaves.values():
+        leaf.machine = compiled
+    compiled.prepare(Context())
+    return compiled, saw
+
+
+LEAF = {"node": "test/leaf"}
+
+
+def edges(container: Any) -> set[tuple[str, str, str]]:
+    return {(label, outcome, target) for outcome, label, target in container.get_internal_edges()}
+
+
+def test_a_sequence_is_a_machine_whose_successes_lead_on() -> None:
+    compiled, _ = machine_of({"kind": "sequence", "children": {"a": LEAF, "b": LEAF}})
+    root = compiled.by_path["/"]
+    assert isinstance(root, smach_compat.StateMachine)
+    assert edges(root) == {
+        ("a", "success", "b"),
+        ("a", "failure", "failure"),
+        ("b", "success", "success"),
+        ("b", "failure", "failure"),
+    }
+    assert root.get_initial_states() == ["a"]
+
+
+def test_a_fallback_is_a_machine_whose_failures_lead_on() -> None:
+    compiled, _ = machine_of({"kind": "fallback", "children": {"a": LEAF, "b": LEAF}})
+    assert ("a", "failure", "b") in edges(compiled.by_path["/"])
+
+
+def test_a_failure_code_has_a_label_only_where_an_edge_uses_it_however_far_out() -> None:
+    inner = {"kind": "sequence", "children": {"a": LEAF, "b": LEAF}}
+    outer = {
+        "kind": "fallback",
+        "outcomes": {"unreachable": "failure"},
+        "exits": {"inner.failure.no_ik": "unreachable"},
+        "on": {"unreachable": "failure"},
+        "children": {"inner": inner, "other": LEAF},
+    }
+    compiled, _ = machine_of(outer, {"inner/b": "no_ik"})
+    assert compiled.by_path["inner/a"].get_registered_outcomes() == ("success", "failure", "failure.no_ik")
+    assert ("b", "failure.no_ik", "failure.no_ik") in edges(compiled.by_path["inner"])
+    assert ("inner", "failure.no_ik", "unreachable") in edges(compiled.by_path["/"])
+    assert compiled.by_path["other"].get_registered_outcomes() == ("success", "failure")
+    end = compiled.execute(Rushing())
+    assert (end.outcome, end.failure.code) == ("failure", "no_ik")
+
+
+def test_a_child_named_like_an_outcome_is_not_taken_for_its_target() -> None:
+    compiled, saw = machine_of({"kind": "sequence", "children": {"failure": LEAF, "success": LEAF}}, {"success": "x"})
+    assert compiled.execute(Rushing()).outcome == "failure"
+    assert [path for path, _ in saw] == ["failure", "success"]
+
+
+@pytest.mark.parametrize(
+    "root",
+    [
+        {"kind": "sequence", "memory": False, "children": {"a": LEAF}},
+        {"kind": "fallback", "memory": False, "children": {"a": LEAF}},
+        {"kind": "timeout", "seconds": 1, "child": {"a": LEAF}},
+        {"kind": "parallel", "children": {"a": LEAF}},
+    ],
+)
+def test_what_interrupts_a_running_child_is_one_state_or_refused(root: dict[str, Any]) -> None:
+    compiled, _ = machine_of({"kind": "sequence", "children": {"first": LEAF, "inside": root}})
+    state = compiled.by_path["inside"]
+    assert isinstance(state, BehaviourState)
+    assert state.embedded
+    assert "inside/a" in compiled.leaves
+    with pytest.raises(NotExpressibleError, match=f"inside: a {root['kind']} that interrupts"):
+        machine_of({"kind": "sequence", "children": {"first": LEAF, "inside": root}}, embed=False)
+
+
+def test_a_parallel_that_joins_is_a_concurrence() -> None:
+    root = {"kind": "parallel", "cancel": "join", "children": {"a": LEAF, "b": LEAF}}
+    compiled, saw = machine_of(root, {"b": "no_ik"})
+    assert isinstance(compiled.by_path["/"], smach_compat.Concurrence)
+    end = compiled.execute(Rushing())
+    assert (end.outcome, end.failure.code) == ("failure", "no_ik")
+    assert sorted(path for path, _ in saw) == ["a", "b"]
+
+
+def test_a_preempt_request_travels_to_every_later_leaf_and_recovery_runs() -> None:
+    root = {
+        "kind": "fallback",
+        "children": {
+            "try": {"kind": "sequence", "children": {"a": LEAF, "b": LEAF, "c": LEAF}},
+            "recover": {"kind": "parallel", "cancel": "join", "children": {"d": LEAF, "e": LEAF}},
+        },
+    }
+    compiled, saw = machine_of(root, {"try/b": "ask", "try/c": "preempted"})
+    assert compiled.execute(Rushing()).outcome == "success"
+    assert dict(saw) == {"try/a": False, "try/b": True, "try/c": True, "recover/d": True, "recover/e": True}
+
+
+def test_the_machine_prints_nothing(capsys: pytest.CaptureFixture[str]) -> None:
+    compiled, _ = machine_of({"kind": "sequence", "children": {"a": LEAF}})
+    capsys.readouterr()
+    compiled.execute(Rushing())
+    assert capsys.readouterr().out == ""
+
+
+def test_a_machine_runs_again_after_its_end() -> None:
+    compiled, saw = machine_of({"kind": "retry", "times": 2, "child": {"a": LEAF}}, {"a": "no_ik"})
+    for _ in range(2):
+        assert compiled.execute(Rushing()).failure.code == "no_ik"
+    assert len(saw) == 4
