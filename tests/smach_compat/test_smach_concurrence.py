@@ -57,7 +57,7 @@ def test_a_concurrence_without_children_cannot_be_executed(profile, in_time):  #
         in_time(concurrence({}).execute)
 
 
-def test_an_error_of_a_child_stops_the_others_and_is_raised(in_time):  # probe 60
+def test_an_error_of_a_child_stops_the_others_and_is_raised(in_time, log):  # probe 60
     a, b = raises(RuntimeError("boom")), WaitsForPreempt()
     cc = concurrence({"A": a, "B": b})
     cc.register_output_keys(["x"])
@@ -67,6 +67,7 @@ def test_an_error_of_a_child_stops_the_others_and_is_raised(in_time):  # probe 6
     with pytest.raises(InvalidStateError, match="boom"):
         in_time(lambda: cc.execute(parent))
     assert (parent._data, ended) == ({}, [])
+    assert sum("boom" in text for text in log.at("err")) == 1
     assert a.preempt_requested(), "its own flag is set too, and not taken back"
     assert in_time(concurrence({"A": ok(), "B": ok()}).execute) == "a"
 
