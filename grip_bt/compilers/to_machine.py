@@ -162,7 +162,7 @@ class CompiledMachine:
                 outcome = self.machine.execute()
         except BaseException as error:
             if self._run.error is not None and self._run.error is not error:
-                raise self._run.error from None
+                raise self._run.error from self._run.error.__cause__
             raise
         if outcome is None:
             raise Halted  # smach's shutdown was asked for

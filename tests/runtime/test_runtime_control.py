@@ -1,0 +1,113 @@
+"""Control of a run over two streams."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import threading
+from pathlib import Path
+from typing import Any
+
+import pytest
+from runtime_world import TARGETS, Started, leaf
+
+from grip_bt.runtime import Journal, JournalReader, serve_control
+
+
+class Served:
+    """A run that is served in a thread of its own."""
+
+    def __init__(self, target: Any, root: dict[str, Any], journal: Journal | None = None):
+        self.run = Started(target, root, journal=journal, poll=0.005)
+        command_end, self._commands = os.pipe()
+        self._events, event_end = os.pipe()
+        self.commands, self.events = os.fdopen(self._commands, "w"), os.fdopen(self._events)
+        streams = os.fdopen(command_end), os.fdopen(event_end, "w")
+
+        def serve() -> None:
+            with streams[0], streams[1]:
+                serve_control(self.run.runner, *streams)
+
+        self._thread = threading.Thread(target=serve, daemon=True)
+        self._thread.start()
+
+    def say(self, line: str) -> None:
+        self.commands.write(line + "\n")
+        self.commands.flush()
+
+    def command(self, name: str) -> None:
+        self.say(json.dumps({"command": name}))
+
+    def until(self, event: str, **fields: Any) -> dict[str, Any]:
+        for line in self.events:
+            told = json.loads(line)
+            if told["event"] == event and all(told[k] == v for k, v in fields.items()):
+                return told
+        raise AssertionError(f"no {event} {fields}")
+
+    def close(self) -> None:
+        self.commands.close()
+        self._thread.join(20)
+        assert not self._thread.is_alive()
+        self.events.close()
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_a_run_is_paused_resumed_and_stopped_over_its_streams(target: Any, tmp_path: Path) -> None:
+    with Journal(tmp_path / "runs.sqlite") as journal:
+        served = Served(target, leaf("wait"), journal)
+        started = served.until("started")
+        assert started["journal"] == str(journal.file)
+        for command, state in (("pause", "paused"), ("resume", "running"), ("step", "paused"), ("stop", "stopping")):
+            served.command(command)
+            served.until("state", state=state)
+        assert served.until("ended") == {"event": "ended", "status": "stopped", "outcome": None}
+        served.close()
+    with JournalReader(journal.file) as reader:
+        states = [e.data["state"] for e in reader.events(started["run"]) if e.event == "state"]
+    assert states == ["paused", "running", "paused", "stopping"]
+
+
+def test_events_are_announced_when_they_can_be_read(tmp_path: Path) -> None:
+    with Journal(tmp_path / "runs.sqlite") as journal:
+        served = Served(TARGETS[0], leaf("end"), journal)
+        run = served.until("started")["run"]
+        announced = 0
+        while announced < 4:
+            announced = served.until("committed")["seq"]
+            with JournalReader(journal.file) as reader:
+                assert len(reader.events(run)) >= announced
+        assert served.until("ended")["status"] == "success"
+        served.close()
+
+
+def test_the_end_of_the_commands_is_a_stop() -> None:
+    served = Served(TARGETS[0], leaf("wait"))
+    served.until("started")
+    served.commands.close()
+    assert served.until("ended")["status"] == "stopped"
+    served.close()
+
+
+def test_a_line_that_is_no_command_is_refused_and_the_run_goes_on() -> None:
+    served = Served(TARGETS[0], leaf("wait"))
+    for line in ("nonsense", '{"command": "explode"}', "[]", '{"command": ["stop"]}'):
+        served.say(line)
+        assert "pause, resume, step, stop" in served.until("refused")["message"]
+    served.run.leaves["/"].told.set()
+    assert served.until("ended")["status"] == "success"
+    served.close()
+
+
+def test_a_reader_that_has_gone_away_stops_the_run() -> None:
+    class Gone(io.StringIO):
+        def write(self, text: str) -> int:
+            raise BrokenPipeError
+
+    run = Started(TARGETS[0], leaf("wait"), poll=0.005)
+    commands, other = os.pipe()
+    with os.fdopen(commands) as lines, os.fdopen(other, "w") as open_end:
+        result = serve_control(run.runner, lines, Gone())
+        open_end.close()
+    assert result.status == "stopped"
