@@ -122,7 +122,7 @@ def is_assignable(source: Type | str, target: Type | str) -> bool:
     """
     source = parse_type(source) if isinstance(source, str) else source
     target = parse_type(target) if isinstance(target, str) else target
-    if "Any" in (source.name, target.name):
+    if source is target or "Any" in (source.name, target.name):
         return True
     if source.name == "None":
         return target.optional or target.name == "None"

@@ -26,25 +26,21 @@ Key = str | tuple[str | int, ...] | None
 
 @dataclass(frozen=True, slots=True)
 class Declared:
-    """A declared variable; `bit` is its place in sets of variables, which are integers."""
+    """A declared variable; `bit` is its place in sets of variables, which are integers.
+
+    `type` is None when it isn't a type, which is an issue of its own.
+    """
 
     name: str
     owner: str
     variable: Variable | str
     bit: int
+    type: Type | None
 
     @property
     def type_text(self) -> str:
         """The type as it is written."""
         return self.variable if isinstance(self.variable, str) else self.variable.type
-
-    @property
-    def type(self) -> Type | None:
-        """The type; None when it isn't one, which is an issue of its own."""
-        try:
-            return parse_type(self.type_text)
-        except ValueError:
-            return None
 
     @property
     def has_value(self) -> bool:
@@ -139,7 +135,8 @@ class Survey:
             return outer
         scope = dict(outer)
         for name, variable in data.items():
-            scope[name] = Declared(name, owner, variable, 1 << len(self.declared))
+            bit = 1 << len(self.declared)
+            scope[name] = Declared(name, owner, variable, bit, _type_of(variable))
             self.declared.append(scope[name])
         return scope
 
@@ -164,8 +161,11 @@ class Survey:
 
     def _look_up(self, spot: Spot, node: Leaf) -> None:
         if node.node in self.catalog:
-            spot.manifest = self.catalog.get(node.node)
-            spot.outcomes = spot.manifest.outcomes_for(dict(node.meaning))
+            manifest = self.catalog.get(node.node)
+            spot.manifest = manifest
+            spot.outcomes = (
+                manifest.outcomes_for(dict(node.meaning)) if node.meaning else manifest.outcomes
+            )
         else:
             spot.outcomes = _expected_outcomes(spot)
 
@@ -182,6 +182,13 @@ class Survey:
         if spot.parent is not None:
             spot.parent.reads |= spot.reads
             spot.parent.writes |= spot.writes
+
+
+def _type_of(variable: Variable | str) -> Type | None:
+    try:
+        return parse_type(variable if isinstance(variable, str) else variable.type)
+    except ValueError:
+        return None
 
 
 def _expected_outcomes(spot: Spot) -> dict[str, str]:

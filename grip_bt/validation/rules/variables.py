@@ -58,9 +58,10 @@ def _declaration(survey: Survey, declared: Declared) -> None:
 
 def _shadowed(survey: Survey) -> None:
     for spot in survey.spots:
-        data = getattr(spot.node, "data", {})
+        if isinstance(spot.node, Leaf) or not spot.node.data:
+            continue
         outer = spot.parent.scope if spot.parent is not None else survey.task_scope
-        for name in data:
+        for name in spot.node.data:
             if name in outer:
                 owner = outer[name].owner or "the task"
                 survey.add(
@@ -92,17 +93,15 @@ def _binding(
         return
     wanted, held = parse_type(port.type), declared.type
     if isinstance(port, InputPort):
-        fits = is_assignable(held, wanted)
-        message = f"the port {where[1]!r} reads {wanted}, but {name!r} holds {held}"
+        fits, verb = is_assignable(held, wanted), "reads"
     else:
-        fits = is_assignable(wanted, held)
-        message = f"the port {where[1]!r} writes {wanted}, but {name!r} holds {held}"
+        fits, verb = is_assignable(wanted, held), "writes"
     if not fits:
         owner = f"`data` of {declared.owner or 'the task'}"
         survey.add(
             spot.path,
             where,
             "wrong-variable-type",
-            message,
+            f"the port {where[1]!r} {verb} {wanted}, but {name!r} holds {held}",
             f"bind a variable of type {wanted}, or change {name!r} in {owner}",
         )
