@@ -6,6 +6,7 @@ frozen in place. Planning and collision checks run on a chain: it has 6 or 7 joi
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import combinations
@@ -92,6 +93,7 @@ class RobotModel:
         self.model = pin.buildModelFromXML(description.urdf)
         self._add_grasp_frame()
         self.data = self.model.createData()
+        self._lock = threading.Lock()
         self.geometry = self._collision_shapes()
         self._columns = {n: self.model.joints[self.model.getJointId(n)].idx_q for n in description.joints}
         self._rest = self.configuration(
@@ -118,8 +120,9 @@ class RobotModel:
 
     def grasp_pose(self, *states: JointState) -> Pose:
         """Return the grasp frame in world."""
-        pin.framesForwardKinematics(self.model, self.data, self.configuration(*states))
-        return Pose.from_matrix(self.data.oMf[self.model.getFrameId(GRASP_FRAME)].homogeneous)
+        with self._lock:  # leaves, callbacks and the scene ask from several threads
+            pin.framesForwardKinematics(self.model, self.data, self.configuration(*states))
+            return Pose.from_matrix(self.data.oMf[self.model.getFrameId(GRASP_FRAME)].homogeneous)
 
     def limits(self, group: str) -> Limits:
         """Return the limits of a group's joints, in the group's order."""

@@ -19,6 +19,7 @@ from grip_bt.errors import (
     PathInvalidError,
     StartInCollisionError,
     TimeOutError,
+    UnknownNameError,
 )
 from grip_bt.values import JointState, Plan, Pose, Trajectory
 from grip_bt.values.pose import check_frame
@@ -74,7 +75,7 @@ def plan_to(model: RobotModel, request: PlanTo, canceled: Callable[[], bool]) ->
     chain, checker = _chain_and_checker(model, situation, margin=0.0)
     start = _free_start(chain, checker, situation)
     if isinstance(request.goal, JointState):
-        goals = [_joint_goal(chain, checker, request.goal)]
+        goals = [_joint_goal(chain, checker, request.goal, start)]
     else:
         goals = _pose_goals(chain, checker, request, start)
     roomy = CollisionChecker(chain, situation.scene, situation.hand, settings.margin)
@@ -153,8 +154,15 @@ def _free_start(chain: Chain, checker: CollisionChecker, situation: Situation) -
     return start
 
 
-def _joint_goal(chain: Chain, checker: CollisionChecker, goal: JointState) -> NDArray[np.float64]:
-    q = goal.ordered(chain.joints)
+def _joint_goal(
+    chain: Chain, checker: CollisionChecker, goal: JointState, start: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the goal's configuration; joints that it doesn't name stay where they are."""
+    q = np.array(start)
+    for name, position in zip(goal.names, goal.position, strict=True):
+        if name not in chain.joints:
+            raise UnknownNameError("joint", name, chain.joints, where="goal")
+        q[chain.joints.index(name)] = position
     if not np.all(np.isfinite(q)) or not chain.within_limits(q):
         raise _out_of_limits(chain, q, "the goal is")
     if pairs := checker.pairs(q):

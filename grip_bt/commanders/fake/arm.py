@@ -1,0 +1,129 @@
+"""A fake arm: a gantry whose six joints are the position and the rotation vector of its grasp frame.
+
+It reaches every pose and knows no obstacle, so that tasks can be run without models; the rest of its behaviour is
+that of `ArmCommander`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grip_bt.errors import ExpectedError, NoGraspError, UnknownNameError
+from grip_bt.operation import Operation
+from grip_bt.values import Grasp, JointState, Plan, Pose, Trajectory
+
+from .executor import FakeExecutor
+from .schedule import Schedule, Script, steps_of
+
+JOINTS = ("x", "y", "z", "rx", "ry", "rz")
+SPEED = 0.5
+"""Of each joint [m/s or rad/s]."""
+
+
+class FakeArm:
+    """Implements `ports.Arm`.
+
+    Args:
+        name: the arm's name in the project.
+        home: pose of the grasp frame in the state `home`, where it is at first.
+        schedule: its time; at once when None.
+        states: further named states of the joints `JOINTS`.
+        script: verb (`plan`, `plan_straight`, `choose_grasp`, `execute`) -> what becomes of each such request.
+    """
+
+    def __init__(
+        self,
+        name: str = "right",
+        home: Pose | None = None,
+        schedule: Schedule | None = None,
+        states: Mapping[str, JointState] | None = None,
+        script: Mapping[str, Script] | None = None,
+    ):
+        self._name = name
+        start = JointState(JOINTS, _joints_of(home or Pose([0.3, -0.4, 0.5])))
+        self._states = {"home": start, **(states or {})}
+        scripts = dict(script or {})
+        self._executor = FakeExecutor(start, schedule, scripts.pop("execute", ()))
+        self._scripts = {verb: steps_of(scripts.pop(verb, ())) for verb in ("plan", "plan_straight", "choose_grasp")}
+        if scripts:
+            raise UnknownNameError("verb of a fake arm", next(iter(scripts)), (*self._scripts, "execute"))
+
+    @property
+    def name(self) -> str:
+        """The arm's name in the project."""
+        return self._name
+
+    def state(self) -> JointState:
+        """Return where its joints are."""
+        return self._executor.state()
+
+    def grasp_pose(self) -> Pose:
+        """Return where the grasp frame is in world."""
+        return _pose_of(self.state().position)
+
+    def named_states(self) -> Mapping[str, JointState]:
+        """Return its named states."""
+        return dict(self._states)
+
+    def plan(self, goal: JointState | Pose | str) -> Operation[Plan]:
+        """Plan a straight motion of the joints; see `ports.Arm`."""
+        if isinstance(goal, str):
+            if goal not in self._states:
+                raise UnknownNameError("named state", goal, self._states, where=f"arm {self._name!r}")
+            goal = self._states[goal]
+        end = _joints_of(goal) if isinstance(goal, Pose) else goal.ordered(JOINTS)
+        return self._planned("plan", [end])
+
+    def plan_straight(self, goals: Sequence[Pose]) -> Operation[Plan]:
+        """Plan a motion through poses; see `ports.Arm`."""
+        return self._planned("plan_straight", [_joints_of(goal) for goal in goals])
+
+    def execute(self, plan: Plan) -> Operation[JointState]:
+        """Execute a plan; the result is where the joints are at the end."""
+        return self._executor.execute(plan.trajectory)
+
+    def choose_grasp(self, grasps: Sequence[Grasp]) -> Operation[Grasp]:
+        """Return the grasp of the highest quality."""
+        failure: ExpectedError | None = next(self._scripts["choose_grasp"])
+        if failure is None and not grasps:
+            failure = NoGraspError("none of 0 grasps is feasible", reasons={}, candidates=0)
+        if failure is not None:
+            return Operation.failed(failure)
+        return Operation.finished(max(grasps, key=lambda g: g.quality))
+
+    def stop(self) -> None:
+        """Hold where it is now and end a motion under way."""
+        self._executor.stop()
+
+    def _planned(self, verb: str, ends: list[NDArray[np.float64]]) -> Operation[Plan]:
+        failure = next(self._scripts[verb])
+        if failure is not None:
+            return Operation.failed(failure)
+        rows = [self.state().position]
+        times = [0.0]
+        for end in ends:
+            span = float(np.abs(end - rows[-1]).max())
+            if span > 0:
+                times.append(times[-1] + span / SPEED)
+                rows.append(end)
+        return Operation.finished(Plan("gantry", Trajectory(JOINTS, np.array(times), np.stack(rows)), "fake"))
+
+
+def _joints_of(pose: Pose) -> NDArray[np.float64]:
+    """Return position and rotation vector, shape (6,); the vector's length is the angle, at most pi [rad]."""
+    w, axis = pose.quaternion[0], np.array(pose.quaternion[1:])
+    if w < 0:
+        w, axis = -w, -axis
+    sine = float(np.linalg.norm(axis))
+    vector = axis * (2 * np.arctan2(sine, w) / sine) if sine > 1e-12 else np.zeros(3)
+    return np.concatenate([pose.position, vector])
+
+
+def _pose_of(joints: NDArray[np.float64]) -> Pose:
+    vector = joints[3:]
+    angle = float(np.linalg.norm(vector))
+    axis = vector / angle if angle > 1e-12 else np.zeros(3)
+    return Pose(joints[:3], np.concatenate([[np.cos(angle / 2)], axis * np.sin(angle / 2)]))

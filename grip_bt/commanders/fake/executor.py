@@ -1,0 +1,99 @@
+"""A fake executor: joints that follow a trajectory exactly."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from grip_bt.errors import CanceledError, ExecutionAbortedError
+from grip_bt.operation import Operation
+from grip_bt.values import JointState, Trajectory
+
+from .schedule import AtOnce, Schedule, Script, steps_of
+
+START_TOLERANCE = 0.05
+"""A trajectory begins within this distance of where the joints are [rad]."""
+
+
+@dataclass
+class _Motion:
+    trajectory: Trajectory
+    begin: float
+    operation: Operation[JointState]
+
+
+class FakeExecutor:
+    """Implements `ports.Executor`.
+
+    Args:
+        start: where the joints are at first.
+        schedule: its time; at once when None.
+        script: what becomes of each motion: None reaches its end, an error ends it half-way.
+    """
+
+    def __init__(self, start: JointState, schedule: Schedule | None = None, script: Script = ()):
+        self._schedule = schedule or AtOnce()
+        self._position, self._names = np.array(start.position), start.names
+        self._motion: _Motion | None = None
+        self._script = steps_of(script)
+        self.executed: list[Trajectory] = []
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints that it moves."""
+        return self._names
+
+    def state(self) -> JointState:
+        """Return where the joints are now."""
+        position = self._position
+        if self._motion is not None:
+            position = self._motion.trajectory.at(self._schedule.now() - self._motion.begin)
+        return JointState(self._names, position, np.zeros(len(position)), time=self._schedule.now())
+
+    def execute(self, trajectory: Trajectory) -> Operation[JointState]:
+        """Follow a trajectory; one under way ends as cancelled. See `ports.Executor`.
+
+        Raises:
+            ValueError: it names other joints.
+        """
+        if trajectory.names != self._names:
+            raise ValueError(f"the trajectory moves {trajectory.names}, this executor {self._names}")
+        self.stop()
+        off = float(np.abs(trajectory.positions[0] - self._position).max())
+        if off > START_TOLERANCE:
+            return Operation.failed(
+                ExecutionAbortedError(f"the trajectory begins {off:.3f} rad away from the joints", error=off)
+            )
+        self.executed.append(trajectory)
+        operation: Operation[JointState] = Operation(on_cancel=lambda: self._cancel(operation))
+        self._motion = motion = _Motion(trajectory, self._schedule.now(), operation)
+        failure = next(self._script)
+        duration = trajectory.duration / 2 if failure else trajectory.duration
+        self._schedule.after(duration, lambda: self._finish(motion, failure))
+        return operation
+
+    def stop(self) -> None:
+        """Hold where the joints are now and end a motion under way as cancelled."""
+        motion = self._hold()
+        if motion is not None:
+            motion.operation.fail(CanceledError("the motion was stopped"))
+
+    def _cancel(self, operation: Operation[JointState]) -> None:
+        if self._motion is not None and self._motion.operation is operation:
+            self.stop()
+
+    def _hold(self) -> _Motion | None:
+        self._position = np.array(self.state().position)
+        motion, self._motion = self._motion, None
+        return motion
+
+    def _finish(self, motion: _Motion, failure: Exception | None) -> None:
+        if self._motion is not motion:
+            return
+        self._hold()
+        if failure is None:
+            self._position = np.array(motion.trajectory.positions[-1])
+            motion.operation.succeed(self.state())
+        else:
+            motion.operation.fail(failure)

@@ -1,0 +1,113 @@
+"""A fake hand: fingers that move evenly, and stop where a thing is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grip_bt.errors import CanceledError
+from grip_bt.operation import Operation
+from grip_bt.values import JointState
+
+from .schedule import AtOnce, Schedule, Script, steps_of
+
+
+@dataclass
+class _Motion:
+    begin: float
+    duration: float
+    start: NDArray[np.float64]
+    goal: NDArray[np.float64]
+    operation: Operation[JointState]
+
+
+class FakeHand:
+    """Implements `ports.HandPort`.
+
+    Args:
+        start: where the fingers are at first.
+        schedule: its time; at once when None.
+        thing: what is between the fingers: joint positions that they don't get past when flexing (larger is more
+            closed), or None.
+        forces: link -> force [N] while the fingers press on the thing.
+        script: what becomes of each motion; an error ends it where it begins.
+    """
+
+    def __init__(
+        self,
+        start: JointState,
+        schedule: Schedule | None = None,
+        thing: JointState | None = None,
+        forces: Mapping[str, float] | None = None,
+        script: Script = (),
+    ):
+        self._schedule = schedule or AtOnce()
+        self._names, self._position = start.names, np.array(start.position)
+        self._motion: _Motion | None = None
+        self._forces = dict(forces or {"fingertip": 5.0})
+        self._script = steps_of(script)
+        self.torque_limits: list[float | None] = []
+        self.thing = thing
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints of the hand."""
+        return self._names
+
+    def state(self) -> JointState:
+        """Return where the fingers are now; pressing joints have an effort."""
+        position = self._blocked(self._free_position())
+        effort = 0.5 * self._pressing().astype(float)
+        return JointState(self._names, position, np.zeros(len(position)), effort, self._schedule.now())
+
+    def move(self, posture: JointState, duration: float, torque_limit: float | None = None) -> Operation[JointState]:
+        """Move towards a posture; see `ports.HandPort`."""
+        self.stop()
+        self.torque_limits.append(torque_limit)
+        failure = next(self._script)
+        if failure is not None:
+            return Operation.failed(failure)
+        operation: Operation[JointState] = Operation(on_cancel=lambda: self._cancel(operation))
+        goal = posture.ordered(self._names)
+        self._motion = motion = _Motion(self._schedule.now(), duration, np.array(self._position), goal, operation)
+        self._schedule.after(duration, lambda: self._finish(motion))
+        return operation
+
+    def contacts(self) -> Mapping[str, float]:
+        """Return the forces while the fingers press on the thing."""
+        return dict(self._forces) if self._pressing().any() else {}
+
+    def stop(self) -> None:
+        """Hold where the fingers are now and end a motion under way as cancelled."""
+        self._position = self._blocked(self._free_position())
+        motion, self._motion = self._motion, None
+        if motion is not None:
+            motion.operation.fail(CanceledError("the hand was stopped"))
+
+    def _cancel(self, operation: Operation[JointState]) -> None:
+        if self._motion is not None and self._motion.operation is operation:
+            self.stop()
+
+    def _finish(self, motion: _Motion) -> None:
+        if self._motion is motion:
+            # The goal is kept even where the thing is in the way: that is what presses.
+            self._position, self._motion = motion.goal, None
+            motion.operation.succeed(self.state())
+
+    def _free_position(self) -> NDArray[np.float64]:
+        motion = self._motion
+        if motion is None:
+            return self._position
+        part = 1.0 if motion.duration <= 0 else min((self._schedule.now() - motion.begin) / motion.duration, 1.0)
+        return motion.start + (motion.goal - motion.start) * part
+
+    def _blocked(self, position: NDArray[np.float64]) -> NDArray[np.float64]:
+        return position if self.thing is None else np.minimum(position, self.thing.ordered(self._names))
+
+    def _pressing(self) -> NDArray[np.bool_]:
+        free = self._free_position()
+        pressing: NDArray[np.bool_] = self._blocked(free) < free - 1e-6
+        return pressing
