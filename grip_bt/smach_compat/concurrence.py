@@ -56,6 +56,9 @@ class Concurrence(Container):
         self._child_termination_cb = child_termination_cb
         self._check_policy()
 
+        # Callbacks come one at a time. Not under `_done_cond`, so that one may request a preempt of a container
+        # further out while another thread does the same.
+        self._callback_lock = threading.RLock()
         self._done_cond = threading.Condition()
         # Of one execution, guarded by `_done_cond`:
         self._woken = False
@@ -215,7 +218,7 @@ class Concurrence(Container):
             ready.wait()
             self.call_transition_cbs()
             self._child_outcomes[label] = self._execute_child(label)
-            with self._done_cond:
+            with self._callback_lock:
                 self._child_ended()
         except BaseException as error:  # noqa: BLE001 - `execute` raises it in its caller's thread
             with self._done_cond:
@@ -249,7 +252,7 @@ class Concurrence(Container):
         )
 
     def _child_ended(self) -> None:
-        """Tell the observers, and wake the container if the others are to stop; with `_done_cond` held."""
+        """Tell the observers, and wake the container if the others are to stop; with `_callback_lock` held."""
         self.call_transition_cbs()
         if self._child_termination_cb is None:
             return

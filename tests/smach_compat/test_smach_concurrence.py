@@ -240,6 +240,22 @@ def test_a_request_from_the_termination_callback_is_not_lost(in_time):
     assert in_time(cc.execute) == "preempted"
 
 
+def test_a_preempt_of_the_parent_gets_through_while_a_callback_runs(in_time):
+    def preempt_from_another_thread(outcomes):
+        other = threading.Thread(target=sm.request_preempt)
+        other.start()
+        other.join(20)
+        assert not other.is_alive(), "the request waits for the callback"
+
+    children = {"A": ok(), "B": WaitsForPreempt()}
+    sm = StateMachine(["a", "preempted"])
+    with sm:
+        cc = concurrence(children, ["a", "preempted"], child_termination_cb=preempt_from_another_thread)
+        StateMachine.add("C", cc)
+    assert in_time(sm.execute, limit=60) == "preempted"
+    assert not sm.preempt_requested()
+
+
 @pytest.mark.slow
 def test_many_executions_under_hasty_switching_always_end(in_time):
     before = sys.getswitchinterval()
