@@ -3,39 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from grip_bt.catalog import Manifest
 from grip_bt.errors import listing, nearest
 from grip_bt.graph.model import Leaf, Task
 from grip_bt.nodes.control import Edges
+from grip_bt.validation import Issue
 
 from .scopes import Scope
 
 
-@dataclass(frozen=True)
-class Problem:
-    """Why a task can't be compiled."""
-
-    path: str
-    code: str
-    message: str
-
-    def __str__(self) -> str:
-        return f"{self.path}: {self.message} [{self.code}]"
+def problem(path: str, code: str, message: str) -> Issue:
+    """Return an issue that keeps a task from being compiled; the codes are those of validation."""
+    return Issue(path, code, "error", message)
 
 
-def check_leaf(path: str, node: Leaf, manifest: Manifest, scope: Scope, problems: list[Problem]) -> None:
+def check_leaf(path: str, node: Leaf, manifest: Manifest, scope: Scope, problems: list[Issue]) -> None:
     """Parameters, ports and variables of a leaf are there."""
     for name, parameter in manifest.parameters.items():
         if parameter.required and name not in node.with_:
             problems.append(
-                Problem(path, "missing_parameter", f"{manifest.id} needs `with: {{{name}: ...}}` ({parameter.type})")
+                problem(path, "missing-parameter", f"{manifest.id} needs `with: {{{name}: ...}}` ({parameter.type})")
             )
     for port, declared in manifest.inputs.items():
         if declared.required and port not in node.in_:
             problems.append(
-                Problem(path, "unbound_input", f"{manifest.id} needs `in: {{{port}: <variable>}}` ({declared.type})")
+                problem(path, "missing-input", f"{manifest.id} needs `in: {{{port}: <variable>}}` ({declared.type})")
             )
     for kind, given, allowed in (
         ("parameter", node.with_, manifest.parameters),
@@ -46,9 +39,9 @@ def check_leaf(path: str, node: Leaf, manifest: Manifest, scope: Scope, problems
         for name in given:
             if name not in allowed:
                 problems.append(
-                    Problem(
+                    problem(
                         path,
-                        f"unknown_{kind}",
+                        f"unknown-{kind}",
                         f"{manifest.id} has no {kind} {name!r}{nearest(name, allowed)} (there are: {listing(allowed)})",
                     )
                 )
@@ -56,9 +49,9 @@ def check_leaf(path: str, node: Leaf, manifest: Manifest, scope: Scope, problems
         if scope.find(variable) is None:
             there = scope.visible()
             problems.append(
-                Problem(
+                problem(
                     path,
-                    "unknown_variable",
+                    "undeclared-variable",
                     f"no variable {variable!r} is declared here or above{nearest(variable, there)}"
                     f" (there are: {listing(there)})",
                 )
@@ -71,7 +64,7 @@ def check_edges(
     ends: Mapping[str, Mapping[str, str]],
     outcomes: set[str],
     initial: str | None,
-    problems: list[Problem],
+    problems: list[Issue],
 ) -> None:
     """Edges leave ends that exist, and lead somewhere; in a state machine every end has one.
 
@@ -87,24 +80,24 @@ def check_edges(
     for (child, outcome, _), target in edges:
         if child not in ends:
             problems.append(
-                Problem(
-                    path, "unknown_child", f"an exit names {child!r}{nearest(child, ends)} (children: {listing(ends)})"
+                problem(
+                    path, "unknown-child", f"an exit names {child!r}{nearest(child, ends)} (children: {listing(ends)})"
                 )
             )
         elif ends[child] and outcome not in ends[child]:
             problems.append(
-                Problem(
+                problem(
                     path,
-                    "unknown_outcome",
+                    "unknown-outcome",
                     f"{child!r} never ends with {outcome!r}{nearest(outcome, ends[child])}"
                     f" (it ends with: {listing(ends[child])})",
                 )
             )
         if target not in targets:
             problems.append(
-                Problem(
+                problem(
                     path,
-                    "unknown_target",
+                    "unknown-target",
                     f"{child}.{outcome} leads to {target!r}{nearest(target, targets)}"
                     f" (allowed: {listing(sorted(targets))})",
                 )
@@ -113,9 +106,9 @@ def check_edges(
         return
     if initial not in ends:
         problems.append(
-            Problem(
+            problem(
                 path,
-                "unknown_child",
+                "unknown-child",
                 f"initial {initial!r} isn't a child{nearest(initial, ends)} (children: {listing(ends)})",
             )
         )
@@ -123,29 +116,29 @@ def check_edges(
         for outcome in labels:
             if edges.target(child, outcome) is None:
                 problems.append(
-                    Problem(
+                    problem(
                         path,
-                        "no_target",
+                        "missing-target",
                         f"{child!r} may end with {outcome!r}, which leads nowhere; add it to `on:` of {child!r}",
                     )
                 )
 
 
-def check_root(task: Task, meaning: Mapping[str, str], problems: list[Problem]) -> Edges:
+def check_root(task: Task, meaning: Mapping[str, str], problems: list[Issue]) -> Edges:
     """Return where each end of the root leads; what `on:` doesn't map keeps its label, or else goes by its meaning."""
     on = dict(task.root.on)
     for label, target in on.items():
         if label.split(".", 1)[0] not in meaning and meaning:
             problems.append(
-                Problem(
-                    "/", "unknown_outcome", f"the root never ends with {label!r} (it ends with: {listing(meaning)})"
+                problem(
+                    "/", "unknown-outcome", f"the root never ends with {label!r} (it ends with: {listing(meaning)})"
                 )
             )
         if target not in task.outcomes:
             problems.append(
-                Problem(
+                problem(
                     "/",
-                    "unknown_target",
+                    "unknown-target",
                     f"{label!r} leads to {target!r}{nearest(target, task.outcomes)}"
                     f" (the task's outcomes: {listing(task.outcomes)})",
                 )
@@ -155,9 +148,9 @@ def check_root(task: Task, meaning: Mapping[str, str], problems: list[Problem]) 
             found = next((t for t in (outcome, means) if t in task.outcomes), None)
             if found is None:
                 problems.append(
-                    Problem(
+                    problem(
                         "/",
-                        "no_target",
+                        "missing-target",
                         f"the root may end with {outcome!r}, which leads to no outcome of the task;"
                         " add it to `on:` of the root",
                     )

@@ -21,8 +21,9 @@ from grip_bt.graph.model import (
     outcomes_of,
 )
 from grip_bt.nodes.control import Edges
+from grip_bt.validation import Issue
 
-from .checks import Problem, check_edges, check_leaf, check_root
+from .checks import check_edges, check_leaf, check_root, problem
 from .scopes import Scope, Scopes
 
 
@@ -103,7 +104,7 @@ def resolve(task: Task, catalog: Catalog, data: Mapping[str, Any] | None = None)
             outer.cells[name].preset(value)
         else:
             there = ", ".join(outer.cells) or "none"
-            work.add("/", "unknown_variable", f"the task declares no variable {name!r} (there are: {there})")
+            work.add("/", "undeclared-variable", f"the task declares no variable {name!r} (there are: {there})")
     root = work.part(task.name, "/", task.root, outer)
     ends = check_root(task, root.meaning, work.problems)
     if work.problems:
@@ -115,10 +116,10 @@ class _Resolver:
     def __init__(self, catalog: Catalog):
         self.catalog = catalog
         self.scopes = Scopes()
-        self.problems: list[Problem] = []
+        self.problems: list[Issue] = []
 
     def add(self, path: str, code: str, message: str) -> None:
-        self.problems.append(Problem(path, code, message))
+        self.problems.append(problem(path, code, message))
 
     def part(self, name: str, path: str, node: AnyNode, outer: Scope) -> Part:
         if isinstance(node, Leaf):
@@ -137,7 +138,7 @@ class _Resolver:
                 if below.on:
                     self.add(
                         join(path, child),
-                        "edge_outside_machine",
+                        "misplaced-on",
                         "`on:` is only for children of a state_machine; use `exits:` of the container",
                     )
         ends = {child.name: child.meaning for child in children}
@@ -149,7 +150,7 @@ class _Resolver:
         try:
             manifest = self.catalog.get(node.node)
         except GripError as error:
-            self.add(path, "unknown_node", str(error))
+            self.add(path, "unknown-node", str(error))
             return Part(name, path, node, {}, scope, False)
         check_leaf(path, node, manifest, scope, self.problems)
         meaning = manifest.outcomes_for(dict(node.meaning))

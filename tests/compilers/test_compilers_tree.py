@@ -161,16 +161,16 @@ def test_all_problems_are_told_at_once(target: Any) -> None:
         compiled(root, target=target, **{"data": {"n": "int"}}, values={"k": 1})
     text = str(raised.value)
     assert {issue.code for issue in raised.value.issues} == {
-        "unknown_variable",
-        "missing_parameter",
-        "unknown_parameter",
-        "unknown_input",
-        "unknown_node",
-        "edge_outside_machine",
-        "unknown_child",
-        "unknown_outcome",
-        "unknown_target",
-        "no_target",
+        "undeclared-variable",
+        "missing-parameter",
+        "unknown-parameter",
+        "unknown-input",
+        "unknown-node",
+        "misplaced-on",
+        "unknown-child",
+        "unknown-outcome",
+        "unknown-target",
+        "missing-target",
     }
     for hint in ("did you mean 'success'", "did you mean 'n'", "did you mean 'test/copy'", "did you mean 'done'"):
         assert hint in text
