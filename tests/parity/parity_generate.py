@@ -192,7 +192,10 @@ def make_case(seed: int) -> dict[str, Any]:
         return case
     if maker.chance(0.4):
         case["preempt_at"] = random.randint(-1, 8)
+    if maker.embed:
+        case["embedded"] = True
     if maker.chance(0.15):
         steps = random.choice(list(maker.scripts.values()))
-        random.choice(steps)[random.choice(("raises", "stops"))] = True
+        odd = ("raises",) if maker.embed else ("raises", "stops")
+        random.choice(steps)[random.choice(odd)] = True
     return case
