@@ -1,0 +1,28 @@
+"""`python -m grip_sim FD`: the simulator's process, started by `grip_sim.client` with an open socket."""
+
+import signal
+import socket
+import sys
+
+from .server import Server
+from .specs import WorldSpec
+from .wire import ClosedError, pack, receive
+
+
+def main() -> int:
+    """Make the world that the client asks for and obey it."""
+    # Ctrl-C reaches the whole process group; when to end is the client's decision, and its end is ours.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    connection = socket.socket(fileno=int(sys.argv[1]))
+    try:
+        fields, _ = receive(connection)
+        server = Server(connection, WorldSpec.from_json(fields["spec"]), fields["pace"])
+        connection.sendall(pack({"id": fields["id"], "time": 0.0}))
+    except (ClosedError, BrokenPipeError):
+        return 0
+    server.serve()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,121 @@
+"""The simulator behind GRIP's ports: joints, hand, camera, and the referee, who isn't a port."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from grip_bt.operation import Operation
+from grip_bt.values import CameraInfo, DepthImage, Image, JointState, Pose, RgbdFrame, Trajectory
+
+from .client import Reply, SimClient
+from .referee import ObjectTruth
+
+
+def _state(reply: Reply) -> JointState:
+    arrays = reply.arrays
+    names = tuple(reply.fields["names"])
+    return JointState(names, arrays["position"], arrays["velocity"], arrays["effort"], reply.fields["time"])
+
+
+def _measured(operation: Operation[Reply]) -> Operation[JointState]:
+    return operation.then(lambda reply: Operation.finished(_state(reply)))
+
+
+class _Joints:
+    """What a group of simulated joints has in common."""
+
+    def __init__(self, client: SimClient, names: tuple[str, ...]):
+        self._client, self._names = client, names
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints, in order."""
+        return self._names
+
+    def state(self) -> JointState:
+        """Return the measured state; efforts are the drives' torques [N m]."""
+        return _state(self._client.ask("state", names=list(self._names)))
+
+    def stop(self) -> None:
+        """Hold where the joints are and end a motion under way; what stands still keeps pressing as it did."""
+        self._client.ask("stop", names=list(self._names))
+
+
+class SimExecutor(_Joints):
+    """Implements `grip_bt.ports.Executor`."""
+
+    def execute(self, trajectory: Trajectory) -> Operation[JointState]:
+        """Follow a trajectory; see the port.
+
+        Raises:
+            ValueError: the trajectory isn't for these joints.
+        """
+        if set(trajectory.names) != set(self._names):
+            raise ValueError(f"the trajectory is for {trajectory.names}, not for {self._names}")
+        order = [trajectory.names.index(name) for name in self._names]
+        arrays = {"times": trajectory.times, "positions": trajectory.positions[:, order]}
+        if trajectory.velocities is not None:
+            arrays["velocities"] = trajectory.velocities[:, order]
+        return _measured(self._client.move("follow", arrays, names=list(self._names)))
+
+
+class SimHand(_Joints):
+    """Implements `grip_bt.ports.HandPort`."""
+
+    def move(self, posture: JointState, duration: float, torque_limit: float | None = None) -> Operation[JointState]:
+        """Move the fingers towards a posture; see the port."""
+        goal = posture.ordered(self._names)
+        moved = self._client.move(
+            "move_hand", {"goal": goal}, names=list(self._names), duration=duration, limit=torque_limit
+        )
+        return _measured(moved)
+
+    def contacts(self) -> Mapping[str, float]:
+        """Return the contact force [N] of each link of the hand that touches something that isn't the robot."""
+        contacts: dict[str, float] = self._client.ask("contacts").fields["contacts"]
+        return contacts
+
+
+class SimCamera:
+    """Implements `grip_bt.ports.Camera`."""
+
+    def __init__(self, client: SimClient, name: str, info: CameraInfo):
+        self._client, self._name, self._info = client, name, info
+
+    def info(self) -> CameraInfo:
+        """Return the camera's geometry."""
+        return self._info
+
+    def capture(self) -> Operation[RgbdFrame]:
+        """Take one frame."""
+        return self._client.request("look", camera=self._name).then(self._frame)
+
+    def _frame(self, reply: Reply) -> Operation[RgbdFrame]:
+        time = reply.fields["time"]
+        image = Image(reply.arrays["image"], f"{self._name}_optical", time)
+        return Operation.finished(RgbdFrame(image, DepthImage(reply.arrays["depth"], self._info, time)))
+
+
+class SimReferee:
+    """What is true, whatever a task believes. Never given to a task."""
+
+    def __init__(self, client: SimClient):
+        self._client = client
+
+    def truth(self) -> dict[str, ObjectTruth]:
+        """Return the truth about each object, as it is now."""
+        verdicts = [ObjectTruth.from_json(data) for data in self._client.ask("truth").fields["truth"]]
+        return {verdict.name: verdict for verdict in verdicts}
+
+    def fingerprint(self) -> str:
+        """Return a hash over the state of everything that moves."""
+        return str(self._client.ask("fingerprint").fields["fingerprint"])
+
+    def move_object(self, name: str, pose: Pose) -> None:
+        """Put an object elsewhere, to disturb a task."""
+        place: dict[str, Any] = {"position": pose.position.tolist(), "quaternion": pose.quaternion.tolist()}
+        self._client.ask("move_object", name=name, **place)
+
+
+__all__ = ["SimCamera", "SimExecutor", "SimHand", "SimReferee"]

@@ -1,0 +1,52 @@
+"""The clock of a run over the simulator."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+
+class SimClock:
+    """Simulated time while something moves, our own time while nothing does; it never decreases.
+
+    Physics stands still while a task thinks, so that a seed gives the same physics however long planning takes. A
+    time-out on something that never answers must fire all the same: therefore time goes on between motions.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._simulated = 0.0
+        self._idle = 0.0
+        self._idle_since: float | None = time.monotonic()
+        self._moving = 0
+
+    def now(self) -> float:
+        """Return the time [s]."""
+        with self._lock:
+            idle = 0.0 if self._idle_since is None else time.monotonic() - self._idle_since
+            return self._simulated + self._idle + idle
+
+    @property
+    def simulated(self) -> float:
+        """Simulated time alone [s]."""
+        return self._simulated
+
+    def begin(self) -> None:
+        """A motion begins."""
+        with self._lock:
+            self._moving += 1
+            if self._idle_since is not None:
+                self._idle += time.monotonic() - self._idle_since
+                self._idle_since = None
+
+    def end(self) -> None:
+        """A motion has ended."""
+        with self._lock:
+            self._moving -= 1
+            if self._moving == 0:
+                self._idle_since = time.monotonic()
+
+    def told(self, simulated: float) -> None:
+        """Take over the simulator's time [s]."""
+        with self._lock:
+            self._simulated = max(self._simulated, simulated)

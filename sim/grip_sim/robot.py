@@ -1,0 +1,152 @@
+"""The robot in the physics: loaded from its description, driven by PD drives, relieved of its own weight."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grip_bt.commanders.robots import RobotDescription
+
+from .physics import ignore_each_other, physx, sapien
+
+Floats = NDArray[np.float64]
+HAND_FRICTION = 1.0
+NEAR_BASE, THUMB = 30, 29
+
+
+@dataclass(frozen=True)
+class Measured:
+    """State of some joints: arrays of one length; rad, rad/s, N m."""
+
+    names: tuple[str, ...]
+    position: Floats
+    velocity: Floats
+    effort: Floats
+
+
+class SimRobot:
+    """An articulation whose joints hold or follow drive targets.
+
+    Args:
+        scene: where it is put, with its base link at the origin.
+        description: what it is.
+    """
+
+    def __init__(self, scene: sapien.Scene, description: RobotDescription):
+        self.description = description
+        self.body = _load(scene, description)
+        self.links = tuple(self.body.links)
+        self.hand_links = frozenset(description.hand_links)
+        self._joints = list(self.body.active_joints)
+        self._rows = {joint.name: row for row, joint in enumerate(self._joints)}
+        count = len(self._joints)
+        self._target, self._speed = np.zeros(count), np.zeros(count)
+        self._stiffness, self._damping = np.zeros(count), np.zeros(count)
+        self._limit = np.zeros(count)
+        self._set_drives()
+        self._let_neighbours_pass()
+        start = {"arm": "home", "hand": "open"}
+        for group, state in start.items():
+            self.place(description.named_state(group, state).as_mapping())
+
+    def rows(self, names: Sequence[str]) -> NDArray[np.intp]:
+        """Return the indices of joints, for the other methods."""
+        return np.array([self._rows[name] for name in names], dtype=np.intp)
+
+    def group_rows(self, group: str) -> NDArray[np.intp]:
+        """Return the indices of a group's joints.
+
+        Raises:
+            UnknownNameError: there is no such group.
+        """
+        return self.rows(self.description.group(group))
+
+    def place(self, positions: Mapping[str, float]) -> None:
+        """Put joints at positions [rad] at once, at rest; for the start of a world only."""
+        q = np.array(self.body.get_qpos())
+        rows = self.rows(tuple(positions))
+        q[rows] = list(positions.values())
+        self.body.set_qpos(q.astype(np.float32))
+        self.body.set_qvel(np.zeros(len(q), np.float32))
+        self.drive(rows, q[rows])
+
+    def drive(self, rows: NDArray[np.intp], positions: Floats, velocities: Floats | None = None) -> None:
+        """Set drive targets [rad, rad/s]; without velocities the joints are to stand still."""
+        speeds = np.zeros(len(rows)) if velocities is None else velocities
+        self._target[rows], self._speed[rows] = positions, speeds
+        for row, position, speed in zip(rows.tolist(), positions.tolist(), speeds.tolist(), strict=True):
+            joint = self._joints[row]
+            joint.set_drive_target(position)
+            joint.set_drive_velocity_target(speed)
+
+    def limit_torque(self, rows: NDArray[np.intp], limit: float | None) -> None:
+        """Limit the drives' torque [N m]; None restores the description's limits."""
+        for row in rows.tolist():
+            joint = self._joints[row]
+            most = self.description.drives[joint.name].limit
+            value = most if limit is None else min(limit, most)
+            joint.set_drive_properties(self._stiffness[row], self._damping[row], force_limit=value, mode="force")
+            self._limit[row] = value
+
+    def hold(self, rows: NDArray[np.intp]) -> None:
+        """Make the present positions the targets."""
+        self.drive(rows, self.positions()[rows])
+
+    def targets(self, rows: NDArray[np.intp]) -> Floats:
+        """Return the drive targets [rad]."""
+        return self._target[rows].copy()
+
+    def positions(self) -> Floats:
+        """Return all joint positions [rad]."""
+        return np.asarray(self.body.get_qpos(), dtype=float)
+
+    def velocities(self) -> Floats:
+        """Return all joint velocities [rad/s]."""
+        return np.asarray(self.body.get_qvel(), dtype=float)
+
+    def measure(self, rows: NDArray[np.intp]) -> Measured:
+        """Return the state of joints; the efforts are what the drives give, without the weight that is compensated."""
+        q, v = self.positions()[rows], self.velocities()[rows]
+        wanted = self._stiffness[rows] * (self._target[rows] - q) + self._damping[rows] * (self._speed[rows] - v)
+        effort = np.clip(wanted, -self._limit[rows], self._limit[rows])
+        return Measured(tuple(self._joints[r].name for r in rows.tolist()), q, v, effort)
+
+    def compensate(self) -> None:
+        """Apply the joint forces that carry the robot's own weight; before each step."""
+        self.body.set_qf(self.body.compute_passive_force(True, True))
+
+    def _set_drives(self) -> None:
+        for row, joint in enumerate(self._joints):
+            drive = self.description.drives[joint.name]
+            joint.set_friction(0.0)  # the Allegro's URDF says 5-10 N m, ten times what its motors give
+            joint.set_armature(np.array([drive.armature], dtype=np.float32))
+            self._stiffness[row], self._damping[row] = drive.stiffness, drive.damping
+        self.limit_torque(np.arange(len(self._joints)), None)
+
+    def _let_neighbours_pass(self) -> None:
+        fingers = list(self.description.finger_links.values())
+        distal = {link for finger in fingers for link in finger[2:]}
+        thumb = set(fingers[-1][:3]) if fingers else set()
+        for link in self.links:
+            if link.name not in distal:  # arm, palm, roots of the fingers: the planner keeps them apart
+                ignore_each_other(link.collision_shapes, NEAR_BASE)
+            if link.name in thumb:
+                ignore_each_other(link.collision_shapes, THUMB)
+
+
+def _load(scene: sapien.Scene, description: RobotDescription) -> physx.PhysxArticulation:
+    loader = scene.create_urdf_loader()
+    loader.fix_root_link = True
+    loader.set_material(HAND_FRICTION, HAND_FRICTION, 0.0)
+    with tempfile.TemporaryDirectory() as folder:  # the loader reads files only
+        file = Path(folder) / f"{description.name}.urdf"
+        file.write_text(description.urdf_without_visuals())
+        body = loader.load(str(file))
+    body.set_solver_position_iterations(16)
+    body.set_solver_velocity_iterations(1)
+    return body

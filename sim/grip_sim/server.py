@@ -1,0 +1,169 @@
+"""The simulator's process: physics advances only while something is under way; it ends when its client is gone."""
+
+from __future__ import annotations
+
+import select
+import socket
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from grip_bt.errors import GripError
+from grip_bt.values import Pose
+
+from .motions import Ended, Follow, Motion, MoveHand, Wait
+from .referee import judge
+from .specs import WorldSpec
+from .wire import Arrays, ClosedError, pack, receive
+from .world import World
+
+STEPS_PER_LOOK = 4
+"""Steps between two looks at the connection: 17 ms of simulated time, a few ms of ours."""
+TELL_TIME = 0.02
+"""While something moves, the client is told the time this often [s of ours]."""
+
+
+class Server:
+    """Obeys one client.
+
+    Args:
+        connection: to the client.
+        spec: the world.
+        pace: simulated seconds per second; None for as fast as it goes.
+    """
+
+    def __init__(self, connection: socket.socket, spec: WorldSpec, pace: float | None):
+        self._connection, self._pace = connection, pace
+        self.world = World(spec)
+        self._motions: dict[int, Motion] = {}
+        self._told = 0.0
+        self._calls: dict[str, Callable[..., Any]] = {
+            "follow": self._follow,
+            "move_hand": self._move_hand,
+            "wait": self._wait,
+            "stop": self._stop,
+            "cancel": self._cancel,
+            "state": self._state,
+            "contacts": self._contacts,
+            "look": self._look,
+            "truth": self._truth,
+            "fingerprint": self._fingerprint,
+            "move_object": self._move_object,
+        }
+
+    def serve(self) -> None:
+        """Obey until the client is gone."""
+        try:
+            while True:
+                wait = 0.0 if self._motions else None
+                if select.select([self._connection], [], [], wait)[0]:
+                    self._obey(*receive(self._connection))
+                elif self._motions:
+                    self._advance()
+        except (ClosedError, BrokenPipeError, ConnectionResetError):
+            return
+
+    def _obey(self, fields: dict[str, Any], arrays: Arrays) -> None:
+        number, call = fields.pop("id"), fields.pop("call")
+        try:
+            answer = self._calls[call](number, **fields, **arrays)
+        except GripError as error:
+            self._send({"id": number, "error": "refused", "message": str(error)})
+            return
+        if answer is not None:
+            said, data = answer
+            self._send({"id": number, **said}, data)
+
+    def _advance(self) -> None:
+        began = time.monotonic()
+        for _ in range(STEPS_PER_LOOK):
+            for number, motion in list(self._motions.items()):
+                end = motion.advance(self.world)
+                if end is not None:
+                    self._finish(number, end)
+            if not self._motions:
+                return
+            self.world.step()
+        if self._pace is not None:
+            rest = STEPS_PER_LOOK * self.world.spec.dt / self._pace - (time.monotonic() - began)
+            if rest > 0:  # a message ends the rest, so that a stop isn't late
+                select.select([self._connection], [], [], rest)
+        if time.monotonic() - self._told > TELL_TIME:
+            self._told = time.monotonic()
+            self._send({"id": 0})
+
+    def _finish(self, number: int, end: Ended) -> None:
+        motion = self._motions.pop(number)
+        said, arrays = self._measured(motion.rows)
+        self._send({"id": number, **said, "error": end.error, "message": end.message}, arrays)
+
+    def _send(self, fields: dict[str, Any], arrays: Arrays | None = None) -> None:
+        self._connection.sendall(pack({"time": self.world.time, **fields}, arrays))
+
+    # --- what may be called ---
+
+    def _follow(self, number: int, names: list[str], times: Any, positions: Any, velocities: Any = None) -> None:
+        rows = self.world.robot.rows(names)
+        self._replace(rows)
+        motion = Follow(self.world.robot, rows, times, positions, velocities, self.world.time)
+        self._motions[number] = motion
+        wrong = motion.wrong_start()
+        if wrong:
+            self._finish(number, Ended("aborted", wrong))
+
+    def _move_hand(self, number: int, names: list[str], goal: Any, duration: float, limit: float | None) -> None:
+        rows = self.world.robot.rows(names)
+        self._replace(rows)
+        self.world.robot.limit_torque(rows, limit)
+        self._motions[number] = MoveHand(self.world.robot, rows, goal, duration, self.world.time)
+
+    def _wait(self, number: int, seconds: float) -> None:
+        self._motions[number] = Wait(self.world.time + seconds)
+
+    def _stop(self, number: int, names: list[str]) -> Any:
+        self._replace(self.world.robot.rows(names))
+        return {}, None
+
+    def _cancel(self, number: int, motion: int) -> Any:
+        if motion in self._motions:
+            self._end_early(motion)
+        return {}, None
+
+    def _replace(self, rows: Any) -> None:
+        """End whatever moves one of these joints; they hold where they are. What stands still keeps its targets."""
+        for number, motion in list(self._motions.items()):
+            if np.intersect1d(motion.rows, rows).size:
+                self._end_early(number)
+
+    def _end_early(self, number: int) -> None:
+        self.world.robot.hold(self._motions[number].rows)
+        self._finish(number, Ended("canceled", "the motion was stopped"))
+
+    def _state(self, number: int, names: list[str]) -> Any:
+        return self._measured(self.world.robot.rows(names))
+
+    def _measured(self, rows: Any) -> tuple[dict[str, Any], Arrays | None]:
+        if not rows.size:
+            return {}, None
+        state = self.world.robot.measure(rows)
+        arrays = {"position": state.position, "velocity": state.velocity, "effort": state.effort}
+        return {"names": list(state.names)}, arrays
+
+    def _contacts(self, number: int) -> Any:
+        return {"contacts": dict(self.world.hand_contacts())}, None
+
+    def _look(self, number: int, camera: str) -> Any:
+        frame = self.world.look(camera)
+        return {}, {"image": frame.image, "depth": frame.depth}
+
+    def _truth(self, number: int) -> Any:
+        return {"truth": [verdict.to_json() for verdict in judge(self.world)]}, None
+
+    def _fingerprint(self, number: int) -> Any:
+        return {"fingerprint": self.world.fingerprint()}, None
+
+    def _move_object(self, number: int, name: str, position: list[float], quaternion: list[float]) -> Any:
+        self.world.move_object(name, Pose(position, quaternion))
+        return {}, None

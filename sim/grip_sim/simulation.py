@@ -1,0 +1,98 @@
+"""A simulation to work with: the process, the adapters to its parts, and its certain end."""
+
+from __future__ import annotations
+
+from grip_bt.commanders.robots import build_robot
+from grip_bt.errors import UnknownNameError
+
+from .adapters import SimCamera, SimExecutor, SimHand, SimReferee
+from .client import SimClient
+from .clock import SimClock
+from .geometry import camera_info
+from .specs import WorldSpec
+
+SETTLE = 0.5
+"""How long objects are left to come to rest at the start [s]."""
+
+
+class Simulation:
+    """A running simulator. Physics advances only while something is under way.
+
+    Attributes:
+        spec: the world.
+        referee: the truth; for judges, never for a task.
+    """
+
+    def __init__(self, spec: WorldSpec, pace: float | None = None):
+        self.spec = spec
+        self._client = SimClient(spec, pace)
+        self._robot = build_robot(spec.robot)
+        self.referee = SimReferee(self._client)
+
+    @property
+    def clock(self) -> SimClock:
+        """The run's clock."""
+        return self._client.clock
+
+    @property
+    def pid(self) -> int:
+        """The simulator's process."""
+        return self._client.pid
+
+    def executor(self, group: str) -> SimExecutor:
+        """Return what moves a group of joints.
+
+        Raises:
+            UnknownNameError: the robot has no such group.
+        """
+        return SimExecutor(self._client, self._robot.group(group))
+
+    def hand(self, group: str) -> SimHand:
+        """Return what moves the fingers of a group, likewise."""
+        return SimHand(self._client, self._robot.group(group))
+
+    def camera(self, name: str) -> SimCamera:
+        """Return a camera.
+
+        Raises:
+            UnknownNameError: the world has no such camera.
+        """
+        cameras = {camera.name: camera for camera in self.spec.cameras}
+        if name not in cameras:
+            raise UnknownNameError("camera", name, cameras)
+        return SimCamera(self._client, name, camera_info(cameras[name]))
+
+    def settle(self, seconds: float = SETTLE) -> None:
+        """Let time pass and wait for it."""
+        wait = self._client.move("wait", seconds=seconds)
+        wait.wait()
+        wait.result()
+
+    def close(self) -> None:
+        """End the simulator's process."""
+        self._client.close()
+
+    def __enter__(self) -> Simulation:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def start_simulation(spec: WorldSpec, pace: float | None = None) -> Simulation:
+    """Start a simulator in a process of its own and let its objects come to rest.
+
+    Args:
+        spec: the world.
+        pace: simulated seconds per second; None for as fast as it goes.
+
+    Raises:
+        SimulatorLostError: it can't be started; the message holds what it printed.
+    """
+    simulation = Simulation(spec, pace)
+    try:
+        simulation.settle()
+    except BaseException:
+        simulation.close()
+        raise
+    return simulation

@@ -1,0 +1,176 @@
+"""One simulated world: a robot at a table with objects and a crate, stepped by whoever owns it."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from grip_bt.commanders.robots import RobotDescription, build_robot
+from grip_bt.errors import UnknownNameError
+from grip_bt.values import Pose
+
+from .camera import Frame, RayCamera, Target
+from .physics import make_scene, physx, sapien
+from .robot import SimRobot
+from .specs import BoxSpec, ObjectSpec, WorldSpec
+
+TOUCH = 1e-3
+"""Contact forces below this are none [N]."""
+UPRIGHT = sapien.Pose(q=[np.sqrt(0.5), 0, np.sqrt(0.5), 0])
+"""PhysX cylinders lie along x."""
+ARM_COLOUR, HAND_COLOUR = (222, 222, 226), (52, 54, 60)
+
+
+class Contact(NamedTuple):
+    """Two bodies that touch, and the force between them [N]."""
+
+    first: str
+    second: str
+    force: float
+
+
+class World:
+    """The physics of one spec. The same spec and the same sequence of calls give the same states, bit by bit.
+
+    Args:
+        spec: what it consists of.
+        description: the robot; by default the one that the spec names.
+    """
+
+    def __init__(self, spec: WorldSpec, description: RobotDescription | None = None):
+        self.spec = spec
+        self._scene = make_scene(spec.dt)
+        still = [(box, self._add_box(box)) for box in spec.boxes()]
+        self.robot = SimRobot(self._scene, description or build_robot(spec.robot))
+        self._objects = {o.name: self._add_object(o) for o in spec.objects}
+        self._steps = 0
+        moving = [*self._robot_targets(), *self._object_targets()]
+        self._cameras = {c.name: RayCamera(c, self._scene.physx_system, still, moving) for c in spec.cameras}
+
+    # --- time ---
+
+    @property
+    def time(self) -> float:
+        """Simulated time since the world was made [s]."""
+        return self._steps * self.spec.dt
+
+    def step(self) -> None:
+        """Advance by `spec.dt`."""
+        self.robot.compensate()
+        self._scene.step()
+        self._steps += 1
+
+    # --- what is where ---
+
+    def object_pose(self, name: str) -> Pose:
+        """Return the pose of an object's centre in world."""
+        return _pose(self._object(name).entity_pose)
+
+    def object_speeds(self, name: str) -> tuple[float, float]:
+        """Return how fast an object moves [m/s] and turns [rad/s]."""
+        body = self._object(name)
+        speeds = (body.linear_velocity, body.angular_velocity)
+        return float(np.linalg.norm(speeds[0])), float(np.linalg.norm(speeds[1]))
+
+    def move_object(self, name: str, pose: Pose) -> None:
+        """Put an object elsewhere, at rest; for experiments that disturb a task."""
+        body = self._object(name)
+        body.set_entity_pose(sapien.Pose(pose.position, pose.quaternion))
+        body.set_linear_velocity(np.zeros(3))
+        body.set_angular_velocity(np.zeros(3))
+        body.wake_up()
+
+    def link_pose(self, name: str) -> Pose:
+        """Return the pose of a robot's link in world."""
+        for link in self.robot.links:
+            if link.name == name:
+                return _pose(link.entity_pose)
+        raise UnknownNameError("link", name, (link.name for link in self.robot.links))
+
+    def contacts(self) -> Iterator[Contact]:
+        """Yield the contacts of the last step that carry a force."""
+        for contact in self._scene.get_contacts():
+            impulse = np.sum([point.impulse for point in contact.points], axis=0)
+            force = float(np.linalg.norm(impulse)) / self.spec.dt
+            if force > TOUCH:
+                one, two = (body.entity.name for body in contact.bodies)
+                yield Contact(one, two, force)
+
+    def hand_contacts(self) -> Mapping[str, float]:
+        """Return the contact force [N] of each link of the hand that touches something that isn't the robot."""
+        robot = {link.name for link in self.robot.links}
+        forces: dict[str, float] = {}
+        for one, two, force in self.contacts():
+            for link, other in ((one, two), (two, one)):
+                if link in self.robot.hand_links and other not in robot:
+                    forces[link] = forces.get(link, 0.0) + force
+        return forces
+
+    def look(self, camera: str) -> Frame:
+        """Take a frame with a camera.
+
+        Raises:
+            UnknownNameError: there is no such camera.
+        """
+        if camera not in self._cameras:
+            raise UnknownNameError("camera", camera, self._cameras)
+        return self._cameras[camera].capture()
+
+    def fingerprint(self) -> str:
+        """Return a hash over everything that moves."""
+        digest = hashlib.sha256(self.robot.positions().tobytes())
+        digest.update(self.robot.velocities().tobytes())
+        for body in self._objects.values():
+            pose = body.entity_pose
+            for part in (pose.p, pose.q, body.linear_velocity, body.angular_velocity):
+                digest.update(np.asarray(part, dtype=np.float32).tobytes())
+        return digest.hexdigest()
+
+    # --- building ---
+
+    def _object(self, name: str) -> physx.PhysxRigidDynamicComponent:
+        if name not in self._objects:
+            raise UnknownNameError("object", name, self._objects)
+        return self._objects[name]
+
+    def _add_box(self, box: BoxSpec) -> Target:
+        builder = self._scene.create_actor_builder()
+        material = physx.PhysxMaterial(1.0, 1.0, 0.0)
+        builder.add_box_collision(half_size=[s / 2 for s in box.size], material=material)
+        builder.set_physx_body_type("static")
+        builder.set_initial_pose(sapien.Pose(box.centre))
+        entity = builder.build(name=box.name)
+        body = entity.find_component_by_type(physx.PhysxRigidStaticComponent)
+        return Target(body, box.name, box.colour)
+
+    def _add_object(self, spec: ObjectSpec) -> physx.PhysxRigidDynamicComponent:
+        builder = self._scene.create_actor_builder()
+        material = physx.PhysxMaterial(spec.friction, spec.friction, 0.0)
+        r, h = spec.radius, spec.height
+        if spec.shape == "cylinder":
+            density = spec.mass / (np.pi * r * r * h)
+            builder.add_cylinder_collision(UPRIGHT, r, h / 2, material=material, density=density)
+        else:
+            half, density = [r, r, h / 2], spec.mass / (4 * r * r * h)
+            builder.add_box_collision(half_size=half, material=material, density=density)
+        turn = [np.cos(spec.yaw / 2), 0, 0, np.sin(spec.yaw / 2)]
+        builder.set_initial_pose(sapien.Pose(spec.position, turn))
+        entity = builder.build(name=spec.name)
+        return entity.find_component_by_type(physx.PhysxRigidDynamicComponent)
+
+    def _robot_targets(self) -> Iterator[Target]:
+        for link in self.robot.links:
+            if link.collision_shapes:
+                hand = link.name in self.robot.hand_links
+                yield Target(link, link.name, HAND_COLOUR if hand else ARM_COLOUR)
+
+    def _object_targets(self) -> Iterator[Target]:
+        for spec in self.spec.objects:
+            yield Target(self._objects[spec.name], spec.name, spec.colour)
+
+
+def _pose(pose: sapien.Pose) -> Pose:
+    return Pose(pose.p, pose.q)
