@@ -6,8 +6,9 @@ import os
 import subprocess
 import sys
 import threading
+from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import IO, Any, Protocol
 
 from grip_bt.errors import CanceledError, PlannerLostError
 from grip_bt.operation import Operation
@@ -92,7 +93,8 @@ class PlanningProcess:
             child, jobs = self._child, list(self._jobs.values())
             self._jobs.clear()
         child.kill()
-        child.wait()
+        if threading.current_thread() is not self._reader:
+            self._reader.join()
         for job in jobs:
             job.operation.fail(CanceledError("the planning process was closed"))
 
@@ -113,7 +115,8 @@ class PlanningProcess:
             env={**os.environ, "OMP_WAIT_POLICY": "PASSIVE"},
         )
         self._send("robot", self._robot)
-        threading.Thread(target=self._read, args=(child,), name="planner", daemon=True).start()
+        self._reader = threading.Thread(target=self._read, args=(child,), name="planner", daemon=True)
+        self._reader.start()
 
     def _send(self, *message: Any) -> None:
         """Send to the present child; when it is dead, its reader finds out and sends again."""
@@ -121,7 +124,7 @@ class PlanningProcess:
         try:
             write_frame(self._child.stdin, message)
         except (BrokenPipeError, ValueError):
-            pass
+            return
 
     def _read(self, child: subprocess.Popen[bytes]) -> None:
         assert child.stdout is not None
@@ -141,6 +144,7 @@ class PlanningProcess:
         child.wait()
         child.stdout.close()
         self._replace(child)
+        _close(child.stdin)
 
     def _replace(self, dead: subprocess.Popen[bytes]) -> None:
         """Start another child in place of a dead one and send it what is still wanted."""
@@ -189,3 +193,10 @@ class PlanningProcess:
         if running and self._ready.is_set():
             child.kill()
         job.operation.fail(CanceledError("planning was cancelled"))
+
+
+def _close(pipe: IO[bytes] | None) -> None:
+    """Close a pipe whose other end is gone; what it still holds can't be delivered."""
+    if pipe is not None:
+        with suppress(BrokenPipeError):
+            pipe.close()

@@ -1,0 +1,158 @@
+"""Adapters under contract. Another adapter of a port is one more entry in its table here.
+
+A rig holds an adapter and the means to let its time pass: `wait(operation)` until it ends, `let_pass(seconds)`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+
+from grip_bt.commanders.fake import FakeArm, FakeExecutor, FakeHand, OnClock
+from grip_bt.commanders.hand import HandCommander
+from grip_bt.commanders.robots import build_robot
+from grip_bt.operation import Operation
+from grip_bt.ports import Arm, Executor, Hand, HandPort
+from grip_bt.runtime.clock import ManualClock
+from grip_bt.values import JointState, Pose
+
+
+@dataclass
+class Rig:
+    """An adapter and its time.
+
+    Attributes:
+        port: the adapter.
+        let_pass: lets seconds pass.
+    """
+
+    port: Any
+    let_pass: Callable[[float], None]
+
+    def wait(self, operation: Operation[Any], at_most: float = 30.0) -> Operation[Any]:
+        """Let time pass until the operation ends."""
+        waited = 0.0
+        while not operation.done() and waited < at_most:
+            self.let_pass(0.05)
+            waited += 0.05
+        assert operation.done(), f"not ended after {at_most} s"
+        return operation
+
+
+@dataclass
+class ExecutorRig(Rig):
+    port: Executor
+    goal: JointState
+    """Joint positions that can be reached freely, half a radian or so away."""
+
+
+@dataclass
+class HandRig(Rig):
+    port: HandPort | Hand
+    open: JointState
+    closed: JointState
+    offer: Callable[[], None]
+    """Puts a thing between the fingers."""
+
+
+@dataclass
+class ArmRig(Rig):
+    port: Arm
+    away: JointState
+    """A free goal other than `home`."""
+    offset: np.ndarray
+    """A way [m] that the grasp frame can go straight from `home`."""
+
+
+@contextmanager
+def fake_executor() -> Iterator[ExecutorRig]:
+    clock = ManualClock()
+    start = JointState(("a", "b"), [0.1, -0.2])
+    yield ExecutorRig(FakeExecutor(start, OnClock(clock)), clock.advance, JointState(("a", "b"), [0.6, 0.1]))
+
+
+def _fingers() -> tuple[JointState, JointState, JointState]:
+    states = build_robot("panda_allegro").named_states["hand"]
+    half = (states["open"].position + states["closed"].position) / 2
+    return states["open"], states["closed"], JointState(states["open"].names, half)
+
+
+@contextmanager
+def fake_hand_port() -> Iterator[HandRig]:
+    clock = ManualClock()
+    opened, closed, thing = _fingers()
+    port = FakeHand(opened, OnClock(clock))
+    yield HandRig(port, clock.advance, opened, closed, lambda: setattr(port, "thing", thing))
+
+
+@contextmanager
+def commanded_fake_hand() -> Iterator[HandRig]:
+    with fake_hand_port() as rig:
+        states = build_robot("panda_allegro").named_states["hand"]
+        yield HandRig(HandCommander("right", rig.port, states), rig.let_pass, rig.open, rig.closed, rig.offer)
+
+
+@contextmanager
+def fake_arm() -> Iterator[ArmRig]:
+    clock = ManualClock()
+    arm = FakeArm("right", Pose([0.3, -0.4, 0.5]), OnClock(clock))
+    away = JointState(arm.state().names, [0.5, 0.0, 0.3, 0.0, 0.2, 0.1])
+    yield ArmRig(arm, clock.advance, away, np.array([0.0, 0.05, 0.1]))
+
+
+@contextmanager
+def commanded_arm() -> Iterator[ArmRig]:
+    """The real commander, planning in its process, on a fake executor."""
+    from grip_bt.commanders.arm import ArmCommander
+    from grip_bt.commanders.model import RobotModel
+    from grip_bt.commanders.scene import PlanningScene
+    from grip_bt.commanders.worker import PlanningProcess
+
+    clock = ManualClock()
+    model = RobotModel(build_robot("panda_allegro"))
+    home, opened = (model.description.named_state(*s) for s in (("arm", "home"), ("hand", "open")))
+    executor = FakeExecutor(home, OnClock(clock))
+    scene = PlanningScene({"hand": lambda: model.grasp_pose(executor.state())})
+    scene.set_box("table", (0.7, 1.2, 0.1), Pose([0.65, 0, -0.05]))
+    with PlanningProcess(model.description) as planner:
+        arm = ArmCommander("right", model, Patient(planner), executor, scene, "hand", lambda: opened)
+        away = JointState(home.names, home.position + [0.5, 0, 0.3, 0, 0, 0.2, 0])
+        yield ArmRig(arm, clock.advance, away, np.array([0.0, 0.02, -0.1]))
+
+
+@dataclass
+class Patient:
+    """A planning service whose operations have ended when it returns them: planning takes no time on the clock."""
+
+    service: Any
+
+    def submit(self, request: Any) -> Operation[Any]:
+        operation = self.service.submit(request)
+        assert operation.wait(60)
+        return operation
+
+
+EXECUTORS = {"fake": fake_executor}
+HAND_PORTS = {"fake": fake_hand_port}
+HANDS = {"fake": commanded_fake_hand}
+ARMS = {"fake": fake_arm, "commander": commanded_arm}
+
+
+def _rigs(table: dict[str, Callable[[], Any]]) -> Any:
+    @pytest.fixture(params=[pytest.param(make, id=name) for name, make in table.items()])
+    def rig(request: pytest.FixtureRequest) -> Iterator[Any]:
+        with request.param() as made:
+            yield made
+
+    return rig
+
+
+executor_rig = _rigs(EXECUTORS)
+hand_port_rig = _rigs(HAND_PORTS)
+hand_rig = _rigs(HANDS)
+arm_rig = _rigs(ARMS)

@@ -1,0 +1,75 @@
+"""What every `ports.Arm` does."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from grip_bt.errors import CanceledError, NoGraspError, UnknownNameError
+from grip_bt.ports import Arm
+
+
+def go(rig, goal):
+    return rig.wait(rig.port.plan(goal).then(rig.port.execute)).result()
+
+
+def test_it_satisfies_the_protocol(arm_rig):
+    assert isinstance(arm_rig.port, Arm)
+    assert "home" in arm_rig.port.named_states()
+    assert arm_rig.port.state().names == arm_rig.port.named_states()["home"].names
+
+
+def test_a_plan_leads_from_the_measured_state_to_the_goal(arm_rig):
+    plan = arm_rig.wait(arm_rig.port.plan(arm_rig.away)).result()
+    names = plan.trajectory.names
+    assert plan.trajectory.positions[0] == pytest.approx(arm_rig.port.state().ordered(names), abs=1e-3)
+    assert plan.trajectory.positions[-1] == pytest.approx(arm_rig.away.ordered(names), abs=1e-6)
+
+
+def test_executing_ends_with_the_measured_state_and_named_states_are_goals(arm_rig):
+    measured = go(arm_rig, arm_rig.away)
+    assert measured.position == pytest.approx(arm_rig.away.position, abs=0.05)
+    measured = go(arm_rig, "home")
+    assert measured.position == pytest.approx(arm_rig.port.named_states()["home"].position, abs=0.05)
+
+
+def test_a_pose_goal_brings_the_grasp_frame_there(arm_rig):
+    target = arm_rig.port.grasp_pose().moved(arm_rig.offset)
+    go(arm_rig, target)
+    assert arm_rig.port.grasp_pose().matrix() == pytest.approx(target.matrix(), abs=0.02)
+
+
+def test_a_straight_motion_keeps_to_the_line_through_its_poses(arm_rig):
+    start = arm_rig.port.grasp_pose()
+    corner, end = start.moved(arm_rig.offset), start.moved(arm_rig.offset / 2)
+    operation = arm_rig.port.plan_straight([corner, end]).then(arm_rig.port.execute)
+    direction = arm_rig.offset / np.linalg.norm(arm_rig.offset)
+    while not operation.done():
+        way = arm_rig.port.grasp_pose().position - start.position
+        assert np.linalg.norm(way - direction * (way @ direction)) < 0.005
+        arm_rig.let_pass(0.05)
+    operation.result()
+    assert arm_rig.port.grasp_pose().matrix() == pytest.approx(end.matrix(), abs=0.02)
+
+
+def test_stopping_ends_a_motion_and_the_arm_holds(arm_rig):
+    plan = arm_rig.wait(arm_rig.port.plan(arm_rig.away)).result()
+    operation = arm_rig.port.execute(plan)
+    arm_rig.let_pass(plan.trajectory.duration / 2)
+    arm_rig.port.stop()
+    with pytest.raises(CanceledError):
+        arm_rig.wait(operation).result()
+    held = arm_rig.port.state().position
+    arm_rig.let_pass(0.5)
+    assert arm_rig.port.state().position == pytest.approx(held, abs=0.01)
+
+
+def test_no_candidates_are_no_grasp_and_the_reasons_say_so(arm_rig):
+    with pytest.raises(NoGraspError) as caught:
+        arm_rig.wait(arm_rig.port.choose_grasp([])).result()
+    assert caught.value.data["reasons"] == {}
+
+
+def test_an_unknown_named_state_lists_those_that_exist(arm_rig):
+    with pytest.raises(UnknownNameError, match="home"):
+        arm_rig.port.plan("hoem")

@@ -1,0 +1,87 @@
+"""What every `ports.Executor` does."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from grip_bt.errors import CanceledError, ExecutionAbortedError
+from grip_bt.ports import Executor
+from grip_bt.values import Trajectory
+
+
+def towards(rig, duration=1.0):
+    names = rig.port.joint_names
+    start, goal = rig.port.state().ordered(names), rig.goal.ordered(names)
+    part = np.linspace(0, 1, 41)
+    smooth = part * part * (3 - 2 * part)
+    return Trajectory(names, part * duration, start + (goal - start) * smooth[:, None])
+
+
+def test_it_satisfies_the_protocol(executor_rig):
+    assert isinstance(executor_rig.port, Executor)
+    assert executor_rig.port.state().names == executor_rig.port.joint_names
+
+
+def test_a_motion_ends_with_the_measured_state_near_its_last_point(executor_rig):
+    trajectory = towards(executor_rig)
+    operation = executor_rig.port.execute(trajectory)
+    assert not operation.done()
+    measured = executor_rig.wait(operation).result()
+    assert measured.names == trajectory.names
+    assert measured.position == pytest.approx(trajectory.positions[-1], abs=0.02)
+    assert executor_rig.port.state().position == pytest.approx(measured.position, abs=0.01)
+
+
+def test_joints_are_on_their_way_in_the_middle_of_a_motion(executor_rig):
+    trajectory = towards(executor_rig)
+    operation = executor_rig.port.execute(trajectory)
+    executor_rig.let_pass(0.5)
+    assert not operation.done()
+    span = np.abs(trajectory.positions[-1] - trajectory.positions[0]).max()
+    from_start = np.abs(executor_rig.port.state().position - trajectory.positions[0]).max()
+    assert 0.1 * span < from_start < 0.9 * span
+    executor_rig.wait(operation)
+
+
+def test_a_motion_that_begins_elsewhere_is_refused(executor_rig):
+    trajectory = towards(executor_rig)
+    moved = Trajectory(trajectory.names, trajectory.times, trajectory.positions + 0.4)
+    before = executor_rig.port.state().position
+    with pytest.raises(ExecutionAbortedError):
+        executor_rig.wait(executor_rig.port.execute(moved)).result()
+    assert executor_rig.port.state().position == pytest.approx(before, abs=0.02)
+
+
+@pytest.mark.parametrize("how", ["cancel", "stop"])
+def test_a_stopped_motion_ends_as_cancelled_and_the_joints_hold(executor_rig, how):
+    trajectory = towards(executor_rig)
+    operation = executor_rig.port.execute(trajectory)
+    executor_rig.let_pass(0.5)
+    operation.cancel() if how == "cancel" else executor_rig.port.stop()
+    with pytest.raises(CanceledError):
+        executor_rig.wait(operation).result()
+    executor_rig.let_pass(0.3)
+    held = executor_rig.port.state().position
+    executor_rig.let_pass(0.5)
+    assert executor_rig.port.state().position == pytest.approx(held, abs=0.01)
+    assert np.abs(held - trajectory.positions[-1]).max() > 0.05
+
+
+def test_stopping_at_rest_changes_nothing(executor_rig):
+    before = executor_rig.port.state().position
+    executor_rig.port.stop()
+    executor_rig.port.stop()
+    executor_rig.let_pass(0.2)
+    assert executor_rig.port.state().position == pytest.approx(before, abs=0.01)
+
+
+def test_a_motion_after_a_stop_begins_where_the_joints_are(executor_rig):
+    first = executor_rig.port.execute(towards(executor_rig))
+    executor_rig.let_pass(0.4)
+    executor_rig.port.stop()
+    executor_rig.wait(first)
+    executor_rig.let_pass(0.3)
+    second = executor_rig.wait(executor_rig.port.execute(towards(executor_rig))).result()
+    names = executor_rig.port.joint_names
+    assert second.ordered(names) == pytest.approx(executor_rig.goal.ordered(names), abs=0.02)

@@ -1,0 +1,40 @@
+"""What every `ports.Hand` does."""
+
+from __future__ import annotations
+
+import pytest
+
+from grip_bt.errors import NoContactError, UnknownNameError
+from grip_bt.ports import Hand
+
+
+def test_it_satisfies_the_protocol(hand_rig):
+    assert isinstance(hand_rig.port, Hand)
+    assert hand_rig.port.name
+
+
+def test_closing_on_a_thing_succeeds_with_the_measured_state(hand_rig):
+    hand_rig.offer()
+    measured = hand_rig.wait(hand_rig.port.close(torque_limit=0.5)).result()
+    assert set(measured.names) == set(hand_rig.closed.names)
+
+
+def test_closing_on_nothing_fails_with_no_contact(hand_rig):
+    with pytest.raises(NoContactError):
+        hand_rig.wait(hand_rig.port.close()).result()
+
+
+def test_opening_reaches_the_open_posture_from_anywhere(hand_rig):
+    hand_rig.wait(hand_rig.port.close())
+    measured = hand_rig.wait(hand_rig.port.open()).result()
+    assert measured.ordered(hand_rig.open.names) == pytest.approx(hand_rig.open.position, abs=0.1)
+
+
+def test_a_posture_can_be_given_instead_of_named(hand_rig):
+    measured = hand_rig.wait(hand_rig.port.open(hand_rig.open)).result()
+    assert measured.ordered(hand_rig.open.names) == pytest.approx(hand_rig.open.position, abs=0.1)
+
+
+def test_an_unknown_posture_lists_those_that_exist(hand_rig):
+    with pytest.raises(UnknownNameError, match="closed.*open"):
+        hand_rig.port.open("opne")
