@@ -5,7 +5,8 @@ rclpy itself never says that a server died or that a type was wrong, and never g
 checked before it is sent, and is watched while it is under way (`grip_bt.ros.client`). Nothing else creates a client.
 
 The thread is a daemon *and* joined by `close`, which also runs at exit: a daemon thread that is still inside rcl_wait
-when the interpreter ends aborts it, and one that isn't a daemon keeps it alive after an uncaught error.
+when the interpreter ends aborts it, and one that isn't a daemon keeps it alive after an uncaught error. A forked child
+must leave the bus alone and end by `os._exit`, as multiprocessing's does: DDS would join threads that aren't there.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import atexit
 import logging
 import os
 import threading
+import warnings
 import weakref
 from collections.abc import Callable
 from types import TracebackType
@@ -51,7 +53,9 @@ class Bus:
         require()
         self._context = Context()
         rclpy.init(args=[], context=self._context, domain_id=domain_id, signal_handler_options=SignalHandlerOptions.NO)
-        self.node = Node(name, context=self._context, start_parameter_services=False, enable_rosout=False)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)  # of a parser that a node loads
+            self.node = Node(name, context=self._context, start_parameter_services=False, enable_rosout=False)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._clients: dict[str, ServiceClient] = {}
@@ -84,7 +88,7 @@ class Bus:
         type_ = load_type(interface) if isinstance(interface, str) else interface
         with self._lock:
             client = self._clients.get(name)
-            if client is None:
+            if client is None or (client.type is not type_ and client.idle):
                 client = self._clients[name] = ServiceClient(self, type_, name, timeout, wait)
             elif client.type is not type_:
                 raise GripError(f"{name} is used as {type_name(client.type)} already, not as {type_name(type_)}")

@@ -69,6 +69,11 @@ class ServiceClient:
         self._server_ended: str | None = None
         self._supervised = False
 
+    @property
+    def idle(self) -> bool:
+        """Whether it was never connected to a server and nobody waits for one; such a client may be replaced."""
+        return self._client is None and not self._waiting
+
     # --- from any thread ---
 
     def call(self, request: Any, timeout: float | None = None, wait: float | None = None) -> Operation[Any]:
@@ -180,7 +185,7 @@ class ServiceClient:
         servers = servers_of(self._bus.node, self.name)
         if not servers:
             return False
-        check_servers(self.type, self.name, servers)
+        check_servers(self._bus.node, self.type, self.name, servers)
         if self._client is None:  # not before: a client of the wrong type would spoil the name for this process
             self._client = self._bus.node.create_client(self.type, self.name, qos_profile=_QOS)
         if not self._client.service_is_ready():

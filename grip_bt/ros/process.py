@@ -97,7 +97,9 @@ class Process:
         return f"the process {self.name!r} ended with status {self.returncode}{said}"
 
     def _watch(self) -> None:
-        self._end.succeed(self._popen.wait())
+        status = self._popen.wait()
+        self.ask_to_stop()
+        self._end.succeed(status)
 
 
 def child_environment(overlays: Sequence[Path] = (), domain_id: int | None = None) -> dict[str, str]:

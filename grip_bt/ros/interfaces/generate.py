@@ -10,6 +10,7 @@ import io
 import json
 import re
 import tempfile
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -58,7 +59,8 @@ def generate(package: Package, folder: Path, prefixes: Sequence[Path]) -> Genera
         MissingPartError: the generators aren't installed.
     """
     try:
-        with contextlib.redirect_stdout(io.StringIO()):
+        with contextlib.redirect_stdout(io.StringIO()), warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)  # of the generators and their parser, not ours to mend
             return _generate(package, folder, prefixes)
     except ModuleNotFoundError as error:
         raise MissingPartError(f"the interface generator {error.name}", "pip install 'grip-bt[ros]'") from None

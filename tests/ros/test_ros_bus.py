@@ -1,0 +1,207 @@
+"""Calls over the bus end: with the answer, or with the name of what went wrong."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import pytest
+from conftest import ended
+
+from grip_bt.errors import CanceledError, GripError, ServerLostError, ServerTimeOutError, UnfitServerError
+from grip_bt.ros.bus import Bus
+
+pytestmark = pytest.mark.ros
+SET, TRIGGER = "std_srvs/srv/SetBool", "std_srvs/srv/Trigger"
+
+
+def request(data=False):
+    from std_srvs.srv import SetBool
+
+    return SetBool.Request(data=data)
+
+
+def test_a_call_ends_with_the_answer_and_wakes_its_owner(bus, serve):
+    serve("std_srvs/SetBool", "/set")
+    operation = bus.service(SET, "/set").call(request())
+    woken = threading.Event()
+    operation.add_done_callback(woken.set)
+    assert ended(operation).success is True
+    assert woken.wait(1)
+
+
+def test_more_calls_than_a_server_remembers_are_all_answered(bus, serve):
+    serve("std_srvs/SetBool", "/set")
+    client = bus.service(SET, "/set")
+    operations = [client.call(request()) for _ in range(200)]
+    assert all(ended(operation).success for operation in operations)
+
+
+def test_a_server_that_is_not_there_is_lost(bus):
+    with pytest.raises(ServerLostError, match=r"/nobody: no server within 0\.3 s"):
+        ended(bus.service(SET, "/nobody", wait=0.3).call(request()))
+
+
+def test_a_server_that_comes_late_is_waited_for(bus, serve):
+    operation = bus.service(SET, "/set", wait=20).call(request())
+    serve("std_srvs/SetBool", "/set")
+    assert ended(operation).success is True
+
+
+def test_a_server_of_another_type_is_refused_at_once(bus, serve):
+    serve("std_srvs/Trigger", "/set")
+    with pytest.raises(UnfitServerError, match="/set: .*node.* serves std_srvs/srv/Trigger, not std_srvs/srv/SetBool"):
+        ended(bus.service(SET, "/set").call(request()))
+
+
+def test_a_refused_name_can_be_used_with_its_right_type_and_then_with_no_other(bus, serve):
+    from std_srvs.srv import Trigger
+
+    serve("std_srvs/Trigger", "/set")
+    with pytest.raises(UnfitServerError):
+        ended(bus.service(SET, "/set").call(request()))
+    assert ended(bus.service(TRIGGER, "/set").call(Trigger.Request())).success
+    with pytest.raises(GripError, match="is used as std_srvs/srv/Trigger already"):
+        bus.service(SET, "/set")
+
+
+def test_two_servers_on_one_name_are_refused(bus, serve):
+    serve("std_srvs/SetBool", "/set")
+    serve("std_srvs/SetBool", "/set")
+    client = bus.service(SET, "/set", wait=5)
+    _wait_for_servers(bus, "/set", 2)
+    with pytest.raises(UnfitServerError, match="2 servers .*each of which would execute"):
+        ended(client.call(request()))
+
+
+def test_a_best_effort_server_is_refused(bus, serve):
+    serve("std_srvs/SetBool", "/set:best_effort")
+    with pytest.raises(UnfitServerError, match="best-effort"):
+        ended(bus.service(SET, "/set").call(request()))
+
+
+def test_an_answer_that_does_not_come_times_out(bus, serve):
+    serve("std_srvs/SetBool", "/set")
+    with pytest.raises(ServerTimeOutError, match=r"/set: no answer after 0\.[4-9] s"):
+        ended(bus.service(SET, "/set").call(request(True), timeout=0.4))
+
+
+def test_a_server_that_is_killed_in_the_middle_of_a_call_is_lost(bus, serve):
+    process = serve("std_srvs/SetBool", "/set")
+    client = bus.service(SET, "/set")
+    ended(client.call(request()))
+    operation = client.call(request(True))
+    time.sleep(0.1)
+    killed = time.monotonic()
+    process.send_signal(signal.SIGKILL)
+    with pytest.raises(ServerLostError, match="the server that had the request is gone"):
+        ended(operation)
+    assert time.monotonic() - killed < 5
+
+
+def test_a_server_that_was_restarted_is_called_again(bus, serve):
+    first = serve("std_srvs/SetBool", "/set")
+    client = bus.service(SET, "/set", wait=10)
+    ended(client.call(request()))
+    first.kill()
+    serve("std_srvs/SetBool", "/set")
+    deadline = time.monotonic() + 15
+    while True:
+        try:
+            assert ended(client.call(request())).success
+            return
+        except ServerLostError:
+            assert time.monotonic() < deadline
+
+
+def test_a_canceled_call_ends_at_once(bus, serve):
+    serve("std_srvs/SetBool", "/set")
+    client = bus.service(SET, "/set")
+    client.wait_ready(10).wait(10)
+    operation = client.call(request(True))
+    operation.cancel()
+    with pytest.raises(CanceledError):
+        ended(operation, 2)
+
+
+def test_closing_ends_what_is_pending_and_what_comes_later(domain):
+    bus = Bus(domain_id=domain)
+    client = bus.service(SET, "/nobody", wait=60)
+    pending = client.call(request())
+    bus.close()
+    for operation in (pending, client.call(request()), bus.post(lambda: 1)):
+        with pytest.raises(CanceledError, match="closed"):
+            ended(operation, 2)
+    bus.close()
+    assert not [t for t in threading.enumerate() if t.name.startswith("ros-")]
+
+
+def test_work_that_raises_reaches_whoever_posted_it_and_the_bus_goes_on(bus):
+    with pytest.raises(ZeroDivisionError):
+        ended(bus.post(lambda: 1 // 0))
+    assert ended(bus.post(lambda: threading.current_thread().name)).startswith("ros-")
+
+
+def test_a_request_of_the_wrong_type_is_an_error_of_the_caller(bus, serve):
+    serve("std_srvs/SetBool", "/set")
+    with pytest.raises(TypeError):
+        ended(bus.service(SET, "/set").call("no request"))
+
+
+FORK = """
+from multiprocessing import get_context
+child = get_context("fork").Process(target=bus.close)
+child.start()
+child.join()
+assert child.exitcode == 0
+"""
+START = """
+import os, signal, sys
+from grip_bt.ros.bus import Bus
+bus = Bus(domain_id=int(sys.argv[1]))
+from std_srvs.srv import SetBool
+pending = bus.service("std_srvs/srv/SetBool", "/nobody", wait=60).call(SetBool.Request())
+print("printed", end="")
+"""
+
+
+@pytest.mark.parametrize(
+    ("ending", "status"),
+    [
+        ("", 0),
+        ("raise ValueError", 1),
+        ("sys.exit(3)", 3),
+        ("bus.close()", 0),
+        ("bus.close(); Bus(domain_id=int(sys.argv[1]))", 0),
+        ("os.kill(os.getpid(), signal.SIGINT)", -signal.SIGINT),
+        (FORK, 0),
+    ],
+)
+def test_a_script_that_uses_the_bus_ends_as_it_should(domain, ending, status):
+    done = subprocess.run(
+        [sys.executable, "-c", START + ending, str(domain)], capture_output=True, text=True, timeout=30, check=False
+    )
+    assert done.returncode == status, done.stderr
+    assert done.stdout.startswith("printed")
+    assert "terminate called" not in done.stderr
+
+
+def _wait_for_servers(bus, name, number):
+    from grip_bt.ros.preflight import servers_of
+
+    deadline = time.monotonic() + 10
+    while len(ended(bus.post(lambda: servers_of(bus.node, name)))) < number:
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+
+
+def test_the_domain_keeps_buses_apart(bus, serve, domain):
+    serve("std_srvs/SetBool", "/set")
+    ended(bus.service(SET, "/set").wait_ready(10))
+    with Bus("other", domain_id=domain + 1) as other, pytest.raises(ServerLostError):
+        ended(other.service(SET, "/set", wait=0.5).call(request()))
+    assert os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE") == "LOCALHOST"

@@ -1,0 +1,188 @@
+"""Real components in processes of their own, behind the port that leaves call."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+import time
+
+import numpy as np
+import pytest
+from conftest import EXAMPLE, ended, gone, kill, session_of
+from py_trees.common import Status
+
+from grip_bt.catalog.implementation import load_implementation
+from grip_bt.catalog.reader import read_manifests
+from grip_bt.errors import BadReplyError, ServerLostError, ServerTimeOutError, UnfitServerError, UnknownNameError
+from grip_bt.ports import Component
+from grip_bt.ros.components import start_components
+from grip_bt.ros.fields import ConversionError
+from grip_bt.ros.interfaces import build_interfaces
+from grip_bt.ros.process import Process, child_environment
+from grip_bt.values import Grasp, PointCloud
+
+pytestmark = pytest.mark.ros
+EMPTY = PointCloud(np.zeros((0, 3)))
+
+
+def cylinder(x=0.5, y=0.1, radius=0.03, height=0.15, n=4000):
+    rng = np.random.default_rng(1)
+    angle, z = rng.uniform(0, 2 * np.pi, n), rng.uniform(0, height, n)
+    return PointCloud(np.stack([x + radius * np.cos(angle), y + radius * np.sin(angle), z], axis=1))
+
+
+def wish(text):
+    return {"input": PointCloud(np.zeros((1, 3)), frame=text)}
+
+
+@pytest.fixture
+def odd(project, domain):
+    with start_components(project, ["odd"], domain) as components:
+        yield components
+    assert gone(components.process("odd").pid)
+
+
+def test_a_component_answers_with_values(project, domain):
+    with start_components(project, ["antipodal_grasps"], domain) as components:
+        client = components.client("antipodal_grasps")
+        assert isinstance(client, Component)
+        assert ended(client.call({"input": EMPTY})) == {"outcome": 2, "returned_object": []}
+        reply = ended(client.call({"input": cylinder()}))
+        assert reply["outcome"] == 1
+        assert all(isinstance(g, Grasp) and g.pose.frame == "world" for g in reply["returned_object"])
+        best = reply["returned_object"][0]
+        assert np.hypot(*(best.pose.position[:2] - [0.5, 0.1])) < 0.05
+        session = components.process("antipodal_grasps").pid
+        assert len(session_of(session)) == 2
+    assert gone(session)
+
+
+class Run:
+    """As much of a run as a component's leaf asks for."""
+
+    preempt_requested = False
+
+    def __init__(self, components):
+        self.component = components.client
+
+    def wake(self):
+        pass
+
+
+def test_the_generated_node_runs_against_the_live_server(project, domain):
+    (manifest,) = read_manifests(EXAMPLE / "node" / "manifest.yaml")
+    written = {}
+    with start_components(project, ["antipodal_grasps"], domain) as components:
+        for cloud, outcome, status in ((cylinder(), "several", Status.SUCCESS), (EMPTY, "none", Status.FAILURE)):
+            leaf = load_implementation(manifest)("propose", "propose", manifest, {}, {})
+            leaf.readers = {"input": lambda cloud=cloud: cloud}
+            leaf.writers = {"returned_object": lambda grasps: written.update(grasps=grasps)}
+            leaf.setup(context=Run(components))
+            deadline = time.monotonic() + 20
+            leaf.tick_once()
+            while leaf.status is Status.RUNNING:
+                assert time.monotonic() < deadline
+                time.sleep(0.005)
+                leaf.tick_once()
+            assert (leaf.outcome, leaf.status) == (outcome, status)
+    assert len(written["grasps"]) > 5
+
+
+def test_a_component_that_dies_in_the_middle_of_a_call_is_lost_at_once_with_its_last_words(odd):
+    client = odd.client("odd")
+    began = time.monotonic()
+    with pytest.raises(ServerLostError, match=r"'odd' ended with status 7; its last words.*\n.*that was too much"):
+        ended(client.call(wish("die")))
+    assert time.monotonic() - began < 1.5
+    with pytest.raises(ServerLostError, match="status 7"):
+        ended(client.call(wish("die")), 0.5)
+
+
+def test_a_component_that_is_killed_in_the_middle_of_a_call_is_lost_at_once(odd):
+    operation = odd.client("odd").call(wish("hang"))
+    (server,) = set(session_of(odd.process("odd").pid)) - {odd.process("odd").pid}
+    time.sleep(0.1)
+    killed = time.monotonic()
+    kill(server)
+    with pytest.raises(ServerLostError, match="ended with status 137"):
+        ended(operation)
+    assert time.monotonic() - killed < 0.5
+
+
+@pytest.mark.parametrize("number", [3, -1, 100000])
+def test_an_undeclared_outcome_is_a_bad_reply(odd, number):
+    with pytest.raises(BadReplyError, match=rf"outcome {number} isn't one of the declared ones \(0 one, 1 several"):
+        ended(odd.client("odd").call(wish(f"outcome{number}")))
+
+
+def test_an_answer_that_is_no_value_is_a_bad_reply_with_its_field(odd):
+    with pytest.raises(BadReplyError, match=r"response.returned_object\[0\]: the poses of a grasp"):
+        ended(odd.client("odd").call(wish("two_frames")))
+
+
+def test_what_comes_with_a_failure_outcome_need_not_be_a_value(odd):
+    assert ended(odd.client("odd").call(wish("outcome2"))) == {"outcome": 2}
+
+
+def test_a_component_that_hangs_times_out(project, domain):
+    file = project / "components" / "odd" / "component.yaml"
+    file.write_text(file.read_text().replace("call: 10", "call: 0.5"))
+    with start_components(project, ["odd"], domain) as components, pytest.raises(ServerTimeOutError, match="no answer"):
+        ended(components.client("odd").call(wish("hang")))
+    assert gone(components.process("odd").pid)
+
+
+def test_a_request_that_does_not_fit_names_the_field(odd):
+    with pytest.raises(ConversionError, match="component odd: request.input: a int can't be made a sensor_msgs"):
+        ended(odd.client("odd").call({"input": 3}))
+    with pytest.raises(ConversionError, match=r"request.inptu.*did you mean 'input'"):
+        ended(odd.client("odd").call({"inptu": EMPTY}))
+
+
+def test_a_component_that_never_serves_is_lost_with_the_end_of_its_log(project, domain):
+    server = project / "components" / "odd" / "server.py"
+    server.write_text("print('warming up'); import time; time.sleep(60)")
+    file = project / "components" / "odd" / "component.yaml"
+    file.write_text(file.read_text().replace("ready: 15", "ready: 1"))
+    with pytest.raises(ServerLostError, match=r"component odd: /odd: no server within 1.0 s.*\nwarming up"):
+        start_components(project, ["odd"], domain)
+
+
+def test_a_component_that_ends_while_starting_is_lost_at_once_with_its_error(project, domain):
+    (project / "components" / "odd" / "server.py").write_text("import no_such_module")
+    began = time.monotonic()
+    with pytest.raises(ServerLostError, match="(?s)ended with status 1.*No module named 'no_such_module'"):
+        start_components(project, ["odd"], domain)
+    assert time.monotonic() - began < 5
+
+
+def test_one_that_fails_to_start_takes_the_others_down(project, domain):
+    (project / "components" / "odd" / "server.py").write_text("raise SystemExit(1)")
+    with pytest.raises(ServerLostError, match="component odd"):
+        start_components(project, ["antipodal_grasps", "odd"], domain)
+    log = project / ".grip" / "logs" / "antipodal_grasps.log"
+    assert log.exists()
+
+
+@pytest.mark.slow
+def test_a_server_built_from_another_definition_is_refused_at_once(project, domain, tmp_path):
+    other = tmp_path / "other"
+    shutil.copytree(EXAMPLE / "interfaces", other)
+    service = other / "antipodal_interfaces" / "srv" / "ProposeGrasps.srv"
+    service.write_text(service.read_text().replace("int32 outcome", "int64 outcome"))
+    (built,) = build_interfaces(other, tmp_path / "cache")
+    home = project / "components" / "odd"
+    file = home / "component.yaml"
+    file.write_text(file.read_text().replace('start:\n  command: ["{python}", server.py]\n', ""))
+    command = [sys.executable, "server.py"]
+    process = Process("foreign", command, home, child_environment([built.prefix], domain), tmp_path / "log")
+    try:
+        with pytest.raises(UnfitServerError, match="another definition of the response of antipodal_interfaces"):
+            start_components(project, ["odd"], domain)
+    finally:
+        process.stop()
+
+
+def test_an_unknown_component_is_named_with_those_there_are(project, domain):
+    with pytest.raises(UnknownNameError, match=r"'antipodal_grasp'; did you mean 'antipodal_grasps'"):
+        start_components(project, ["antipodal_grasp"], domain)

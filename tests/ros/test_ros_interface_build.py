@@ -1,0 +1,104 @@
+"""Interface packages are built with gcc alone, and are what a ROS installation would have built."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import sys
+
+import pytest
+from conftest import EXAMPLE
+from test_ros_interface_definitions import make_package
+
+from grip_bt.ros.interfaces import build_interfaces
+from grip_bt.ros.interfaces.prefixes import search_path, share_folder
+from grip_bt.ros.overlay import OverlayError, activate
+from grip_bt.ros.process import child_environment
+
+USE = """
+import sys
+from grip_bt.ros.overlay import activate
+for prefix in sys.argv[1:]:
+    activate(prefix)
+from upper_pkg.action import Move
+from upper_pkg.msg import Pair
+from lower_pkg.msg import Item
+pair = Pair(items=[Item(weight=2.5, tags=["a"])], home=Pair.HOME)
+goal = Move.Goal(input=pair)
+assert (goal.input.items[0].weight, goal.input.home, Item().count) == (2.5, 4, 7)
+from rclpy.serialization import deserialize_message, serialize_message
+assert deserialize_message(serialize_message(pair), Pair) == pair
+"""
+
+
+def test_a_build_is_found_in_the_cache_the_second_time(antipodal, interface_cache):
+    (again,) = build_interfaces(EXAMPLE / "interfaces", interface_cache)
+    assert again.cached
+    assert again.prefix == antipodal
+    assert not list(interface_cache.glob(".*"))
+
+
+def test_a_built_package_is_usable_at_once(antipodal):
+    from antipodal_interfaces.srv import ProposeGrasps
+
+    assert ProposeGrasps.Response().outcome == 0
+    with pytest.raises(AssertionError):
+        ProposeGrasps.Response(outcome=0.5)
+
+
+@pytest.mark.slow
+def test_type_hashes_are_those_of_a_ros_installation(tmp_path):
+    installed = share_folder("std_srvs", search_path())
+    home = make_package(tmp_path, "std_srvs", {})
+    for file in installed.glob("srv/*.srv"):
+        (home / "srv").mkdir(exist_ok=True)
+        shutil.copy(file, home / "srv" / file.name)
+    (built,) = build_interfaces(home, tmp_path / "cache")
+    for file in installed.glob("srv/*.json"):
+        ours = json.loads((built.prefix / "share" / "std_srvs" / "srv" / file.name).read_text())
+        assert ours["type_hashes"] == json.loads(file.read_text())["type_hashes"]
+
+
+@pytest.mark.slow
+def test_packages_may_nest_each_other_and_a_child_process_may_import_them(tmp_path):
+    make_package(
+        tmp_path / "src",
+        "upper_pkg",
+        {
+            "msg/Pair.msg": "int8 HOME=4\nlower_pkg/Item[] items\nint8 home\n",
+            "action/Move.action": "Pair input\n---\nint32 outcome\nPair returned_object\n---\nfloat32 progress\n",
+        },
+        ("lower_pkg",),
+    )
+    make_package(tmp_path / "src", "lower_pkg", {"msg/Item.msg": "float64 weight\nstring[<=3] tags\nint32 count 7\n"})
+    built = build_interfaces(tmp_path / "src", tmp_path / "cache")
+    assert [b.package for b in built] == ["lower_pkg", "upper_pkg"]
+    prefixes = [b.prefix for b in built]
+    activated = [sys.executable, "-c", USE, *map(str, prefixes)]
+    by_environment = [sys.executable, "-c", USE]
+    for command, env in ((activated, None), (by_environment, child_environment(prefixes))):
+        done = subprocess.run(command, env=env, capture_output=True, text=True, timeout=60, check=False)
+        assert done.returncode == 0, done.stderr
+
+
+def test_a_folder_that_is_no_prefix_is_refused(tmp_path):
+    with pytest.raises(OverlayError, match="isn't a ROS prefix"):
+        activate(tmp_path)
+
+
+def test_a_prefix_of_another_python_is_refused(tmp_path):
+    (tmp_path / "share" / "ament_index").mkdir(parents=True)
+    (tmp_path / "lib" / "python3.8" / "site-packages" / "my_pkg").mkdir(parents=True)
+    with pytest.raises(OverlayError, match="another Python"):
+        activate(tmp_path)
+
+
+def test_a_library_that_does_not_load_is_named(tmp_path):
+    (tmp_path / "share" / "ament_index").mkdir(parents=True)
+    (tmp_path / "lib").mkdir()
+    (tmp_path / "lib" / "libx__rosidl_generator_c.so").write_bytes(b"no library")
+    path = sys.path.copy()
+    with pytest.raises(OverlayError, match="don't load.*libx__rosidl"):
+        activate(tmp_path)
+    assert sys.path == path

@@ -1,0 +1,142 @@
+"""Processes that we start end with us, whatever they do against it."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import pytest
+from conftest import gone, kill, session_of
+
+from grip_bt.ros.process import Process, child_environment
+
+STUBBORN = """
+import os, signal, subprocess, sys, time
+signal.signal(signal.SIGINT, signal.SIG_IGN)
+signal.signal(signal.SIGTERM, signal.SIG_IGN)
+subprocess.Popen([sys.executable, "-c", "import time; time.sleep(100)"], start_new_session=True)
+subprocess.Popen([sys.executable, "-c", "import time; time.sleep(100)"])
+open(sys.argv[1], "w").write("up")
+time.sleep(100)
+"""
+
+
+def start(tmp_path: Path, code: str, *arguments: str) -> Process:
+    command = [sys.executable, "-u", "-c", code, *arguments]
+    return Process("it", command, tmp_path, child_environment(), tmp_path / "logs" / "it.log")
+
+
+def wait_for(condition, within: float = 10.0):
+    deadline = time.monotonic() + within
+    while not condition():
+        assert time.monotonic() < deadline, "it never happens"
+        time.sleep(0.01)
+
+
+def test_its_end_is_told_with_status_and_last_words(tmp_path):
+    process = start(tmp_path, "print('one'); print('two'); raise SystemExit(5)")
+    told = threading.Event()
+    process.when_ended(told.set)
+    assert told.wait(10)
+    assert (process.returncode, process.alive) == (5, False)
+    assert process.log_tail(1) == "two"
+    assert "ended with status 5" in process.describe_end()
+
+
+def test_a_process_killed_by_a_signal_has_the_status_of_a_shell(tmp_path):
+    process = start(tmp_path, "import os; os.kill(os.getpid(), 9)")
+    wait_for(lambda: not process.alive)
+    assert process.returncode == 128 + 9
+
+
+def test_a_polite_process_ends_politely(tmp_path):
+    code = """
+import signal, sys, time
+try:
+    print("up"); time.sleep(100)
+except KeyboardInterrupt:
+    print("bye"); sys.exit(0)
+"""
+    process = start(tmp_path, code)
+    wait_for(lambda: "up" in process.log_tail())
+    began = time.monotonic()
+    process.stop()
+    assert time.monotonic() - began < 1.5
+    assert (process.returncode, process.log_tail(1)) == (0, "bye")
+    process.stop()
+
+
+@pytest.mark.slow
+def test_a_stubborn_process_and_its_strayed_children_end_within_three_seconds(tmp_path):
+    process = start(tmp_path, STUBBORN, str(tmp_path / "up"))
+    wait_for((tmp_path / "up").exists)
+    below = _descendants(process.pid)
+    assert len(below) == 3
+    began = time.monotonic()
+    process.stop()
+    assert time.monotonic() - began < 3.0
+    assert not [pid for pid in below if Path(f"/proc/{pid}").exists()]
+
+
+def test_what_a_process_leaves_behind_ends_with_it(tmp_path):
+    code = "import subprocess, sys; subprocess.Popen([sys.executable, '-c', 'import time; time.sleep(100)'])"
+    process = start(tmp_path, code)
+    wait_for(lambda: not process.alive)
+    assert process.returncode == 0
+    assert gone(process.pid)
+
+
+@pytest.mark.slow
+def test_everything_ends_when_we_are_killed(tmp_path):
+    code = """
+import sys
+from pathlib import Path
+from grip_bt.ros.process import Process, child_environment
+here = Path(sys.argv[1])
+command = [sys.executable, "-c", sys.argv[2], str(here / "up")]
+process = Process("it", command, here, child_environment(), here / "it.log")
+print(process.pid, flush=True)
+sys.stdin.read()
+"""
+    owner = subprocess.Popen(
+        [sys.executable, "-c", code, str(tmp_path), STUBBORN],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    warden = int(owner.stdout.readline())
+    wait_for((tmp_path / "up").exists)
+    below = _descendants(warden)
+    kill(owner.pid)
+    owner.communicate()
+    assert gone(warden)
+    wait_for(lambda: not [pid for pid in below if Path(f"/proc/{pid}").exists()])
+
+
+def test_the_command_dies_with_its_warden(tmp_path):
+    process = start(tmp_path, "print('up'); import time; time.sleep(100)")
+    wait_for(lambda: "up" in process.log_tail())
+    kill(process.pid)
+    assert gone(process.pid)
+    process.stop()
+
+
+def test_a_command_that_is_not_there_is_told_in_its_log(tmp_path):
+    process = Process("it", ["no_such_program"], tmp_path, child_environment(), tmp_path / "it.log")
+    wait_for(lambda: not process.alive)
+    assert process.returncode == 127
+    assert "no_such_program: No such file" in process.log_tail()
+
+
+def _descendants(pid: int) -> list[int]:
+    found, todo = [], [pid]
+    while todo:
+        children = Path(f"/proc/{todo.pop()}/task").glob("*/children")
+        new = [int(child) for file in children for child in file.read_text().split()]
+        found += new
+        todo += new
+    assert session_of(pid)
+    return found
