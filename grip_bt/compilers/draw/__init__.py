@@ -1,0 +1,36 @@
+"""Pictures of tasks: SVG with a layout of our own, and text for Graphviz and Mermaid."""
+
+from __future__ import annotations
+
+from grip_bt.catalog import Catalog
+from grip_bt.graph import Task
+
+from . import dot, mermaid
+from .flow import flow_figure
+from .scheme import View
+from .svg import svg
+from .tree import tree_figure
+
+__all__ = ["View", "to_dot", "to_mermaid", "to_svg"]
+
+
+def to_svg(task: Task, catalog: Catalog, view: View = "tree") -> str:
+    """Return a picture of a task.
+
+    Args:
+        task: the task; it need not be valid.
+        catalog: where the nodes' documentation is, for the titles that a pointer shows.
+        view: `tree` (every node a box, order from top to bottom) or `flow` (containers as frames, links inside).
+    """
+    figure = tree_figure(task, catalog) if view == "tree" else flow_figure(task, catalog)
+    return svg(figure, f"{task.name}, {view} view")
+
+
+def to_dot(task: Task, catalog: Catalog, view: View = "tree") -> str:
+    """Return a task as a Graphviz graph."""
+    return dot.to_dot(task, view)
+
+
+def to_mermaid(task: Task, catalog: Catalog, view: View = "tree") -> str:
+    """Return a task as a Mermaid flow chart."""
+    return mermaid.to_mermaid(task, view)

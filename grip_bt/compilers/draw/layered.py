@@ -1,0 +1,216 @@
+"""Nodes in layers, edges downwards: how the children of one container are placed in the flow view.
+
+Sugiyama, Tagawa & Toda, "Methods for Visual Understanding of Hierarchical System Structures" (1981): edges that
+close cycles are turned round, nodes are ranked by longest paths, edges get a place in each rank that they cross,
+ranks are ordered by barycentres, and places are the least-squares solution that keeps this order (isotonic
+regression). Each edge passes through a rank that belongs to its label, so labels cover nothing.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+_SWEEPS = 8
+
+
+@dataclass(slots=True)
+class Item:
+    """Something with a place: a node, or where an edge crosses a rank.
+
+    Attributes:
+        width: [px].
+        height: [px].
+        rank: its layer.
+        x: its middle.
+    """
+
+    width: float
+    height: float
+    rank: int = 0
+    x: float = 0.0
+    up: list[Item] = field(default_factory=list)
+    down: list[Item] = field(default_factory=list)
+
+
+@dataclass(slots=True)
+class Edge:
+    """A connection; `label` is the size of its words.
+
+    Attributes:
+        source: name of a node.
+        target: name of a node.
+        label: width and height of its words [px].
+        bends: what it passes, from source to target; set by `place`.
+        label_item: the one of `bends` where its words are.
+    """
+
+    source: str
+    target: str
+    label: tuple[float, float] = (0.0, 0.0)
+    bends: list[Item] = field(default_factory=list)
+    label_item: Item | None = None
+
+
+@dataclass(frozen=True)
+class Placed:
+    """Where everything is.
+
+    Attributes:
+        width: of the whole [px].
+        height: of the whole [px].
+        tops: upper edge of each rank.
+        heights: height of each rank.
+    """
+
+    width: float
+    height: float
+    tops: tuple[float, ...]
+    heights: tuple[float, ...]
+
+
+def place(nodes: dict[str, Item], edges: Sequence[Edge], last: Sequence[str], gap: float, rank_gap: float) -> Placed:
+    """Place nodes and edges.
+
+    Args:
+        nodes: by name, in document order; their `rank` and `x` are set.
+        edges: between different nodes; their `bends` are set.
+        last: names of nodes that stand in the last rank.
+        gap: least distance in a rank [px].
+        rank_gap: distance of ranks [px].
+    """
+    backward = _backward(nodes, edges)
+    _rank(nodes, edges, backward, last)
+    ranks: list[list[Item]] = [[] for _ in range(max(n.rank for n in nodes.values()) + 1)]
+    for node in nodes.values():
+        ranks[node.rank].append(node)
+    for number, edge in enumerate(edges):
+        _route(nodes, edge, number in backward, ranks)
+    _order(ranks)
+    _spread(ranks, gap)
+    heights = tuple(max((i.height for i in rank), default=0.0) for rank in ranks)
+    tops, y = [], 0.0
+    for height in heights:
+        tops.append(y)
+        y += height + rank_gap
+    every = [item for rank in ranks for item in rank]
+    left = min(i.x - i.width / 2 for i in every)
+    for item in every:
+        item.x -= left
+    width = max(i.x + i.width / 2 for i in every)
+    return Placed(width, y - rank_gap, tuple(tops), heights)
+
+
+def _backward(nodes: dict[str, Item], edges: Sequence[Edge]) -> set[int]:
+    """Return the edges that close a cycle when nodes are followed depth first in document order."""
+    leaving: defaultdict[str, list[int]] = defaultdict(list)
+    for number, edge in enumerate(edges):
+        leaving[edge.source].append(number)
+    state: dict[str, int] = {}  # 1: being followed, 2: done
+    found: set[int] = set()
+    for start in nodes:
+        stack: list[tuple[str, int]] = [(start, 0)] if start not in state else []
+        while stack:
+            name, at = stack.pop()
+            state[name] = 1
+            if at == len(leaving[name]):
+                state[name] = 2
+                continue
+            stack.append((name, at + 1))
+            number = leaving[name][at]
+            target = edges[number].target
+            if state.get(target) == 1:
+                found.add(number)
+            elif target not in state:
+                stack.append((target, 0))
+    return found
+
+
+def _rank(nodes: dict[str, Item], edges: Sequence[Edge], backward: set[int], last: Sequence[str]) -> None:
+    import networkx as nx
+
+    graph: nx.DiGraph[str] = nx.DiGraph()
+    graph.add_nodes_from(nodes)
+    for number, edge in enumerate(edges):
+        ends = (edge.source, edge.target)
+        graph.add_edge(*(reversed(ends) if number in backward else ends))
+    for rank, names in enumerate(nx.topological_generations(graph)):
+        for name in names:
+            nodes[name].rank = 2 * rank
+    deepest = max(node.rank for node in nodes.values())
+    for name in last:
+        nodes[name].rank = deepest
+
+
+def _route(nodes: dict[str, Item], edge: Edge, backward: bool, ranks: list[list[Item]]) -> None:
+    upper, lower = nodes[edge.source], nodes[edge.target]
+    if backward:
+        upper, lower = lower, upper
+    if upper.rank == lower.rank:  # between two nodes of the last rank
+        return
+    chain = [Item(0.0, 0.0, rank) for rank in range(upper.rank + 1, lower.rank)]
+    edge.label_item = chain[-1] if backward else chain[0]
+    edge.label_item.width, edge.label_item.height = edge.label
+    for item in chain:
+        ranks[item.rank].append(item)
+    whole = [upper, *chain, lower]
+    for one, other in zip(whole, whole[1:], strict=False):
+        one.down.append(other)
+        other.up.append(one)
+    edge.bends = chain[::-1] if backward else chain
+
+
+def _order(ranks: list[list[Item]]) -> None:
+    for sweep in range(_SWEEPS):
+        downwards = sweep % 2 == 0
+        for rank, fixed in (
+            zip(ranks[1:], ranks, strict=False) if downwards else zip(ranks[-2::-1], ranks[::-1], strict=False)
+        ):
+            at = {id(item): position for position, item in enumerate(fixed)}
+            mine = {id(item): position for position, item in enumerate(rank)}
+            keys = {}
+            for item in rank:
+                near = [at[id(n)] for n in (item.up if downwards else item.down)]
+                scale = len(fixed) / max(len(rank), 1)
+                keys[id(item)] = sum(near) / len(near) if near else mine[id(item)] * scale
+            rank.sort(key=lambda item: (keys[id(item)], mine[id(item)]))
+
+
+def _spread(ranks: list[list[Item]], gap: float) -> None:
+    for rank in ranks:
+        x = 0.0
+        for item in rank:
+            item.x = x + item.width / 2
+            x += item.width + gap
+    for sweep in range(2 * _SWEEPS):
+        downwards = sweep % 2 == 0
+        for rank in ranks if downwards else ranks[::-1]:
+            wanted = []
+            for item in rank:
+                near = (item.up if downwards else item.down) or (item.down if downwards else item.up)
+                wanted.append(sum(n.x for n in near) / len(near) if near else item.x)
+            for item, x in zip(rank, _separated(rank, wanted, gap), strict=True):
+                item.x = x
+
+
+def _separated(rank: list[Item], wanted: list[float], gap: float) -> list[float]:
+    """Return the places nearest to `wanted` (least squares) that keep the order and the distances.
+
+    With the distances subtracted this is isotonic regression, solved by pooling adjacent violators.
+    """
+    offsets, offset = [], 0.0
+    for left, right in zip([None, *rank], rank, strict=False):
+        if left is not None:
+            offset += (left.width + right.width) / 2 + gap
+        offsets.append(offset)
+    pools: list[tuple[float, int]] = []  # mean, count
+    for want, off in zip(wanted, offsets, strict=True):
+        mean, count = want - off, 1
+        while pools and pools[-1][0] > mean:
+            other, others = pools.pop()
+            mean = (mean * count + other * others) / (count + others)
+            count += others
+        pools.append((mean, count))
+    flat = [mean for mean, count in pools for _ in range(count)]
+    return [mean + off for mean, off in zip(flat, offsets, strict=True)]

@@ -1,0 +1,124 @@
+"""What a drawing says about a task, before any geometry: words for nodes, and the links between children."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from grip_bt.graph import (
+    AnyNode,
+    Container,
+    Fallback,
+    Force,
+    Leaf,
+    Parallel,
+    Repeat,
+    Retry,
+    Sequence,
+    StateMachine,
+    Timeout,
+    children_of,
+    outcomes_of,
+)
+
+View = Literal["tree", "flow"]
+GLYPHS = {
+    "leaf": "",
+    "sequence": "→",
+    "fallback": "?",
+    "parallel": "⇉",
+    "state_machine": "◎",
+    "retry": "↻",
+    "repeat": "↻",
+    "timeout": "◔",
+    "invert": "!",
+    "force": "=",
+}
+"""A sign per kind, for text; pictures draw theirs."""
+
+
+@dataclass(frozen=True)
+class Link:
+    """A connection between two children, or from a child to an outcome of their container.
+
+    Attributes:
+        source: a child's name; empty for the start of a state machine.
+        target: a child's name, or an outcome's.
+        label: the ends that take it; empty where order alone decides.
+        to_outcome: whether `target` is an outcome.
+    """
+
+    source: str
+    target: str
+    label: str
+    to_outcome: bool = False
+
+
+def kind_of(node: AnyNode) -> str:
+    """Return `leaf` or the container's kind."""
+    return "leaf" if isinstance(node, Leaf) else node.kind
+
+
+def describe(node: AnyNode) -> str:
+    """Return what a node is, in a few words."""
+    match node:
+        case Leaf():
+            return node.node
+        case Sequence() | Fallback():
+            return node.kind if node.memory else f"reactive {node.kind}"
+        case Parallel():
+            return f"parallel, {node.policy}" + (", join" if node.cancel == "join" else "")
+        case StateMachine():
+            return "state machine"
+        case Retry():
+            return f"retry, at most {node.times} times"
+        case Repeat():
+            return "repeat for ever" if node.times is None else f"repeat {node.times} times"
+        case Timeout():
+            return f"timeout {node.seconds:g} s"
+        case Force():
+            return f"force {node.as_}"
+        case _:
+            return node.kind
+
+
+def details(node: AnyNode) -> list[str]:
+    """Return further lines about a node: literals, and where its ends lead."""
+    lines = []
+    if isinstance(node, Leaf) and node.with_:
+        lines.append(", ".join(f"{name}={value}" for name, value in node.with_.items()))
+    lines.extend(f"{label} → {target}" for label, target in node.on.items())
+    if not isinstance(node, Leaf | StateMachine):
+        lines.extend(f"{end} ⇥ {target}" for end, target in node.exits.items())
+    return lines
+
+
+def links_of(node: Container) -> list[Link]:
+    """Return the links among a container's children; links with the same ends are joined."""
+    names = list(children_of(node))
+    found: dict[tuple[str, str, bool], list[str]] = {}
+    if isinstance(node, StateMachine):
+        found["", node.initial, False] = []
+        for name, child in node.children.items():
+            for end, target in child.on.items():
+                if target in node.children or target in node.outcomes:
+                    found.setdefault((name, target, target not in node.children), []).append(end)
+    else:
+        if isinstance(node, Sequence | Fallback):
+            label = "else" if isinstance(node, Fallback) else ""
+            for name, following in zip(names, names[1:], strict=False):
+                found[name, following, False] = [label] if label else []
+        for end, target in node.exits.items():
+            name, _, label = end.partition(".")
+            if name in names:
+                found.setdefault((name, target, True), []).append(label)
+    return [Link(s, t, ", ".join(labels), out) for (s, t, out), labels in found.items()]
+
+
+def outcomes_shown(node: Container) -> dict[str, str]:
+    """Return the outcomes that are drawn in a container, with their meanings: those that links lead to."""
+    meanings: Mapping[str, str] = outcomes_of(node)
+    declared = list(node.outcomes)
+    used = [link.target for link in links_of(node) if link.to_outcome]
+    return {name: meanings.get(name, "failure") for name in dict.fromkeys([*declared, *used])}

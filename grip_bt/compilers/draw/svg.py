@@ -1,0 +1,140 @@
+"""A figure -> SVG that needs no fonts, scripts or style sheets from elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from xml.sax.saxutils import escape, quoteattr
+
+from .figure import NAME_SIZE, TEXT_SIZE, Box, Figure, Line, Pill, text_width
+from .tree import ICON, LINE_HEIGHT
+
+_COLOURS = {  # fill, border
+    "leaf": ("#ffffff", "#5b6470"),
+    "sequence": ("#eaf1fc", "#3f6fb5"),
+    "fallback": ("#fdf3e1", "#b97a14"),
+    "parallel": ("#f2eafb", "#7a4fb3"),
+    "state_machine": ("#e6f5ef", "#2c8262"),
+}
+_DECORATOR = ("#f4f4f2", "#77736a")
+_MEANINGS = {"success": ("#e5f4e8", "#2f7d3f"), "failure": ("#fbeae8", "#b0392c")}
+_FONT = "DejaVu Sans, Verdana, Helvetica, Arial, sans-serif"
+_INK, _QUIET, _LINE, _PAPER = "#1d2329", "#59626c", "#6b747e", "#fcfcfb"
+_CIRCLE = "M13.5 8a5.5 5.5 0 1 1-2-4.2"
+_ICONS = {
+    "sequence": "M1.5 8h12M9.5 4l4 4-4 4",
+    "parallel": "M1.5 5h12M10.5 2l3 3-3 3M1.5 11h12M10.5 8l3 3-3 3",
+    "state_machine": "M5 4.5a2.3 2.3 0 1 1-4.6 0a2.3 2.3 0 1 1 4.6 0zM15.6 11.5a2.3 2.3 0 1 1-4.6 0"
+    "a2.3 2.3 0 1 1 4.6 0zM5 4.5h8.3v4M11.3 6.6l2 2l2-2",
+    "retry": _CIRCLE + "M11.5 .8v3.200h-3.2",
+    "repeat": _CIRCLE + "M11.5 .8v3.200h-3.200M8 7.500v1",
+    "timeout": "M14 8a6 6 0 1 1-12 0a6 6 0 1 1 12 0zM8 4.500V8l2.5 1.8",
+    "fallback": "M5 5.500a3 3 0 1 1 4.3 2.700q-1.3.6-1.3 2M8 12.800v.4",
+    "invert": "M2 5.500h12M2 10.500h12M11 2L5 14",
+    "force": "M2 5.500h12M2 10.500h12",
+}
+_TICK = {"success": "M-4 0l3 3l5-6", "failure": "M-3-3l6 6M3-3l-6 6"}
+
+
+def svg(figure: Figure, name: str) -> str:
+    """Return the figure as an SVG document; `name` is its accessible title."""
+    width, height = round(figure.width), round(figure.height)
+    head = (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" '
+        f'viewBox="0 0 {width} {height}" role="img" font-family="{_FONT}" font-size="{TEXT_SIZE:g}">'
+    )
+    arrow = (
+        '<defs><marker id="arrow" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="7" markerHeight="7" '
+        f'orient="auto-start-reverse"><path d="M0 .8L7.5 4L0 7.200z" fill="{_LINE}"/></marker></defs>'
+    )
+    body = [
+        f"<title>{escape(name)}</title>",
+        arrow,
+        f'<rect width="{width}" height="{height}" fill="{_PAPER}"/>',
+        *(_box(box) for box in figure.boxes),
+        *(_path(line) for line in figure.lines),
+        *(_pill(pill) for pill in figure.pills),
+        *(label for line in figure.lines for label in _label(line)),
+    ]
+    return "\n".join([head, *body, "</svg>"]) + "\n"
+
+
+def _number(value: float) -> str:
+    return f"{value:.1f}".removesuffix(".0")
+
+
+def _text(x: float, y: float, words: str, **attributes: str) -> str:
+    more = "".join(f" {k.replace('_', '-')}={quoteattr(v)}" for k, v in attributes.items())
+    return f'<text x="{_number(x)}" y="{_number(y)}"{more}>{escape(words)}</text>'
+
+
+def _box(box: Box) -> str:
+    fill, border = _COLOURS.get(box.kind, _DECORATOR)
+    radius = 10 if box.frame else 6
+    parts = [f"<title>{escape(box.title)}</title>"] if box.title else []
+    parts.append(
+        f'<rect x="{_number(box.x)}" y="{_number(box.y)}" width="{_number(box.width)}" '
+        f'height="{_number(box.height)}" rx="{radius}" fill="{fill}" stroke="{border}" stroke-width="1.3"/>'
+    )
+    x, y = box.x + 10, box.y + 10 + NAME_SIZE * 0.85
+    if box.kind != "leaf":
+        icon = _ICONS[box.kind]
+        parts.append(
+            f'<path transform="translate({_number(x)} {_number(y - 12.5)}) scale(.95)" d="{icon}" fill="none" '
+            f'stroke="{border}" stroke-width="1.6" stroke-linecap="round" stroke-linejoin="round"/>'
+        )
+    left = x + (ICON if box.kind != "leaf" else 0)
+    name = {"font_size": f"{NAME_SIZE:g}", "font_weight": "bold", "fill": _INK}
+    parts.append(_text(left, y, box.name, **name))
+    if box.frame:
+        beside = left + text_width(box.name, NAME_SIZE, bold=True) + 10
+        parts.extend(_text(beside, y, line, fill=_QUIET) for line in box.lines)
+    else:
+        parts.extend(_text(x, y + LINE_HEIGHT * row, line, fill=_QUIET) for row, line in enumerate(box.lines, 1))
+    return f"<g>{''.join(parts)}</g>"
+
+
+def _path(line: Line) -> str:
+    head = ' marker-end="url(#arrow)"' if line.arrow else ""
+    return f'<path d="{_curve(line)}" fill="none" stroke="{_LINE}" stroke-width="1.3"{head}/>'
+
+
+def _curve(line: Line) -> str:
+    x, y = line.points[0]
+    commands = [f"M{_number(x)} {_number(y)}"]
+    for to_x, to_y in line.points[1:]:
+        if abs(to_x - x) < 0.5 or abs(to_y - y) < 0.5:
+            commands.append(f"L{_number(to_x)} {_number(to_y)}")
+        else:
+            half = (to_y - y) / 2 if line.axis == "y" else (to_x - x) / 2
+            one, two = (
+                ((x, y + half), (to_x, to_y - half)) if line.axis == "y" else ((x + half, y), (to_x - half, to_y))
+            )
+            points = " ".join(f"{_number(px)} {_number(py)}" for px, py in (one, two, (to_x, to_y)))
+            commands.append(f"C{points}")
+        x, y = to_x, to_y
+    return "".join(commands)
+
+
+def _label(line: Line) -> Iterator[str]:
+    if line.label:
+        x, y = line.label_at
+        width = text_width(line.label, TEXT_SIZE) + 4
+        yield (
+            f'<rect x="{_number(x - width / 2)}" y="{_number(y - 7.5)}" width="{_number(width)}" height="15" '
+            f'rx="3" fill="{_PAPER}" fill-opacity=".85"/>'
+        )
+        yield _text(x, y + 4, line.label, text_anchor="middle", fill=_INK)
+
+
+def _pill(pill: Pill) -> str:
+    middle = pill.y + pill.height / 2
+    if not pill.name:
+        return f'<circle cx="{_number(pill.x + pill.width / 2)}" cy="{_number(middle)}" r="6" fill="{_INK}"/>'
+    fill, border = _MEANINGS[pill.meaning]
+    tick = _TICK[pill.meaning]
+    return (
+        f'<g><rect x="{_number(pill.x)}" y="{_number(pill.y)}" width="{_number(pill.width)}" '
+        f'height="{_number(pill.height)}" rx="11" fill="{fill}" stroke="{border}" stroke-width="1.3"/>'
+        f'<path transform="translate({_number(pill.x + 15)} {_number(middle)})" d="{tick}" fill="none" '
+        f'stroke="{border}" stroke-width="1.8"/>' + _text(pill.x + 26, middle + 4, pill.name, fill=_INK) + "</g>"
+    )
