@@ -18,6 +18,7 @@ def _arm(name: str) -> ArmPart:
         joints=_JOINTS,
         drive=Drive(stiffness=4000.0, damping=400.0, limit=300.0),
         accelerations=(4.0,) * 6,
+        srdf="ur_description/srdf/ur5.srdf",  # the UR10's links have the same names and the same shape
     )
 
 
