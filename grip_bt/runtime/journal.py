@@ -27,6 +27,8 @@ CREATE TABLE IF NOT EXISTS events(
   run TEXT, seq INTEGER, t REAL, wall REAL, path TEXT, event TEXT, outcome TEXT, code TEXT, data TEXT,
   PRIMARY KEY(run, seq)) WITHOUT ROWID;
 """
+_GATHER = 0.01
+"""How long [s] events gather before they are committed together; nobody waits for it who calls `flush`."""
 _INSERT = "INSERT INTO events VALUES(?,?,?,?,?,?,?,?,?)"
 _Job = tuple[str, tuple[Any, ...]]
 
@@ -47,6 +49,7 @@ class Journal:
         self.file.parent.mkdir(parents=True, exist_ok=True)
         self._jobs: deque[_Job | threading.Event] = deque()
         self._ready = threading.Event()
+        self._hurry = threading.Event()
         self._closing = False
         self._error: BaseException | None = None
         self._listeners: list[Callable[[str, int], None]] = []
@@ -78,6 +81,7 @@ class Journal:
             JournalError: it couldn't be written.
         """
         mark = threading.Event()
+        self._hurry.set()
         self._put(mark)
         while not mark.wait(0.2) and self._thread.is_alive():
             pass
@@ -87,6 +91,7 @@ class Journal:
     def close(self) -> None:
         """Commit the rest and end the writer; harmless when it was closed before."""
         self._closing = True
+        self._hurry.set()
         self._ready.set()
         self._thread.join()
         if self._error is not None:
@@ -100,7 +105,8 @@ class Journal:
 
     def _put(self, job: _Job | threading.Event) -> None:
         self._jobs.append(job)  # atomic: the order in this queue is the order of the log
-        self._ready.set()
+        if not self._ready.is_set():
+            self._ready.set()
 
     # --- the writer's thread ---
 
@@ -119,6 +125,8 @@ class Journal:
         try:
             while not (self._closing and not self._jobs):
                 self._ready.wait()
+                self._hurry.wait(_GATHER)
+                self._hurry.clear()
                 self._ready.clear()
                 self._commit(database, last)
         except sqlite3.Error as error:
