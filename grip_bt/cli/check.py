@@ -1,0 +1,67 @@
+"""`grip check`: all issues of tasks at once."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from typing import Any
+
+from grip_bt.errors import DocumentError, GripError
+from grip_bt.graph import read_text, schema
+from grip_bt.graph.document import read_file
+from grip_bt.validation import Issue, validate
+
+
+def add_parser(subparsers: Any) -> None:
+    """Add the verb."""
+    parser = subparsers.add_parser("check", help="all issues of tasks, each with its place and a fix")
+    parser.add_argument("tasks", nargs="*", metavar="TASK", help="a task file")
+    parser.add_argument("--json", action="store_true", help="print one JSON list")
+    parser.add_argument("--schema", action="store_true", help="print the JSON Schema of task files")
+    parser.set_defaults(run=run, usage_error=parser.error)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Print the issues of all tasks; 1 when one of them has an error."""
+    if args.schema:
+        print(json.dumps(schema(), indent=2))
+        return 0
+    if not args.tasks:
+        args.usage_error("name at least one TASK, or ask for the --schema")
+    found = {path: _issues(path) for path in args.tasks}
+    wrong = any(issue.severity == "error" for issues in found.values() for issue in issues)
+    if args.json:
+        print(json.dumps([{"task": path, "issues": [i.as_dict() for i in found[path]]} for path in found], indent=2))
+        return int(wrong)
+    for path, issues in found.items():
+        for issue in issues:
+            print(issue)
+        print(f"{path}: {_summary(issues)}")
+    return int(wrong)
+
+
+def _issues(path: str) -> tuple[Issue, ...]:
+    """Return the issues of a file; what keeps it from being read is one too."""
+    from grip_bt.app import project_catalog
+
+    try:
+        document = read_text(read_file(path), path)
+    except DocumentError as error:
+        return (_unreadable(error),)
+    try:
+        catalog = project_catalog(path)
+    except GripError as error:
+        return (Issue("", "bad-project", "error", str(error), source=path, line=1, column=1),)
+    return validate(document.task, catalog, document).issues
+
+
+def _unreadable(error: DocumentError) -> Issue:
+    message = error.message.rstrip(".")
+    return Issue("", "bad-document", "error", message, "", error.line or 1, error.column or 1, error.source)
+
+
+def _summary(issues: tuple[Issue, ...]) -> str:
+    errors = sum(issue.severity == "error" for issue in issues)
+    warnings = len(issues) - errors
+    counts = [f"{n} {word}{'s' * (n > 1)}" for n, word in ((errors, "error"), (warnings, "warning")) if n]
+    return ", ".join(counts) or "ok"

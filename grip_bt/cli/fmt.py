@@ -1,0 +1,63 @@
+"""`grip fmt`: task files in canonical form, comments kept."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from grip_bt.graph import fmt
+from grip_bt.graph.document import read_file
+
+
+def add_parser(subparsers: Any) -> None:
+    """Add the verb."""
+    parser = subparsers.add_parser("fmt", help="bring task files into their canonical form; comments stay")
+    parser.add_argument("tasks", nargs="+", metavar="TASK", help="a task file; - reads stdin and writes stdout")
+    parser.add_argument("--check", action="store_true", help="change nothing; 1 when a file isn't canonical")
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Format the files; with --check, 1 when one would change."""
+    formatted = {path: _both(path) for path in args.tasks}  # a file that can't be read stops all before any is written
+    changed = [path for path, (before, after) in formatted.items() if before != after]
+    if args.check:
+        for path in changed:
+            print(f"{path}: not canonical; `grip fmt {path}` mends it")
+        return int(bool(changed))
+    for path in formatted:
+        if path == "-":
+            sys.stdout.write(formatted[path][1])
+        elif path in changed:
+            replace_text(Path(path), formatted[path][1])
+            print(f"{path}: formatted")
+    return 0
+
+
+def _both(path: str) -> tuple[str, str]:
+    before = sys.stdin.read() if path == "-" else read_file(path)
+    return before, fmt(before, "<stdin>" if path == "-" else path)
+
+
+def replace_text(path: Path, text: str) -> None:
+    """Write a file in one step: whoever reads it sees the old text or the new one."""
+    path = path.resolve()
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8") as file:
+            file.write(text)
+        if path.exists():
+            shutil.copymode(path, temporary)
+        else:
+            umask = os.umask(0)
+            os.umask(umask)
+            Path(temporary).chmod(0o666 & ~umask)
+        Path(temporary).replace(path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
