@@ -129,6 +129,10 @@ class ImplementationError(GripError):
         super().__init__(f"node {node}: {implementation}: {reason}")
 
 
+class SimulatorLostError(GripError):
+    """The simulator's process ended, so that nothing can be measured or moved any more."""
+
+
 # --- expected failures: their code is the reason that a leaf's failure carries --------------------------------------
 
 

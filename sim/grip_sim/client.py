@@ -5,6 +5,7 @@ Importing this module loads no sapien.
 
 from __future__ import annotations
 
+import queue
 import socket
 import subprocess
 import sys
@@ -48,7 +49,8 @@ class SimClient:
     def __init__(self, spec: WorldSpec, pace: float | None = None):
         self.clock = SimClock()
         self._lock = threading.Lock()
-        self._pending: dict[int, Operation[Reply]] = {}
+        self._pending: dict[int, tuple[Operation[Reply], bool]] = {}
+        self._completions: queue.SimpleQueue[tuple[Operation[Reply], Reply] | None] = queue.SimpleQueue()
         self._count = 0
         self._lost: SimulatorLostError | None = None
         ours, theirs = socket.socketpair()
@@ -62,9 +64,11 @@ class SimClient:
         self._listener = threading.Thread(target=self._listen, name="grip_sim_stderr", daemon=True)
         self._listener.start()
         self._reader = threading.Thread(target=self._read, name="grip_sim", daemon=True)
+        self._completer = threading.Thread(target=self._complete_all, name="grip_sim_done", daemon=True)
         self._reader.start()
+        self._completer.start()
         try:
-            self._await(self._send({"spec": spec.to_json(), "pace": pace}), START_TIME)
+            self._await(self._send({"spec": spec.to_json(), "pace": pace}, waited_for=True), START_TIME)
         except BaseException:
             self.close()
             raise
@@ -81,7 +85,7 @@ class SimClient:
             SimulatorLostError: the process has ended or doesn't answer.
             GripError: the simulator refused.
         """
-        return self._await(self._send({"call": call, **fields}), ANSWER_TIME)
+        return self._await(self._send({"call": call, **fields}, waited_for=True), ANSWER_TIME)
 
     def request(self, call: str, /, **fields: Any) -> Operation[Reply]:
         """Call something that advances no physics, without waiting."""
@@ -106,7 +110,7 @@ class SimClient:
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()
-        for thread in (self._reader, self._listener):
+        for thread in (self._reader, self._completer, self._listener):
             if thread is not threading.current_thread():
                 thread.join()
         self._connection.close()
@@ -115,7 +119,13 @@ class SimClient:
 
     # --- requests ---
 
-    def _send(self, fields: dict[str, Any], arrays: Arrays | None = None, cancelable: bool = False) -> Operation[Reply]:
+    def _send(
+        self,
+        fields: dict[str, Any],
+        arrays: Arrays | None = None,
+        cancelable: bool = False,
+        waited_for: bool = False,
+    ) -> Operation[Reply]:
         with self._lock:
             if self._lost is not None:
                 return Operation.failed(self._lost)
@@ -123,7 +133,7 @@ class SimClient:
             number = self._count
             cancel = (lambda: self._cancel(number)) if cancelable else None
             operation: Operation[Reply] = Operation(cancel)
-            self._pending[number] = operation
+            self._pending[number] = (operation, waited_for)
             message = pack({"id": number, **fields}, arrays)
             try:
                 self._connection.sendall(message)
@@ -147,9 +157,14 @@ class SimClient:
                 fields, arrays = receive(self._connection)
                 self.clock.told(fields["time"])
                 with self._lock:
-                    operation = self._pending.pop(fields["id"], None)
-                if operation is not None:
-                    self._complete(operation, Reply(fields, arrays))
+                    operation, waited_for = self._pending.pop(fields["id"], (None, False))
+                if operation is None:
+                    continue
+                # Callbacks may ask for more and wait for it, so they aren't called in the thread that reads answers.
+                if waited_for:
+                    _complete(operation, Reply(fields, arrays))
+                else:
+                    self._completions.put((operation, Reply(fields, arrays)))
         except ClosedError:
             self._process.wait()
             self._listener.join(1.0)
@@ -157,23 +172,29 @@ class SimClient:
             status = self._process.returncode
             self._fail_all(SimulatorLostError(f"the simulator's process ended with status {status}. {said}".strip()))
 
-    def _complete(self, operation: Operation[Reply], reply: Reply) -> None:
-        error, message = reply.fields.get("error", ""), reply.fields.get("message", "")
-        if not error:
-            operation.succeed(reply)
-        elif error in _ERRORS:
-            operation.fail(_ERRORS[error](message))
-        else:
-            operation.fail(GripError(message))
+    def _complete_all(self) -> None:
+        while (completion := self._completions.get()) is not None:
+            _complete(*completion)
 
     def _fail_all(self, error: SimulatorLostError) -> None:
         with self._lock:
             self._lost = self._lost or error
             pending, self._pending = list(self._pending.values()), {}
-        for operation in pending:
+        self._completions.put(None)
+        for operation, _ in pending:
             operation.fail(self._lost)
 
     def _listen(self) -> None:
         assert self._process.stderr is not None
         for line in self._process.stderr:
             self._said = [*self._said[-40:], line]
+
+
+def _complete(operation: Operation[Reply], reply: Reply) -> None:
+    error, message = reply.fields.get("error", ""), reply.fields.get("message", "")
+    if not error:
+        operation.succeed(reply)
+    elif error in _ERRORS:
+        operation.fail(_ERRORS[error](message))
+    else:
+        operation.fail(GripError(message))

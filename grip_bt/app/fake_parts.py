@@ -1,0 +1,75 @@
+"""Parts that do as asked, at once, without a robot: for drawing and trying a task before there is one."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from grip_bt.catalog.component_file import load_component
+from grip_bt.commanders.fake import FakeArm, FakeCamera, FakeComponent, FakeHand
+from grip_bt.commanders.hand import HandCommander
+from grip_bt.commanders.scene import PlanningScene
+from grip_bt.errors import UnknownNameError
+from grip_bt.values import CameraInfo, DepthImage, Grasp, Image, JointState, Pose, RgbdFrame
+
+from .project import Project
+from .resources import Resources
+
+
+def open_robot(project: Project, resources: Resources) -> None:
+    """Put a fake of every arm, hand and camera of the project into `resources`."""
+    file = project.file
+    arms = {name: FakeArm(name) for name in file.arms}
+    hands = {arm.hand: arms[name] for name, arm in file.arms.items() if arm.hand is not None}
+    resources.arms = arms
+    resources.hands = {name: _hand(name) for name in file.hands}
+    resources.cameras = {name: FakeCamera(_CAMERA, [_empty_table()]) for name in file.sensors}
+    resources.scene = PlanningScene({hand: arm.grasp_pose for hand, arm in hands.items()}, _CRATE)
+
+
+def open_components(project: Project, names: list[str], resources: Resources) -> None:
+    """Put fakes of components into `resources`: their replies go through their outcomes, in order.
+
+    Raises:
+        UnknownNameError: a component isn't in the project.
+    """
+    folders = project.component_folders()
+    for name in names:
+        if name not in folders:
+            raise UnknownNameError("component", name, folders, str(project.folder))
+    files = {name: load_component(folders[name]) for name in names}
+    resources.components = {
+        name: FakeComponent([{"outcome": number, "returned_object": [_GRASP]} for number in range(len(file.outcomes))])
+        for name, file in files.items()
+    }
+
+
+def _hand(name: str) -> HandCommander:
+    joints = ("finger", "thumb")
+    postures = {posture: JointState(joints, np.full(2, angle)) for posture, angle in (("open", 0.0), ("closed", 1.0))}
+    thing = JointState(joints, np.full(2, 0.6))
+    return HandCommander(name, FakeHand(postures["open"], thing=thing, forces={"thumb": 2.0}), postures)
+
+
+_CAMERA = CameraInfo(
+    64, 48, np.array([[60.0, 0, 32], [0, 60.0, 24], [0, 0, 1]]), Pose((0.5, 0.1, 1.3), (0, 0.70710678, -0.70710678, 0))
+)
+_CRATE: dict[str, Any] = {
+    f"crate_{side}": (size, Pose((0.48 + dx, -0.40 + dy, 0.03)))
+    for side, size, dx, dy in (
+        ("left", (0.28, 0.01, 0.06), 0.0, 0.155),
+        ("right", (0.28, 0.01, 0.06), 0.0, -0.155),
+        ("far", (0.01, 0.30, 0.06), 0.135, 0.0),
+        ("near", (0.01, 0.30, 0.06), -0.135, 0.0),
+    )
+}
+_AT = Pose((0.5, 0.1, 0.1), (0.5, 0.5, 0.5, 0.5))
+_GRASP = Grasp(_AT, _AT.moved((-0.12, 0, 0)), _AT.moved((0, 0, 0.15)), width=0.06, provenance="fake")
+
+
+def _empty_table() -> RgbdFrame:
+    shape = (_CAMERA.height, _CAMERA.width)
+    return RgbdFrame(
+        Image(np.full((*shape, 3), 170, np.uint8), "fake"), DepthImage(np.full(shape, 1.3, np.float32), _CAMERA)
+    )
