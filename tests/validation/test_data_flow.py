@@ -1,0 +1,224 @@
+"""The data-flow analysis against a small interpreter of tasks that lets every leaf end as it likes."""
+
+from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import strategies as st
+
+from grip_bt.catalog import Catalog, InputPort, Manifest, OutputPort
+from grip_bt.graph import (
+    Fallback,
+    Force,
+    Invert,
+    Leaf,
+    Parallel,
+    Repeat,
+    Retry,
+    Sequence,
+    StateMachine,
+    Task,
+    Timeout,
+    children_of,
+)
+from grip_bt.graph.model import join
+from grip_bt.validation import validate
+
+NODE = Manifest(
+    id="demo/leaf",
+    doc="Reads and writes.",
+    implementation="demo:Leaf",
+    inputs={"a": InputPort(type="int", required=False)},
+    outputs={
+        "x": OutputPort(type="int"),
+        "y": OutputPort(type="int", on=("failure", "other")),
+    },
+    outcomes={"success": "success", "other": "success", "failure": "failure"},
+)
+CATALOG = Catalog([NODE])
+WRITTEN = {"success": ("x",), "other": ("x", "y"), "failure": ("y",)}
+variables = st.sampled_from(["u", "v", "w"])
+names = ["c0", "c1", "c2"]
+
+
+@st.composite
+def leaves(draw):
+    return {
+        "node": "demo/leaf",
+        "in": {"a": draw(variables)} if draw(st.booleans()) else {},
+        "out": draw(st.dictionaries(st.sampled_from(["x", "y"]), variables, max_size=2)),
+    }
+
+
+@st.composite
+def containers(draw, nodes):
+    kind = draw(
+        st.sampled_from(
+            ["sequence", "fallback", "parallel", "state_machine", "retry", "repeat", "timeout", "invert", "force"]
+        )
+    )
+    data = draw(st.dictionaries(variables, st.sampled_from(["int", {"type": "int", "value": 1}]), max_size=1))
+    count = draw(st.integers(1, 3)) if kind in ("sequence", "fallback", "parallel", "state_machine") else 1
+    children = {name: draw(nodes) for name in names[:count]}
+    if kind == "state_machine":
+        outcomes = {"success": "success", "failure": "failure"}
+        targets = st.sampled_from([*children, *outcomes])
+        for name, child in children.items():
+            ends = ("success", "other", "failure") if "node" in child else ("success", "failure")
+            children[name] = {**child, "on": {end: draw(targets) for end in ends}}
+        return {"kind": kind, "initial": "c0", "outcomes": outcomes, "children": children, "data": data}
+    exits = {}
+    for name, child in children.items():
+        if draw(st.integers(0, 3)) == 0:
+            end = draw(st.sampled_from(["success", "failure"] + ["other"] * ("node" in child)))
+            exits[f"{name}.{end}"] = draw(st.sampled_from(["success", "failure"]))
+    node = {"kind": kind, "data": data, "exits": exits}
+    if count > 1 or kind in ("sequence", "fallback", "parallel"):
+        node["children"] = children
+    else:
+        node["child"] = children
+    extra = {
+        "retry": {"times": 2},
+        "repeat": {"times": 2},
+        "timeout": {"seconds": 1.0},
+        "force": {"as": draw(st.sampled_from(["success", "failure"]))},
+        "parallel": {
+            "policy": draw(st.sampled_from(["all", "any"])),
+            "cancel": draw(st.sampled_from(["halt", "join"])),
+        },
+    }
+    return {**node, **extra.get(kind, {})}
+
+
+nodes = st.recursive(leaves(), containers, max_leaves=8)
+
+
+class Run:
+    """One run: leaves end as `random` likes; a read of an unwritten variable is noted."""
+
+    def __init__(self, task, random):
+        self.random, self.unwritten, self.steps = random, set(), 0
+        self.end = self.node(task.root, "/", [self.fresh(task.data)])
+
+    def fresh(self, data):
+        return {name: not isinstance(v, str) and v.has_value for name, v in data.items()}
+
+    def scope(self, scopes, name):
+        return next(scope for scope in reversed(scopes) if name in scope)
+
+    def node(self, node, path, scopes):
+        self.steps += 1
+        if self.steps > 60:
+            raise RecursionError
+        if isinstance(node, Leaf):
+            return self.leaf(node, path, scopes)
+        scopes = [*scopes, self.fresh(node.data)]
+        go = {
+            Sequence: lambda: self.in_order(node, path, scopes, "success"),
+            Fallback: lambda: self.in_order(node, path, scopes, "failure"),
+            Parallel: lambda: self.parallel(node, path, scopes),
+            StateMachine: lambda: self.machine(node, path, scopes),
+        }
+        return go.get(type(node), lambda: self.decorated(node, path, scopes))()
+
+    def leaf(self, node, path, scopes):
+        for port, name in node.in_.items():
+            if not self.scope(scopes, name)[name]:
+                self.unwritten.add((path, port))
+        end = self.random.choice(list(WRITTEN))
+        for port in WRITTEN[end]:
+            if port in node.out:
+                self.scope(scopes, node.out[port])[node.out[port]] = True
+        return end
+
+    def ended(self, node, name, label):
+        """Return (exit, None) or (None, meaning)."""
+        exit_ = node.exits.get(f"{name}.{label}")
+        return exit_, "failure" if label == "failure" else "success"
+
+    def in_order(self, node, path, scopes, goes_on):
+        for name, child in node.children.items():
+            exit_, meaning = self.ended(node, name, self.node(child, join(path, name), scopes))
+            if exit_ or meaning != goes_on:
+                return exit_ or meaning
+        return goes_on
+
+    def parallel(self, node, path, scopes):
+        """Children one after the other in any order, blind to each other's writes; some may be cut off."""
+        one, every = ("failure", "success") if node.policy == "all" else ("success", "failure")
+        before = [dict(scope) for scope in scopes]
+        results, decided = [], None
+        for name, child in self.random.sample(list(node.children.items()), len(node.children)):
+            mine = [dict(scope) for scope in before]
+            exit_, meaning = self.ended(node, name, self.node(child, join(path, name), mine))
+            if exit_:
+                decided = decided or exit_
+            elif meaning == one:
+                decided = decided or one
+            if decided is None or node.cancel == "join" or not results or exit_ or meaning == one:
+                results.append(mine)
+            if decided and node.cancel == "halt":
+                break
+        for mine in results:
+            for scope, seen in zip(scopes, mine, strict=True):
+                for name, written in seen.items():
+                    scope[name] = scope[name] or written
+        return decided or every
+
+    def machine(self, node, path, scopes):
+        name = node.initial
+        while name in node.children:
+            child = node.children[name]
+            name = child.on[self.node(child, join(path, name), scopes)]
+        return name
+
+    def decorated(self, node, path, scopes):
+        ((name, child),) = children_of(node).items()
+        for attempt in range(getattr(node, "times", 1)):
+            if isinstance(node, Timeout) and self.random.random() < 0.2:
+                return "failure"
+            exit_, meaning = self.ended(node, name, self.node(child, join(path, name), scopes))
+            if exit_:
+                return exit_
+            again = {Retry: "failure", Repeat: "success"}.get(type(node))
+            if meaning != again or attempt + 1 == node.times:
+                break
+        if isinstance(node, Invert):
+            return "failure" if meaning == "success" else "success"
+        return node.as_ if isinstance(node, Force) else meaning
+
+
+def found_in(task):
+    report = validate(task, CATALOG)
+    return {i.path for i in report.issues if i.code == "read-before-write"}
+
+
+@settings(deadline=None, max_examples=250, suppress_health_check=list(HealthCheck))
+@given(nodes, st.randoms(use_true_random=False))
+def test_no_run_reads_an_unwritten_variable_that_the_analysis_hasnt_found(root, random):
+    task = Task.model_validate(
+        {"grip": 1, "name": "t", "data": {"u": "int", "v": "int", "w": {"type": "int", "value": 0}}, "root": root}
+    )
+    found = found_in(task)
+    for _ in range(30):
+        try:
+            unwritten = Run(task, random).unwritten
+        except RecursionError:
+            continue
+        assert {path for path, _ in unwritten} <= found
+
+
+@settings(deadline=None, max_examples=150, suppress_health_check=list(HealthCheck))
+@given(nodes, st.randoms(use_true_random=False))
+def test_without_parallels_what_the_analysis_finds_happens_in_some_run(root, random):
+    assume("parallel" not in str(root))
+    task = Task.model_validate(
+        {"grip": 1, "name": "t", "data": {"u": "int", "v": "int", "w": {"type": "int", "value": 0}}, "root": root}
+    )
+    found = found_in(task)
+    seen = set()
+    for _ in range(3000):
+        if found <= seen:
+            break
+        try:
+            seen |= {path for path, _ in Run(task, random).unwritten}
+        except RecursionError:
+            continue
+    assert found <= seen
