@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import json
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any, TextIO
 
 from .runner import Runner, RunResult
 
 
 class _Out:
-    """Writes lines from any thread; a reader that has gone away is a reason to stop."""
+    """Writes lines from any thread, and from a signal handler; a reader that has gone away is a reason to stop."""
 
     def __init__(self, stream: TextIO, gone: Callable[[], None]):
-        self._stream, self._gone, self._lock = stream, gone, threading.Lock()
+        self._stream, self._gone, self._lock = stream, gone, threading.RLock()
 
     def send(self, event: str, **fields: Any) -> None:
         """Write one event."""
@@ -22,7 +22,7 @@ class _Out:
             with self._lock:
                 self._stream.write(json.dumps({"event": event, **fields}) + "\n")
                 self._stream.flush()
-        except (OSError, ValueError):
+        except (OSError, ValueError, RuntimeError):
             self._gone()
 
 
@@ -58,12 +58,18 @@ def _obey(runner: Runner, commands: TextIO, out: _Out) -> None:
         "step": runner.step,
         "stop": runner.stop,
     }
-    for line in commands:
-        if not line.strip():
-            continue
+    for line in _lines(commands):
         try:
             command = json.loads(line)["command"]
             allowed[command]()
         except (ValueError, KeyError, TypeError):
             out.send("refused", message=f"not a command: {line.strip()[:80]!r} (there are: {', '.join(allowed)})")
     runner.stop()
+
+
+def _lines(stream: TextIO) -> Iterator[str]:
+    """Yield lines that aren't blank until the stream ends, breaks or is closed."""
+    try:
+        yield from (line for line in stream if line.strip())
+    except (OSError, ValueError):
+        return

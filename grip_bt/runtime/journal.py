@@ -12,9 +12,9 @@ import secrets
 import sqlite3
 import threading
 import time
-from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from queue import SimpleQueue
 from typing import Any
 
 from grip_bt.errors import GripError
@@ -47,8 +47,8 @@ class Journal:
     def __init__(self, file: Path | str):
         self.file = Path(file)
         self.file.parent.mkdir(parents=True, exist_ok=True)
-        self._jobs: deque[_Job | threading.Event] = deque()
-        self._ready = threading.Event()
+        # Its put() is re-entrant, so that a signal handler may stop a run, which is an event too.
+        self._jobs: SimpleQueue[_Job | threading.Event] = SimpleQueue()
         self._hurry = threading.Event()
         self._closing = False
         self._error: BaseException | None = None
@@ -92,7 +92,7 @@ class Journal:
         """Commit the rest and end the writer; harmless when it was closed before."""
         self._closing = True
         self._hurry.set()
-        self._ready.set()
+        self._jobs.put(threading.Event())
         self._thread.join()
         if self._error is not None:
             raise JournalError(f"{self.file}: couldn't be written: {self._error}") from self._error
@@ -104,9 +104,7 @@ class Journal:
         self.close()
 
     def _put(self, job: _Job | threading.Event) -> None:
-        self._jobs.append(job)  # atomic: the order in this queue is the order of the log
-        if not self._ready.is_set():
-            self._ready.set()
+        self._jobs.put(job)  # the order in this queue is the order of the log
 
     # --- the writer's thread ---
 
@@ -123,23 +121,25 @@ class Journal:
         started.set()
         last: dict[str, int] = {}
         try:
-            while not (self._closing and not self._jobs):
-                self._ready.wait()
+            while not (self._closing and self._jobs.empty()):
+                first = self._jobs.get()
                 self._hurry.wait(_GATHER)
                 self._hurry.clear()
-                self._ready.clear()
-                self._commit(database, last)
+                self._commit(database, [first, *self._gathered()], last)
         except sqlite3.Error as error:
             self._error = error
         finally:
             database.close()
 
-    def _commit(self, database: sqlite3.Connection, last: dict[str, int]) -> None:
+    def _gathered(self) -> Iterator[_Job | threading.Event]:
+        for _ in range(self._jobs.qsize()):
+            yield self._jobs.get()
+
+    def _commit(self, database: sqlite3.Connection, jobs: list[_Job | threading.Event], last: dict[str, int]) -> None:
         marks: list[threading.Event] = []
         grown: dict[str, int] = {}
         database.execute("BEGIN IMMEDIATE")
-        for _ in range(len(self._jobs)):
-            job = self._jobs.popleft()
+        for job in jobs:
             if isinstance(job, threading.Event):
                 marks.append(job)
                 continue

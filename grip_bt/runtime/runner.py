@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 import traceback
 from dataclasses import dataclass
 from typing import Literal
+
+from py_trees.common import Status
 
 from grip_bt.compilers import CompiledMachine, CompiledTree, Halted, TaskEnd
 from grip_bt.nodes.observer import Observer, Observers
@@ -16,6 +19,11 @@ from .context import RunContext
 from .journal import Journal
 from .pacing import Pacing
 from .recorder import Recorder
+
+_log = logging.getLogger(__name__)
+
+ACKNOWLEDGE = 0.05
+"""How long [s] a run may take to acknowledge a stop before its leaves are terminated from another thread."""
 
 RunStatus = Literal["success", "failure", "error", "stopped"]
 
@@ -82,7 +90,7 @@ class Runner:
             log = journal.begin(compiled.task.name, task_path, task_text, compiled.target, seed)
             self.run_id, self._recorder = log.id, Recorder(log, context.clock)
         self._observers: list[Observer] = [] if self._recorder is None else [self._recorder]
-        self._begun = threading.Lock()
+        self._begun, self._ended = threading.Lock(), threading.Event()
         if self._recorder is not None:
             self.pacing.on_state(self._recorder.state)
 
@@ -103,8 +111,25 @@ class Runner:
         self.pacing.step()
 
     def stop(self) -> None:
-        """Halt: every running leaf is terminated at once, and the run ends as `stopped`."""
+        """Halt: every running leaf is terminated at once, and the run ends as `stopped`.
+
+        Where a leaf's `update` hangs, so that the run can't look, all active leaves are terminated from here after
+        `ACKNOWLEDGE`; the run ends when that `update` returns. May be called from a signal handler.
+        """
         self.pacing.stop()
+        threading.Thread(target=self._insist, name="grip_stop", daemon=True).start()
+
+    def _insist(self) -> None:
+        if self._ended.wait(ACKNOWLEDGE):
+            return
+        for path, leaf in self.compiled.leaves.items():
+            if leaf.active:
+                try:
+                    leaf.terminate(Status.INVALID)
+                except Exception:  # noqa: BLE001 - the other leaves must be terminated all the same
+                    _log.exception("terminate of %s", path)
+                if self._recorder is not None:
+                    self._recorder.message(path, "terminated from outside: the run doesn't acknowledge the stop")
 
     def request_preempt(self) -> None:
         """Ask the task to come to an end on its own terms; leaves that care end soon, and recovery still runs."""
@@ -125,7 +150,10 @@ class Runner:
         if self._recorder is not None:
             self._recorder.started()
         start = self.context.clock.now()
-        result = self._attempt(start)
+        try:
+            result = self._attempt(start)
+        finally:
+            self._ended.set()
         if self._recorder is not None:
             self._recorder.finished(result.outcome, result.status)
         return result
@@ -135,6 +163,9 @@ class Runner:
             self.compiled.prepare(self.context)
             end = self.compiled.execute(self.pacing)
         except Halted:
+            return self._result(None, "stopped", start)
+        except KeyboardInterrupt:
+            self.stop()
             return self._result(None, "stopped", start)
         except Exception as error:  # noqa: BLE001 - a bug of a leaf is the run's result, not the runner's end
             if self._recorder is not None:

@@ -22,7 +22,7 @@ CATALOG = Catalog(
         implementation="tests:Leaf",
         outputs={"x": {"type": "Any", "on": ["success"]}},
     )
-    for kind in ("wait", "end", "break", "unready", "work", "obey")
+    for kind in ("wait", "end", "break", "unready", "work", "obey", "hang")
 )
 
 
@@ -35,6 +35,7 @@ class Waiting(Leaf):
         self.ticks = 0
         self.told = threading.Event()
         self.terminated: list[Status] = []
+        self.was_terminated = threading.Event()
 
     def update(self) -> Status:
         self.ticks += 1
@@ -43,6 +44,7 @@ class Waiting(Leaf):
 
     def terminate(self, new_status: Status) -> None:
         self.terminated.append(new_status)
+        self.was_terminated.set()
 
 
 class Ending(Leaf):
@@ -68,13 +70,34 @@ class Working(OperationLeaf):
         return self.end(x=result)
 
 
+class Hanging(Leaf):
+    """Its update doesn't return before it is released."""
+
+    def __init__(self, *args: Any):
+        super().__init__(*args)
+        self.inside, self.released = threading.Event(), threading.Event()
+
+    def update(self) -> Status:
+        self.inside.set()
+        self.released.wait(20)
+        return self.running()
+
+
 class Obeying(Waiting):
     def update(self) -> Status:
         status = super().update()
         return self.fail("preempted") if self.context.preempt_requested else status
 
 
-KINDS = {"wait": Waiting, "end": Ending, "break": Breaking, "unready": Unready, "work": Working, "obey": Obeying}
+KINDS = {
+    "wait": Waiting,
+    "end": Ending,
+    "break": Breaking,
+    "unready": Unready,
+    "work": Working,
+    "obey": Obeying,
+    "hang": Hanging,
+}
 
 
 def leaf(kind: str, **more: Any) -> dict[str, Any]:

@@ -99,6 +99,19 @@ def test_a_stop_reaches_every_branch_and_a_paused_run(target: Any) -> None:
 
 
 @both
+@pytest.mark.parametrize("cancel", ["halt", "join"])
+def test_a_stop_terminates_the_others_while_one_leaf_hangs_in_its_update(target: Any, cancel: str) -> None:
+    children = {"w": leaf("wait"), "h": leaf("hang")}
+    run = Started(target, {"kind": "parallel", "cancel": cancel, "children": children}, poll=None).start()
+    run.wait_tick("w")
+    assert run.leaves["h"].inside.wait(20)
+    run.runner.stop()
+    assert run.leaves["w"].was_terminated.wait(20)
+    run.leaves["h"].released.set()
+    assert run.join().status == "stopped"
+
+
+@both
 def test_a_run_stopped_before_it_begins_ticks_nothing(target: Any) -> None:
     run = Started(target, SEQUENCE)
     run.runner.stop()
