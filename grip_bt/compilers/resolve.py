@@ -9,13 +9,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from grip_bt.catalog import Catalog, Manifest
+from grip_bt.catalog import Catalog, Manifest, check_value, parse_type
 from grip_bt.errors import GripError, InvalidTaskError
 from grip_bt.graph.model import (
     AnyNode,
     Leaf,
     StateMachine,
     Task,
+    Variable,
     children_of,
     join,
     outcomes_of,
@@ -24,7 +25,7 @@ from grip_bt.nodes.control import Edges
 from grip_bt.validation import Issue
 
 from .checks import check_edges, check_leaf, check_root, problem
-from .scopes import Scope, Scopes
+from .scopes import Cell, Scope, Scopes
 
 
 @dataclass(frozen=True)
@@ -98,10 +99,10 @@ def resolve(task: Task, catalog: Catalog, data: Mapping[str, Any] | None = None)
         InvalidTaskError: with all problems that were found.
     """
     work = _Resolver(catalog)
-    outer = work.scopes.declare(Scopes.TASK, task.data, None)
+    outer = work.declare(Scopes.TASK, task.data, None)
     for name, value in (data or {}).items():
         if name in outer.cells:
-            outer.cells[name].preset(value)
+            work.preset(outer.cells[name], value)
         else:
             there = ", ".join(outer.cells) or "none"
             work.add("/", "undeclared-variable", f"the task declares no variable {name!r} (there are: {there})")
@@ -121,10 +122,28 @@ class _Resolver:
     def add(self, path: str, code: str, message: str) -> None:
         self.problems.append(problem(path, code, message))
 
+    def declare(self, path: str, declared: Mapping[str, Variable | str], outer: Scope | None) -> Scope:
+        known: dict[str, Variable | str] = {}
+        for name, variable in declared.items():
+            try:
+                parse_type(variable if isinstance(variable, str) else variable.type)
+                known[name] = variable
+            except ValueError as error:
+                self.add(path, "unknown-type", f"variable {name!r}: {error}")
+                known[name] = "Any"
+        return self.scopes.declare(path, known, outer)
+
+    def preset(self, cell: Cell, value: Any) -> None:
+        wrong = check_value(cell.parsed, value)
+        if wrong is not None:
+            self.add("", "wrong-initial-value", f"variable {cell.name!r} is {cell.type}: {wrong}")
+        else:
+            cell.preset(value)
+
     def part(self, name: str, path: str, node: AnyNode, outer: Scope) -> Part:
         if isinstance(node, Leaf):
             return self.leaf(name, path, node, outer)
-        scope = self.scopes.declare(path, node.data, outer)
+        scope = self.declare(path, node.data, outer)
         children = tuple(
             self.part(child, join(path, child), below, scope) for child, below in children_of(node).items()
         )

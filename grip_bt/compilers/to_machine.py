@@ -161,6 +161,7 @@ class CompiledMachine:
             with _logged():
                 outcome = self.machine.execute()
         except BaseException as error:
+            self._run.fail(error)  # whatever still runs in other threads ends too
             if self._run.error is not None and self._run.error is not error:
                 raise self._run.error from self._run.error.__cause__
             raise

@@ -176,6 +176,12 @@ def test_all_problems_are_told_at_once(target: Any) -> None:
         assert hint in text
 
 
+def test_unknown_types_and_values_of_a_wrong_type_are_refused() -> None:
+    with pytest.raises(InvalidTaskError, match="unknown-type") as raised:
+        compiled(leaf(**{"in": {"a": "n"}}), {"n": "text"}, data={"n": "int", "m": "list[int"})
+    assert "wrong-initial-value" in str(raised.value)
+
+
 def test_an_end_of_the_root_keeps_its_label_goes_by_its_meaning_or_is_refused() -> None:
     machine = {
         "kind": "state_machine",
