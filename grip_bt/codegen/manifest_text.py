@@ -38,6 +38,7 @@ def manifest_text(manifest: Manifest, header: str) -> str:
 
 def _flow(value: Any) -> Any:
     """Return a mapping or a sequence that is written on one line."""
+    made: CommentedMap | CommentedSeq
     if isinstance(value, dict):
         made = CommentedMap({k: _flow(v) for k, v in value.items()})
     elif isinstance(value, (list, tuple)):

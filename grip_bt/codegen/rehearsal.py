@@ -39,7 +39,8 @@ class _Scripted:
     preempt_requested = False
 
     def __init__(self, reply: Mapping[str, Any]):
-        self.reply, self.request = reply, {}
+        self.reply = reply
+        self.request: dict[str, Any] = {}
 
     def call(self, request: Mapping[str, Any]) -> Operation[Mapping[str, Any]]:
         self.request = dict(request)

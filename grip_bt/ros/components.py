@@ -78,7 +78,7 @@ class Components:
                 process = self._running[name].process
                 tail = process.log_tail() if process is not None and process.alive else ""
                 said = f"; its log ({process.log}) ends with:\n{tail}" if process and tail else ""
-                raise ServerLostError(f"component {name}: {error.message}{said}", **error.data) from None
+                raise type(error)(f"component {name}: {error.message}{said}", **error.data) from None
         self.ready_seconds = time.monotonic() - started
 
     def close(self) -> None:
