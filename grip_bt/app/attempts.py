@@ -27,7 +27,6 @@ class Attempt:
         failure: why.
         where: path of the leaf that failed last.
         held: objects that the referee saw in the hand when the task checked.
-        placed: objects that came to lie in the crate during this attempt.
         duration: on the run's clock [s].
     """
 
@@ -38,7 +37,6 @@ class Attempt:
     failure: Failure | None = None
     where: str = ""
     held: tuple[str, ...] = ()
-    placed: tuple[str, ...] = ()
     duration: float = 0.0
 
 
@@ -64,7 +62,6 @@ class AttemptRecorder(Silent):
         self._path, self._check, self._clock, self._truth, self._on_end = attempt, check, clock, truth, on_end
         self.attempts: list[Attempt] = []
         self._began = 0.0
-        self._placed: set[str] = set()
 
     def entered(self, path: str) -> None:
         """Begin an attempt, or ask what is held before the task checks it."""
@@ -101,9 +98,6 @@ class AttemptRecorder(Silent):
         attempt = self.attempts[-1]
         attempt.outcome, attempt.failure = outcome, failure
         attempt.duration = self._clock() - self._began
-        now = set(self._with("placed"))
-        attempt.placed = tuple(sorted(now - self._placed))
-        self._placed = now
         self._on_end(attempt)
 
     def _with(self, status: str) -> tuple[str, ...]:
