@@ -1,4 +1,4 @@
-/** What a person must not miss: refused requests, a run that died or was killed, errors in nodes, problems of the task. */
+/** What a person must not miss: refused requests, a run that died or was killed, errors in nodes. */
 import type { JSX } from "react";
 
 import { usePage } from "../store/page";
@@ -33,30 +33,6 @@ export function Notices(): JSX.Element {
           <button onClick={() => usePage.getState().select(error.path)}>Show</button>
         </div>
       )}
-      <Problems />
     </div>
-  );
-}
-
-function Problems(): JSX.Element | null {
-  const problems = useRun((s) => s.task.problems);
-  if (problems.length === 0) return null;
-  const errors = problems.filter((problem) => problem.severity === "error").length;
-  return (
-    <details className={`notice${errors ? " bad" : ""}`} open={errors > 0}>
-      <summary>
-        Problems: {errors} errors, {problems.length - errors} warnings
-      </summary>
-      <ul>
-        {problems.map((problem, i) => (
-          <li key={i}>
-            <strong>{problem.severity}</strong> {problem.line !== null && `line ${problem.line}, `}
-            {problem.path && `${problem.path}: `}
-            {problem.message}
-            {problem.fix && ` ${problem.fix}`}
-          </li>
-        ))}
-      </ul>
-    </details>
   );
 }

@@ -58,7 +58,6 @@ function OutlineRow({ row, isClosed, isTabStop }: { row: Row; isClosed: boolean;
       aria-setsize={siblings}
       aria-selected={selected}
       {...(isContainer ? { "aria-expanded": !isClosed } : {})}
-      aria-label={`${node.name}, ${KINDS[node.kind] ?? node.kind}, ${words}`}
       tabIndex={isTabStop ? 0 : -1}
       style={{ paddingInlineStart: `${level * 14 - 6}px` }}
       onClick={() => select(node.path)}
@@ -73,9 +72,12 @@ function OutlineRow({ row, isClosed, isTabStop }: { row: Row; isClosed: boolean;
         }}
       />
       <KindIcon kind={node.kind} />
-      <span className="row-name">{node.name}</span>
+      <span className="row-name">
+        {node.name}
+        <span className="hidden">{`${KINDS[node.kind] ?? node.kind},`}</span>
+      </span>
       <span className={`row-status phase-${status.phase}`}>
-        {status.phase === "idle" ? "" : words}
+        <span className={status.phase === "idle" ? "hidden" : ""}>{words}</span>
         <PhaseIcon phase={status.phase} />
       </span>
     </div>

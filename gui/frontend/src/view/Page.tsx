@@ -9,6 +9,7 @@ import { useRun } from "../store/run";
 import { EventLog } from "./EventLog";
 import { Notices } from "./Notices";
 import { Outline } from "./Outline";
+import { Problems } from "./Problems";
 import { NodePanel, VariablesPanel } from "./SidePanel";
 import { TimeLine } from "./TimeLine";
 import { TopBar } from "./TopBar";
@@ -47,6 +48,7 @@ export function Page(): JSX.Element {
       <Notices />
       <aside className="left" aria-label="Outline">
         <Outline />
+        <Problems />
       </aside>
       <main aria-label="Tree">
         {project.tasks.length === 0 && <p className="hint padded">No task files in tasks/ yet.</p>}

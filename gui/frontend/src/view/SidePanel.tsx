@@ -81,7 +81,7 @@ export function VariablesPanel(): JSX.Element {
               <th scope="col">Name</th>
               <th scope="col">Type</th>
               <th scope="col">Value</th>
-              <th scope="col">Written by</th>
+              <th scope="col">Writer</th>
             </tr>
           </thead>
           <tbody>

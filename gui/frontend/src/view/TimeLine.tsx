@@ -8,8 +8,8 @@ import { listRuns, openRun } from "../store/desk";
 import { usePage } from "../store/page";
 import { useRun } from "../store/run";
 
-const WIDTH = 1000;
-const LANE = 7;
+/** So that a single bar doesn't fill the whole height. */
+const LEAST_LANES = 2;
 
 export function TimeLine(): JSX.Element {
   const version = useRun((s) => s.version);
@@ -19,8 +19,8 @@ export function TimeLine(): JSX.Element {
   const end = Math.max(history.events.at(-1)?.t ?? 0, 1e-6);
   const shown = cursor ?? history.length;
   const event = history.events[shown - 1];
-  const x = (t: number): number => (t / end) * WIDTH;
-  const lanes = 1 + spans.reduce((most, span) => Math.max(most, span.lane), 0);
+  const percent = (t: number): string => `${(t / end) * 100}%`;
+  const lanes = spans.reduce((most, span) => Math.max(most, span.lane + 1), LEAST_LANES);
 
   function go(count: number): void {
     scrub(count >= history.length ? null : Math.max(0, count));
@@ -41,7 +41,7 @@ export function TimeLine(): JSX.Element {
     key.preventDefault();
     go(to);
   }
-  function onPointer(pointer: PointerEvent<SVGSVGElement>): void {
+  function onPointer(pointer: PointerEvent<HTMLElement>): void {
     if (pointer.buttons !== 1 || history.length === 0) return;
     pointer.currentTarget.setPointerCapture(pointer.pointerId);
     const box = pointer.currentTarget.getBoundingClientRect();
@@ -57,7 +57,7 @@ export function TimeLine(): JSX.Element {
         <span className="time-words">
           {history.length === 0
             ? "Nothing has run yet."
-            : `${seconds(event?.t ?? 0)} of ${seconds(end)} · event ${shown} of ${history.length} · ${factsText(moment.facts)}`}
+            : `${seconds(event?.t ?? 0)} of ${seconds(end)}, event ${shown} of ${history.length}, ${factsText(moment.facts)}`}
         </span>
         <label className="check">
           <input type="checkbox" checked={follow} onChange={(e) => usePage.getState().setFollow(e.target.checked)} />
@@ -73,10 +73,8 @@ export function TimeLine(): JSX.Element {
           Latest
         </button>
       </div>
-      <svg
+      <div
         className="time-track"
-        viewBox={`0 0 ${WIDTH} ${Math.max(lanes, 2) * LANE + 4}`}
-        preserveAspectRatio="none"
         role="slider"
         tabIndex={0}
         aria-label="Moment of the run"
@@ -89,19 +87,22 @@ export function TimeLine(): JSX.Element {
         onPointerMove={onPointer}
       >
         {spans.map((span, i) => (
-          <rect
+          <div
             key={i}
             className={`span phase-${span.phase}`}
-            x={x(span.from)}
-            y={2 + span.lane * LANE}
-            width={Math.max(x(span.to ?? end) - x(span.from), 2)}
-            height={LANE - 1}
+            title={`${span.path}: ${span.phase}, ${seconds(span.from)} to ${seconds(span.to ?? end)}`}
+            style={{
+              left: percent(span.from),
+              width: percent((span.to ?? end) - span.from),
+              top: `${(span.lane / lanes) * 100}%`,
+              height: `${100 / lanes}%`,
+            }}
           >
-            <title>{`${span.path}: ${span.phase}, ${seconds(span.from)} to ${seconds(span.to ?? end)}`}</title>
-          </rect>
+            {span.path.split("/").at(-1)}
+          </div>
         ))}
-        {history.length > 0 && <line className="cursor" x1={x(event?.t ?? 0)} x2={x(event?.t ?? 0)} y1={0} y2={500} />}
-      </svg>
+        {history.length > 0 && <div className="cursor" style={{ left: percent(event?.t ?? 0) }} />}
+      </div>
     </section>
   );
 }
@@ -115,9 +116,10 @@ function RunPicker(): JSX.Element {
     void listRuns().then(setRuns);
   }, [run, ended]);
   return (
-    <label>
-      <span className="hidden">Run to look at</span>
-      <select value={record?.id ?? ""} onChange={(event) => event.target.value && void openRun(event.target.value)}>
+      <select
+        aria-label="Run to look at"
+        value={record?.id ?? ""} onChange={(event) => event.target.value && void openRun(event.target.value)}
+      >
         {!record && <option value="">choose a run</option>}
         {runs.map((entry) => (
           <option key={entry.id} value={entry.id}>
@@ -125,6 +127,5 @@ function RunPicker(): JSX.Element {
           </option>
         ))}
       </select>
-    </label>
   );
 }

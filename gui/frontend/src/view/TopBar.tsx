@@ -1,5 +1,5 @@
 /** What is run, how, and the buttons. STOP is always there and always answers. */
-import { type JSX, useEffect, useState } from "react";
+import { type JSX, type ReactNode, useEffect, useState } from "react";
 
 import { runText } from "../model/words";
 import type { ProjectView, StartRun } from "../protocol/generated";
@@ -25,9 +25,8 @@ export function TopBar({ project }: { project: ProjectView }): JSX.Element {
       <h1 title={project.folder}>
         GRIP <small>{project.name}</small>
       </h1>
-      <label>
-        Task
-        <select value={task.path} onChange={(event) => void openTask(event.target.value)}>
+      <Field label="Task">
+        <select id="task-field" value={task.path} onChange={(event) => void openTask(event.target.value)}>
           {project.tasks.some((entry) => entry.path === task.path) || <option value={task.path}>{task.path}</option>}
           {project.tasks.map((entry) => (
             <option key={entry.path} value={entry.path}>
@@ -35,7 +34,7 @@ export function TopBar({ project }: { project: ProjectView }): JSX.Element {
             </option>
           ))}
         </select>
-      </label>
+      </Field>
       <RunOptionFields project={project} options={options} change={change} disabled={under_way} />
       <div className="buttons">
         <button
@@ -74,9 +73,8 @@ function RunOptionFields(props: {
   const { project, options, change, disabled } = props;
   return (
     <>
-      <label>
-        Robot
-        <select
+      <Field label="Robot">
+        <select id="robot-field"
           value={options.robot}
           disabled={disabled}
           onChange={(event) => change({ robot: event.target.value as Options["robot"] })}
@@ -85,10 +83,9 @@ function RunOptionFields(props: {
             <option key={robot}>{robot}</option>
           ))}
         </select>
-      </label>
-      <label>
-        As
-        <select
+      </Field>
+      <Field label="As">
+        <select id="as-field"
           value={options.target}
           disabled={disabled}
           onChange={(event) => change({ target: event.target.value as Options["target"] })}
@@ -96,10 +93,9 @@ function RunOptionFields(props: {
           <option value="bt">tree</option>
           <option value="sm">machine</option>
         </select>
-      </label>
-      <label>
-        Pace
-        <select
+      </Field>
+      <Field label="Pace">
+        <select id="pace-field"
           value={options.pace ?? 0}
           disabled={disabled}
           title="Simulated seconds in a second"
@@ -111,10 +107,9 @@ function RunOptionFields(props: {
             </option>
           ))}
         </select>
-      </label>
-      <label>
-        Seed
-        <input
+      </Field>
+      <Field label="Seed">
+        <input id="seed-field"
           type="number"
           min={0}
           max={2147483647}
@@ -122,8 +117,18 @@ function RunOptionFields(props: {
           disabled={disabled}
           onChange={(event) => change({ seed: Math.max(0, Math.floor(Number(event.target.value) || 0)) })}
         />
-      </label>
+      </Field>
     </>
+  );
+}
+
+/** A label and its field side by side; the field's id is `<label>-field`. */
+function Field({ label, children }: { label: string; children: ReactNode }): JSX.Element {
+  return (
+    <span className="field">
+      <label htmlFor={`${label.toLowerCase()}-field`}>{label}</label>
+      {children}
+    </span>
   );
 }
 

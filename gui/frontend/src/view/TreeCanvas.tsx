@@ -1,5 +1,8 @@
 /** The tree of the task. Statuses reach the nodes through the store, never through the node list. */
-import { Background, Controls, type Edge, MiniMap, type Node, Position, ReactFlow, useReactFlow } from "@xyflow/react";
+import { Background, Controls, type Edge, MiniMap, type Node, Position, ReactFlow, useReactFlow,
+  useStore,
+  type Viewport,
+} from "@xyflow/react";
 import { type JSX, useEffect, useMemo } from "react";
 
 import { type Box, layoutTree } from "../model/layout";
@@ -53,20 +56,24 @@ export function TreeCanvas(): JSX.Element {
 
 /** Keeps the running leaf in sight, and brings a node that was selected elsewhere into sight. */
 function Follower({ boxes }: { boxes: ReadonlyMap<string, Box> }): null {
-  const { setCenter, getZoom } = useReactFlow();
+  const { setCenter, getZoom, getViewport } = useReactFlow();
+  const width = useStore((s) => s.width);
+  const height = useStore((s) => s.height);
   const follow = usePage((s) => s.follow);
   const selected = usePage((s) => s.selected);
   const running = useRun((s) => (s.cursor === null && s.complete ? null : runningLeaf(s.index, s.moment)));
   const target = follow && running ? running : null;
   useEffect(() => {
     const box = target ? boxes.get(target) : undefined;
-    if (box) void setCenter(...centre(box), { zoom: Math.max(getZoom(), READABLE_ZOOM), duration: pace() });
-  }, [target, boxes, setCenter, getZoom]);
+    const readable = getZoom() >= READABLE_ZOOM;
+    if (!box || (readable && isInSight(box, getViewport(), width, height))) return;
+    void setCenter(...centre(box), { zoom: Math.max(getZoom(), READABLE_ZOOM), duration: pace() });
+  }, [target, boxes, setCenter, getZoom, getViewport, width, height]);
   useEffect(() => {
-    const box = selected && selected !== "/" ? boxes.get(selected) : undefined;
-    const shown = selected && document.querySelector(`.node[data-path="${CSS.escape(selected)}"]`);
-    if (box && !(shown && isInSight(shown))) void setCenter(...centre(box), { zoom: getZoom(), duration: pace() });
-  }, [selected, boxes, setCenter, getZoom]);
+    const box = selected ? boxes.get(selected) : undefined;
+    if (!box || selected === "/" || isInSight(box, getViewport(), width, height)) return;
+    void setCenter(...centre(box), { zoom: getZoom(), duration: pace() });
+  }, [selected, boxes, setCenter, getZoom, getViewport, width, height]);
   return null;
 }
 
@@ -112,8 +119,8 @@ function pace(): number {
   return matchMedia("(prefers-reduced-motion: reduce)").matches ? 0 : 300;
 }
 
-function isInSight(element: Element): boolean {
-  const canvas = element.closest(".react-flow")?.getBoundingClientRect();
-  const box = element.getBoundingClientRect();
-  return !!canvas && box.left >= canvas.left && box.right <= canvas.right && box.top >= canvas.top && box.bottom <= canvas.bottom;
+function isInSight(box: Box, view: Viewport, width: number, height: number): boolean {
+  const left = box.x * view.zoom + view.x;
+  const top = box.y * view.zoom + view.y;
+  return left >= 0 && top >= 0 && left + box.width * view.zoom <= width && top + box.height * view.zoom <= height;
 }

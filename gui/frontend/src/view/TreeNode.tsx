@@ -25,8 +25,8 @@ export function TreeNode({ data }: NodeProps): JSX.Element {
       <div className="node-head">
         <KindIcon kind={node.kind} />
         <span className="node-name">
-          {node.initial && <span className="initial" title="the state machine starts here" />}
           {node.name}
+          {node.initial && <span className="initial">start</span>}
         </span>
         <span className={`badge phase-${status.phase}`}>
           <PhaseIcon phase={status.phase} />

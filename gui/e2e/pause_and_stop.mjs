@@ -1,0 +1,32 @@
+// Pause, resume and step a long run, then stop it; by button, and by key.
+import assert from "node:assert/strict";
+
+import { onPage, url } from "./page.mjs";
+
+await onPage(url, async (page, { button, choose, nodeIs, runIs, slider }) => {
+  await choose("Task", "tasks/long.yaml");
+  await choose("Robot", "fake");
+  await button("Run").click();
+  await nodeIs("one", "running");
+  await runIs("running");
+  assert.equal(await button("Run").isDisabled(), true);
+
+  await button("Pause").click();
+  await runIs("paused");
+  const before = Number(await slider().getAttribute("aria-valuemax"));
+  await button("Step").click();
+  await page.waitForFunction((n) => Number(document.querySelector('[role="slider"]').ariaValueMax) > n, before);
+  await runIs("paused");
+  await button("Resume").click();
+  await runIs("running");
+
+  await button("STOP").click();
+  await runIs("stopped");
+  await nodeIs("one", "interrupted");
+  await nodeIs("two", "interrupted");
+
+  await button("Run").click();
+  await nodeIs("one", "running");
+  await page.keyboard.press("F8");
+  await runIs("stopped");
+});

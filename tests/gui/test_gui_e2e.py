@@ -1,0 +1,185 @@
+"""The editor in a real browser, over real runs: `grip edit` and Chromium."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from http.cookiejar import CookieJar
+from pathlib import Path
+from urllib.request import HTTPCookieProcessor, Request, build_opener
+
+import pytest
+
+E2E = Path(__file__).parents[2] / "gui" / "e2e"
+CHROMIUM = os.environ.get("CHROMIUM", "/usr/bin/chromium")
+SHORT = """\
+grip: 1
+name: short
+doc: Waits, a failure that is mended, and a machine.
+data: {reached: {type: int, value: 0}}
+root:
+  kind: sequence
+  children:
+    first: {node: flow/wait, with: {seconds: 0.5}}
+    attempts:
+      kind: fallback
+      children:
+        broken: {node: flow/fail, with: {code: no_plan, message: the way is blocked}}
+        second: {node: test/count, in: {value: reached}, out: {value: reached}}
+    machine:
+      kind: state_machine
+      initial: a
+      outcomes: {done: success}
+      children:
+        a: {node: flow/wait, with: {seconds: 0.3}, on: {success: b}}
+        b: {node: test/count, in: {value: reached}, out: {value: reached}, on: {success: done}}
+"""
+LONG = """\
+grip: 1
+name: long
+root:
+  kind: parallel
+  children:
+    one: {node: flow/wait, with: {seconds: 600}}
+    two: {node: flow/wait, with: {seconds: 500}}
+"""
+MANIFEST = """\
+id: test/count
+doc: Add one.
+implementation: count.py:Count
+inputs: {value: {type: int}}
+outputs: {value: {type: int}}
+outcomes: {success: success}
+"""
+COUNT = """\
+from grip_bt.nodes import Leaf
+
+
+class Count(Leaf):
+    def update(self):
+        return self.end(value=self.read("value") + 1)
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A project with a short task, a long one and a node of its own."""
+    folder = tmp_path / "project"
+    for name, text in {
+        "grip.yaml": "grip: 1\n",
+        "tasks/short.yaml": SHORT,
+        "tasks/long.yaml": LONG,
+        "nodes/count/manifest.yaml": MANIFEST,
+        "nodes/count/count.py": COUNT,
+    }.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text, encoding="utf-8")
+    return folder
+
+
+@contextmanager
+def editing(folder: Path) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """Run `grip edit` on a free port; yield its process and the address that it printed."""
+    command = [sys.executable, "-m", "grip_bt.cli", "edit", str(folder), "--no-browser"]
+    server = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        assert server.stdout is not None
+        url = next((line.strip() for line in server.stdout if "http://" in line), None)
+        assert url is not None, server.stderr.read() if server.stderr else ""
+        yield server, url
+    finally:
+        if server.poll() is None:
+            server.send_signal(signal.SIGINT)
+        try:
+            server.communicate(timeout=20)
+        except subprocess.TimeoutExpired:
+            server.kill()
+            server.communicate()
+            raise
+
+
+def run_processes(folder: Path) -> list[int]:
+    """Return the ids of processes that execute a task of the folder."""
+    found = []
+    for entry in Path("/proc").iterdir():
+        try:
+            words = (entry / "cmdline").read_bytes().split(b"\0") if entry.name.isdigit() else []
+        except OSError:
+            continue
+        if b"--control" in words and any(word.startswith(bytes(folder)) for word in words):
+            found.append(int(entry.name))
+    return found
+
+
+def wait_for(condition: Callable[[], object], patience: float = 15.0) -> None:
+    """Wait until something holds; fails after `patience` [s]."""
+    deadline = time.monotonic() + patience
+    while not condition():
+        assert time.monotonic() < deadline, "waited in vain"
+        time.sleep(0.02)
+
+
+def browser(script: str, url: str) -> list[str]:
+    """Return the command that drives the page, or skip with the reason why it can't be."""
+    if shutil.which("node") is None:
+        pytest.skip("NOT RUN: Node isn't installed")
+    if not Path(CHROMIUM).exists():
+        pytest.skip(f"NOT RUN: no Chromium at {CHROMIUM}; apt install chromium, or set CHROMIUM")
+    if not (E2E / "node_modules" / "playwright-core").is_dir():
+        pytest.skip("NOT RUN: the browser driver isn't installed; npm ci in gui/e2e")
+    return ["node", str(E2E / script), url]
+
+
+@pytest.mark.e2e
+@pytest.mark.slow
+@pytest.mark.parametrize("script", ["run_and_scrub.mjs", "pause_and_stop.mjs", "accessibility.mjs"])
+def test_the_page_in_a_browser(folder: Path, script: str) -> None:
+    with editing(folder) as (_, url):
+        done = subprocess.run(browser(script, url), capture_output=True, text=True, timeout=120)
+        assert done.returncode == 0, done.stdout + done.stderr
+        wait_for(lambda: not run_processes(folder))
+
+
+@pytest.mark.e2e
+@pytest.mark.slow
+def test_every_page_sees_a_run_and_its_sudden_death(folder: Path) -> None:
+    with editing(folder) as (_, url):
+        pages = subprocess.Popen(
+            browser("two_pages.mjs", url), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        )
+        assert pages.stdout is not None
+        if pages.stdout.readline().strip() == "RUNNING":
+            (process,) = run_processes(folder)
+            os.kill(process, signal.SIGKILL)
+        out, err = pages.communicate(timeout=60)
+        assert pages.returncode == 0, out + err
+
+
+@pytest.mark.slow
+def test_ctrl_c_ends_the_editor_and_the_run_that_it_started(folder: Path) -> None:
+    with editing(folder) as (server, url):
+        origin = url.split("/?")[0]
+        opener = build_opener(HTTPCookieProcessor(CookieJar()))
+        opener.open(url).close()
+        body = b'{"task": "tasks/long.yaml", "robot": "fake", "target": "bt", "seed": 0, "pace": 1}'
+        headers = {"origin": origin, "content-type": "application/json"}
+        opener.open(Request(f"{origin}/api/session", body, headers)).close()
+        wait_for(lambda: run_processes(folder))
+        server.send_signal(signal.SIGINT)
+        _, err = server.communicate(timeout=20)
+        assert server.returncode == 0, err
+        assert "Traceback" not in err
+        assert not run_processes(folder)
+
+
+def test_a_wrong_path_is_told_and_ends_with_1(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "grip_bt.cli", "edit", str(tmp_path / "nothing"), "--no-browser"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 1
+    assert "nothing is there" in done.stderr
