@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,7 +75,7 @@ class Place(ArmHandLeaf):
         candidates = []
         for rank, spot in enumerate(spots):
             for yaw in YAWS:
-                for extra in (0.0, 0.025):
+                for extra in (0.0, 0.025, 0.05):
                     hand = Pose([*spot, height + extra], turned(yaw)) @ in_hand
                     room = opening_room(hand, taken)
                     if room > 0.01:
@@ -88,24 +89,30 @@ class Place(ArmHandLeaf):
     def _go(self, candidates: list[Grasp]) -> Operation[Grasp]:
         if not candidates:
             raise NoRoomError(f"no free spot in {self.params['target'] or 'reach of the position'}")
-        return first_of(self._tries(candidates))
-
-    def _tries(self, candidates: list[Grasp]) -> Iterator[Callable[[], Operation[Grasp]]]:
         remaining = sorted(candidates, key=lambda c: -c.quality)
-        for _ in range(TRIES):
-            if remaining:
-                yield lambda: self._try(remaining)
+        return first_of((lambda: self._feasible(remaining).then(self._come)) for _ in range(TRIES))
 
-    def _try(self, remaining: list[Grasp]) -> Operation[Grasp]:
-        def went(spot: Grasp) -> Operation[Grasp]:
+    def _feasible(self, remaining: list[Grasp]) -> Operation[Grasp]:
+        """Take the best candidate out of `remaining` that is free both with the fingers as they hold and open."""
+        holding = self.hand.state()
+
+        def with_fingers_as_they_hold(spot: Grasp) -> Operation[Grasp]:
             remaining[:] = [c for c in remaining if c is not spot and c != spot]
-            return (
-                go(self.arm, spot.pre_grasp)
-                .then(lambda _: go_straight(self.arm, [spot.pose]))
-                .then(lambda _: Operation.finished(spot))
-            )
+            closed = self.arm.choose_grasp((replace(spot, pre_posture=holding),))
+            return closed.then(lambda _: Operation.finished(spot))
 
-        return _no_room(self.arm.choose_grasp(tuple(remaining))).then(went)
+        def attempts() -> Iterator[Callable[[], Operation[Grasp]]]:
+            while remaining:
+                left = len(remaining)
+                yield lambda: self.arm.choose_grasp(tuple(remaining)).then(with_fingers_as_they_hold)
+                if len(remaining) == left:  # none is free with open fingers
+                    return
+
+        return _no_room(first_of(attempts()))
+
+    def _come(self, spot: Grasp) -> Operation[Grasp]:
+        there = go(self.arm, spot.pre_grasp).then(lambda _: go_straight(self.arm, [spot.pose]))
+        return there.then(lambda _: Operation.finished(spot))
 
     def _release(self, spot: Grasp) -> Operation[object]:
         def let_go(_: JointState) -> Operation[object]:
