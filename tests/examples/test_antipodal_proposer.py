@@ -76,8 +76,9 @@ def rotation(q):
 
 
 def centre_of(grasp):
-    """Return where the thing's axis must be for this grasp of a round thing."""
-    return grasp.pose.position[:2] + (grasp.width / 2 + 0.004) * rotation(grasp.pose.quaternion)[:2, 2]
+    """Return where the axis of a round thing must be for this grasp: before the palm, beside the root of the thumb."""
+    r = rotation(grasp.pose.quaternion)
+    return (grasp.pose.position + (grasp.width / 2 + 0.004) * r[:, 2] + 0.018 * r[:, 0])[:2]
 
 
 @pytest.mark.parametrize("x", [0.42, 0.53, 0.64])
@@ -110,7 +111,7 @@ def test_grasps_follow_the_convention_of_the_grasp_frame(proposer):
         assert abs(r[2, 2]) < 1e-9, "the approach is horizontal"
         assert abs(r[2, 1]) == pytest.approx(1), "the fingers flex about the vertical"
         np.testing.assert_allclose(grasp.pre_grasp.position, grasp.pose.position - 0.12 * r[:, 2], atol=1e-9)
-        np.testing.assert_allclose(grasp.post_grasp.position, grasp.pose.position + [0, 0, 0.15], atol=1e-9)
+        np.testing.assert_allclose(grasp.post_grasp.position, grasp.pose.position + [0, 0, 0.20], atol=1e-9)
         assert grasp.pose.position[2] >= 0.075
         np.testing.assert_allclose(centre_of(grasp), [0.5, 0.1], atol=0.004)
         assert grasp.width == pytest.approx(0.06, abs=0.006)

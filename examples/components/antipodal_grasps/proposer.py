@@ -28,10 +28,11 @@ MIN_POINTS = 30
 # The hand.
 YAWS = 24
 PALM_GAP = 0.004  # between palm and thing
-PALM_HEIGHT = 0.08  # lowest palm above the table: the hand is that wide
+SHIFT = 0.018  # of the thing along the fingers: beside the root of the thumb, which rises above the palm
+PALM_HEIGHT = 0.09  # lowest palm above the table: hand and wrist are that wide
 MAX_WIDTH = 0.09  # widest thing that the fingers close around
 APPROACH = 0.12
-LIFT = 0.15
+LIFT = 0.20  # higher than the neighbours
 FINGERS = 0.13  # length of the open fingers
 FOREARM = 0.22  # what follows behind the palm and is as thick as the hand
 HAND_RADIUS = 0.05
@@ -149,7 +150,7 @@ def grasps(thing: Thing, others: Sequence[Thing]) -> list[Candidate]:
         depth = thing.half_width(approach)
         for flip in (1.0, -1.0):
             rotation = side_rotation(approach, flip)
-            palm = np.array([*(thing.centre - (depth + PALM_GAP) * approach), height])
+            palm = np.array([*(thing.centre - (depth + PALM_GAP) * approach), height]) - SHIFT * rotation[:, 0]
             free = clearance(palm[:2], approach, rotation[:2, 0], others)
             if free < 0:
                 continue
