@@ -166,7 +166,7 @@ def _hints(cls: Any) -> dict[str, Any]:
 
 def _dataclass(message: Any, cls: Any) -> Any:
     """Make a dataclass from the fields of the same names."""
-    if not dataclasses.is_dataclass(cls):
+    if not hasattr(cls, "__dataclass_fields__"):
         raise ConversionError("", f"{_describe(message)} can't be made a {cls.__name__}")
     found = {}
     for field in dataclasses.fields(cls):

@@ -6,9 +6,9 @@ import contextlib
 import io
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
-from grip_bt.catalog.interface_spec import FieldSpec, InterfaceSpec
+from grip_bt.catalog.interface_spec import FieldSpec, InterfaceSpec, Kind
 from grip_bt.errors import DocumentError, MissingPartError, nearest
 
 from .package import KINDS
@@ -54,11 +54,10 @@ def parse_interface(text: str, package: str, kind: str, name: str, source: str =
         _parse_section(package, name + suffix, lines, first, source)
         for suffix, (first, lines) in zip(_SECTIONS[kind], sections, strict=True)
     ]
-    fields = [tuple(_field(f) for f in spec.fields) for spec in specs]
-    while len(fields) < 3:
-        fields.append(())
+    request, response, feedback = ([tuple(map(_field, spec.fields)) for spec in specs] + [(), ()])[:3]
     doc = " ".join(line.strip() for line in specs[0].annotations.get("comment", []) if line.strip())
-    return InterfaceSpec(package, kind, name, *fields, doc=doc, source=source)  # type: ignore[arg-type]
+    known = cast(Kind, kind)
+    return InterfaceSpec(package, known, name, request, response, feedback, doc=doc, source=source)
 
 
 def check_types(spec: InterfaceSpec, own: set[str], prefixes: Sequence[Path]) -> None:
