@@ -5,17 +5,21 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from grip_bt.operation import Operation
 from grip_bt.values import CameraInfo, DepthImage, Image, JointState, Pose, RgbdFrame, Trajectory
 
-from .client import Reply, SimClient
+from .client import SimClient
 from .referee import ObjectTruth
+from .replies import Reply
 
 
 def _state(reply: Reply) -> JointState:
     arrays = reply.arrays
     names = tuple(reply.fields["names"])
-    return JointState(names, arrays["position"], arrays["velocity"], arrays["effort"], reply.fields["time"])
+    return JointState(names, arrays["position"], arrays["velocity"], arrays["effort"], reply.time)
 
 
 def _measured(operation: Operation[Reply]) -> Operation[JointState]:
@@ -49,10 +53,11 @@ class SimExecutor(_Joints):
         """Follow a trajectory; see the port.
 
         Raises:
-            ValueError: the trajectory isn't for these joints.
+            ValueError: the trajectory isn't for these joints, or holds what isn't a number.
         """
         if set(trajectory.names) != set(self._names):
             raise ValueError(f"the trajectory is for {trajectory.names}, not for {self._names}")
+        _check_finite("a trajectory", trajectory.times, trajectory.positions, trajectory.velocities)
         order = [trajectory.names.index(name) for name in self._names]
         arrays = {"times": trajectory.times, "positions": trajectory.positions[:, order]}
         if trajectory.velocities is not None:
@@ -64,8 +69,17 @@ class SimHand(_Joints):
     """Implements `grip_bt.ports.HandPort`."""
 
     def move(self, posture: JointState, duration: float, torque_limit: float | None = None) -> Operation[JointState]:
-        """Move the fingers towards a posture; see the port."""
+        """Move the fingers towards a posture; see the port.
+
+        Raises:
+            KeyError: the posture lacks a joint.
+            ValueError: the posture isn't finite, or the duration or the limit isn't positive.
+        """
         goal = posture.ordered(self._names)
+        _check_finite("a posture", goal)
+        check_positive("the duration of a motion", duration)
+        if torque_limit is not None:
+            check_positive("a torque limit", torque_limit)
         moved = self._client.move(
             "move_hand", {"goal": goal}, names=list(self._names), duration=duration, limit=torque_limit
         )
@@ -92,7 +106,7 @@ class SimCamera:
         return self._client.request("look", camera=self._name).then(self._frame)
 
     def _frame(self, reply: Reply) -> Operation[RgbdFrame]:
-        time = reply.fields["time"]
+        time = reply.time
         image = Image(reply.arrays["image"], f"{self._name}_optical", time)
         return Operation.finished(RgbdFrame(image, DepthImage(reply.arrays["depth"], self._info, time)))
 
@@ -116,6 +130,17 @@ class SimReferee:
         """Put an object elsewhere, to disturb a task."""
         place: dict[str, Any] = {"position": pose.position.tolist(), "quaternion": pose.quaternion.tolist()}
         self._client.ask("move_object", name=name, **place)
+
+
+def check_positive(what: str, number: float) -> None:
+    """Raise ValueError unless a number is finite and positive."""
+    if not 0 < number < np.inf:
+        raise ValueError(f"{what} must be a positive number, not {number}")
+
+
+def _check_finite(what: str, *arrays: NDArray[np.float64] | None) -> None:
+    if not all(np.isfinite(array).all() for array in arrays if array is not None):
+        raise ValueError(f"{what} must consist of finite numbers; it holds NaN or infinity")
 
 
 __all__ = ["SimCamera", "SimExecutor", "SimHand", "SimReferee"]

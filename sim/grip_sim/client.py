@@ -1,4 +1,4 @@
-"""The simulator's process seen from ours: starts it, sends requests, completes operations, notices its end.
+"""A connection to a simulator: sends requests, completes operations, notices when the simulator is lost.
 
 Importing this module loads no sapien.
 """
@@ -6,33 +6,25 @@ Importing this module loads no sapien.
 from __future__ import annotations
 
 import queue
+import select
 import socket
-import subprocess
-import sys
 import threading
-from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from numpy.typing import NDArray
 
-from grip_bt.errors import CanceledError, ExecutionAbortedError, ExpectedError, GripError, SimulatorLostError
+from grip_bt.errors import SimulatorLostError
 from grip_bt.operation import Operation
 
 from .clock import SimClock
+from .process import SimProcess
+from .replies import Reply, complete, end
 from .specs import WorldSpec
 from .wire import Arrays, ClosedError, pack, receive
 
 START_TIME, ANSWER_TIME, CLOSE_TIME = 60.0, 30.0, 1.0
-_ERRORS: dict[str, type[ExpectedError]] = {"aborted": ExecutionAbortedError, "canceled": CanceledError}
-
-
-@dataclass(frozen=True)
-class Reply:
-    """An answer of the simulator: its fields and arrays."""
-
-    fields: Mapping[str, Any]
-    arrays: Mapping[str, NDArray[Any]]
+SILENCE = 60.0
+"""A simulator that owes an answer and says nothing for so long is lost [s]; while it moves it tells its time."""
 
 
 class SimClient:
@@ -48,21 +40,15 @@ class SimClient:
 
     def __init__(self, spec: WorldSpec, pace: float | None = None):
         self.clock = SimClock()
-        self._lock = threading.Lock()
+        self._lock = threading.Lock()  # over what is pending and lost, and the order of completions
+        self._sending = threading.Lock()  # apart: a full pipe must not keep the reader from emptying the other one
         self._pending: dict[int, tuple[Operation[Reply], bool]] = {}
         self._completions: queue.SimpleQueue[tuple[Operation[Reply], Reply] | None] = queue.SimpleQueue()
         self._count = 0
         self._lost: SimulatorLostError | None = None
-        ours, theirs = socket.socketpair()
-        self._connection = ours
-        command = [sys.executable, "-m", "grip_sim", str(theirs.fileno())]
-        self._process = subprocess.Popen(
-            command, pass_fds=[theirs.fileno()], stdin=subprocess.DEVNULL, stderr=subprocess.PIPE
-        )
-        theirs.close()
-        self._said: list[bytes] = []
-        self._listener = threading.Thread(target=self._listen, name="grip_sim_stderr", daemon=True)
-        self._listener.start()
+        self._connection, theirs = socket.socketpair()
+        with theirs:
+            self._process = SimProcess(theirs)
         self._reader = threading.Thread(target=self._read, name="grip_sim", daemon=True)
         self._completer = threading.Thread(target=self._complete_all, name="grip_sim_done", daemon=True)
         self._reader.start()
@@ -94,28 +80,24 @@ class SimClient:
     def move(self, call: str, /, arrays: Arrays | None = None, **fields: Any) -> Operation[Reply]:
         """Begin something that advances the physics; cancelling it stops that motion."""
         self.clock.begin()
-        operation = self._send({"call": call, **fields}, arrays, cancelable=True)
+        try:
+            operation = self._send({"call": call, **fields}, arrays, cancelable=True)
+        except BaseException:
+            self.clock.end()
+            raise
         operation.add_done_callback(self.clock.end)
         return operation
 
     def close(self) -> None:
         """End the process; pending operations fail. Harmless when it was closed before."""
-        self._fail_all(SimulatorLostError("the simulation was closed"))
-        try:
-            self._connection.shutdown(socket.SHUT_RDWR)
-        except OSError:
-            pass  # the other end went first
-        try:
-            self._process.wait(CLOSE_TIME)
-        except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.wait()
-        for thread in (self._reader, self._completer, self._listener):
+        self._lose(SimulatorLostError("the simulation was closed"))
+        self._hang_up()
+        self._process.end(CLOSE_TIME)
+        for thread in (self._reader, self._completer):
             if thread is not threading.current_thread():
-                thread.join()
+                thread.join(CLOSE_TIME)  # not for ever: a callback may wait for whoever closes
         self._connection.close()
-        if self._process.stderr is not None:
-            self._process.stderr.close()
+        self._process.close()
 
     # --- requests ---
 
@@ -127,18 +109,19 @@ class SimClient:
         waited_for: bool = False,
     ) -> Operation[Reply]:
         with self._lock:
-            if self._lost is not None:
-                return Operation.failed(self._lost)
             self._count += 1
             number = self._count
-            cancel = (lambda: self._cancel(number)) if cancelable else None
-            operation: Operation[Reply] = Operation(cancel)
+        message = pack({"id": number, **fields}, arrays)
+        operation: Operation[Reply] = Operation((lambda: self._cancel(number)) if cancelable else None)
+        with self._lock:
+            if self._lost is not None:
+                return Operation.failed(self._lost)
             self._pending[number] = (operation, waited_for)
-            message = pack({"id": number, **fields}, arrays)
-            try:
+        try:
+            with self._sending:
                 self._connection.sendall(message)
-            except OSError:
-                pass  # the reader notices the end and fails every pending operation
+        except OSError:
+            pass  # the reader notices the end and fails every pending operation
         return operation
 
     def _cancel(self, number: int) -> None:
@@ -154,47 +137,50 @@ class SimClient:
     def _read(self) -> None:
         try:
             while True:
-                fields, arrays = receive(self._connection)
-                self.clock.told(fields["time"])
-                with self._lock:
-                    operation, waited_for = self._pending.pop(fields["id"], (None, False))
-                if operation is None:
-                    continue
+                self._wait_for_word()
+                self._answered(*receive(self._connection))
+        except ClosedError as reason:
+            self._hang_up()
+            status = self._process.end(CLOSE_TIME)
+            said = self._process.last_words()
+            message = f"the simulator's process {self.pid} is gone ({reason}; exit status {status}). {said}"
+            self._lose(SimulatorLostError(message.strip()))
+
+    def _wait_for_word(self) -> None:
+        while not select.select([self._connection], [], [], SILENCE)[0]:
+            with self._lock:
+                if self._pending:
+                    raise ClosedError(f"it said nothing for {SILENCE:.0f} s")
+
+    def _answered(self, fields: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> None:
+        self.clock.told(fields["time"])
+        reply = Reply(fields, arrays, self.clock.now())
+        with self._lock:
+            operation, waited_for = self._pending.pop(fields["id"], (None, False))
+            if operation is not None and not waited_for:
                 # Callbacks may ask for more and wait for it, so they aren't called in the thread that reads answers.
-                if waited_for:
-                    _complete(operation, Reply(fields, arrays))
-                else:
-                    self._completions.put((operation, Reply(fields, arrays)))
-        except ClosedError:
-            self._process.wait()
-            self._listener.join(1.0)
-            said = b"".join(self._said).decode(errors="replace").strip()[-2000:]
-            status = self._process.returncode
-            self._fail_all(SimulatorLostError(f"the simulator's process ended with status {status}. {said}".strip()))
+                # Under the lock: once nothing is pending and all is lost, the last completion is in the queue.
+                self._completions.put((operation, reply))
+                return
+        if operation is not None:
+            complete(operation, reply)
 
     def _complete_all(self) -> None:
         while (completion := self._completions.get()) is not None:
-            _complete(*completion)
+            complete(*completion)
 
-    def _fail_all(self, error: SimulatorLostError) -> None:
+    def _lose(self, error: SimulatorLostError) -> None:
         with self._lock:
-            self._lost = self._lost or error
+            if self._lost is not None:
+                return
+            self._lost = error
             pending, self._pending = list(self._pending.values()), {}
-        self._completions.put(None)
+            self._completions.put(None)
         for operation, _ in pending:
-            operation.fail(self._lost)
+            end(operation, error)
 
-    def _listen(self) -> None:
-        assert self._process.stderr is not None
-        for line in self._process.stderr:
-            self._said = [*self._said[-40:], line]
-
-
-def _complete(operation: Operation[Reply], reply: Reply) -> None:
-    error, message = reply.fields.get("error", ""), reply.fields.get("message", "")
-    if not error:
-        operation.succeed(reply)
-    elif error in _ERRORS:
-        operation.fail(_ERRORS[error](message))
-    else:
-        operation.fail(GripError(message))
+    def _hang_up(self) -> None:
+        try:
+            self._connection.shutdown(socket.SHUT_RDWR)
+        except OSError:
+            pass  # the other end went first

@@ -46,7 +46,7 @@ class Follow:
         rows: which joints, n of them.
         times: shape (k,), from 0 [s].
         positions: shape (k, n) [rad].
-        velocities: shape (k, n) [rad/s], or None for differences.
+        velocities: shape (k, n) [rad/s], or None for differences of the positions.
         begun: simulated time now [s].
     """
 
@@ -60,6 +60,8 @@ class Follow:
         begun: float,
     ):
         self.rows, self._robot = rows, robot
+        if velocities is None:
+            velocities = np.gradient(positions, times, axis=0) if len(times) > 1 else np.zeros_like(positions)
         self._times, self._positions, self._velocities = times, positions, velocities
         self._begun = begun
 
@@ -75,7 +77,7 @@ class Follow:
         """Aim at where the path is one step from now; after its time, wait for the joints to arrive."""
         t = world.time - self._begun + world.spec.dt
         end = float(self._times[-1])
-        self._robot.drive(self.rows, self._at(t, self._positions), self._speeds(t) if t < end else None)
+        self._robot.drive(self.rows, self._at(t, self._positions), self._at(t, self._velocities) if t < end else None)
         if t <= end:
             return None
         error = np.abs(self._robot.positions()[self.rows] - self._positions[-1])
@@ -84,14 +86,12 @@ class Follow:
             return Ended()
         if t > end + GRACE:
             joint = self._robot.measure(self.rows).names[int(error.argmax())]
-            return Ended("aborted", f"{joint} is still {error.max():.3f} rad away from the end of the trajectory")
+            state = "still moves and is" if error.max() < END_TOLERANCE else "is still"
+            return Ended("aborted", f"{joint} {state} {error.max():.3f} rad away from the end of the trajectory")
         return None
 
     def _at(self, t: float, columns: Floats) -> Floats:
         return np.array([np.interp(t, self._times, column) for column in columns.T])
-
-    def _speeds(self, t: float) -> Floats | None:
-        return None if self._velocities is None else self._at(t, self._velocities)
 
 
 class MoveHand:

@@ -10,7 +10,7 @@ with warnings.catch_warnings():
     import sapien
     from sapien import physx
 
-GRAVITY = 9.81
+from .specs import GRAVITY
 
 
 def make_scene(dt: float) -> sapien.Scene:
@@ -45,4 +45,4 @@ def ignore_each_other(shapes: Iterable[physx.PhysxCollisionShape], bit: int) -> 
         shape.set_collision_groups(words)
 
 
-__all__ = ["GRAVITY", "ignore_each_other", "make_scene", "physx", "sapien"]
+__all__ = ["ignore_each_other", "make_scene", "physx", "sapien"]

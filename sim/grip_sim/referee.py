@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -10,14 +10,17 @@ import numpy as np
 
 from grip_bt.values import Pose
 
-from .specs import ObjectSpec
+from .specs import GRAVITY, ObjectSpec
 
 if TYPE_CHECKING:  # the client imports this module, and must not import sapien
+    from .contacts import Contact
     from .world import World
 
 Status = Literal["held", "placed", "fallen", "standing", "lying", "elsewhere"]
 LOW, STILL, STILL_TURN, BELOW = 0.14, 0.05, 0.6, -0.05
 UPRIGHT_COSINE = 0.9
+BORNE = 0.05
+"""What pushes an object up with more than this share of its weight bears it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,10 +28,10 @@ class ObjectTruth:
     """Where an object is and in which state.
 
     Attributes:
-        name: the object. status: `held`: touched by the hand and by nothing that never moves. `placed`: at rest and
-        low with its centre within the
-            crate's walls. `fallen`: below the table's top. `standing`, `lying`: at rest on the table. `elsewhere`:
-            none of these.
+        name: the object.
+        status: `held`: the hand touches it and nothing else bears it; things beside it may touch it too.
+            `placed`: at rest, low, its centre within the crate's walls. `fallen`: below the table's top.
+            `standing`, `lying`: at rest elsewhere on the table. `elsewhere`: none of these.
         pose: of its centre, in world.
         hand_force: sum of the contact forces of the hand's links on it [N].
     """
@@ -53,21 +56,18 @@ class ObjectTruth:
 def judge(world: World) -> tuple[ObjectTruth, ...]:
     """Return the truth about each object of a world, as it is now."""
     contacts = list(world.contacts())
-    still = {box.name for box in world.spec.boxes()}
-    verdicts = []
-    for spec in world.spec.objects:
-        touching: dict[str, float] = {}
-        for one, two, force in contacts:
-            if spec.name in (one, two):
-                other = two if one == spec.name else one
-                touching[other] = touching.get(other, 0.0) + force
-        hand = sum(f for link, f in touching.items() if link in world.robot.hand_links)
-        resting = not still.isdisjoint(touching)
-        verdicts.append(_verdict(world, spec, hand, resting))
-    return tuple(verdicts)
+    return tuple(_verdict(world, spec, [c for c in contacts if spec.name in c[:2]]) for spec in world.spec.objects)
 
 
-def _verdict(world: World, spec: ObjectSpec, hand_force: float, resting: bool) -> ObjectTruth:
+def _verdict(world: World, spec: ObjectSpec, contacts: Iterable[Contact]) -> ObjectTruth:
+    hand_force = borne = 0.0
+    for contact in contacts:
+        other = contact.second if contact.first == spec.name else contact.first
+        if other in world.robot.hand_links:
+            hand_force += contact.force
+        else:
+            borne += max(0.0, contact.push_on(spec.name)[2])
+    resting = borne > BORNE * spec.mass * GRAVITY
     pose = world.object_pose(spec.name)
     speed, turn = world.object_speeds(spec.name)
     at_rest = speed < STILL and turn < STILL_TURN

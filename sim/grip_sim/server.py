@@ -38,7 +38,7 @@ class Server:
         self._connection, self._pace = connection, pace
         self.world = World(spec)
         self._motions: dict[int, Motion] = {}
-        self._told = 0.0
+        self._told = self._due = 0.0
         self._calls: dict[str, Callable[..., Any]] = {
             "follow": self._follow,
             "move_hand": self._move_hand,
@@ -57,7 +57,7 @@ class Server:
         """Obey until the client is gone."""
         try:
             while True:
-                wait = 0.0 if self._motions else None
+                wait = max(0.0, self._due - time.monotonic()) if self._motions else None
                 if select.select([self._connection], [], [], wait)[0]:
                     self._obey(*receive(self._connection))
                 elif self._motions:
@@ -71,6 +71,10 @@ class Server:
             answer = self._calls[call](number, **fields, **arrays)
         except GripError as error:
             self._send({"id": number, "error": "refused", "message": str(error)})
+            return
+        except (LookupError, TypeError, ValueError) as error:  # a wrong call, which changed nothing
+            message = f"{call}: {type(error).__name__}: {error}"
+            self._send({"id": number, "error": "refused", "message": message})
             return
         if answer is not None:
             said, data = answer
@@ -86,16 +90,16 @@ class Server:
             if not self._motions:
                 return
             self.world.step()
-        if self._pace is not None:
-            rest = STEPS_PER_LOOK * self.world.spec.dt / self._pace - (time.monotonic() - began)
-            if rest > 0:  # a message ends the rest, so that a stop isn't late
-                select.select([self._connection], [], [], rest)
+        if self._pace is not None:  # messages are obeyed meanwhile, so that a stop isn't late
+            self._due = began + STEPS_PER_LOOK * self.world.spec.dt / self._pace
         if time.monotonic() - self._told > TELL_TIME:
             self._told = time.monotonic()
             self._send({"id": 0})
 
     def _finish(self, number: int, end: Ended) -> None:
         motion = self._motions.pop(number)
+        if end.error:  # not pressing on towards a goal that won't be reached
+            self.world.robot.hold(motion.rows)
         said, arrays = self._measured(motion.rows)
         self._send({"id": number, **said, "error": end.error, "message": end.message}, arrays)
 
@@ -105,19 +109,20 @@ class Server:
     # --- what may be called ---
 
     def _follow(self, number: int, names: list[str], times: Any, positions: Any, velocities: Any = None) -> None:
-        rows = self.world.robot.rows(names)
+        robot, rows = self.world.robot, self.world.robot.rows(names)
+        motion = Follow(robot, rows, times, positions, velocities, self.world.time)
         self._replace(rows)
-        motion = Follow(self.world.robot, rows, times, positions, velocities, self.world.time)
+        robot.limit_torque(rows, None)
         self._motions[number] = motion
         wrong = motion.wrong_start()
         if wrong:
             self._finish(number, Ended("aborted", wrong))
 
     def _move_hand(self, number: int, names: list[str], goal: Any, duration: float, limit: float | None) -> None:
-        rows = self.world.robot.rows(names)
+        robot, rows = self.world.robot, self.world.robot.rows(names)
         self._replace(rows)
-        self.world.robot.limit_torque(rows, limit)
-        self._motions[number] = MoveHand(self.world.robot, rows, goal, duration, self.world.time)
+        robot.limit_torque(rows, limit)
+        self._motions[number] = MoveHand(robot, rows, goal, duration, self.world.time)
 
     def _wait(self, number: int, seconds: float) -> None:
         self._motions[number] = Wait(self.world.time + seconds)
@@ -138,7 +143,6 @@ class Server:
                 self._end_early(number)
 
     def _end_early(self, number: int) -> None:
-        self.world.robot.hold(self._motions[number].rows)
         self._finish(number, Ended("canceled", "the motion was stopped"))
 
     def _state(self, number: int, names: list[str]) -> Any:

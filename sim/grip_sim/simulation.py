@@ -5,7 +5,7 @@ from __future__ import annotations
 from grip_bt.commanders.robots import build_robot
 from grip_bt.errors import UnknownNameError
 
-from .adapters import SimCamera, SimExecutor, SimHand, SimReferee
+from .adapters import SimCamera, SimExecutor, SimHand, SimReferee, check_positive
 from .client import SimClient
 from .clock import SimClock
 from .geometry import camera_info
@@ -25,8 +25,10 @@ class Simulation:
 
     def __init__(self, spec: WorldSpec, pace: float | None = None):
         self.spec = spec
+        if pace is not None:
+            check_positive("pace", pace)
+        self._robot = build_robot(spec.robot)  # first: an unknown robot is found before a process runs
         self._client = SimClient(spec, pace)
-        self._robot = build_robot(spec.robot)
         self.referee = SimReferee(self._client)
 
     @property
@@ -63,7 +65,11 @@ class Simulation:
         return SimCamera(self._client, name, camera_info(cameras[name]))
 
     def settle(self, seconds: float = SETTLE) -> None:
-        """Let time pass and wait for it."""
+        """Let simulated time pass and wait for it.
+
+        Raises:
+            SimulatorLostError: the simulator ended meanwhile.
+        """
         wait = self._client.move("wait", seconds=seconds)
         wait.wait()
         wait.result()
@@ -88,6 +94,8 @@ def start_simulation(spec: WorldSpec, pace: float | None = None) -> Simulation:
 
     Raises:
         SimulatorLostError: it can't be started; the message holds what it printed.
+        UnknownNameError: there is no such robot.
+        ValueError: the pace isn't positive.
     """
     simulation = Simulation(spec, pace)
     try:

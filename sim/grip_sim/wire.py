@@ -6,6 +6,7 @@ Nothing is pickled, so nothing that is received can run.
 from __future__ import annotations
 
 import json
+import math
 import socket
 import struct
 from collections.abc import Mapping
@@ -15,42 +16,60 @@ import numpy as np
 from numpy.typing import NDArray
 
 Arrays = Mapping[str, NDArray[Any]]
-_LENGTH = struct.Struct("!I")
-_LARGEST = 64 << 20
+LARGEST = 64 << 20
+"""Largest message [bytes]."""
+_LENGTHS = struct.Struct("!II")
+_KINDS = "biufc"
 
 
 class ClosedError(Exception):
-    """The other end is gone."""
+    """The other end is gone, or says what nobody understands."""
 
 
 def pack(fields: Mapping[str, Any], arrays: Arrays | None = None) -> bytes:
-    """Return one message."""
-    blocks = {name: np.ascontiguousarray(array) for name, array in (arrays or {}).items()}
+    """Return one message.
+
+    Raises:
+        TypeError: an array doesn't hold plain numbers, or a field isn't JSON data.
+        ValueError: the message is too large.
+    """
+    blocks = {name: np.asarray(array) for name, array in (arrays or {}).items()}
+    for name, block in blocks.items():
+        if block.dtype.kind not in _KINDS:
+            raise TypeError(f"array {name!r} holds {block.dtype}; only plain numbers can be sent")
     shapes = [[name, block.dtype.str, block.shape] for name, block in blocks.items()]
     header = json.dumps({"fields": fields, "arrays": shapes}).encode()
+    size = len(header) + sum(block.nbytes for block in blocks.values())
+    if size > LARGEST:
+        raise ValueError(f"a message of {size} bytes; at most {LARGEST} can be sent")
     body = b"".join(block.tobytes() for block in blocks.values())
-    return _LENGTH.pack(len(header)) + _LENGTH.pack(len(body)) + header + body
+    return _LENGTHS.pack(len(header), len(body)) + header + body
 
 
 def receive(connection: socket.socket) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
-    """Wait for one message and return its fields and arrays.
+    """Wait for one message and return its fields and its arrays, which are read-only.
 
     Raises:
-        ClosedError: the other end is gone.
+        ClosedError: the other end is gone, or what it sent is no message.
     """
-    lengths = _exactly(connection, 2 * _LENGTH.size)
-    (header_length,), (body_length,) = _LENGTH.unpack(lengths[:4]), _LENGTH.unpack(lengths[4:])
-    if header_length + body_length > _LARGEST:
+    header_length, body_length = _LENGTHS.unpack(_exactly(connection, _LENGTHS.size))
+    if header_length + body_length > LARGEST:
         raise ClosedError(f"a message of {header_length + body_length} bytes")
-    header = json.loads(_exactly(connection, header_length))
-    body = memoryview(_exactly(connection, body_length))
+    header, body = _exactly(connection, header_length), _exactly(connection, body_length)
+    try:
+        content = json.loads(header)
+        return dict(content["fields"]), _arrays(content["arrays"], body)
+    except (ValueError, KeyError, TypeError) as error:
+        raise ClosedError(f"a message that can't be read: {error!r}") from None
+
+
+def _arrays(shapes: list[Any], body: bytes) -> dict[str, NDArray[Any]]:
     arrays, offset = {}, 0
-    for name, dtype, shape in header["arrays"]:
-        kind = np.dtype(dtype)
-        size = kind.itemsize * int(np.prod(shape))
-        arrays[name] = np.frombuffer(body[offset : offset + size], kind).reshape(shape)
-        offset += size
-    return header["fields"], arrays
+    for name, dtype, shape in shapes:
+        count = math.prod(shape)
+        arrays[name] = np.frombuffer(body, np.dtype(dtype), count, offset).reshape(shape)
+        offset += arrays[name].nbytes
+    return arrays
 
 
 def _exactly(connection: socket.socket, count: int) -> bytes:

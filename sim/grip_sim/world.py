@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping
-from typing import NamedTuple
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from grip_bt.errors import UnknownNameError
 from grip_bt.values import Pose
 
 from .camera import Frame, RayCamera, Target
+from .contacts import Contact
 from .physics import make_scene, physx, sapien
 from .robot import SimRobot
 from .specs import BoxSpec, ObjectSpec, WorldSpec
@@ -22,14 +23,6 @@ TOUCH = 1e-3
 UPRIGHT = sapien.Pose(q=[np.sqrt(0.5), 0, np.sqrt(0.5), 0])
 """PhysX cylinders lie along x."""
 ARM_COLOUR, HAND_COLOUR = (222, 222, 226), (52, 54, 60)
-
-
-class Contact(NamedTuple):
-    """Two bodies that touch, and the force between them [N]."""
-
-    first: str
-    second: str
-    force: float
 
 
 class World:
@@ -45,8 +38,10 @@ class World:
         self._scene = make_scene(spec.dt)
         still = [(box, self._add_box(box)) for box in spec.boxes()]
         self.robot = SimRobot(self._scene, description or build_robot(spec.robot))
+        check_names(spec, (link.name for link in self.robot.links))
         self._objects = {o.name: self._add_object(o) for o in spec.objects}
         self._steps = 0
+        self._moved: set[str] = set()
         moving = [*self._robot_targets(), *self._object_targets()]
         self._cameras = {c.name: RayCamera(c, self._scene.physx_system, still, moving) for c in spec.cameras}
 
@@ -62,6 +57,7 @@ class World:
         self.robot.compensate()
         self._scene.step()
         self._steps += 1
+        self._moved.clear()
 
     # --- what is where ---
 
@@ -82,6 +78,7 @@ class World:
         body.set_linear_velocity(np.zeros(3))
         body.set_angular_velocity(np.zeros(3))
         body.wake_up()
+        self._moved.add(name)
 
     def link_pose(self, name: str) -> Pose:
         """Return the pose of a robot's link in world."""
@@ -91,22 +88,21 @@ class World:
         raise UnknownNameError("link", name, (link.name for link in self.robot.links))
 
     def contacts(self) -> Iterator[Contact]:
-        """Yield the contacts of the last step that carry a force."""
+        """Yield the contacts of the last step that carry a force; those of objects moved since then are void."""
         for contact in self._scene.get_contacts():
-            impulse = np.sum([point.impulse for point in contact.points], axis=0)
-            force = float(np.linalg.norm(impulse)) / self.spec.dt
-            if force > TOUCH:
-                one, two = (body.entity.name for body in contact.bodies)
-                yield Contact(one, two, force)
+            one, two = (body.entity.name for body in contact.bodies)
+            push = np.sum([point.impulse for point in contact.points], axis=0) / self.spec.dt
+            if np.linalg.norm(push) > TOUCH and self._moved.isdisjoint((one, two)):
+                yield Contact(one, two, (float(push[0]), float(push[1]), float(push[2])))
 
     def hand_contacts(self) -> Mapping[str, float]:
         """Return the contact force [N] of each link of the hand that touches something that isn't the robot."""
         robot = {link.name for link in self.robot.links}
         forces: dict[str, float] = {}
-        for one, two, force in self.contacts():
-            for link, other in ((one, two), (two, one)):
+        for contact in self.contacts():
+            for link, other in ((contact.first, contact.second), (contact.second, contact.first)):
                 if link in self.robot.hand_links and other not in robot:
-                    forces[link] = forces.get(link, 0.0) + force
+                    forces[link] = forces.get(link, 0.0) + contact.force
         return forces
 
     def look(self, camera: str) -> Frame:
@@ -170,6 +166,14 @@ class World:
     def _object_targets(self) -> Iterator[Target]:
         for spec in self.spec.objects:
             yield Target(self._objects[spec.name], spec.name, spec.colour)
+
+
+def check_names(spec: WorldSpec, links: Iterable[str]) -> None:
+    """Raise ValueError when two things of a world have one name: contacts and images tell them apart by it."""
+    names = [*links, *(box.name for box in spec.boxes()), *(thing.name for thing in spec.objects)]
+    twice = sorted(name for name, count in Counter(names).items() if count > 1)
+    if twice:
+        raise ValueError(f"a world's objects, boxes and links need names of their own; more than one is {twice[0]!r}")
 
 
 def _pose(pose: sapien.Pose) -> Pose:
