@@ -19,12 +19,15 @@ class SimClock:
         self._idle = 0.0
         self._idle_since: float | None = time.monotonic()
         self._moving = 0
+        self._latest = 0.0
 
     def now(self) -> float:
         """Return the time [s]."""
         with self._lock:
             idle = 0.0 if self._idle_since is None else time.monotonic() - self._idle_since
-            return self._simulated + self._idle + idle
+            # the same sum, rounded in another order, may be smaller in its last bit
+            self._latest = max(self._latest, self._simulated + self._idle + idle)
+            return self._latest
 
     @property
     def simulated(self) -> float:
