@@ -20,7 +20,7 @@ def one(seed: int, target: str) -> dict:
     done = subprocess.run(command, capture_output=True, text=True, timeout=600)
     last = (done.stdout.strip().splitlines() or ["{}"])[-1]
     summary = json.loads(last) if last.startswith("{") else {}
-    return {"seed": seed, "status": done.returncode, "wall": time.monotonic() - began, **summary, "stderr": done.stderr}
+    return {**summary, "seed": seed, "exit": done.returncode, "wall": time.monotonic() - began, "stderr": done.stderr}
 
 
 def main() -> int:
@@ -39,11 +39,11 @@ def main() -> int:
         why = ", ".join(row.get("failures", [])) or "-"
         placed, objects = row.get("placed", "?"), row.get("objects", "?")
         attempts, simulated = row.get("attempts", "?"), row.get("simulated", float("nan"))
-        cells = (seed, f"{placed} of {objects}", attempts, why, f"{simulated:.1f}", f"{row['wall']:.1f}", row["status"])
+        cells = (seed, f"{placed} of {objects}", attempts, why, f"{simulated:.1f}", f"{row['wall']:.1f}", row["exit"])
         print("| " + " | ".join(map(str, cells)) + " |", flush=True)
-        if row["status"] != 0:
+        if row["exit"] != 0:
             print(row["stderr"], file=sys.stderr)
-    good = sum(r["status"] == 0 for r in rows)
+    good = sum(r["exit"] == 0 for r in rows)
     walls = [r["wall"] for r in rows]
     print(f"\n{good} of {len(rows)} seeds; wall median {statistics.median(walls):.1f} s, longest {max(walls):.1f} s")
     return int(good < 0.95 * len(rows))
