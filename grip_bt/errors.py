@@ -89,6 +89,14 @@ class DataError(GripError):
         super().__init__(f"{path}: port {port!r}: {message}")
 
 
+class WrongTypeError(GripError, TypeError):
+    """A value was put into a store of another type."""
+
+    def __init__(self, store: str, name: str, type_name: str, reason: str):
+        self.store, self.name, self.type_name = store, name, type_name
+        super().__init__(f"store {store!r}: {name!r} has to be of type {type_name}: {reason}")
+
+
 class NodeError(GripError):
     """A leaf raised an exception that isn't an expected failure; it ends the run as `error`."""
 
