@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
@@ -11,6 +10,7 @@ from typing import Any
 from grip_bt.errors import UnknownNameError
 from grip_bt.ports import Arm, Camera, Clock, Component, Hand, Scene
 
+from .domain import own_domain
 from .project import Project
 
 Progress = Callable[[str, str], None]
@@ -76,7 +76,7 @@ def _open_components(
     from grip_bt.ros.components import start_components
 
     folder = project.file.components or "components"
-    components = start_components(project.folder, names, _domain(), folder)
+    components = start_components(project.folder, names, stack.enter_context(own_domain()), folder)
     stack.callback(components.close)
     resources.components = {name: components.client(name) for name in names}
     built = (
@@ -86,9 +86,3 @@ def _open_components(
         process = components.process(name)
         where = f"process {process.pid}" if process is not None else "already running"
         progress("component", f"{name}: ROS 2 server in {where}, ready after {components.ready_seconds:.1f} s; {built}")
-
-
-def _domain() -> int:
-    """Return the DDS domain: the user's, or one of our own, so that runs beside each other don't meet."""
-    chosen = os.environ.get("ROS_DOMAIN_ID")
-    return int(chosen) if chosen else 1 + os.getpid() % 100
