@@ -1,0 +1,166 @@
+"""The physics of a world: repeatable, at rest when nothing happens, with forces that add up."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from grip_bt.errors import UnknownNameError
+from grip_bt.values import Pose
+from grip_sim.specs import GRAVITY, ObjectSpec, WorldSpec
+from grip_sim.tables import table_world
+
+pytestmark = pytest.mark.sim
+SCRIPT = """
+import json, sys
+from grip_sim.specs import WorldSpec
+from grip_sim.world import World
+
+world = World(WorldSpec.from_json(json.loads(sys.argv[1])))
+robot = world.robot
+rows = robot.group_rows("arm")
+for step in range(120):
+    robot.drive(rows, robot.targets(rows) + float(sys.argv[2]))
+    world.step()
+print(world.fingerprint())
+"""
+
+
+@pytest.fixture(scope="module")
+def make_world():
+    from grip_sim.world import World
+
+    return World
+
+
+@pytest.fixture
+def settled(make_world):
+    world = make_world(table_world(3))
+    advance(world, 0.5)
+    return world
+
+
+def advance(world, seconds):
+    for _ in range(round(seconds / world.spec.dt)):
+        world.step()
+
+
+def wave(world, by):
+    rows = world.robot.group_rows("arm")
+    for _ in range(120):
+        world.robot.drive(rows, world.robot.targets(rows) + by)
+        world.step()
+
+
+def fingerprint_elsewhere(spec, by):
+    command = [sys.executable, "-c", SCRIPT, json.dumps(spec.to_json()), str(by)]
+    return subprocess.run(command, capture_output=True, text=True, check=True, timeout=120).stdout.strip()
+
+
+def test_the_same_spec_and_commands_give_the_same_states_bit_by_bit(make_world):
+    one, two, other = (make_world(table_world(5)) for _ in range(3))
+    wave(one, 0.001)
+    wave(two, 0.001)
+    wave(other, 0.0011)
+    assert one.fingerprint() == two.fingerprint()
+    assert one.fingerprint() != other.fingerprint()
+
+
+def test_the_same_spec_and_commands_give_the_same_states_in_another_process(make_world):
+    spec = table_world(5)
+    world = make_world(spec)
+    wave(world, 0.001)
+    assert fingerprint_elsewhere(spec, 0.001) == world.fingerprint()
+
+
+def test_objects_and_robot_at_rest_stay_where_they_are(settled):
+    before = {thing.name: settled.object_pose(thing.name).matrix() for thing in settled.spec.objects}
+    joints = settled.robot.positions()
+    advance(settled, 2.0)
+    for name, matrix in before.items():
+        assert settled.object_pose(name).matrix() == pytest.approx(matrix, abs=1e-4)
+        assert settled.object_speeds(name) == pytest.approx((0, 0), abs=1e-3)
+    assert settled.robot.positions() == pytest.approx(joints, abs=1e-3)
+
+
+def test_time_is_the_number_of_steps(make_world):
+    world = make_world(WorldSpec())
+    assert world.time == 0
+    advance(world, 1.0)
+    assert world.time == pytest.approx(1.0)
+
+
+def test_the_table_bears_the_weight_of_each_object(settled):
+    on_table = {c.first if c.second == "table" else c.second: c for c in settled.contacts() if "table" in c[:2]}
+    for thing in settled.spec.objects:
+        contact, weight = on_table[thing.name], thing.mass * GRAVITY
+        assert contact.push_on(thing.name) == pytest.approx((0, 0, weight), abs=0.02 * weight)
+        assert contact.push_on("table") == pytest.approx((0, 0, -weight), abs=0.02 * weight)
+        assert contact.force == pytest.approx(weight, rel=0.02)
+
+
+def test_a_hand_that_touches_nothing_has_no_contacts(settled):
+    assert settled.hand_contacts() == {}
+
+
+def test_contacts_of_fingers_with_one_another_are_none_of_the_hand(settled):
+    hand = settled.robot.group_rows("hand")
+    closed = settled.robot.description.named_state("hand", "closed")
+    settled.robot.drive(hand, closed.ordered(settled.robot.description.group("hand")))
+    advance(settled, 1.0)
+    links = settled.robot.hand_links
+    assert any(c.first in links and c.second in links for c in settled.contacts())
+    assert settled.hand_contacts() == {}
+
+
+def test_the_hand_has_the_friction_that_grasps_need(settled):
+    from grip_sim.robot import HAND_FRICTION
+
+    shapes = [s for link in settled.robot.links if link.name in settled.robot.hand_links for s in link.collision_shapes]
+    assert shapes
+    for shape in shapes:
+        material = shape.physical_material
+        assert material.static_friction == material.dynamic_friction == HAND_FRICTION == 1.0
+
+
+def test_an_object_that_was_moved_is_there_at_rest_and_touches_nothing_yet(settled):
+    name = settled.spec.objects[0].name
+    settled.move_object(name, Pose([0.5, 0.1, 0.5]))
+    assert settled.object_pose(name).position == pytest.approx([0.5, 0.1, 0.5])
+    assert settled.object_speeds(name) == (0, 0)
+    assert not [c for c in settled.contacts() if name in c[:2]]
+    advance(settled, 0.1)
+    fallen = 0.5 - settled.object_pose(name).position[2]
+    assert fallen == pytest.approx(0.5 * GRAVITY * 0.1**2, rel=0.1)
+
+
+def test_unknown_names_list_those_that_exist(settled):
+    with pytest.raises(UnknownNameError, match="overhead"):
+        settled.look("overhaed")
+    with pytest.raises(UnknownNameError, match=settled.spec.objects[0].name):
+        settled.object_pose("nothing")
+    with pytest.raises(UnknownNameError, match="hand_palm_link"):
+        settled.link_pose("palm")
+
+
+@pytest.mark.parametrize("names", [("thing", "thing"), ("table",), ("hand_palm_link",)])
+def test_two_things_of_one_name_are_refused(make_world, names):
+    things = [ObjectSpec(name, "box", 0.03, 0.1, (0.5, 0.2 * i, 0.05)) for i, name in enumerate(names)]
+    with pytest.raises(ValueError, match=f"more than one is '{names[0]}'"):
+        make_world(WorldSpec(objects=tuple(things)))
+
+
+def test_a_limited_drive_gives_no_more_than_its_limit(settled):
+    robot = settled.robot
+    rows = robot.group_rows("hand")
+    robot.limit_torque(rows, 0.1)
+    robot.drive(rows, robot.targets(rows) + 1.0)
+    efforts = []
+    for _ in range(60):
+        settled.step()
+        efforts.append(np.abs(robot.measure(rows).effort).max())
+    assert max(efforts) == pytest.approx(0.1)
