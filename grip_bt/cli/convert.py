@@ -6,23 +6,38 @@ import argparse
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
-from grip_bt.catalog import Catalog
-from grip_bt.compilers import draw
 from grip_bt.errors import GripError
-from grip_bt.graph import fmt, read_text
-from grip_bt.graph.document import Document, read_file
 
 from .fmt import replace_text
 
-Converter = Callable[[Document, Catalog, draw.View], str]
-# Each form is one entry: what makes its text. Those that run (bt, sm) join here.
+if TYPE_CHECKING:
+    from typing import Any
+
+    from grip_bt.catalog import Catalog
+    from grip_bt.graph.document import Document
+
+
+def _picture(document: Document, catalog: Catalog, args: argparse.Namespace) -> str:
+    from grip_bt.compilers import draw
+
+    return str(getattr(draw, f"to_{args.to}")(document.task, catalog, args.view))
+
+
+def _yaml(document: Document, catalog: Catalog, args: argparse.Namespace) -> str:
+    from grip_bt.graph import fmt
+
+    return fmt(document.text, document.source)
+
+
+Converter = Callable[["Document", "Catalog", argparse.Namespace], str]
+# Each form is one entry: what makes its text. What they need is imported when one is asked for.
 CONVERTERS: dict[str, Converter] = {
-    "svg": lambda document, catalog, view: draw.to_svg(document.task, catalog, view),
-    "dot": lambda document, catalog, view: draw.to_dot(document.task, catalog, view),
-    "mermaid": lambda document, catalog, view: draw.to_mermaid(document.task, catalog, view),
-    "yaml": lambda document, catalog, view: fmt(document.text, document.source),
+    "svg": _picture,
+    "dot": _picture,
+    "mermaid": _picture,
+    "yaml": _yaml,
 }
 
 
@@ -41,9 +56,11 @@ def add_parser(subparsers: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Convert one task."""
     from grip_bt.app import project_catalog
+    from grip_bt.graph import read_text
+    from grip_bt.graph.document import read_file
 
     document = read_text(read_file(args.task), args.task)
-    text = CONVERTERS[args.to](document, project_catalog(args.task), args.view)
+    text = CONVERTERS[args.to](document, project_catalog(args.task), args)
     if args.output == "-":
         sys.stdout.write(text)
         return 0

@@ -10,9 +10,6 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from grip_bt.graph import fmt
-from grip_bt.graph.document import read_file
-
 
 def add_parser(subparsers: Any) -> None:
     """Add the verb."""
@@ -40,6 +37,9 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _both(path: str) -> tuple[str, str]:
+    from grip_bt.graph import fmt
+    from grip_bt.graph.document import read_file
+
     before = sys.stdin.read() if path == "-" else read_file(path)
     return before, fmt(before, "<stdin>" if path == "-" else path)
 
