@@ -20,6 +20,9 @@ from .paths import Path, interpolated, shortened
 RESOLUTION = 0.02
 """No joint moves more than this [rad] between two checks while planning; the timed result is checked more finely."""
 _COARSE = 8
+_THREADED = frozenset({"PRM", "PRMstar"})
+"""These ask from a thread of their own whether to stop. It can't enter Python, since the search holds the lock, so they
+only get a time limit, and are cancelled by ending their process."""
 
 
 @cache
@@ -80,7 +83,11 @@ def plan_free(
     def over() -> bool:
         return canceled() or time.monotonic() > deadline
 
-    path = _solved(checker, motion_free, start, goal, planner, seed, over)
+    if planner in _THREADED:
+        until: object = max(0.01, deadline - time.monotonic())
+    else:
+        until = ob.PlannerTerminationCondition(over)
+    path = _solved(checker, motion_free, start, goal, planner, seed, until)
     if canceled():
         raise CanceledError("planning was cancelled")
     if path is None:
@@ -97,7 +104,7 @@ def _solved(
     goal: NDArray[np.float64],
     planner: str,
     seed: int,
-    over: Callable[[], bool],
+    until: object,
 ) -> Path | None:
     # Re-seeding after the first use is what makes requests independent of one another; OMPL logs an error about it.
     ou.setLogLevel(ou.LogLevel.LOG_NONE)
@@ -113,7 +120,7 @@ def _solved(
     objective = ob.PathLengthOptimizationObjective(information)
     objective.setCostThreshold(ob.Cost(1e9))  # optimising planners: the first path will do, it is shortened anyway
     setup.setOptimizationObjective(objective)
-    setup.solve(ob.PlannerTerminationCondition(over))
+    setup.solve(until)
     if not setup.haveExactSolutionPath():
         return None
     path = setup.getSolutionPath()

@@ -25,7 +25,8 @@ from .straight import BrokenLineError, straight_path
 
 TARGET_WITHIN = 0.03
 """The object nearest to the closing point, at most this far from it [m], is the one that a grasp takes."""
-_RESTARTS = 6
+_RESTARTS = 10
+_WARM = 3
 _SOLUTIONS = 4
 _PATIENCE = 1.0
 
@@ -54,12 +55,11 @@ def choose_grasp(
         NoGraspError: none is; `data['reasons']` counts why, `data['candidates']` how many there were.
         CanceledError: it was cancelled.
     """
-    rng = np.random.default_rng(situation.settings.seed)
     reasons: Counter[str] = Counter()
-    checkers = Checkers(model, situation)
+    search = GraspSearch(model, situation)
     for grasp in sorted(grasps, key=lambda g: -g.quality):
-        trial = GraspTrial(checkers, grasp)
-        for q in trial.configurations(rng):
+        trial = GraspTrial(search, grasp)
+        for q in trial.configurations():
             if canceled():
                 raise CanceledError("the choice of a grasp was cancelled")
             if (pre := trial.pre_configuration(q)) is not None and trial.can_go_to(pre, canceled):
@@ -74,11 +74,12 @@ def choose_grasp(
     )
 
 
-class Checkers:
-    """Collision checkers of one situation; candidates for one object share theirs."""
+class GraspSearch:
+    """What the candidates of one request share: collision checkers, and configurations that reached one of them."""
 
     def __init__(self, model: RobotModel, situation: Situation):
         self.model, self.situation = model, situation
+        self.reached: tuple[NDArray[np.float64], ...] = ()
         self._made: dict[tuple[int, str | None], CollisionChecker] = {}
 
     def chain(self, grasp: Grasp) -> Chain:
@@ -114,13 +115,13 @@ class GraspTrial:
 
     _STAGES = ("no_ik", "in_collision", "approach_blocked", "pre_grasp_in_collision", "lift_blocked", "no_plan")
 
-    def __init__(self, checkers: Checkers, grasp: Grasp):
+    def __init__(self, search: GraspSearch, grasp: Grasp):
         for pose in (grasp.pre_grasp, grasp.pose, grasp.post_grasp):
             check_frame(pose, "world")
-        self._checkers, self._grasp = checkers, grasp
-        self._target = target_of(grasp, checkers.situation.scene)
-        self.chain = checkers.chain(grasp)
-        self._approach = checkers.without(self.chain, self._target)
+        self._search, self._grasp = search, grasp
+        self._target = target_of(grasp, search.situation.scene)
+        self.chain = search.chain(grasp)
+        self._approach = search.without(self.chain, self._target)
         self._stage = 0
 
     @property
@@ -128,15 +129,21 @@ class GraspTrial:
         """Why it was refused, judged by the configuration that came furthest."""
         return self._STAGES[self._stage]
 
-    def configurations(self, rng: np.random.Generator) -> list[NDArray[np.float64]]:
-        """Return up to four free configurations at the grasp, the nearest to the present one first."""
-        situation = self._checkers.situation
+    def configurations(self) -> list[NDArray[np.float64]]:
+        """Return up to four free configurations at the grasp, the nearest to the present one first.
+
+        What reached other candidates is tried first: their poses are much alike.
+        """
+        situation = self._search.situation
+        rng = np.random.default_rng(situation.settings.seed)
         start = situation.start.ordered(self.chain.joints)
-        home = self._checkers.model.description.named_state(situation.group, "home").position
+        home = self._search.model.description.named_state(situation.group, "home").position
         find = solver(situation.settings.kinematics)
         free = []
-        for q in find(self.chain, _se3(self._grasp.pose), rng, (start, home), _RESTARTS):
+        seeds = (start, home, *self._search.reached)
+        for q in find(self.chain, _se3(self._grasp.pose), rng, seeds, _RESTARTS):
             self._reached(1)
+            self._search.reached = (q, *self._search.reached[: _WARM - 1])
             if self._approach.free(q):
                 free.append(q)
             if len(free) == _SOLUTIONS:
@@ -154,13 +161,13 @@ class GraspTrial:
             if not self._approach.all_free(interpolated(approach, RESOLUTION)):
                 return None
             self._reached(3)
-            if not self._checkers.without(self.chain, None).free(approach[-1]):
+            if not self._search.without(self.chain, None).free(approach[-1]):
                 return None
             self._reached(4)
             lift = straight_path(self.chain, q, _se3(self._grasp.post_grasp))
         except BrokenLineError:
             return None
-        holding = self._checkers.holding(self.chain, self._target, self._grasp.pose)
+        holding = self._search.holding(self.chain, self._target, self._grasp.pose)
         return approach[-1] if holding.all_free(interpolated(lift, RESOLUTION)) else None
 
     def can_go_to(self, pre: NDArray[np.float64], canceled: Callable[[], bool]) -> bool:
@@ -169,9 +176,9 @@ class GraspTrial:
         The search gets little time: a path that is hard to find here is hard to find again when it is needed.
         """
         self._reached(5)
-        situation = self._checkers.situation
+        situation = self._search.situation
         settings, start = situation.settings, situation.start.ordered(self.chain.joints)
-        checker = self._checkers.without(self.chain, None)
+        checker = self._search.without(self.chain, None)
         if not checker.free(start):
             return True  # the plan itself will tell that the start is in collision
         deadline = time.monotonic() + _PATIENCE
