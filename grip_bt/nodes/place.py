@@ -61,6 +61,7 @@ class Place(ArmHandLeaf):
         return region
 
     def _candidates(self, region: Region) -> list[Grasp]:
+        """Return ways to let go: low rather than from a height, since what falls leans or topples."""
         scene = self.context.scene()
         size, pose = scene.box(self._object)
         me = Disc.around(size, pose)
@@ -71,7 +72,8 @@ class Place(ArmHandLeaf):
         else:
             spots = free_spots(region, me.radius, taken)
         height = region.floor + self.params["clearance"] + float(size[2]) / 2
-        up = max(0.1, region.rim + 0.03 - region.floor - self.params["clearance"])
+        # On the way in the object has to pass the rim; on the way out the hand has to end above the object.
+        up = max(float(size[2]) + 0.02, region.rim + 0.03 - region.floor - self.params["clearance"])
         candidates = []
         for rank, spot in enumerate(spots):
             for yaw in YAWS:
@@ -79,7 +81,7 @@ class Place(ArmHandLeaf):
                     hand = Pose([*spot, height + extra], turned(yaw)) @ in_hand
                     room = opening_room(hand, taken)
                     if room > 0.01:
-                        quality = _ease(hand, spot) + 4 * min(room, 0.05) - 0.05 * rank - 4 * extra
+                        quality = _ease(hand, spot) + 4 * min(room, 0.05) - 0.05 * rank - 20 * extra
                         above = hand.moved([0, 0, up])
                         candidates.append(Grasp(hand, above, above, quality=quality, provenance="arm/place"))
         return candidates

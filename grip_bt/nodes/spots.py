@@ -14,6 +14,8 @@ from .objects import Region
 
 FINGER = 0.13
 """How far open fingers reach from the grasp frame [m]."""
+WALL = 0.02
+"""Distance to keep from the walls [m]: the fingers open in it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +43,7 @@ def free_spots(region: Region, radius: float, taken: Sequence[Disc], count: int 
     Good is far from what stands there and, while there is room, far from the middle, so that the next object finds room
     too. Spots keep 4 cm from each other, so that they are really different.
     """
-    low, high = region.low + radius + 0.01, region.high - radius - 0.01
+    low, high = region.low + radius + WALL, region.high - radius - WALL
     if np.any(high < low):
         return np.zeros((0, 2))
     axes = [np.linspace(a, b, max(2, round((b - a) / 0.02) + 1)) for a, b in zip(low, high, strict=True)]

@@ -30,7 +30,7 @@ def test_it_comes_from_above_lets_go_just_above_the_floor_and_leaves_upward(worl
     verbs = [v for v in world.arm.verbs() if v != "choose"]
     assert verbs == ["plan", "execute", "straight", "execute", "straight", "execute"]
     above, release, leave = (goal for verb, goal in world.arm.log if verb in ("plan", "straight"))
-    assert above.position[2] - release[-1].position[2] >= 0.07
+    assert above.position[2] - release[-1].position[2] >= 0.16, "the hand ends above the object that it leaves"
     np.testing.assert_allclose(above.position[:2], release[-1].position[:2], atol=1e-9)
     np.testing.assert_allclose(leave[-1].position, above.position, atol=1e-9)
     # The palm was 9 cm above the table when it took the object, so its foot is 2 cm above the floor now.
@@ -112,7 +112,7 @@ def test_leaving_goes_back_first_where_up_is_blocked(world, tick):
     _, up, back_and_up = (goal for verb, goal in world.arm.log if verb == "straight")
     assert len(up) == 1
     assert len(back_and_up) == 2
-    assert back_and_up[0].position[2] == pytest.approx(up[0].position[2] - 0.1, abs=1e-6)
+    assert back_and_up[0].position[2] < up[0].position[2] - 0.15
 
 
 def test_a_spot_has_to_be_free_with_open_fingers_and_with_fingers_as_they_hold(world, tick):
