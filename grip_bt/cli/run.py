@@ -52,7 +52,7 @@ def run(args: argparse.Namespace) -> int:
     from grip_bt.runtime import serve_control
 
     options = replace(options_of(args), data=dict(args.data), journal=args.journal)
-    with open_session(args.task, options, progress=_progress) as session:
+    with open_session(args.task, options, progress=_tell_progress if args.control else _progress) as session:
         stop_on_signals(session.runner)
         if args.control:
             result = serve_control(session.runner, sys.stdin, sys.stdout)
@@ -96,7 +96,11 @@ def _tell(result: RunResult, runner: Runner, as_json: bool) -> None:
 
 def _progress(part: str, detail: str) -> None:
     if sys.stderr.isatty():
-        print(f"  {part:<11} {detail}", file=sys.stderr)
+        _tell_progress(part, detail)
+
+
+def _tell_progress(part: str, detail: str) -> None:
+    print(f"  {part:<11} {detail}", file=sys.stderr, flush=True)
 
 
 def _assignment(text: str) -> tuple[str, Any]:

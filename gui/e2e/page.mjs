@@ -2,7 +2,7 @@
 import { chromium } from "playwright-core";
 
 const EXECUTABLE = process.env.CHROMIUM ?? "/usr/bin/chromium";
-const PATIENCE = 15_000;
+const PATIENCE = 30_000;
 
 /** Run `test(page, words)` on the page at `url`; whatever the page complains about fails the test. */
 export async function onPage(url, test, options = {}) {

@@ -3,7 +3,7 @@ import { onPage, url, words } from "./page.mjs";
 
 await onPage(url, async (first, one) => {
   const second = await first.context().newPage();
-  second.setDefaultTimeout(15_000);
+  second.setDefaultTimeout(30_000);
   const two = words(second);
   await second.goto(url);
   await second.getByRole("tree").waitFor();

@@ -13,7 +13,7 @@ from pathlib import Path
 from secrets import token_hex
 from typing import Any, Protocol
 
-from .messages import Command
+from .messages import Command, Robot, Target
 from .processes import MARK, end_marked
 
 LINES_KEPT = 40
@@ -32,8 +32,8 @@ class RunOptions:
         pace: simulated seconds in a second; None for as fast as it goes.
     """
 
-    robot: str = "sim"
-    target: str = "bt"
+    robot: Robot = "sim"
+    target: Target = "bt"
     seed: int = 0
     pace: float | None = 1.0
 

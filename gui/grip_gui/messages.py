@@ -11,6 +11,8 @@ from pydantic import BaseModel, ConfigDict, Field
 
 Meaning = Literal["success", "failure"]
 RunState = Literal["starting", "running", "paused", "stopping", "ended"]
+Robot = Literal["sim", "fake"]
+Target = Literal["bt", "sm"]
 Command = Literal["pause", "resume", "step", "stop"]
 
 
@@ -156,8 +158,8 @@ class StartRun(Wire):
     """Start a run of a task."""
 
     task: Annotated[str, Field(max_length=1024)]
-    robot: Literal["sim", "fake"] = "sim"
-    target: Literal["bt", "sm"] = "bt"
+    robot: Robot = "sim"
+    target: Target = "bt"
     seed: Annotated[int, Field(ge=0, le=2**31 - 1)] = 0
     pace: Annotated[float, Field(gt=0, le=1000)] | None = 1.0
     """Simulated seconds in a second; None for as fast as it goes."""
@@ -174,9 +176,10 @@ class SessionView(Wire):
 
     state: RunState
     task: str
-    robot: str
-    target: str
+    robot: Robot
+    target: Target
     seed: int
+    pace: float | None
     run: str | None = None
     """Id in the journal; None until the process has said it."""
     status: str | None = None

@@ -17,6 +17,7 @@ from grip_bt.errors import GripError
 
 from .application import create_app
 from .launcher import RunOptions
+from .project import ProjectFolder
 
 HOST = "127.0.0.1"
 LARGEST_FRAME = 64 * 1024
@@ -46,7 +47,7 @@ def serve(
         GripError: the project or the task isn't usable, or the port is taken.
     """
     folder = find_project(project).folder
-    name = Path(task).resolve().relative_to(folder.resolve()).as_posix() if task is not None else None
+    name = ProjectFolder(folder).relative(Path(task)) if task is not None else None
     app = create_app(folder, task=name, autostart=autostart)
     with _listen(port) as listener:
         url = f"http://{HOST}:{listener.getsockname()[1]}/?" + urlencode({"token": app.state.token})

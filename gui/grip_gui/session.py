@@ -195,7 +195,14 @@ class RunDesk:
             process = await self._launcher.start(task_file, self.journal, options)
         finally:
             self._starting = False
-        view = SessionView(state="starting", task=task, robot=options.robot, target=options.target, seed=options.seed)
+        view = SessionView(
+            state="starting",
+            task=task,
+            robot=options.robot,
+            target=options.target,
+            seed=options.seed,
+            pace=options.pace,
+        )
         self.session = Session(process, view, self.notify, self._source)
         self.notify()
         return self.session.view

@@ -112,6 +112,13 @@ test("a later event never changes a moment that was taken before", () => {
   expect(before.status("a").phase).toBe("running");
 });
 
+test("times count from the start of the run, whatever its clock says", () => {
+  const history = played([event(0, "a", "enter", { t: 90 }), event(1, "a", "exit", { t: 91.5, outcome: "one" })]);
+  history.close();
+  expect(history.events.map((e) => e.t)).toEqual([0, 1.5, 1.5]);
+  expect(history.now().status("a").since).toBe(1.5);
+});
+
 test("the number of events at a time is found", () => {
   const history = played([event(0, "/", "enter"), event(1, "a", "enter"), event(2, "a", "exit", { outcome: "one" })]);
   expect([-1, 0, 0.4, 0.5, 1, 9].map((t) => history.countAt(t))).toEqual([0, 1, 1, 2, 3, 3]);

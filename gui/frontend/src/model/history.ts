@@ -8,6 +8,8 @@ export class History {
   readonly events: RunEvent[] = [];
   private readonly kept: Moment[] = [new Moment()];
   private latest = new Moment();
+  /** The run's clock at its first event [s]: a simulator's is older than the run. Times here count from it. */
+  private origin: number | null = null;
 
   constructor(readonly index: TaskIndex) {}
 
@@ -22,8 +24,10 @@ export class History {
 
   /** Add events that follow those that are there; what came twice is left out. */
   add(events: readonly RunEvent[]): void {
-    for (const event of events) {
-      if (event.seq < this.nextSeq) continue;
+    for (const given of events) {
+      if (given.seq < this.nextSeq) continue;
+      this.origin ??= given.t;
+      const event = { ...given, t: given.t - this.origin };
       this.events.push(event);
       apply(this.latest, event, this.index);
       if (this.events.length % KEEP_EVERY === 0) this.kept.push(this.latest.copy());
@@ -34,7 +38,7 @@ export class History {
   close(): void {
     const last = this.events.at(-1);
     if (!last || last.event === "run_ended") return;
-    const end = { seq: last.seq + 1, t: last.t, path: "/", event: "run_ended", outcome: null, code: null };
+    const end = { seq: last.seq + 1, t: last.t + (this.origin ?? 0), path: "/", event: "run_ended", outcome: null, code: null };
     this.add([{ ...end, data: { status: "lost" } }]);
   }
 
@@ -52,7 +56,7 @@ export class History {
     return moment;
   }
 
-  /** How many events had happened at run clock `t` [s]. */
+  /** How many events had happened `t` [s] after the first. */
   countAt(t: number): number {
     let low = 0;
     let high = this.events.length;

@@ -5,7 +5,7 @@ export type Phase = "idle" | "running" | "success" | "failure" | "ended" | "inte
 
 export interface NodeStatus {
   readonly phase: Phase;
-  /** Run clock [s] when it entered this phase. */
+  /** When it entered this phase [s after the start]. */
   readonly since: number;
   readonly outcome?: string | undefined;
   readonly code?: string | undefined;

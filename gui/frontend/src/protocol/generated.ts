@@ -97,9 +97,10 @@ export interface SessionFrame {
 export interface SessionView {
   state: "starting" | "running" | "paused" | "stopping" | "ended";
   task: string;
-  robot: string;
-  target: string;
+  robot: "sim" | "fake";
+  target: "bt" | "sm";
   seed: number;
+  pace: number | null;
   run: string | null;
   status: string | null;
   outcome: string | null;

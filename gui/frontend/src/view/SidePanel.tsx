@@ -78,8 +78,7 @@ export function VariablesPanel(): JSX.Element {
         <table>
           <thead>
             <tr>
-              <th scope="col">Name</th>
-              <th scope="col">Type</th>
+              <th scope="col">Name and type</th>
               <th scope="col">Value</th>
               <th scope="col">Writer</th>
             </tr>
@@ -103,12 +102,11 @@ function VariableRow({ variable }: { variable: VariableView }): JSX.Element {
   return (
     <tr>
       <th scope="row" title={[variable.doc, `declared at ${variable.scope || "the task"}`].filter(Boolean).join("\n")}>
-        {variable.name}
+        {variable.name} <code>{value?.type || variable.type}</code>
       </th>
-      <td>
-        <code>{value?.type || variable.type}</code>
+      <td title={preview}>
+        <div className="preview">{preview || <span className="hint">not written</span>}</div>
       </td>
-      <td title={preview}>{preview || <span className="hint">not written</span>}</td>
       <td>
         {value && (
           <button className="link" onClick={() => select(value.writer)} title={`${value.writer} at ${seconds(value.t)}`}>

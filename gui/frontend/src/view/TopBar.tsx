@@ -17,6 +17,11 @@ export function TopBar({ project }: { project: ProjectView }): JSX.Element {
   const broken = task.problems.some((problem) => problem.severity === "error");
   const [options, setOptions] = useState<Options>({ robot: "sim", target: "bt", seed: 0, pace: 1 });
   const state = session?.state ?? "ended";
+  // What runs, also when another page or the command line started it, is what the fields say.
+  const started = session?.state === "starting" || session?.state === "running" ? session : null;
+  useEffect(() => {
+    if (started) setOptions({ robot: started.robot, target: started.target, seed: started.seed, pace: started.pace });
+  }, [started]);
   const under_way = state !== "ended";
   const change = (part: Partial<Options>): void => setOptions({ ...options, ...part });
 
@@ -103,7 +108,7 @@ function RunOptionFields(props: {
         >
           {PACES.map((pace) => (
             <option key={pace} value={pace}>
-              {pace === 0 ? "as fast as it goes" : `${pace}x`}
+              {pace === 0 ? "no limit" : `${pace}x`}
             </option>
           ))}
         </select>

@@ -24,10 +24,8 @@ export function TreeNode({ data }: NodeProps): JSX.Element {
       <Handle type="target" position={Position.Left} isConnectable={false} />
       <div className="node-head">
         <KindIcon kind={node.kind} />
-        <span className="node-name">
-          {node.name}
-          {node.initial && <span className="initial">start</span>}
-        </span>
+        <span className="node-name">{node.name}</span>
+        {node.initial && <span className="initial">start</span>}
         <span className={`badge phase-${status.phase}`}>
           <PhaseIcon phase={status.phase} />
           {status.phase === "idle" ? "" : statusText(status) + again}
