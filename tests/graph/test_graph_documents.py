@@ -1,5 +1,6 @@
 import tempfile
 import time
+from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
@@ -109,6 +110,12 @@ def test_free_keys_are_kept_in_tasks_and_nodes():
 def test_words_of_old_yaml_are_text():
     task = loads(HEAD + "x-a: [on, off, yes, no, 1_000, 12:30:00, 0o17, 0x1F, ~, 1e3]\nroot: {node: a/b}\n")
     assert task.x["x-a"] == ["on", "off", "yes", "no", "1_000", "12:30:00", 15, 31, None, 1000.0]
+
+
+def test_the_example_of_the_documentation_is_a_task():
+    text = (Path(__file__).parents[2] / "docs" / "task_format.md").read_text()
+    example = text.split("```yaml\n")[1].split("```")[0]
+    assert loads(example).name == "pick_one"
 
 
 def test_positions_are_those_of_the_text():

@@ -1,0 +1,80 @@
+import pytest
+from test_data_flow import found_in
+
+from grip_bt.graph import loads
+
+WRITE, READ = "{node: demo/leaf, out: {x: u}}", "{node: demo/leaf, in: {a: u}}"
+
+
+def found(root, data="{u: int}"):
+    return found_in(loads(f"grip: 1\nname: t\ndata: {data}\nroot: {root}\n"))
+
+
+def seq(*children):
+    return "{kind: sequence, children: {" + ", ".join(f"c{i}: {c}" for i, c in enumerate(children)) + "}}"
+
+
+def parallel(policy, cancel, *children):
+    return seq(*children).replace("kind: sequence", f"kind: parallel, policy: {policy}, cancel: {cancel}")
+
+
+def test_a_write_before_a_read_is_enough_in_a_sequence_and_not_in_a_fallback():
+    assert found(seq(WRITE, READ)) == set()
+    assert found(seq(READ, WRITE)) == {"c0"}
+    assert found(seq(WRITE, READ).replace("sequence", "fallback")) == {"c1"}
+
+
+def test_an_initial_value_counts_as_a_write():
+    assert found(READ, "{u: {type: int, value: 1}}") == set()
+
+
+def test_a_scope_begins_anew_with_each_attempt():
+    inner = (
+        "{kind: state_machine, initial: a, outcomes: {success: success, failure: failure}, data: {u: int}, children: {"
+        f"a: {WRITE[:-1]}, on: {{success: b, other: b, failure: failure}}}}, "
+        f"b: {READ[:-1]}, on: {{success: success, other: success, failure: a}}}}}}}}"
+    )
+    assert found(f"{{kind: retry, times: 2, child: {{m: {inner}}}}}", "{}") == set()
+    swapped = inner.replace("initial: a", "initial: b")
+    assert found(f"{{kind: retry, times: 2, child: {{m: {swapped}}}}}", "{}") == {"m/b"}
+
+
+@pytest.mark.parametrize("declares", [True, False])
+def test_entering_a_container_again_forgets_its_variables(declares):
+    body = seq(READ, WRITE).replace(
+        "kind: sequence", "kind: sequence, data: {u: int}" if declares else "kind: sequence"
+    )
+    looped = (
+        "{kind: state_machine, initial: w, outcomes: {success: success, failure: failure}, children: {"
+        f"w: {WRITE[:-1]}, on: {{success: m, other: m, failure: failure}}}}, "
+        f"m: {body[:-1]}, on: {{success: m, failure: failure}}}}}}}}"
+    )
+    assert found(looped) == ({"m/c0"} if declares else set())
+
+
+def test_after_all_of_a_parallel_each_childs_writes_are_there_but_siblings_cannot_rely_on_them():
+    assert found(seq(parallel("all", "halt", WRITE, "{node: demo/leaf}"), READ)) == set()
+    assert found(parallel("all", "halt", WRITE, READ)) == {"c1"}
+
+
+def test_after_any_of_a_parallel_only_joined_children_have_surely_written():
+    always = "{kind: force, as: success, child: {w: {node: demo/leaf, out: {x: u, y: u}}}}".replace("x: u", "x: v")
+    writes = (
+        "{kind: fallback, children: {a: {node: demo/leaf, out: {x: u, y: u}}, b: {node: demo/leaf, out: {x: u, y: u}}}}"
+    )
+    data = "{u: int, v: int}"
+    assert "c1" in found(seq(parallel("any", "halt", writes, "{node: demo/leaf}"), READ), data)
+    assert found(seq(parallel("any", "halt", writes), READ), data) == set()
+    assert "c1" in found(seq(parallel("any", "join", always, "{node: demo/leaf}"), READ), data)
+
+
+def test_a_timeout_may_come_before_any_write():
+    timed = f"{{kind: timeout, seconds: 1, child: {{w: {WRITE}}}}}"
+    assert found(seq(timed, READ)) == set()
+    assert found(seq(f"{{kind: invert, child: {{t: {timed}}}}}", READ)) == {"c1"}
+
+
+def test_an_exit_leads_its_own_state_to_the_outcome():
+    inner = f"{{kind: sequence, exits: {{a.other: success}}, children: {{a: {{node: demo/leaf}}, b: {WRITE}}}}}"
+    assert found(seq(inner, READ)) == {"c1"}
+    assert found(seq(inner.replace("success}", "failure}"), READ)) == set()
