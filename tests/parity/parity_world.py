@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -44,6 +45,8 @@ class World:
 
     scripts: dict[str, list[dict[str, Any]]]
     preempt_at: int | None = None
+    origin: Mapping[str, str] | None = None
+    """Path -> what is written down for it, of a task that was restructured; what isn't in it is left out."""
     clock: ManualClock = field(default_factory=ManualClock)
     activations: int = 0
     turns: int = 0
@@ -90,20 +93,28 @@ class World:
 
     # --- as an observer ---
 
+    def named(self, path: str) -> str | None:
+        return path if self.origin is None else self.origin.get(path)
+
+    def note(self, path: str, *event: Any) -> None:
+        name = self.named(path)
+        if name is not None:
+            self.events.append((name, *event))
+
     def entered(self, path: str) -> None:
-        self.events.append((path, "enter"))
+        self.note(path, "enter")
 
     def ended(self, path: str, outcome: str, failure: Any) -> None:
-        self.events.append((path, "exit", outcome, failure.code if failure else None))
+        self.note(path, "exit", outcome, failure.code if failure else None)
 
     def interrupted(self, path: str) -> None:
-        self.events.append((path, "interrupted"))
+        self.note(path, "interrupted")
 
     def message(self, path: str, text: str) -> None:
-        self.events.append((path, "message", text))
+        self.note(path, "message", text)
 
     def wrote(self, path: str, variable: str, type_name: str, value: Any) -> None:
-        self.events.append((path, "write", variable, type_name, value))
+        self.note(path, "write", variable, type_name, value)
 
 
 class ScriptedLeaf(Leaf):
@@ -112,8 +123,12 @@ class ScriptedLeaf(Leaf):
     world: World
     step: dict[str, Any] | None = None
 
+    @property
+    def known_as(self) -> str:
+        return self.world.named(self.path) or self.path
+
     def initialise(self) -> None:
-        self.k, self.step = self.world.begin(self.path, self.params["script"])
+        self.k, self.step = self.world.begin(self.known_as, self.params["script"])
         self.ticks = self.step.get("ticks", 0)
 
     def update(self) -> Status:
@@ -126,9 +141,9 @@ class ScriptedLeaf(Leaf):
             self.ticks -= 1
             return self.running()
         if self.step.get("raises"):
-            raise RuntimeError(f"{self.path} breaks")
+            raise RuntimeError(f"{self.known_as} breaks")
         seen = {port: self._seen(port) for port in sorted(self.readers)}
-        value = (sum(v for v in seen.values() if v != "-") + 7 * self.k + len(self.path)) % 101
+        value = (sum(v for v in seen.values() if v != "-") + 7 * self.k + len(self.known_as)) % 101
         outputs = {port: value + i for i, port in enumerate(sorted(self.writers))}
         outcome, code = self.step["outcome"], self.step.get("code")
         outcome = outcome if outcome in self.meaning else "failure"
@@ -151,7 +166,7 @@ class ScriptedLeaf(Leaf):
             return "-"
 
     def _note(self, seen: dict[str, Any], outcome: str, code: str | None) -> None:
-        record = (self.path, self.k, tuple(seen.items()), outcome, code, self.context.preempt_requested)
+        record = (self.known_as, self.k, tuple(seen.items()), outcome, code, self.context.preempt_requested)
         self.world.trace.append(record)
 
 
@@ -177,13 +192,22 @@ def _factory(world: World) -> Any:
 
 
 def _run_of(world: World, end: tuple[Any, ...], data: Scopes) -> Run:
-    return Run(end, world.trace, world.events, data.snapshot(), world.over_budget, world.turns)
+    values = {(world.named(path) or path, name): value for (path, name), value in data.snapshot().items()}
+    if end[0] == "error":
+        end = ("error", world.named(end[1]), end[2])
+    return Run(end, world.trace, world.events, values, world.over_budget, world.turns)
 
 
-def run_tree(case: dict[str, Any]) -> Run:
-    """Tick the compiled tree with py_trees' own manager."""
-    world = World(case["scripts"], case.get("preempt_at"))
-    compiled = to_tree(Task.model_validate(case["task"]), CATALOG, leaf_factory=_factory(world))
+def run_tree(case: dict[str, Any], task: Task | None = None, origin: Mapping[str, str] | None = None) -> Run:
+    """Tick the compiled tree with py_trees' own manager.
+
+    Args:
+        case: a task with scripts.
+        task: run this task instead, which is the same under other paths.
+        origin: path in `task` -> path in the case.
+    """
+    world = World(case["scripts"], case.get("preempt_at"), origin)
+    compiled = to_tree(task or Task.model_validate(case["task"]), CATALOG, leaf_factory=_factory(world))
 
     def request_preempt() -> None:
         world.preempt_requested = True
@@ -211,10 +235,10 @@ def run_tree(case: dict[str, Any]) -> Run:
     return _run_of(world, end, compiled.data)
 
 
-def run_machine(case: dict[str, Any]) -> Run:
-    """Execute the compiled machine."""
-    world = World(case["scripts"], case.get("preempt_at"))
-    compiled = to_machine(Task.model_validate(case["task"]), CATALOG, leaf_factory=_factory(world))
+def run_machine(case: dict[str, Any], task: Task | None = None, origin: Mapping[str, str] | None = None) -> Run:
+    """Execute the compiled machine; arguments as for `run_tree`."""
+    world = World(case["scripts"], case.get("preempt_at"), origin)
+    compiled = to_machine(task or Task.model_validate(case["task"]), CATALOG, leaf_factory=_factory(world))
     world.request_preempt = compiled.request_preempt
     if world.preempt_at == -1:
         compiled.request_preempt()
@@ -239,23 +263,29 @@ def projections(records: list[tuple[Any, ...]]) -> dict[str, list[tuple[Any, ...
 
 
 def difference(case: dict[str, Any]) -> str | None:
-    """Run a case on both targets; return how they differ, None when they don't, '' when it can't be told.
+    """Run a case on both targets; return how they differ, None when they don't, '' when it can't be told."""
+    return compare(case, {"tree": run_tree(case), "machine": run_machine(case)})
 
-    A run over budget is stopped. Where a sibling may interrupt the leaf that asks for the stop, the tree may do more in
-    the same tick than the machine does before it looks: then only what came clearly before is compared.
+
+def compare(case: dict[str, Any], runs: Mapping[str, Run]) -> str | None:
+    """Return how two named runs of a case differ, None when they don't, '' when it can't be told.
+
+    A run over budget is stopped. Where a sibling may interrupt the leaf that asks for the stop, one run may do more in
+    the same tick than the other does before it looks: then only what came clearly before is compared.
     """
-    tree, machine = run_tree(case), run_machine(case)
-    if tree.over_budget or machine.over_budget:
-        if case.get("concurrent") or tree.turns > MAX_TURNS or machine.turns > MAX_TURNS:
+    (left_name, left_run), (right_name, right_run) = runs.items()
+    if left_run.over_budget or right_run.over_budget:
+        if case.get("concurrent") or left_run.turns > MAX_TURNS or right_run.turns > MAX_TURNS:
             return ""
         if case.get("embedded"):
-            kept = max(0, min(len(tree.trace), len(machine.trace)) - 10)
-            same = tree.trace[:kept] == machine.trace[:kept] and tree.over_budget == machine.over_budget
-            return None if same else f"trace differs before the stop: {tree.trace}\n{machine.trace}"
+            kept = max(0, min(len(left_run.trace), len(right_run.trace)) - 10)
+            same = left_run.trace[:kept] == right_run.trace[:kept] and left_run.over_budget == right_run.over_budget
+            return None if same else f"trace differs before the stop: {left_run.trace}\n{right_run.trace}"
+    width = max(len(left_name), len(right_name)) + 1
     for what in ("trace", "events", "end", "data"):
-        left, right = getattr(tree, what), getattr(machine, what)
+        left, right = getattr(left_run, what), getattr(right_run, what)
         if case.get("concurrent") and what in ("trace", "events"):
             left, right = projections(left), projections(right)
         if left != right:
-            return f"{what} differ\n  tree:    {left}\n  machine: {right}"
+            return f"{what} differ\n  {left_name + ':':{width}} {left}\n  {right_name + ':':{width}} {right}"
     return None

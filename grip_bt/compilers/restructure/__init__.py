@@ -1,0 +1,12 @@
+"""Task -> task in the other form: composites as state machines, state machines as composites. Exact, or left as it is.
+
+A restructured task shows the same activations of leaves (under new paths, where containers were added), the same
+outcome, reason and data. What has no equal in the other form stays, with a note that says why; docs/conversion.md
+explains which parts these are.
+"""
+
+from .result import Note, Restructured
+from .to_composites import to_trees
+from .to_states import to_state_machines
+
+__all__ = ["Note", "Restructured", "to_state_machines", "to_trees"]

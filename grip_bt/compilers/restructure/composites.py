@@ -1,0 +1,199 @@
+"""Chains and loops -> sequences, fallbacks and repeats, whose labelled exits lead where the machine's edges led."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+
+from grip_bt.graph.frozen import FrozenDict
+from grip_bt.graph.model import AnyNode, Fallback, Force, Meaning, Repeat, Sequence, StateMachine
+
+from ..resolve import Part
+from .regions import Arc, Chain, Loop, Region, State
+from .result import Built, Place
+
+PLAIN: Mapping[str, Meaning] = {"success": "success", "failure": "failure"}
+
+
+@dataclass(frozen=True)
+class End:
+    """One way in which a new child ends.
+
+    Attributes:
+        outcome: its outcome.
+        code: its failure code, or None for every other.
+        meaning: the outcome's meaning.
+        target: the state or the machine's outcome that the machine would go to.
+    """
+
+    outcome: str
+    code: str | None
+    meaning: str
+    target: str
+
+
+@dataclass(frozen=True)
+class Item:
+    """A new child.
+
+    Attributes:
+        name: its name.
+        node: what the document says.
+        ends: how it ends.
+        places: old child of the machine -> its names, beginning with `name`.
+    """
+
+    name: str
+    node: AnyNode
+    ends: tuple[End, ...]
+    places: Mapping[str, Place]
+
+    def goes_on(self, target: str, meaning: str) -> bool:
+        """Tell whether ends for `target` are just those that a container goes on with, without a label for them."""
+        here = {(end.outcome, end.code): end for end in self.ends}
+        return all(
+            end.meaning == meaning and here.get((end.outcome, None), end).target == target
+            for end in self.ends
+            if end.target == target
+        )
+
+
+Wishes = Mapping[str, str]
+"""State outside a region -> the meaning that its label shall have: that with which the container above goes on."""
+
+
+class Composer:
+    """Makes the composites of one state machine.
+
+    Args:
+        part: the machine.
+        children: its children in their new form.
+    """
+
+    def __init__(self, part: Part, children: Mapping[str, Built]):
+        self.part, self.children = part, children
+        self.taken = set(children) | set(part.meaning) | set(PLAIN)
+        self.labels = {name: self.labelled(name) for name in children}
+
+    def build(self, region: Region) -> Built:
+        """Return what the machine becomes."""
+        old = self.part.node
+        assert isinstance(old, StateMachine), "only a machine has regions"
+        body = self.container(region, {})
+        places: dict[str, Place] = {self.part.path: ()}
+        for state, place in body.places.items():
+            places.update(self.children[state].below(place))
+        outcomes = FrozenDict({k: v for k, v in old.outcomes.items() if k not in PLAIN})
+        changes = {"outcomes": outcomes, "data": old.data, "doc": old.doc, "on": old.on, "x": old.x}
+        return Built(body.node.model_copy(update=changes), places)
+
+    def item(self, region: Region, wishes: Wishes) -> Item:
+        """Return a child for a region."""
+        if isinstance(region, State):
+            return self.state(region)
+        made = self.container(region, wishes)
+        ends = tuple(End(self.label(t), None, self.meaning(t, wishes), t) for t in targets(region.leaving))
+        name = f"repeat_{region.entry}" if isinstance(region, Loop) else f"{region.entry}_then_{region.last}"
+        return self.named(name, made.node, ends, made.places)
+
+    def state(self, region: State) -> Item:
+        """Return the child that a state becomes: itself, without edges."""
+        node = self.children[region.entry].node.model_copy(update={"on": FrozenDict()})
+        ends = tuple(End(a.outcome, a.code, a.meaning, a.target) for a in region.leaving)
+        return Item(region.entry, node, ends, {region.entry: (region.entry,)})
+
+    def container(self, region: Region, wishes: Wishes) -> Item:
+        """Return the container of a region; it has no name yet, and its places are those below it."""
+        match region:
+            case State():
+                items, goes_on = [self.state(region)], "success"
+            case Chain():
+                items, goes_on = list(self.parts_of(region, wishes)), region.goes_on
+            case Loop():
+                items, goes_on = [self.going_on(region.body, region.entry, "success", wishes)], "success"
+        following = [part.entry for part in region.parts[1:]] if isinstance(region, Chain) else []
+        if isinstance(region, Loop):
+            following = [region.entry]
+        exits = dict(self.exits(items, following, goes_on))
+        used = {label: target for item in items for target in targets(item.ends) for label in (self.label(target),)}
+        outcomes = {k: self.meaning(t, wishes) for k, t in used.items() if k in exits.values() and k not in PLAIN}
+        content = {
+            "outcomes": FrozenDict(outcomes),
+            "exits": FrozenDict(exits),
+            "child" if isinstance(region, Loop) else "children": FrozenDict({i.name: i.node for i in items}),
+        }
+        kind = Repeat if isinstance(region, Loop) else Sequence if goes_on == "success" else Fallback
+        node = kind(kind=kind.__name__.lower(), **content)
+        return Item("", node, (), {state: place for item in items for state, place in item.places.items()})
+
+    def parts_of(self, chain: Chain, wishes: Wishes) -> Iterator[Item]:
+        """Yield the children of a chain."""
+        for part, following in zip(chain.parts, chain.parts[1:], strict=False):
+            yield self.going_on(part, following.entry, chain.goes_on, wishes)
+        yield self.item(chain.parts[-1], wishes)
+
+    def going_on(self, region: Region, target: str, meaning: str, wishes: Wishes) -> Item:
+        """Return a child whose ends for `target` all have a meaning by which its container goes on."""
+        item = self.item(region, {**wishes, target: meaning})
+        if item.goes_on(target, meaning):
+            return item
+        return self.wrapped(item, {**wishes, target: meaning})
+
+    def wrapped(self, item: Item, wishes: Wishes) -> Item:
+        """Return the child in a container that gives each of its targets a label of its own."""
+        places = item.places
+        reached = targets(item.ends)
+        only = FrozenDict({item.name: item.node})
+        if len(reached) == 1:
+            meaning: Meaning = "success" if wishes[reached[0]] == "success" else "failure"
+            forced = Force(kind="force", as_=meaning, child=only)
+            return self.named(f"try_{item.name}", forced, (End(meaning, None, meaning, reached[0]),), places)
+        ends = tuple(End(self.label(t), None, self.meaning(t, wishes), t) for t in reached)
+        exits = FrozenDict(dict(self.exits([item], [], "success")))
+        outcomes = FrozenDict({e.outcome: e.meaning for e in ends if e.outcome not in PLAIN})
+        node = Sequence(kind="sequence", outcomes=outcomes, exits=exits, children=only)
+        return self.named(f"try_{item.name}", node, ends, places)
+
+    def named(self, name: str, node: AnyNode, ends: tuple[End, ...], places: Mapping[str, Place]) -> Item:
+        """Return a new child under a name that nothing else has."""
+        free, number = name, 1
+        while free in self.taken:
+            number += 1
+            free = f"{name}_{number}"
+        self.taken.add(free)
+        return Item(free, node, ends, {state: (free, *place) for state, place in places.items()})
+
+    def exits(self, items: list[Item], following: list[str], goes_on: str) -> Iterator[tuple[str, str]]:
+        """Yield the exits: every end that doesn't go on, unless its meaning leads there without one."""
+        for number, item in enumerate(items):
+            onward = following[number] if number < len(following) else None
+            coded = {end.outcome for end in item.ends if end.code is not None}
+            for end in item.ends:
+                if end.target == onward:
+                    continue
+                by_meaning = end.meaning if onward is None or end.meaning != goes_on else None
+                label = self.label(end.target)
+                if end.code is None and end.outcome not in coded and label == by_meaning:
+                    continue
+                key = end.outcome if end.code is None else f"{end.outcome}.{end.code}"
+                yield f"{item.name}.{key}", label
+
+    def label(self, target: str) -> str:
+        """Return the outcome of a new container that stands for `target`."""
+        return self.labels.get(target, target)
+
+    def labelled(self, state: str) -> str:
+        """Return a label for a state that no outcome and no other state has."""
+        label = state
+        while label in self.part.meaning or label in PLAIN or (label != state and label in self.children):
+            label += "_next"
+        return label
+
+    def meaning(self, target: str, wishes: Wishes) -> str:
+        """Return what the label of `target` means."""
+        return wishes[target] if target in self.children else self.part.meaning[target]
+
+
+def targets(ends: Iterable[Arc | End]) -> list[str]:
+    """Return the different targets of ends, in order."""
+    return list(dict.fromkeys(end.target for end in ends))

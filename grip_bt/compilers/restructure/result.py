@@ -1,0 +1,114 @@
+"""What a restructuring gives: the task, where its nodes have gone, and what stayed as it was."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from grip_bt.errors import NotExpressibleError
+from grip_bt.graph.frozen import FrozenDict
+from grip_bt.graph.model import AnyNode, StateMachine, Task, join
+
+from ..resolve import Part
+from ..transitions import lead
+
+Place = tuple[str, ...]
+"""A node's names, from some node above it downwards."""
+
+
+@dataclass(frozen=True)
+class Note:
+    """A container that kept its kind.
+
+    Attributes:
+        path: where it is in the task that was restructured.
+        kind: its kind.
+        reason: why it has no equal in the other form; a phrase without a full stop.
+        by_design: whether its kind never changes, such as a decorator's; nothing is missing then.
+    """
+
+    path: str
+    kind: str
+    reason: str
+    by_design: bool = False
+
+    def __str__(self) -> str:
+        return f"{self.path}: this {self.kind} stays: {self.reason}"
+
+
+@dataclass(frozen=True)
+class Restructured:
+    """A task in another form.
+
+    Attributes:
+        task: the task.
+        paths: path of each node before -> its path now.
+        notes: what kept its kind, in document order.
+    """
+
+    task: Task
+    paths: Mapping[str, str]
+    notes: tuple[Note, ...]
+
+    def require_all(self, target: str) -> None:
+        """Refuse a task of which a part has no equal in the form `target`.
+
+        Raises:
+            NotExpressibleError: for the first such part.
+        """
+        for note in self.notes:
+            if not note.by_design:
+                raise NotExpressibleError(note.path, f"this {note.kind} ({note.reason})", target)
+
+
+@dataclass(frozen=True)
+class Built:
+    """A node in its new form.
+
+    Attributes:
+        node: what the new document says.
+        places: path of each old node, from here downwards -> its names below `node`.
+    """
+
+    node: AnyNode
+    places: Mapping[str, Place] = field(default_factory=dict)
+
+    def below(self, place: Place) -> dict[str, Place]:
+        """Return the places as seen from a container that holds this node at `place`."""
+        return {old: (*place, *names) for old, names in self.places.items()}
+
+
+def paths_of(root: Built) -> dict[str, str]:
+    """Return old path -> new path."""
+    result = {}
+    for old, names in root.places.items():
+        path = "/"
+        for name in names:
+            path = join(path, name)
+        result[old] = path
+    return result
+
+
+def kept(part: Part, children: Mapping[str, Built]) -> Built:
+    """Return a container of the same kind around its new children."""
+    places: dict[str, Place] = {part.path: ()}
+    for name, child in children.items():
+        places.update(child.below((name,)))
+    if not children:
+        return Built(part.node, places)
+    nodes = FrozenDict({name: child.node for name, child in children.items()})
+    key = "child" if hasattr(part.node, "child") else "children"
+    return Built(part.node.model_copy(update={key: nodes}), places)
+
+
+def successors(part: Part) -> Sequence[str]:
+    """Return the children that another one leads to; without any, a container ends in the tick in which its child does."""
+    found: dict[str, None] = {}
+    edges = part.edges if isinstance(part.node, StateMachine) else part.exits
+    for index, child in enumerate(part.children):
+        for outcome in child.meaning:
+            for code in (None, *edges.codes(child.name, outcome)):
+                target = lead(part, index, outcome, code).to
+                if target is not None:
+                    found[target] = None
+    return list(found)

@@ -1,0 +1,128 @@
+"""State machines -> sequences, fallbacks and repeats with labelled exits, wherever the machine has a structure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import networkx as nx
+
+from grip_bt.catalog import Catalog
+from grip_bt.errors import listing
+from grip_bt.graph.frozen import FrozenDict
+from grip_bt.graph.model import Leaf, StateMachine, Task, outcomes_of
+
+from ..resolve import Part, resolve
+from ..transitions import interrupts, lead
+from .composites import PLAIN, Composer
+from .irreducible import offending_edges
+from .regions import Arc, Region, flow_graph, structured
+from .result import Built, Note, Restructured, kept, paths_of, successors
+from .to_states import ticked_by
+
+
+def to_trees(task: Task, catalog: Catalog) -> Restructured:
+    """Return the task with every state machine that has a structure as sequences, fallbacks and repeats.
+
+    A machine's place is taken by a composite with its outcomes; states may move into containers that are new. Method:
+    T1 and T2 of Hecht and Ullman, with labels as the multi-level exits that make them enough without a variable (Kozen
+    and Tseng, MPC 2008).
+
+    Args:
+        task: the document.
+        catalog: where the leaves' manifests are.
+
+    Raises:
+        InvalidTaskError: the task is wrong; it holds everything that was found.
+    """
+    work = _Work()
+    resolved = resolve(task, catalog)
+    root = work.convert(resolved.root, None)
+    ends = {outcome: target for (_, outcome, code), target in resolved.ends if code is None}
+    added = {k: v for k, v in new_ends(resolved.root, root, ends).items() if k not in task.outcomes}
+    node = root.node.model_copy(update={"on": FrozenDict({**root.node.on, **added})}) if added else root.node
+    return Restructured(task.model_copy(update={"root": node}), paths_of(root), tuple(work.notes))
+
+
+class _Work:
+    def __init__(self) -> None:
+        self.notes: list[Note] = []
+
+    def convert(self, part: Part, ticker: Part | None) -> Built:
+        """Return a node in its new form; `ticker` is the container above that may interrupt it, if there is one."""
+        if isinstance(part.node, Leaf):
+            return Built(part.node, {part.path: ()})
+        machine = isinstance(part.node, StateMachine)
+        found = _structure(part, ticker) if machine else None
+        if isinstance(found, str):
+            self.notes.append(Note(part.path, part.node.kind, found))
+        inner = part if interrupts(part) else ticker
+        children = {child.name: self.convert(child, inner) for child in part.children}
+        if found is not None and not isinstance(found, str):
+            return Composer(part, children).build(found)
+        return kept(part, _led_on(part, children) if machine else children)
+
+
+def _led_on(part: Part, children: dict[str, Built]) -> dict[str, Built]:
+    """Give the children of a machine that stays an edge for each outcome that they have got."""
+    result = {}
+    for child in part.children:
+        built = children[child.name]
+        on = dict(child.node.on)
+        added = new_ends(child, built, on)
+        if added:
+            node = built.node.model_copy(update={"on": FrozenDict({**on, **added})})
+            built = Built(node, built.places)
+        result[child.name] = built
+    return result
+
+
+def new_ends(part: Part, built: Built, on: Mapping[str, str]) -> dict[str, str]:
+    """Return an edge for each outcome that a node has only in its new form.
+
+    A composite has `success` and `failure` even where nothing leads to them, and every outcome needs an edge: it goes
+    where another outcome of that meaning goes, and is never taken.
+    """
+    if isinstance(built.node, Leaf):
+        return {}
+    result = {}
+    for outcome, meaning in outcomes_of(built.node).items():
+        if outcome not in part.meaning:
+            alike = next((o for o, m in part.meaning.items() if m == meaning), next(iter(part.meaning)))
+            result[outcome] = on[alike]
+    return result
+
+
+def _structure(part: Part, ticker: Part | None) -> Region | str:
+    """Return the chains and loops of a machine, or why it stays."""
+    odd = [name for name, meaning in part.meaning.items() if PLAIN.get(name, meaning) != meaning]
+    if odd:
+        return f"its outcome {odd[0]!r} means {part.meaning[odd[0]]}, which no composite's can"
+    if ticker is not None and successors(part):
+        return ticked_by(ticker)
+    assert isinstance(part.node, StateMachine), "only machines are asked for"
+    arcs = {child.name: _arcs(part, index) for index, child in enumerate(part.children)}
+    graph = flow_graph(part.node.initial, arcs)
+    never = [name for name in arcs if name not in graph]
+    if never:
+        return f"{listing(never)} is never reached; a composite has no place for it"
+    found = structured(part.node.initial, arcs)
+    return found if not isinstance(found, nx.DiGraph) else _tangle(graph, part.node.initial, arcs)
+
+
+def _arcs(part: Part, index: int) -> list[Arc]:
+    """Return how a state ends and where that leads; the codes of an outcome come after it."""
+    child = part.children[index]
+    result = []
+    for outcome, meaning in child.meaning.items():
+        for code in (None, *sorted(part.edges.codes(child.name, outcome))):
+            way = lead(part, index, outcome, code)
+            result.append(Arc(child.name, outcome, code, meaning, str(way.to or way.end)))
+    return result
+
+
+def _tangle(graph: nx.DiGraph, initial: str, arcs: Mapping[str, list[Arc]]) -> str:
+    """Return which edges keep a machine from having a structure."""
+    edges, smallest = offending_edges(graph, initial)
+    labels = [str(arc) for tail, head in edges for arc in arcs[tail] if arc.target == head]
+    only = "" if smallest else " (there may be fewer that do)"
+    return f"a loop of it is entered at more than one state; without {listing(labels)} none would be{only}"

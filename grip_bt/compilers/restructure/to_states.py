@@ -1,0 +1,112 @@
+"""Sequences and fallbacks with memory -> state machines: one machine per composite, children under their names."""
+
+from __future__ import annotations
+
+from grip_bt.catalog import Catalog
+from grip_bt.graph.frozen import FrozenDict
+from grip_bt.graph.model import Fallback, Leaf, Parallel, Sequence, StateMachine, Task
+
+from ..resolve import Part, resolve
+from ..transitions import interrupts, lead
+from .result import Built, Note, Restructured, kept, paths_of, successors
+
+
+def to_state_machines(task: Task, catalog: Catalog) -> Restructured:
+    """Return the task with every sequence and fallback that has an equal state machine as that machine.
+
+    Paths stay as they are. Outcomes stay too: a machine declares `success` and `failure`, which its composite had
+    without saying so.
+
+    Args:
+        task: the document.
+        catalog: where the leaves' manifests are.
+
+    Raises:
+        InvalidTaskError: the task is wrong; it holds everything that was found.
+    """
+    work = _Work()
+    root = work.convert(resolve(task, catalog).root, None)
+    return Restructured(task.model_copy(update={"root": root.node}), paths_of(root), tuple(work.notes))
+
+
+class _Work:
+    def __init__(self) -> None:
+        self.notes: list[Note] = []
+
+    def convert(self, part: Part, ticker: Part | None) -> Built:
+        """Return a node in its new form; `ticker` is the container above that may interrupt it, if there is one."""
+        if isinstance(part.node, Leaf):
+            return Built(part.node, {part.path: ()})
+        ordered = isinstance(part.node, Sequence | Fallback)
+        reason = _why_not(part, ticker) if ordered else _by_kind(part)
+        if reason:
+            self.notes.append(Note(part.path, part.node.kind, reason, by_design=not ordered))
+        inner = part if interrupts(part) else ticker
+        same = kept(part, {child.name: self.convert(child, inner) for child in part.children})
+        return same if reason is not None or not ordered else Built(_machine(part, same), same.places)
+
+
+def _by_kind(part: Part) -> str | None:
+    if isinstance(part.node, StateMachine):
+        return None
+    if isinstance(part.node, Parallel):
+        return "its children run at once, and a state machine has one active child"
+    return "a decorator is about the child that it holds, not about an order"
+
+
+def _why_not(part: Part, ticker: Part | None) -> str | None:
+    """Return why a sequence or fallback has no equal state machine, or None."""
+    if not part.children:
+        return "it has no children, and a state machine needs a first one"
+    if not getattr(part.node, "memory", True):
+        return "it is reactive: it asks its first child again while a later one runs"
+    if ticker is not None and successors(part):
+        return ticked_by(ticker)
+    names = {child.name for child in part.children}
+    ends = {target for row in _rows(part).values() for target, inside in row.values() if not inside}
+    clash = sorted(names & ends)
+    if clash:
+        return f"{', '.join(clash)} is the name of a child and of the outcome that an end leads to; rename the child"
+    return None
+
+
+def ticked_by(ticker: Part) -> str:
+    """Return why the inside of a container that looks at every tick keeps its form."""
+    assert not isinstance(ticker.node, Leaf), "leaves interrupt nothing"
+    return (
+        f"it runs in {ticker.path} ({ticker.node.kind}), which may interrupt it at any tick, and a state machine takes"
+        " one transition a tick where a composite goes on at once"
+    )
+
+
+def _rows(part: Part) -> dict[str, dict[str, tuple[str, bool]]]:
+    """Return child -> label of its end -> (where it leads, whether that is a child); codes before their outcome."""
+    rows = {}
+    for index, child in enumerate(part.children):
+        row = {}
+        for outcome in child.meaning:
+            for code in (*sorted(part.exits.codes(child.name, outcome)), None):
+                way = lead(part, index, outcome, code)
+                label = outcome if code is None else f"{outcome}.{code}"
+                row[label] = (str(way.to or way.end), way.to is not None)
+        rows[child.name] = row
+    return rows
+
+
+def _machine(part: Part, same: Built) -> StateMachine:
+    node = same.node
+    assert isinstance(node, Sequence | Fallback), "only these have an order"
+    children = {}
+    for name, row in _rows(part).items():
+        on = FrozenDict({label: target for label, (target, _) in row.items()})
+        children[name] = node.children[name].model_copy(update={"on": on})
+    return StateMachine(
+        kind="state_machine",
+        doc=node.doc,
+        on=node.on,
+        x=node.x,
+        data=node.data,
+        outcomes=FrozenDict(part.meaning),
+        initial=part.children[0].name,
+        children=FrozenDict(children),
+    )
