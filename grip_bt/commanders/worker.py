@@ -18,6 +18,7 @@ from .planning.process import read_frame, write_frame
 from .planning.requests import ChosenGrasp, Request
 from .robots import RobotDescription
 
+PROGRAM = "grip_bt.commanders.planning.process"
 CANCEL_GRACE = 0.04
 """A cancelled request has this long [s] to end by itself; then the process is replaced."""
 _LOST = "the planning process died twice; what it printed on stderr tells why"
@@ -56,6 +57,7 @@ class PlanningProcess:
         self._numbers = 0
         self._closed = False
         self._ready = threading.Event()
+        self._settled = threading.Event()
         self._stillborn = 0
         self._spawn()
 
@@ -65,8 +67,13 @@ class PlanningProcess:
         return self._child.pid
 
     def wait_until_ready(self, timeout: float = 60.0) -> bool:
-        """Block until the child has built its model, at most `timeout` [s]; requests may be sent before."""
-        return self._ready.wait(timeout)
+        """Block until the child has built its model, at most `timeout` [s]; requests may be sent before.
+
+        Returns:
+            False when it hasn't, or can't start at all.
+        """
+        self._settled.wait(timeout)
+        return self._ready.is_set()
 
     def submit(self, request: Request) -> Operation[Plan | ChosenGrasp]:
         """Send a request; see `PlanningService`.
@@ -107,8 +114,9 @@ class PlanningProcess:
     def _spawn(self) -> None:
         """Start a child. The lock is held, or nobody else knows this object yet."""
         self._ready.clear()
+        self._settled.clear()
         self._child = child = subprocess.Popen(
-            [sys.executable, "-m", "grip_bt.commanders.planning.process"],
+            [sys.executable, "-m", PROGRAM],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             # Threads that wait by spinning would take a core from the simulator.
@@ -131,6 +139,7 @@ class PlanningProcess:
         while (message := read_frame(child.stdout)) is not None:
             if message[0] == "ready":
                 self._ready.set()
+                self._settled.set()
                 continue
             kind, number, value = message
             with self._lock:
@@ -163,6 +172,7 @@ class PlanningProcess:
     def _lost_jobs(self) -> list[_Job]:
         """Take out the jobs that won't be sent again: the one that two children died over, or all if none can start."""
         if self._stillborn >= 2:
+            self._settled.set()
             lost = list(self._jobs.values())
         else:
             oldest = min(self._jobs.values(), key=lambda job: job.number, default=None)
