@@ -5,8 +5,12 @@ import { usePage } from "./page";
 import { useRun } from "./run";
 
 let socket: Socket | null = null;
-/** The run that is being opened, so that a frame that comes meanwhile doesn't open it twice. */
-let opening: string | null = null;
+/** Grows with every wish to show something; an answer to an older wish comes too late and is left out. */
+let wishes = 0;
+/** Whether the person has chosen what to look at: then the last run, that ended before the page came, stays behind. */
+let chosen = false;
+/** Whether the server has told of its last run. */
+let greeted = false;
 
 export function connect(): () => void {
   socket = new Socket({
@@ -28,7 +32,9 @@ function heard(frame: ServerFrame): void {
       run.setSession(frame.session);
       const id = frame.session?.run;
       // A run that has just begun, here or on another page, is what everybody wants to see.
-      if (id && id !== known && id !== run.record?.id) void openRun(id);
+      const isNews = greeted || !chosen || frame.session?.state !== "ended";
+      greeted = true;
+      if (id && id !== known && id !== run.record?.id && isNews) void openRun(id);
       break;
     }
     case "events":
@@ -50,23 +56,35 @@ async function trying(work: () => Promise<void>): Promise<void> {
   }
 }
 
+/** Show a task that a person picked. */
+export function chooseTask(path: string): Promise<void> {
+  chosen = true;
+  return openTask(path);
+}
+
+/** Show a run that a person picked. */
+export function chooseRun(id: string): Promise<void> {
+  chosen = true;
+  return openRun(id);
+}
+
 export function openTask(path: string): Promise<void> {
+  const wish = ++wishes;
   return trying(async () => {
     const task = await server.task(path);
+    if (wish !== wishes) return;
     useRun.getState().showTask(task);
     usePage.getState().select(task.nodes[0]?.path ?? null);
   });
 }
 
-export function openRun(id: string): Promise<void> {
-  if (opening === id) return Promise.resolve();
-  opening = id;
+function openRun(id: string): Promise<void> {
+  const wish = ++wishes;
   return trying(async () => {
     const view = await server.run(id);
+    if (wish !== wishes) return;
     useRun.getState().showTask(view.task, view.run);
     socket?.subscribe();
-  }).finally(() => {
-    opening = null;
   });
 }
 

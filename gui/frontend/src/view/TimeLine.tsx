@@ -4,7 +4,7 @@ import { type JSX, type KeyboardEvent, type PointerEvent, useEffect, useMemo, us
 import { spansOf } from "../model/spans";
 import { eventText, factsText, seconds } from "../model/words";
 import type { RunRecord } from "../protocol/generated";
-import { listRuns, openRun } from "../store/desk";
+import { chooseRun, listRuns } from "../store/desk";
 import { usePage } from "../store/page";
 import { useRun } from "../store/run";
 
@@ -118,7 +118,7 @@ function RunPicker(): JSX.Element {
   return (
       <select
         aria-label="Run to look at"
-        value={record?.id ?? ""} onChange={(event) => event.target.value && void openRun(event.target.value)}
+        value={record?.id ?? ""} onChange={(event) => event.target.value && void chooseRun(event.target.value)}
       >
         {!record && <option value="">choose a run</option>}
         {runs.map((entry) => (

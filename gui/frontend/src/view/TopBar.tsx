@@ -3,7 +3,7 @@ import { type JSX, type ReactNode, useEffect, useState } from "react";
 
 import { runText } from "../model/words";
 import type { ProjectView, StartRun } from "../protocol/generated";
-import { control, openTask, startRun } from "../store/desk";
+import { chooseTask, control, startRun } from "../store/desk";
 import { useRun } from "../store/run";
 
 type Options = Omit<StartRun, "task">;
@@ -31,7 +31,7 @@ export function TopBar({ project }: { project: ProjectView }): JSX.Element {
         GRIP <small>{project.name}</small>
       </h1>
       <Field label="Task">
-        <select id="task-field" value={task.path} onChange={(event) => void openTask(event.target.value)}>
+        <select id="task-field" value={task.path} onChange={(event) => void chooseTask(event.target.value)}>
           {project.tasks.some((entry) => entry.path === task.path) || <option value={task.path}>{task.path}</option>}
           {project.tasks.map((entry) => (
             <option key={entry.path} value={entry.path}>
