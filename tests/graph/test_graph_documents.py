@@ -14,10 +14,10 @@ GOOD = HEAD + "root:\n  kind: sequence\n  children:\n    look: {node: sensor/eye
 
 
 def refused(text):
-    begin = time.perf_counter()
+    begin = time.process_time()
     with pytest.raises(DocumentError) as caught:
         loads(text, "t.yaml")
-    assert time.perf_counter() - begin < 1
+    assert time.process_time() - begin < 1
     error = caught.value
     assert error.line is not None
     assert error.column is not None
