@@ -31,6 +31,22 @@ def _yaml(document: Document, catalog: Catalog, args: argparse.Namespace) -> str
     return fmt(document.text, document.source)
 
 
+def _restructured(document: Document, catalog: Catalog, args: argparse.Namespace) -> str:
+    from grip_bt.compilers import restructure
+
+    convert, form = {
+        "bt": (restructure.to_trees, "a behaviour tree"),
+        "sm": (restructure.to_state_machines, "a state machine"),
+    }[args.to]
+    result = convert(document.task, catalog)
+    if args.strict:
+        result.require_all(form)
+    for note in result.notes:
+        if not note.by_design:
+            print(f"{args.task}: {note}", file=sys.stderr)
+    return restructure.to_text(result, form, Path(args.task).name)
+
+
 Converter = Callable[["Document", "Catalog", argparse.Namespace], str]
 # Each form is one entry: what makes its text. What they need is imported when one is asked for.
 CONVERTERS: dict[str, Converter] = {
@@ -38,16 +54,26 @@ CONVERTERS: dict[str, Converter] = {
     "dot": _picture,
     "mermaid": _picture,
     "yaml": _yaml,
+    "bt": _restructured,
+    "sm": _restructured,
 }
 
 
 def add_parser(subparsers: Any) -> None:
     """Add the verb."""
-    parser = subparsers.add_parser("convert", help="a task as a picture, or in another language")
+    parser = subparsers.add_parser("convert", help="a task as a picture, or in another form")
     parser.add_argument("task", metavar="TASK", help="a task file")
-    parser.add_argument("--to", required=True, choices=sorted(CONVERTERS), help="the form")
+    parser.add_argument(
+        "--to",
+        required=True,
+        choices=sorted(CONVERTERS),
+        help="the form; bt and sm: the task itself, made of composites or of state machines",
+    )
     parser.add_argument(
         "--view", choices=("tree", "flow"), default="tree", help="of a picture: tree (default) or flow chart"
+    )
+    parser.add_argument(
+        "--strict", action="store_true", help="of bt and sm: refuse a task of which a part has no equal in that form"
     )
     parser.add_argument("-o", "--output", metavar="OUT", default="-", help="file to write; default: stdout")
     parser.set_defaults(run=run)

@@ -8,5 +8,6 @@ explains which parts these are.
 from .result import Note, Restructured
 from .to_composites import to_trees
 from .to_states import to_state_machines
+from .wording import to_text
 
-__all__ = ["Note", "Restructured", "to_state_machines", "to_trees"]
+__all__ = ["Note", "Restructured", "to_state_machines", "to_text", "to_trees"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from grip_bt.graph.frozen import FrozenDict
@@ -168,7 +168,7 @@ class Composer:
         for number, item in enumerate(items):
             onward = following[number] if number < len(following) else None
             coded = {end.outcome for end in item.ends if end.code is not None}
-            for end in item.ends:
+            for end in sorted(item.ends, key=_code_first(item)):
                 if end.target == onward:
                     continue
                 by_meaning = end.meaning if onward is None or end.meaning != goes_on else None
@@ -192,6 +192,12 @@ class Composer:
     def meaning(self, target: str, wishes: Wishes) -> str:
         """Return what the label of `target` means."""
         return wishes[target] if target in self.children else self.part.meaning[target]
+
+
+def _code_first(item: Item) -> Callable[[End], tuple[int, bool]]:
+    """Return a key that keeps the order of outcomes and puts their codes before them, as people write it."""
+    outcomes = [end.outcome for end in item.ends]
+    return lambda end: (outcomes.index(end.outcome), end.code is None)
 
 
 def targets(ends: Iterable[Arc | End]) -> list[str]:

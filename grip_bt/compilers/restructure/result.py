@@ -102,7 +102,10 @@ def kept(part: Part, children: Mapping[str, Built]) -> Built:
 
 
 def successors(part: Part) -> Sequence[str]:
-    """Return the children that another one leads to; without any, a container ends in the tick in which its child does."""
+    """Return the children that a sibling leads to.
+
+    Without any, a container ends in the same tick as its child, whatever its kind is.
+    """
     found: dict[str, None] = {}
     edges = part.edges if isinstance(part.node, StateMachine) else part.exits
     for index, child in enumerate(part.children):

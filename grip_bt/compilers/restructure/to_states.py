@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from grip_bt.catalog import Catalog
+from grip_bt.errors import listing
 from grip_bt.graph.frozen import FrozenDict
 from grip_bt.graph.model import Fallback, Leaf, Parallel, Sequence, StateMachine, Task
 
@@ -62,11 +63,11 @@ def _why_not(part: Part, ticker: Part | None) -> str | None:
         return "it is reactive: it asks its first child again while a later one runs"
     if ticker is not None and successors(part):
         return ticked_by(ticker)
-    names = {child.name for child in part.children}
-    ends = {target for row in _rows(part).values() for target, inside in row.values() if not inside}
-    clash = sorted(names & ends)
-    if clash:
-        return f"{', '.join(clash)} is the name of a child and of the outcome that an end leads to; rename the child"
+    ambiguous = {child.name for child in part.children} & set(part.meaning)
+    led_to = {target for row in _rows(part).values() for target in row.values()}
+    if ambiguous & led_to:
+        names = listing(repr(name) for name in sorted(ambiguous & led_to))
+        return f"an edge to {names} could mean a child as well as an outcome; rename the child"
     return None
 
 
@@ -79,8 +80,8 @@ def ticked_by(ticker: Part) -> str:
     )
 
 
-def _rows(part: Part) -> dict[str, dict[str, tuple[str, bool]]]:
-    """Return child -> label of its end -> (where it leads, whether that is a child); codes before their outcome."""
+def _rows(part: Part) -> dict[str, dict[str, str]]:
+    """Return child -> label of its end -> where it leads; codes before their outcome."""
     rows = {}
     for index, child in enumerate(part.children):
         row = {}
@@ -88,7 +89,7 @@ def _rows(part: Part) -> dict[str, dict[str, tuple[str, bool]]]:
             for code in (*sorted(part.exits.codes(child.name, outcome)), None):
                 way = lead(part, index, outcome, code)
                 label = outcome if code is None else f"{outcome}.{code}"
-                row[label] = (str(way.to or way.end), way.to is not None)
+                row[label] = str(way.to or way.end)
         rows[child.name] = row
     return rows
 
@@ -98,8 +99,7 @@ def _machine(part: Part, same: Built) -> StateMachine:
     assert isinstance(node, Sequence | Fallback), "only these have an order"
     children = {}
     for name, row in _rows(part).items():
-        on = FrozenDict({label: target for label, (target, _) in row.items()})
-        children[name] = node.children[name].model_copy(update={"on": on})
+        children[name] = node.children[name].model_copy(update={"on": FrozenDict(row)})
     return StateMachine(
         kind="state_machine",
         doc=node.doc,
