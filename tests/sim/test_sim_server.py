@@ -1,0 +1,160 @@
+"""The simulator's side of the conversation, run in this process, so that simulated time can be told exactly."""
+
+from __future__ import annotations
+
+import itertools
+import socket
+
+import numpy as np
+import pytest
+from conftest import SPEC
+
+from grip_bt.commanders.robots import build_robot
+from grip_sim.wire import ClosedError, pack, receive
+
+pytestmark = pytest.mark.sim
+ARM = list(build_robot("panda_allegro").group("arm"))
+
+
+@pytest.fixture
+def ends():
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        yield ours, theirs
+
+
+@pytest.fixture
+def make_server(ends):
+    from grip_sim.server import Server
+
+    return lambda pace=None: Server(ends[1], SPEC, pace)
+
+
+def answers(server, ends):
+    """Let the server obey what was sent until the end of the stream, and return its answers by number."""
+    server.serve()
+    ends[1].shutdown(socket.SHUT_WR)
+    got = {}
+    while True:
+        try:
+            fields, arrays = receive(ends[0])
+        except ClosedError:
+            return got
+        got[fields["id"]] = (fields, arrays)
+
+
+def arm_way(server, by=0.5, duration=2.0):
+    start = server.world.robot.positions()[server.world.robot.rows(ARM)]
+    times = np.linspace(0, duration, 41)
+    return {"times": times, "positions": start + by * (times / duration)[:, None]}
+
+
+def at_step(server, monkeypatch, when, do):
+    """Call `do` after so many steps."""
+    steps, step = itertools.count(1), server.world.step
+
+    def stepped():
+        step()
+        if next(steps) == when:
+            do()
+
+    monkeypatch.setattr(server.world, "step", stepped)
+
+
+@pytest.mark.parametrize("when", [101, 102, 103, 104])
+@pytest.mark.parametrize(
+    "call", [{"call": "stop", "names": ARM}, {"call": "cancel", "motion": 1}], ids=["stop", "cancel"]
+)
+def test_a_stop_takes_effect_within_20_ms_of_simulated_time(make_server, ends, monkeypatch, when, call):
+    server, ours = make_server(), ends[0]
+    asked = []
+
+    def stop():
+        asked.append(server.world.time)
+        ours.sendall(pack({"id": 2, **call}))
+        ours.shutdown(socket.SHUT_WR)
+
+    at_step(server, monkeypatch, when, stop)
+    ours.sendall(pack({"id": 1, "call": "follow", "names": ARM}, arm_way(server)))
+    got = answers(server, ends)
+    assert got[1][0]["error"] == "canceled"
+    assert 0 <= got[1][0]["time"] - asked[0] <= 0.020
+    rows = server.world.robot.rows(ARM)
+    assert server.world.robot.targets(rows) == pytest.approx(got[1][1]["position"])
+
+
+@pytest.mark.parametrize(
+    ("call", "reason"),
+    [
+        ({"call": "no such call"}, "no such call"),
+        ({"call": "state", "names": ["elbow"]}, "elbow"),
+        ({"call": "state"}, "names"),
+        ({"call": "look", "camera": "nowhere"}, "overhead"),
+        (
+            {"call": "move_object", "name": "thing", "position": [0, 0, float("nan")], "quaternion": [1, 0, 0, 0]},
+            "finite",
+        ),
+    ],
+)
+def test_a_wrong_call_is_refused_and_the_next_is_answered(make_server, ends, call, reason):
+    server, ours = make_server(), ends[0]
+    ours.sendall(pack({"id": 1, **call}) + pack({"id": 2, "call": "fingerprint"}))
+    ours.shutdown(socket.SHUT_WR)
+    got = answers(server, ends)
+    assert got[1][0]["error"] == "refused"
+    assert reason in got[1][0]["message"]
+    assert got[2][0]["fingerprint"] == server.world.fingerprint()
+
+
+def test_a_motion_that_makes_no_sense_does_not_end_the_one_under_way(make_server, ends, monkeypatch):
+    server, ours = make_server(), ends[0]
+    wrong = {"times": np.array([0.0, 1.0]), "positions": np.zeros(3)}
+    at_step(server, monkeypatch, 8, lambda: ours.sendall(pack({"id": 2, "call": "follow", "names": ARM}, wrong)))
+    at_step(server, monkeypatch, 40, lambda: ours.shutdown(socket.SHUT_WR))
+    ours.sendall(pack({"id": 1, "call": "follow", "names": ARM}, arm_way(server)))
+    got = answers(server, ends)
+    assert got[2][0]["error"] == "refused"
+    assert 1 not in got  # still under way when the client went
+
+
+def test_physics_stands_still_while_nothing_is_under_way(make_server, ends):
+    server, ours = make_server(), ends[0]
+    before = server.world.fingerprint()
+    for number in range(5):
+        ours.sendall(pack({"id": number + 1, "call": "state", "names": ARM}))
+    ours.shutdown(socket.SHUT_WR)
+    assert all(fields["time"] == 0 for fields, _ in answers(server, ends).values())
+    assert server.world.fingerprint() == before
+
+
+def test_at_a_pace_physics_is_not_faster_however_many_questions_come(make_server, ends, monkeypatch):
+    from grip_sim import server as module
+
+    class Wall:
+        now = 0.0
+
+        def monotonic(self):
+            return self.now
+
+    wall, real, ours = Wall(), module.select.select, ends[0]
+    server = make_server(pace=2.0)
+    questions = itertools.count(10)
+
+    def asked(readers, writers, errors, timeout):
+        """A question is always there after a millisecond, as from somebody who polls."""
+        while real([ours], [], [], 0)[0]:
+            receive(ours)
+        if next(questions) < 600:
+            wall.now += 0.001 if timeout else 0.0
+            if timeout is None or timeout > 0.001:
+                ours.sendall(pack({"id": 5, "call": "stop", "names": []}))
+            return real(readers, writers, errors, 0)
+        ours.shutdown(socket.SHUT_WR)
+        return real(readers, writers, errors, 1)
+
+    monkeypatch.setattr(module, "time", wall)
+    monkeypatch.setattr(module.select, "select", asked)  # restored before anybody else waits
+    ours.sendall(pack({"id": 1, "call": "wait", "seconds": 1000.0}))
+    answers(server, ends)
+    assert wall.now > 0.2
+    assert server.world.time == pytest.approx(2.0 * wall.now, abs=0.05)
