@@ -2,6 +2,10 @@
 # The page in a real Chromium. Installs Debian's where that is allowed; otherwise the tests are NOT RUN, and it says so.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+if ! reason=$(bash tools/node_packages.sh gui/e2e); then
+    echo "NOT RUN: browser tests ($reason)"
+    exit 0
+fi
 chromium=$(command -v "${CHROMIUM:-chromium}" || true)
 if [ -z "$chromium" ] && command -v apt-get >/dev/null && [ "$(id -u)" = 0 ]; then
     apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends chromium >/dev/null || true
@@ -9,10 +13,6 @@ if [ -z "$chromium" ] && command -v apt-get >/dev/null && [ "$(id -u)" = 0 ]; th
 fi
 if [ -z "$chromium" ]; then
     echo "NOT RUN: browser tests (no Chromium; sudo apt-get install chromium)"
-    exit 0
-fi
-if [ ! -e gui/frontend/node_modules/.installed ]; then
-    echo "NOT RUN: browser tests (the frontend's packages are not installed: Node 20 and npm are needed)"
     exit 0
 fi
 CHROMIUM="$chromium" .venv/bin/pytest -q -m e2e tests
