@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 
@@ -38,8 +39,8 @@ def named(model: RobotModel, group: str, state: str) -> JointState:
     return model.description.named_state(group, state)
 
 
-def room(model: RobotModel) -> PlanningScene:
-    """The table and the crate, and nothing else."""
+def room(model: RobotModel, hand: Callable[[], Pose] | None = None) -> PlanningScene:
+    """The table and the crate, and nothing else; the hand is where the arm's home puts it, unless told otherwise."""
     (x, y), wall, height = CRATE, 0.01, 0.06
     walls = {
         "left": ((0.28, wall, height), (x, y - 0.155)),
@@ -50,7 +51,7 @@ def room(model: RobotModel) -> PlanningScene:
     fixed = {f"crate_{n}": (size, Pose([*xy, height / 2])) for n, (size, xy) in walls.items()}
     fixed["table"] = ((0.7, 1.2, 0.1), Pose([0.65, 0.0, -0.05]))
     home = named(model, "arm", "home")
-    return PlanningScene({"right_hand": lambda: model.grasp_pose(home)}, fixed)
+    return PlanningScene({"right_hand": hand or (lambda: model.grasp_pose(home))}, fixed)
 
 
 def place_things(scene: PlanningScene, rng: np.random.Generator, count: int = 3) -> list[Thing]:

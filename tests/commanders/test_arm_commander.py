@@ -1,0 +1,140 @@
+"""The arm commander over a fake executor, with plans made in this process."""
+
+import numpy as np
+import pytest
+from table_top import named, place_things, robot_model, room, side_grasps
+
+from grip_bt.commanders.arm import ArmCommander
+from grip_bt.commanders.fake import FakeExecutor
+from grip_bt.commanders.planning.motions import answer
+from grip_bt.commanders.planning.requests import PlanningSettings, PlanTo
+from grip_bt.errors import ExecutionAbortedError, ExpectedError, StartInCollisionError, UnknownNameError
+from grip_bt.operation import Operation
+from grip_bt.values import JointState, Plan, Pose
+
+
+class PlansHere:
+    """Plans in this process, at once, and keeps the requests."""
+
+    def __init__(self, model):
+        self.model, self.requests = model, []
+
+    def submit(self, request):
+        self.requests.append(request)
+        try:
+            return Operation.finished(answer(self.model, request, lambda: False))
+        except ExpectedError as error:
+            return Operation.failed(error)
+
+
+class Rig:
+    def __init__(self, executor=None):
+        self.model = robot_model()
+        self.executor = executor or FakeExecutor(named(self.model, "arm", "home"))
+        self.posture = named(self.model, "hand", "open")
+        self.scene = room(self.model, hand=lambda: self.arm.grasp_pose())
+        self.planner = PlansHere(self.model)
+        self.arm = ArmCommander(
+            "right", self.model, self.planner, self.executor, self.scene, "right_hand", lambda: self.posture
+        )
+
+
+@pytest.fixture
+def rig():
+    return Rig()
+
+
+class Sloppy(FakeExecutor):
+    """Says that it succeeded, short of the end."""
+
+    def execute(self, trajectory):
+        super().execute(trajectory)
+        self._position = self._position - 0.1
+        return Operation.finished(self.state())
+
+
+def go(arm, goal):
+    return arm.plan(goal).then(arm.execute).result()
+
+
+def test_the_result_of_a_motion_is_what_was_measured(rig):
+    away = rig.arm.named_states()["home"].position + [0.4, 0, 0, 0, 0, 0, 0]
+    measured = go(rig.arm, JointState(rig.executor.joint_names, away))
+    assert measured == rig.executor.state()
+    assert rig.arm.grasp_pose() == rig.model.grasp_pose(measured)
+
+
+def test_a_motion_that_ends_elsewhere_is_aborted_with_the_errors(rig):
+    rig = Rig(Sloppy(named(robot_model(), "arm", "home")))
+    goal = rig.arm.named_states()["home"].position + [0.4, 0, 0, 0, 0, 0, 0]
+    with pytest.raises(ExecutionAbortedError, match="0.100 rad") as caught:
+        go(rig.arm, JointState(rig.executor.joint_names, goal))
+    assert set(caught.value.data["errors"]) == set(rig.executor.joint_names)
+
+
+def test_a_plan_made_elsewhere_is_not_executed(rig):
+    plan = rig.arm.plan(JointState(("panda_joint1",), [0.6])).result()
+    go(rig.arm, JointState(("panda_joint1",), [0.2]))
+    with pytest.raises(ExecutionAbortedError):
+        rig.arm.execute(plan).result()
+
+
+def test_each_plan_sees_the_scene_and_the_hand_as_they_are_when_it_is_asked(rig):
+    rig.arm.plan("home").result()
+    rig.posture = named(rig.model, "hand", "closed")
+    rig.scene.set_box("block", (0.1, 0.1, 0.1), Pose(rig.arm.grasp_pose().position))
+    with pytest.raises(StartInCollisionError, match="block"):
+        rig.arm.plan("home").result()
+    first, second = rig.planner.requests
+    assert "block" not in first.situation.scene.objects
+    hand = rig.posture.as_mapping()
+    assert {n: p for n, p in second.situation.start.as_mapping().items() if n in hand} == hand
+
+
+def test_planning_settings_reach_the_planner():
+    rig = Rig()
+    settings = PlanningSettings(planner="KPIECE1", speed=0.2, seed=4)
+    arm = ArmCommander(
+        "a", rig.model, rig.planner, rig.executor, rig.scene, "right_hand", lambda: rig.posture, settings
+    )
+    plan = arm.plan(JointState(("panda_joint1",), [0.4])).result()
+    fast = rig.arm.plan(JointState(("panda_joint1",), [0.4])).result()
+    assert plan.planner == "KPIECE1"
+    assert plan.trajectory.duration > 1.5 * fast.trajectory.duration
+
+
+def test_named_states_are_goals_and_unknown_ones_list_them(rig):
+    assert isinstance(rig.arm.plan("home").result(), Plan)
+    with pytest.raises(UnknownNameError, match="home"):
+        rig.arm.plan("hoem")
+
+
+def test_a_grasp_is_approached_by_the_joint_positions_that_made_it_feasible(rig):
+    rng = np.random.default_rng(3)
+    things = place_things(rig.scene, rng)
+    grasp = rig.arm.choose_grasp([g for t in things for g in side_grasps(t, rng)]).result()
+    measured = go(rig.arm, grasp.pre_grasp)
+    request = rig.planner.requests[-1]
+    assert isinstance(request, PlanTo)
+    assert measured.position == pytest.approx(request.hints[0].position, abs=1e-2)
+    assert rig.arm.grasp_pose().matrix() == pytest.approx(grasp.pre_grasp.matrix(), abs=1e-3)
+
+
+def test_a_thing_is_taken_lifted_carried_and_the_scene_follows(rig):
+    """Choose, go, approach, attach, lift, home: what the leaves of a pick ask for, one after the other."""
+    rng = np.random.default_rng(3)
+    things = place_things(rig.scene, rng)
+    grasp = rig.arm.choose_grasp([g for t in things for g in side_grasps(t, rng)]).result()
+    target = rig.scene.snapshot().around(grasp.pose.position + 0.033 * grasp.pose.rotation()[:, 2], 0.03)[0]
+    size, pose = rig.scene.box(target)
+    go(rig.arm, grasp.pre_grasp)
+    rig.scene.remove(target)
+    rig.arm.plan_straight([grasp.pose]).then(rig.arm.execute).result()
+    rig.scene.set_box(target, size, pose)
+    rig.scene.attach(target, "right_hand")
+    rig.arm.plan_straight([grasp.post_grasp]).then(rig.arm.execute).result()
+    assert rig.scene.box(target)[1].position == pytest.approx(pose.position + [0, 0, 0.15], abs=2e-3)
+    go(rig.arm, "home")
+    held = rig.scene.box(target)[1]
+    assert np.linalg.norm(held.position - rig.arm.grasp_pose().position) < 0.08
+    assert abs(held.rotation()[2, 2]) > 0.99, "home carries an upright thing upright"

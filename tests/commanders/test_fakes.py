@@ -1,0 +1,151 @@
+"""Scripts and schedules of the fakes; that they keep the ports' promises is tested in tests/contracts."""
+
+import numpy as np
+import pytest
+
+from grip_bt.commanders.fake import AtOnce, FakeArm, FakeCamera, FakeComponent, FakeExecutor, FakeHand, OnClock
+from grip_bt.commanders.hand import HandCommander
+from grip_bt.errors import (
+    ExecutionAbortedError,
+    NoIkError,
+    NoPlanError,
+    SensorError,
+    ServerLostError,
+    ServerTimeOutError,
+    UnknownNameError,
+)
+from grip_bt.ports import Arm, Camera, Component
+from grip_bt.runtime.clock import ManualClock
+from grip_bt.values import CameraInfo, DepthImage, Image, JointState, Pose, RgbdFrame, Trajectory
+
+START = JointState(("a",), [0.0])
+
+
+def ramp(end=1.0):
+    return Trajectory(("a",), [0.0, 2.0], [[0.0], [end]])
+
+
+def test_things_due_on_a_clock_happen_in_order_within_one_move():
+    clock, happened = ManualClock(), []
+    schedule = OnClock(clock)
+    for delay in (3.0, 1.0, 2.0, 1.0):
+        schedule.after(delay, lambda delay=delay: happened.append((delay, clock.now())))
+    clock.advance(0.999)
+    assert happened == []
+    clock.advance(1.5)
+    assert [delay for delay, _ in happened] == [1.0, 1.0, 2.0]
+    clock.advance(0.501)
+    assert [delay for delay, _ in happened] == [1.0, 1.0, 2.0, 3.0]
+
+
+def test_at_once_time_passes_by_itself():
+    schedule, happened = AtOnce(), []
+    schedule.after(2.5, lambda: happened.append(schedule.now()))
+    assert happened == [2.5]
+
+
+def test_an_executor_follows_its_script_and_then_does_as_asked():
+    executor = FakeExecutor(START, script=[ExecutionAbortedError("stuck"), None])
+    with pytest.raises(ExecutionAbortedError, match="stuck"):
+        executor.execute(ramp()).result()
+    assert executor.state().position == pytest.approx([0.5])
+    back = Trajectory(("a",), [0.0, 1.0], [[0.5], [0.0]])
+    assert executor.execute(back).result().position == pytest.approx([0.0])
+    assert executor.execute(ramp()).result().position == pytest.approx([1.0])
+    assert len(executor.executed) == 3
+
+
+def test_an_executor_refuses_joints_that_are_not_its_own():
+    with pytest.raises(ValueError, match="moves"):
+        FakeExecutor(START).execute(Trajectory(("b",), [0.0], [[0.0]]))
+
+
+def test_a_new_motion_ends_the_one_under_way():
+    clock = ManualClock()
+    executor = FakeExecutor(START, OnClock(clock))
+    first = executor.execute(ramp())
+    clock.advance(1.0)
+    second = executor.execute(Trajectory(("a",), [0.0, 1.0], [[0.5], [0.7]]))
+    assert first.done()
+    clock.advance(1.0)
+    assert second.result().position == pytest.approx([0.7])
+    clock.advance(5.0)
+    assert executor.state().position == pytest.approx([0.7])
+
+
+def test_an_arms_script_names_verbs_and_unknown_ones_are_refused():
+    arm = FakeArm(script={"plan": [NoPlanError("wall")], "plan_straight": [None, NoIkError("far")]})
+    assert isinstance(arm, Arm)
+    with pytest.raises(NoPlanError, match="wall"):
+        arm.plan("home").result()
+    arm.plan("home").result()
+    arm.plan_straight([arm.grasp_pose()]).result()
+    with pytest.raises(NoIkError):
+        arm.plan_straight([arm.grasp_pose()]).result()
+    with pytest.raises(UnknownNameError, match="plan_straight"):
+        FakeArm(script={"plan_strait": []})
+
+
+def test_a_fake_arm_is_where_it_was_sent_whatever_the_turn():
+    rng = np.random.default_rng(0)
+    arm = FakeArm()
+    for _ in range(20):
+        pose = Pose(rng.uniform(-1, 1, 3), rng.normal(size=4))
+        arm.plan(pose).then(arm.execute).result()
+        assert arm.grasp_pose().matrix() == pytest.approx(pose.matrix(), abs=1e-9)
+
+
+def test_a_hand_keeps_the_torque_limits_that_it_was_given():
+    hand = FakeHand(START, thing=JointState(("a",), [0.5]))
+    commander = HandCommander("h", hand, {"open": START, "closed": JointState(("a",), [1.0])})
+    commander.close(torque_limit=0.3).result()
+    assert hand.torque_limits == [0.3]
+    assert hand.state().position == pytest.approx([0.5])
+    assert hand.contacts() == {"fingertip": 5.0}
+    with pytest.raises(ValueError, match="positive"):
+        commander.close(torque_limit=0.0)
+    with pytest.raises(UnknownNameError, match="joint"):
+        commander.open(JointState(("b",), [1.0]))
+
+
+def test_joints_that_a_posture_does_not_name_stay():
+    start = JointState(("a", "b"), [0.1, 0.2])
+    commander = HandCommander("h", FakeHand(start), {"open": start})
+    measured = commander.open(JointState(("b",), [0.9])).result()
+    assert measured.as_mapping() == pytest.approx({"a": 0.1, "b": 0.9})
+
+
+def test_whispers_of_contact_are_no_contact():
+    start, closed = START, JointState(("a",), [1.0])
+    hand = FakeHand(start, thing=JointState(("a",), [0.5]), forces={"tip": 0.01})
+    operation = HandCommander("h", hand, {"open": start, "closed": closed}).close()
+    with pytest.raises(Exception, match="without touching"):
+        operation.result()
+
+
+def test_a_camera_gives_its_frames_in_turn_and_fails_where_told():
+    info = CameraInfo(2, 1, np.eye(3))
+    frame = RgbdFrame(Image(np.zeros((1, 2, 3))), DepthImage(np.ones((1, 2)), info))
+    camera = FakeCamera(info, [frame, SensorError("dark")])
+    assert isinstance(camera, Camera)
+    assert camera.capture().result() is frame
+    with pytest.raises(SensorError, match="dark"):
+        camera.capture().result()
+    assert camera.capture().result() is frame
+    with pytest.raises(SensorError, match="no frames"):
+        FakeCamera(info).capture().result()
+
+
+def test_a_component_replies_in_turn_after_its_delay():
+    clock = ManualClock()
+    replies = [{"outcome": 0}, lambda request: {"outcome": request["input"]}, ServerTimeOutError("slow")]
+    component = FakeComponent(replies, OnClock(clock), delay=1.0)
+    assert isinstance(component, Component)
+    operations = [component.call({"input": 7}) for _ in range(3)]
+    assert not any(operation.done() for operation in operations)
+    clock.advance(1.0)
+    assert [operation.result() for operation in operations[:2]] == [{"outcome": 0}, {"outcome": 7}]
+    with pytest.raises(ServerTimeOutError):
+        operations[2].result()
+    with pytest.raises(ServerLostError):
+        FakeComponent().call({}).result()
