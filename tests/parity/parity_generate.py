@@ -16,7 +16,7 @@ INTERRUPTING = ("reactive_sequence", "reactive_fallback", "timeout", "parallel")
 
 
 @dataclass
-class _Maker:
+class Maker:
     random: Random
     embed: bool
     join: bool
@@ -173,7 +173,7 @@ def make_case(seed: int) -> dict[str, Any]:
     """
     random = Random(seed)
     flavour = seed % 5
-    maker = _Maker(random, embed=flavour in (3, 4), join=flavour == 2)
+    maker = Maker(random, embed=flavour in (3, 4), join=flavour == 2)
     data = maker.variables()
     root, outcomes = maker.node(random.randint(2, 5), list(data), list(data), False, "success")
     task: dict[str, Any] = {"grip": 1, "name": "fuzzed", "root": root}
