@@ -1,0 +1,204 @@
+"""Our side of the conversation, against a simulator's part that is played by the test."""
+
+from __future__ import annotations
+
+import threading
+
+import numpy as np
+import pytest
+
+from grip_bt.errors import CanceledError, ExecutionAbortedError, GripError, SimulatorLostError
+from grip_sim import client as client_module
+from grip_sim.client import SimClient
+from grip_sim.specs import WorldSpec
+from grip_sim.wire import ClosedError, pack, receive
+
+
+class Played:
+    """Stands for the process: the test reads what was asked and answers."""
+
+    pid = 4711
+
+    def __init__(self, connection):
+        self.connection = connection.dup()
+        self.ended = 0
+        self.spec = None
+        threading.Thread(target=self.make_world).start()
+
+    def make_world(self):
+        fields, _ = self.asked()
+        self.spec = fields["spec"]
+        self.answer(fields["id"])
+
+    def answer(self, number, /, arrays=None, **fields):
+        self.connection.sendall(pack({"time": 0.0, "id": number, **fields}, arrays))
+
+    def asked(self):
+        return receive(self.connection)
+
+    def end(self, patience):
+        self.ended += 1
+        return 7
+
+    def last_words(self):
+        return "what it printed"
+
+    def close(self):
+        self.connection.close()
+
+
+@pytest.fixture
+def client(monkeypatch):
+    monkeypatch.setattr(client_module, "SimProcess", Played)
+    made = SimClient(WorldSpec())
+    made.played = made._process
+    assert WorldSpec.from_json(made.played.spec) == WorldSpec()
+    yield made
+    made.close()
+
+
+def ended(operation):
+    assert operation.wait(10)
+    return operation
+
+
+def test_answers_go_to_whom_they_belong_in_any_order(client):
+    one, two = client.request("a"), client.request("b")
+    first, second = client.played.asked()[0], client.played.asked()[0]
+    assert (first["call"], second["call"]) == ("a", "b")
+    client.played.answer(second["id"], said="two")
+    client.played.answer(first["id"], {"x": np.arange(3)}, said="one")
+    assert ended(two).result().fields["said"] == "two"
+    assert ended(one).result().fields["said"] == "one"
+    assert one.result().arrays["x"].tolist() == [0, 1, 2]
+
+
+@pytest.mark.parametrize(
+    ("error", "kind"), [("aborted", ExecutionAbortedError), ("canceled", CanceledError), ("refused", GripError)]
+)
+def test_errors_end_an_operation_as_what_they_are(client, error, kind):
+    operation = client.move("follow")
+    client.played.answer(client.played.asked()[0]["id"], error=error, message="why")
+    with pytest.raises(kind, match="why"):
+        ended(operation).result()
+
+
+def test_callbacks_may_ask_again_and_wait_for_the_answer(client):
+    said = []
+    operation = client.move("follow")
+    operation.add_done_callback(lambda: said.append(client.ask("contacts").fields["contacts"]))
+    client.played.answer(client.played.asked()[0]["id"])
+    question = client.played.asked()[0]
+    assert question["call"] == "contacts"
+    second = client.request("later")
+    client.played.answer(question["id"], contacts={"tip": 1.0})
+    client.played.answer(client.played.asked()[0]["id"])
+    ended(second)
+    assert said == [{"tip": 1.0}]
+
+
+def test_a_callback_that_raises_keeps_no_other_operation_from_ending(client, caplog):
+    one, two = client.request("a"), client.request("b")
+    one.add_done_callback(lambda: 1 / 0)
+    for _ in range(2):
+        client.played.answer(client.played.asked()[0]["id"])
+    ended(two)
+    assert "ZeroDivisionError" in caplog.text
+
+
+def test_cancelling_asks_the_simulator_and_ends_when_it_says_so(client):
+    operation = client.move("follow")
+    number = client.played.asked()[0]["id"]
+    operation.cancel()
+    asked = client.played.asked()[0]
+    assert (asked["call"], asked["motion"]) == ("cancel", number)
+    assert not operation.done()
+    client.played.answer(number, error="canceled", message="stopped")
+    with pytest.raises(CanceledError):
+        ended(operation).result()
+
+
+def test_when_the_connection_ends_pending_and_later_operations_fail_with_what_it_printed(client):
+    pending = [client.request("a"), client.move("follow")]
+    client.played.connection.close()
+    for operation in pending:
+        with pytest.raises(SimulatorLostError, match=r"process 4711 is gone .*exit status 7.*what it printed"):
+            ended(operation).result()
+    with pytest.raises(SimulatorLostError):
+        client.ask("state")
+    with pytest.raises(SimulatorLostError):
+        ended(client.move("follow")).result()
+
+
+def test_what_nobody_understands_ends_the_connection_and_the_process(client):
+    operation = client.request("a")
+    client.played.asked()
+    client.played.connection.sendall(b"\xff" * 64)
+    with pytest.raises(SimulatorLostError):
+        ended(operation).result()
+    assert client.played.ended
+    with pytest.raises(ClosedError):
+        client.played.asked()
+
+
+def test_a_simulator_that_owes_an_answer_and_says_nothing_is_lost(client, monkeypatch):
+    monkeypatch.setattr(client_module, "SILENCE", 0.05)
+    operation = client.request("a")
+    client.played.asked()
+    client.played.answer(0)  # the reader waits anew, now with the short patience
+    with pytest.raises(SimulatorLostError, match="said nothing for"):
+        ended(operation).result()
+
+
+def test_after_closing_everything_fails_and_closing_again_is_harmless(client):
+    pending = client.move("follow")
+    client.close()
+    client.close()
+    for operation in (pending, client.request("a")):
+        with pytest.raises(SimulatorLostError, match="was closed"):
+            operation.result()
+
+
+def test_a_callback_may_close(client):
+    closed = threading.Event()
+    operation = client.request("a")
+    operation.add_done_callback(lambda: (client.close(), closed.set()))
+    client.played.answer(client.played.asked()[0]["id"])
+    assert closed.wait(10)
+
+
+def test_an_answer_that_arrives_while_it_is_closed_ends_its_operation_all_the_same(client):
+    operations = [client.request("a") for _ in range(200)]
+    for _ in operations:
+        client.played.answer(client.played.asked()[0]["id"])
+    client.close()
+    assert all(operation.wait(10) for operation in operations)
+
+
+def test_full_pipes_in_both_directions_do_not_lock_each_other(client):
+    big = {"x": np.zeros(1 << 20)}
+    look = client.request("look")
+    asked = client.played.asked()[0]["id"]
+    sender = threading.Thread(target=lambda: client.move("follow", big))
+    sender.start()  # fills the pipe to the simulator, which sends before it reads
+    client.played.answer(asked, big)
+    assert ended(look).result().arrays["x"].size == 1 << 20
+    client.played.asked()
+    sender.join(10)
+    assert not sender.is_alive()
+
+
+def test_the_clock_stands_while_something_moves_and_goes_on_when_it_can_not_be_sent(client):
+    with pytest.raises(TypeError):
+        client.move("follow", {"x": np.array([{}])})
+    before = client.clock.now()
+    threading.Event().wait(0.01)
+    assert client.clock.now() > before
+    operation = client.move("follow")
+    still = client.clock.now()
+    threading.Event().wait(0.01)
+    assert client.clock.now() == still
+    client.played.connection.close()
+    ended(operation)
+    threading.Event().wait(0.01)
+    assert client.clock.now() > still
