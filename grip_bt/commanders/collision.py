@@ -16,7 +16,8 @@ HELD_SLACK = 0.01
 """What is held is checked with this much [m] taken off every side.
 
 It stands on its support when it is taken and when it is put down, its box comes from a camera, and it may
-shift a little in the fingers: a check of its full size would refuse every lift.
+shift a little in the fingers: a check of its full size would refuse every lift. A checker with a margin
+takes nothing off: there the held object keeps the margin too, else it would brush past its neighbours.
 """
 _ENOUGH_FOR_THREADS = 64
 
@@ -36,7 +37,8 @@ class CollisionChecker:
         self._geometry = chain.geometry.copy()
         self._names = [link_of(chain.model, s) for s in self._geometry.geometryObjects]
         robot = range(self._geometry.ngeoms)
-        held = [self._add(o, chain.model.frames[chain.frame], -HELD_SLACK) for o in scene.attached(hand)]
+        slack = HELD_SLACK if margin == 0 else 0.0
+        held = [self._add(o, chain.model.frames[chain.frame], -slack) for o in scene.attached(hand)]
         others = [o for o in scene.objects.values() if not o.hand]
         world = [self._add(o, None, margin) for o in others]
         moving = [k for k in robot if self._geometry.geometryObjects[k].parentJoint > 0]
