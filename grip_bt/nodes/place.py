@@ -117,6 +117,8 @@ class Place(ArmHandLeaf):
         return there.then(lambda _: Operation.finished(spot))
 
     def _release(self, spot: Grasp) -> Operation[object]:
+        holding = self.hand.state()
+
         def let_go(_: JointState) -> Operation[object]:
             scene = self.context.scene()
             name = free_name(scene, PLACED)
@@ -125,18 +127,32 @@ class Place(ArmHandLeaf):
             region = self._region()
             standing = region.floor + float(size[2]) / 2 + TABLE_GAP
             scene.set_box(name, size, Pose([*pose.position[:2], standing], pose.quaternion))
-            return self._leave(spot)
+            return self._leave(spot, holding)
 
         return self.hand.open().then(let_go)
 
-    def _leave(self, spot: Grasp) -> Operation[object]:
-        """Go straight up; where that is blocked, a little back first."""
+    def _leave(self, spot: Grasp, holding: JointState) -> Operation[object]:
+        """Go straight up; where that is blocked, a little back first; at last with the fingers half closed again.
+
+        Open fingers may touch a wall, and nothing can be planned while they do.
+        """
         scene, here = self.context.scene(), self.arm.grasp_pose()
         ignore = objects_near(scene, here)
         up = spot.post_grasp.position - spot.pose.position
         back = -here.rotation()[:, 2]
-        ways = ([here.moved(d * back), here.moved(d * back + up)] if d else [here.moved(up)] for d in (0.0, 0.03, 0.08))
-        return first_of((lambda way=way: go_straight(self.arm, way, scene, ignore)) for way in ways)
+        ways = [[here.moved(up)], *([here.moved(d * back), here.moved(d * back + up)] for d in (0.03, 0.08))]
+
+        def leave() -> Operation[object]:
+            return first_of((lambda way=way: go_straight(self.arm, way, scene, ignore)) for way in ways)
+
+        def leave_half_closed() -> Operation[object]:
+            return self.hand.open(_halfway(holding, self.hand.state())).then(lambda _: leave())
+
+        return first_of([leave, leave_half_closed])
+
+
+def _halfway(one: JointState, other: JointState) -> JointState:
+    return JointState(one.names, (one.position + other.ordered(one.names)) / 2)
 
 
 def _ease(hand: Pose, spot: NDArray[np.float64]) -> float:

@@ -115,6 +115,22 @@ def test_leaving_goes_back_first_where_up_is_blocked(world, tick):
     assert back_and_up[0].position[2] < up[0].position[2] - 0.15
 
 
+def test_leaving_half_closes_the_hand_where_open_fingers_are_caught(world, tick):
+    world.hold()
+    world.arm.errors["straight"].extend([None, *[PathInvalidError("a finger touches a wall")] * 3])
+    assert tick(world.leaf("arm/place", target="crate")) == ("SUCCESS", "success", None)
+    assert [argument for _, argument in world.hand.log] == ["open", world.hand.state()]
+    assert world.arm.verbs()[-2:] == ["straight", "execute"]
+
+
+def test_an_arm_that_cannot_leave_at_all_is_a_failure_but_the_object_is_placed(world, tick):
+    world.hold()
+    world.arm.errors["straight"].extend([None, *[PathInvalidError("blocked")] * 6])
+    assert tick(world.leaf("arm/place", target="crate")) == ("FAILURE", "failure", "path_invalid")
+    assert placed(world) == ["placed_0"]
+    assert not world.scene.attached("right_hand")
+
+
 def test_a_spot_has_to_be_free_with_open_fingers_and_with_fingers_as_they_hold(world, tick):
     world.hold()
     refused = []
