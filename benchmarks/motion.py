@@ -2,7 +2,8 @@
 
     python benchmarks/motion.py [--robot NAME] [--plans N] [--json FILE]
 
-Times are CPU time of this process, except for batched checks, which use all cores: those are wall time.
+Times are CPU time of this process, except for batched checks and scene changes: those are wall time. Threads wait
+without spinning, as in the planning process.
 """
 
 from __future__ import annotations
@@ -17,6 +18,9 @@ from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
+
+os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")  # read once, when the first of these is imported
+
 import pinocchio as pin
 
 from grip_bt.commanders.collision import CollisionChecker
