@@ -54,6 +54,28 @@ class DocumentError(GripError):
         super().__init__(f"{place}: {message}")
 
 
+class ExpressionError(GripError):
+    """A text isn't an expression of the language of guards and switches.
+
+    Attributes:
+        text: the expression.
+        message: what is wrong and what is allowed.
+        column: 1-based column within the expression.
+    """
+
+    def __init__(self, text: str, message: str, column: int = 1):
+        self.text, self.message, self.column = text, message, column
+        super().__init__(f"`{text}`, column {column}: {message}")
+
+
+class EvaluationError(GripError):
+    """An expression can't be computed with the values that its variables have; a bug of the task."""
+
+    def __init__(self, text: str, message: str):
+        self.text, self.message = text, message
+        super().__init__(f"`{text}`: {message}")
+
+
 class InvalidTaskError(GripError):
     """A task was read but is wrong; `issues` holds everything that was found."""
 
