@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from conftest import AT, SPEC, SPOT, Bench
+from sim_bench import AT, SPEC, SPOT, Bench
 
 from grip_bt.errors import CanceledError, ExecutionAbortedError, UnknownNameError
 from grip_bt.ports import Executor, HandPort

@@ -10,7 +10,7 @@ import time
 
 import numpy as np
 import pytest
-from conftest import SPEC, Bench
+from sim_bench import SPEC, Bench
 
 from grip_bt.errors import SimulatorLostError, UnknownNameError
 from grip_sim import process as process_module

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from conftest import ABOVE, ASIDE, AT, SPOT
+from sim_bench import ABOVE, ASIDE, AT, SPOT
 
 from grip_bt.values import Pose
 from grip_sim import ObjectTruth

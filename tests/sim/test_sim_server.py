@@ -7,7 +7,7 @@ import socket
 
 import numpy as np
 import pytest
-from conftest import SPEC
+from sim_bench import SPEC
 
 from grip_bt.commanders.robots import build_robot
 from grip_sim.wire import ClosedError, pack, receive
