@@ -7,66 +7,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pytest
+from contract_rigs import ArmRig, ExecutorRig, HandRig, Patient
+from simulated_rigs import (
+    commanded_simulated_arm,
+    commanded_simulated_hand,
+    simulated_executor,
+    simulated_hand_port,
+)
 
 from grip_bt.commanders.fake import FakeArm, FakeExecutor, FakeHand, OnClock
 from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.robots import build_robot
-from grip_bt.operation import Operation
-from grip_bt.ports import Arm, Executor, Hand, HandPort
 from grip_bt.runtime.clock import ManualClock
 from grip_bt.values import JointState, Pose
-
-
-@dataclass
-class Rig:
-    """An adapter and its time.
-
-    Attributes:
-        port: the adapter.
-        let_pass: lets seconds pass.
-    """
-
-    port: Any
-    let_pass: Callable[[float], None]
-
-    def wait(self, operation: Operation[Any], at_most: float = 30.0) -> Operation[Any]:
-        """Let time pass until the operation ends."""
-        waited = 0.0
-        while not operation.done() and waited < at_most:
-            self.let_pass(0.05)
-            waited += 0.05
-        assert operation.done(), f"not ended after {at_most} s"
-        return operation
-
-
-@dataclass
-class ExecutorRig(Rig):
-    port: Executor
-    goal: JointState
-    """Joint positions that can be reached freely, half a radian or so away."""
-
-
-@dataclass
-class HandRig(Rig):
-    port: HandPort | Hand
-    open: JointState
-    closed: JointState
-    offer: Callable[[], None]
-    """Puts a thing between the fingers."""
-
-
-@dataclass
-class ArmRig(Rig):
-    port: Arm
-    away: JointState
-    """A free goal other than `home`."""
-    offset: np.ndarray
-    """A way [m] that the grasp frame can go straight from `home`."""
 
 
 @contextmanager
@@ -125,26 +82,15 @@ def commanded_arm() -> Iterator[ArmRig]:
         yield ArmRig(arm, clock.advance, away, np.array([0.0, 0.02, -0.1]))
 
 
-@dataclass
-class Patient:
-    """A planning service whose operations have ended when it returns them: planning takes no time on the clock."""
-
-    service: Any
-
-    def submit(self, request: Any) -> Operation[Any]:
-        operation = self.service.submit(request)
-        assert operation.wait(60)
-        return operation
-
-
-EXECUTORS = {"fake": fake_executor}
-HAND_PORTS = {"fake": fake_hand_port}
-HANDS = {"fake": commanded_fake_hand}
-ARMS = {"fake": fake_arm, "commander": commanded_arm}
+MARKS = {"simulated": pytest.mark.sim}
+EXECUTORS = {"fake": fake_executor, "simulated": simulated_executor}
+HAND_PORTS = {"fake": fake_hand_port, "simulated": simulated_hand_port}
+HANDS = {"fake": commanded_fake_hand, "simulated": commanded_simulated_hand}
+ARMS = {"fake": fake_arm, "commander": commanded_arm, "simulated": commanded_simulated_arm}
 
 
 def _rigs(table: dict[str, Callable[[], Any]]) -> Any:
-    @pytest.fixture(params=[pytest.param(make, id=name) for name, make in table.items()])
+    @pytest.fixture(params=[pytest.param(make, id=name, marks=MARKS.get(name, ())) for name, make in table.items()])
     def rig(request: pytest.FixtureRequest) -> Iterator[Any]:
         with request.param() as made:
             yield made

@@ -1,0 +1,73 @@
+"""Rigs over a running simulation, at its own pace: in the middle of a motion is in the middle for us too."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+from contract_rigs import ArmRig, ExecutorRig, HandRig, Patient
+
+from grip_bt.commanders.hand import HandCommander
+from grip_bt.commanders.robots import build_robot
+from grip_bt.values import JointState, Pose, Trajectory
+from grip_sim import WorldSpec, start_simulation
+from grip_sim.specs import ObjectSpec
+
+AT = np.array([0.2319, 0.6334, -0.4097, -2.4792, 2.2391, 1.4242, -1.3702])
+"""Arm positions at which the open hand surrounds what stands at `SPOT` [rad]."""
+SPOT = Pose([0.55, 0.05, 0.09])
+THING = ObjectSpec("thing", "cylinder", 0.03, 0.18, (0.9, 0.45, 0.09))
+
+
+@contextmanager
+def simulated_executor() -> Iterator[ExecutorRig]:
+    with start_simulation(WorldSpec(), pace=1.0) as simulation:
+        executor = simulation.executor("arm")
+        home = executor.state()
+        goal = JointState(home.names, home.position + [0.5, 0, 0.2, 0, 0, 0, 0.4])
+        yield ExecutorRig(executor, simulation.settle, goal)
+
+
+@contextmanager
+def simulated_hand_port() -> Iterator[HandRig]:
+    """A hand beside a spot on the table; only its fingers close, since they would meet the thumb."""
+    states = build_robot("panda_allegro").named_states["hand"]
+    opened, closed = states["open"], states["closed"]
+    thumb = set(opened.names[-4:])
+    pairs = zip(opened.names, opened.position, closed.ordered(opened.names), strict=True)
+    part = JointState(opened.names, [o if name in thumb else c for name, o, c in pairs])
+    with start_simulation(WorldSpec(objects=(THING,)), pace=1.0) as simulation:
+        arm = simulation.executor("arm")
+        home, way = arm.state(), np.linspace(0, 1, 41)[:, None]
+        there = arm.execute(Trajectory(home.names, 2 * way[:, 0], home.position + (AT - home.position) * way))
+        assert there.wait(30)
+        there.result()
+        hand = simulation.hand("hand")
+        yield HandRig(hand, simulation.settle, opened, part, lambda: simulation.referee.move_object("thing", SPOT))
+
+
+@contextmanager
+def commanded_simulated_hand() -> Iterator[HandRig]:
+    with simulated_hand_port() as rig:
+        states = build_robot("panda_allegro").named_states["hand"]
+        yield HandRig(HandCommander("right", rig.port, states), rig.let_pass, rig.open, states["closed"], rig.offer)
+
+
+@contextmanager
+def commanded_simulated_arm() -> Iterator[ArmRig]:
+    """The real commander, planning in its process, on simulated joints."""
+    from grip_bt.commanders.arm import ArmCommander
+    from grip_bt.commanders.model import RobotModel
+    from grip_bt.commanders.scene import PlanningScene
+    from grip_bt.commanders.worker import PlanningProcess
+
+    model, spec = RobotModel(build_robot("panda_allegro")), WorldSpec()
+    with PlanningProcess(model.description) as planner, start_simulation(spec, pace=1.0) as simulation:
+        executor, hand = simulation.executor("arm"), simulation.hand("hand")
+        boxes = {box.name: (box.size, Pose(box.centre)) for box in spec.boxes()}
+        scene = PlanningScene({"hand": lambda: model.grasp_pose(executor.state())}, boxes)
+        arm = ArmCommander("right", model, Patient(planner), executor, scene, "hand", hand.state)
+        home = executor.state()
+        away = JointState(home.names, home.position + [0.5, 0, 0.3, 0, 0, 0.2, 0])
+        yield ArmRig(arm, simulation.settle, away, np.array([0.0, 0.02, -0.1]))
