@@ -1,0 +1,92 @@
+"""What the simulated world costs: its start, a step while free and while grasping, a frame of the camera, a close.
+
+    .venv/bin/python benchmarks/simulation.py
+
+Wall time; steps and frames in this process, best of several rounds; start and close of the process, median.
+"""
+
+import statistics
+import time
+
+import numpy as np
+
+from grip_bt.values import Pose
+from grip_sim import start_simulation, table_world
+from grip_sim.specs import ObjectSpec, WorldSpec
+from grip_sim.world import World
+
+ROUNDS, STEPS, STARTS = 5, 240, 5
+AT = np.array([0.2319, 0.6334, -0.4097, -2.4792, 2.2391, 1.4242, -1.3702])
+"""Arm positions at which the open hand surrounds what stands at `SPOT` [rad]."""
+SPOT = Pose([0.55, 0.05, 0.09])
+
+
+def per_second(world: World) -> float:
+    """Return steps a second, the best round."""
+    best = 0.0
+    for _ in range(ROUNDS):
+        began = time.perf_counter()
+        for _ in range(STEPS):
+            world.step()
+        best = max(best, STEPS / (time.perf_counter() - began))
+    return best
+
+
+def grasping() -> World:
+    """Return a world in which the hand presses a cylinder."""
+    world = World(WorldSpec(objects=(ObjectSpec("thing", "cylinder", 0.03, 0.18, (0.9, 0.45, 0.09)),)))
+    robot = world.robot
+    robot.place(dict(zip(robot.description.group("arm"), AT, strict=True)))
+    world.move_object("thing", SPOT)
+    hand, closed = robot.description.group("hand"), robot.description.named_state("hand", "closed")
+    rows = robot.rows(hand)
+    robot.limit_torque(rows, 0.5)
+    start, goal = robot.targets(rows), closed.ordered(hand)
+    for part in np.linspace(0, 1, 2 * STEPS):
+        robot.drive(rows, start + part * (goal - start))
+        world.step()
+    forces = world.hand_contacts()
+    assert len(forces) >= 3, f"the hand doesn't grasp: {forces}"
+    return world
+
+
+def capture_time(world: World) -> float:
+    """Return the time of one frame [ms], the best round."""
+    times = []
+    for _ in range(ROUNDS):
+        began = time.perf_counter()
+        world.look("overhead")
+        times.append(time.perf_counter() - began)
+    return 1e3 * min(times)
+
+
+def process_times() -> tuple[float, float]:
+    """Return how long a process takes to come up, settled, and to be closed [s], medians."""
+    starts, closes = [], []
+    for _ in range(STARTS):
+        began = time.perf_counter()
+        simulation = start_simulation(table_world(0))
+        starts.append(time.perf_counter() - began)
+        began = time.perf_counter()
+        simulation.close()
+        closes.append(time.perf_counter() - began)
+    return statistics.median(starts), statistics.median(closes)
+
+
+def main() -> None:
+    """Measure and print the table."""
+    free, holding = World(table_world(0)), grasping()
+    for _ in range(STEPS):
+        free.step()
+    start, close = process_times()
+    print("| what | figure |\n|---|---|")
+    print(f"| steps a second, free, {free.spec.dt * 1e3:.2f} ms each | {per_second(free):.0f} |")
+    print(f"| steps a second, grasping | {per_second(holding):.0f} |")
+    print(f"| RGB-D frame 320 x 240, three objects | {capture_time(free):.1f} ms |")
+    print(f"| RGB-D frame 320 x 240, hand over the table | {capture_time(holding):.1f} ms |")
+    print(f"| process up and settled | {start:.2f} s |")
+    print(f"| process closed | {close:.3f} s |")
+
+
+if __name__ == "__main__":
+    main()
