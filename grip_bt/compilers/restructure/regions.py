@@ -200,6 +200,17 @@ def then(first: Region, second: Region) -> Region:
     return Chain((first, second), going_on(first, second.entry)[0])
 
 
+def depth(region: Region) -> int:
+    """Return how many new containers lie within each other where the nesting is deepest."""
+    deepest, stack = 0, [(region, 1)]
+    while stack:
+        inner, level = stack.pop()
+        deepest = max(deepest, level)
+        below = inner.parts if isinstance(inner, Chain) else (inner.body,) if isinstance(inner, Loop) else ()
+        stack.extend((part, level + 1) for part in below if not isinstance(part, State))
+    return deepest
+
+
 def going_on(region: Region, target: str) -> list[str]:
     """Return the meanings with which the ends of `region` that lead to `target` can go on to it, the best first.
 

@@ -15,9 +15,12 @@ from ..resolve import Part, resolve
 from ..transitions import interrupts, lead
 from .composites import PLAIN, Composer
 from .irreducible import offending_edges
-from .regions import Arc, Region, flow_graph, structured
+from .regions import Arc, Region, depth, flow_graph, structured
 from .result import Built, Note, Restructured, kept, paths_of, successors
 from .to_states import ticked_by
+
+MAX_DEPTH = 16
+"""Containers within each other that one machine may become; a file can't hold many more either."""
 
 
 def to_trees(task: Task, catalog: Catalog) -> Restructured:
@@ -106,7 +109,12 @@ def _structure(part: Part, ticker: Part | None) -> Region | str:
     if never:
         return f"{listing(never)} is never reached; a composite has no place for it"
     found = structured(part.node.initial, arcs)
-    return found if not isinstance(found, nx.DiGraph) else _tangle(graph, part.node.initial, arcs)
+    if isinstance(found, nx.DiGraph):
+        return _tangle(graph, part.node.initial, arcs)
+    levels = depth(found)
+    if levels > MAX_DEPTH:
+        return f"its structure has {levels} levels, which nobody can follow (at most {MAX_DEPTH} are made)"
+    return found
 
 
 def _arcs(part: Part, index: int) -> list[Arc]:
