@@ -107,7 +107,7 @@ def _structure(part: Part, ticker: Part | None) -> Region | str:
     graph = flow_graph(part.node.initial, arcs)
     never = [name for name in arcs if name not in graph]
     if never:
-        return f"{listing(never)} is never reached; a composite has no place for it"
+        return f"states that are never reached have no place in a composite: {listing(never)}"
     found = structured(part.node.initial, arcs)
     if isinstance(found, nx.DiGraph):
         return _tangle(graph, part.node.initial, arcs)
