@@ -110,13 +110,12 @@ def _find(text: str, spans: list[tuple[int, int]], blocks: set[int]) -> Iterator
             line_end = text.find("\n", at)
             line_end = len(text) if line_end < 0 else line_end
             before = text[line_start:at]
-            above = text[: max(line_start - 1, 0)]
             yield _Comment(
                 text[at:line_end].rstrip(),
                 at,
                 at - line_start + 1,
                 not before.strip(),
-                line_start > 0 and not above[above.rfind("\n") + 1 :].strip(),
+                _blank_above(text, line_start),
             )
             at = text.find("#", line_end)
         else:
@@ -128,9 +127,14 @@ def _attach_blank_lines(places: list[_Place], text: str) -> None:
     for place in places:
         line_start = text.rfind("\n", 0, place.entry.start) + 1
         if place.flow is None and not text[line_start : place.entry.start].strip(" -"):
-            above = text[: max(line_start - 1, 0)]
-            if line_start > 0 and not above[above.rfind("\n") + 1 :].strip():
+            if _blank_above(text, line_start):
                 place.entry.comments.before.append("")
+
+
+def _blank_above(text: str, line_start: int) -> bool:
+    """Tell whether the line above one is blank."""
+    end = max(line_start - 1, 0)
+    return line_start > 0 and not text[text.rfind("\n", 0, end) + 1 : end].strip()
 
 
 def _enclosing(flows: list[Entry], at: int) -> Entry | None:

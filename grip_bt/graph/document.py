@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from grip_bt.errors import DocumentError
 
 from .model import Task
-from .shape import CHILDREN, read_task
+from .quick import quick_data
+from .shape import CHILDREN, read_task, task_of
 from .syntax import MAX_CHARACTERS, Entry, Mapping, Value, parse
 
 
@@ -20,13 +22,18 @@ class Document:
         task: the task.
         text: the file's text.
         source: the file's name as it was given, for messages.
-        tree: the text's syntax, with places.
     """
 
     task: Task
     text: str
-    source: str
-    tree: Mapping = field(repr=False, compare=False)
+    source: str = ""
+
+    @cached_property
+    def tree(self) -> Mapping:
+        """The text's syntax, with places; parsed when somebody asks."""
+        tree = parse(self.text, self.source)
+        assert isinstance(tree, Mapping)
+        return tree
 
     def position(self, path: str, key: str | tuple[str | int, ...] | None = None) -> tuple[int, int] | None:
         """Return the 1-based line and column of a node, or of a key within it.
@@ -93,10 +100,12 @@ def read_text(text: str, source: str = "") -> Document:
     Raises:
         DocumentError: it isn't a task.
     """
-    tree = parse(text, source)
-    task = read_task(tree, source)
-    assert isinstance(tree, Mapping)
-    return Document(task, text, source, tree)
+    data = quick_data(text)
+    task = None if data is None else task_of(data)
+    if task is None:
+        # odd or wrong: with places, so that a fault is said where it is
+        task = read_task(parse(text, source), source)
+    return Document(task, text, source)
 
 
 def read_file(path: Path | str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from types import GenericAlias
 from typing import Any, NoReturn, TypeVar
 
@@ -22,6 +23,10 @@ class FrozenDict(dict[K, V]):
 
     def __reduce__(self) -> Any:
         return (type(self), (dict(self),))
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> FrozenDict[K, V]:
+        # pydantic copies an unhashable default for every model; an empty one that can't change serves them all
+        return FrozenDict({k: deepcopy(v, memo) for k, v in self.items()}) if self else self
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:

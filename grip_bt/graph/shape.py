@@ -37,6 +37,9 @@ def keys_of(shape: type[BaseModel]) -> tuple[str, ...]:
     return tuple(sorted(names, key=_ORDER.index))
 
 
+_SHAPES: tuple[type[BaseModel], ...] = (model.Task, model.Leaf, *_KINDS.values())
+_FIELDS_ONLY = frozenset({"x"}).union(n for shape in _SHAPES for n, f in shape.model_fields.items() if f.alias)
+"""Names of fields that aren't keys of a file."""
 _ORDER = (
     *("grip", "name", "kind", "node", "type", "value", "doc"),
     *("initial", "times", "seconds", "policy", "memory", "cancel", "as"),
@@ -75,11 +78,23 @@ def read_task(tree: Value, source: str) -> model.Task:
     faults = list(_key_faults(tree))
     if faults:
         raise document_error(faults, source)
-    data = _with_free_keys(tree)
+    data = _with_free_keys(plain(tree))
     try:
         return model.Task.model_validate(data, strict=True)
     except ValidationError as error:
         raise document_error([fault_of(tree, e) for e in error.errors()], source) from None
+
+
+def task_of(data: dict[str, Any]) -> model.Task | None:
+    """Turn a file's data, which this changes, into a task; None when it isn't one and `read_task` has to say why."""
+    try:
+        return model.Task.model_validate(_with_free_keys(data), strict=True)
+    except (ValidationError, _NotAKeyError):
+        return None
+
+
+class _NotAKeyError(Exception):
+    """A field's own name stands where a file has its alias."""
 
 
 def _nodes(tree: Mapping) -> Iterator[Mapping]:
@@ -138,9 +153,8 @@ def _wrong_variables(node: Mapping) -> Iterator[Fault]:
             )
 
 
-def _with_free_keys(tree: Mapping) -> dict[str, Any]:
-    """Return plain data in which each task's and node's `x-*` keys are moved to `x`."""
-    data: dict[str, Any] = plain(tree)
+def _with_free_keys(data: dict[str, Any]) -> dict[str, Any]:
+    """Move each task's and node's `x-*` keys to `x`, in place."""
     _gather(data)
     stack = [data.get("root")]
     while stack:
@@ -156,6 +170,8 @@ def _with_free_keys(tree: Mapping) -> dict[str, Any]:
 
 
 def _gather(node: dict[str, Any]) -> None:
+    if not _FIELDS_ONLY.isdisjoint(node):
+        raise _NotAKeyError
     free = {key: node.pop(key) for key in list(node) if key.startswith(FREE)}
     if free:
         node["x"] = free

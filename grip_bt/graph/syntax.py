@@ -20,6 +20,12 @@ MAX_DEPTH = 120
 LONGEST_KEY = 200
 MAX_CHARACTERS = 4_000_000
 _DIRECTIVE = re.compile(r"([ \t]*(#.*)?\r?\n)*%")
+_ODD = re.compile(
+    "[^\\n\\r -~\\xa0-\\u2027\\u202a-\\ud7ff\\ue000-\\ufefe\\uff00-\\ufffd\\U00010000-\\U0010ffff]"
+    r"|[|>][-+0-9]*(#| *(#.*)?\r?\n +\r?\n)"
+    r"|['\"]\s*:[^\s]"
+)
+"""What the two parsers don't read alike: tabs, odd ends of lines, and some unusual spellings."""
 
 
 @dataclass(slots=True)
@@ -113,17 +119,48 @@ def tree_of(data: Any) -> Value:
     return Scalar(data)
 
 
+def is_usual(text: str) -> bool:
+    """Tell whether libyaml reads a text as YAML 1.2 does, if it reads it at all."""
+    return not _ODD.search(text) and not _DIRECTIVE.match(text)
+
+
 def parse(text: str, source: str = "") -> Value:
     """Read one YAML document.
 
     Raises:
         DocumentError: it isn't one, or it uses what tasks don't need.
     """
+    if len(text) > MAX_CHARACTERS:
+        raise DocumentError(f"larger than {MAX_CHARACTERS} characters", source)
+    if is_usual(text):
+        root = _quickly(text)
+        if root is not None:
+            return root
+    return _patiently(text, source)
+
+
+def _quickly(text: str) -> Value | None:
+    """Read by libyaml; None where the patient way is needed, if only to say what is wrong."""
+    try:
+        from yaml import YAMLError  # type: ignore[import-untyped]
+        from yaml.cyaml import CParser  # type: ignore[import-untyped]
+    except ImportError:
+        return None
+    builder = _Builder("")
+    parser = CParser(text)
+    try:
+        while parser.check_event():
+            builder.take(parser.get_event())
+    except (YAMLError, DocumentError, ValueError):
+        return None
+    return builder.root if isinstance(builder.root, Mapping) else None
+
+
+def _patiently(text: str, source: str) -> Value:
+    """Read by a parser in Python: slow, exact in its messages, and of YAML 1.2 in every corner."""
     from ruamel.yaml import YAML
     from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
-    if len(text) > MAX_CHARACTERS:
-        raise DocumentError(f"larger than {MAX_CHARACTERS} characters", source)
     directive = _DIRECTIVE.match(text)
     if directive:
         line = text.count("\n", 0, directive.end()) + 1
@@ -242,6 +279,9 @@ class _Builder:
         if key is None:
             self.keys[-1] = self._key(value, parent)
             return
+        if isinstance(value, Scalar) and value.span[0] == value.span[1]:
+            # nothing is written: where that is, no two parsers agree
+            value.line, value.column, value.span = key.line, key.column, (key.span[1], key.span[1])
         parent.entries[key.value] = Entry(key.value, value, key.line, key.column, key.span[0], key.span[1])
         self.keys[-1] = None
 
