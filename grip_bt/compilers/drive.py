@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -50,17 +51,23 @@ class Rushing:
         """Nobody rests."""
 
 
-def drive(node: Behaviour, pacer: Pacer) -> Status:
+def drive(node: Behaviour, pacer: Pacer, tick: Callable[[], None] | None = None) -> Status:
     """Tick `node` until it ends; whatever interrupts this halts everything below it first.
+
+    Args:
+        node: what to tick.
+        pacer: says when.
+        tick: does what `node.tick_once` does, which is the default.
 
     Raises:
         Halted: the run was stopped.
         NodeError: a leaf raised.
     """
+    tick = node.tick_once if tick is None else tick
     try:
         while True:
             seen = pacer.turn()
-            node.tick_once()
+            tick()
             if node.status != Status.RUNNING:
                 return node.status
             pacer.rest(seen)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from py_trees.behaviour import Behaviour
@@ -110,15 +110,19 @@ class CompiledTree:
         """Undo `prepare`; nothing runs any more."""
         release(self.by_path.values())
 
-    def execute(self, pacer: Pacer) -> TaskEnd:
+    def execute(self, pacer: Pacer, tick: Callable[[], None] | None = None) -> TaskEnd:
         """Tick until the task ends.
+
+        Args:
+            pacer: says when.
+            tick: does what `root.tick_once` does, which is the default.
 
         Raises:
             Halted: the run was stopped; everything was interrupted.
             NodeError: a leaf raised; everything was interrupted.
         """
         self.data[Scopes.TASK].reset()
-        drive(self.root, pacer)
+        drive(self.root, pacer, tick)
         return self.end()
 
     def end(self) -> TaskEnd:

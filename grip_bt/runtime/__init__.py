@@ -6,6 +6,7 @@ from .control import serve_control
 from .journal import Journal, JournalError, RunLog
 from .journal_reader import Event, JournalReader, RunRecord
 from .pacing import Pacing
+from .plan import Plan
 from .runner import Runner, RunResult
 from .waker import Waker
 
@@ -16,6 +17,7 @@ __all__ = [
     "JournalReader",
     "ManualClock",
     "Pacing",
+    "Plan",
     "RunContext",
     "RunLog",
     "RunRecord",

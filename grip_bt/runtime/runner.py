@@ -18,6 +18,7 @@ from grip_bt.values import Failure
 from .context import RunContext
 from .journal import Journal
 from .pacing import Pacing
+from .plan import Plan
 from .recorder import Recorder
 
 _log = logging.getLogger(__name__)
@@ -161,7 +162,7 @@ class Runner:
     def _attempt(self, start: float) -> RunResult:
         try:
             self.compiled.prepare(self.context)
-            end = self.compiled.execute(self.pacing)
+            end = self._execute()
         except Halted:
             return self._result(None, "stopped", start)
         except KeyboardInterrupt:
@@ -174,6 +175,11 @@ class Runner:
         finally:
             self.compiled.release()
         return self._result(end, "success" if end.meaning == "success" else "failure", start)
+
+    def _execute(self) -> TaskEnd:
+        if isinstance(self.compiled, CompiledTree):
+            return self.compiled.execute(self.pacing, Plan(self.compiled.root).tick)
+        return self.compiled.execute(self.pacing)
 
     def _result(
         self, end: TaskEnd | None, status: RunStatus, start: float, error: Exception | None = None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 from py_trees.common import Status
@@ -17,7 +17,7 @@ from grip_bt.errors import DataError, NodeError
 from grip_bt.graph.model import Task
 from grip_bt.nodes import Leaf
 from grip_bt.nodes.node import halt
-from grip_bt.runtime import ManualClock
+from grip_bt.runtime import ManualClock, Plan
 
 FACES = {
     "fuzz/plain": {"success": "success", "failure": "failure"},
@@ -198,13 +198,20 @@ def _run_of(world: World, end: tuple[Any, ...], data: Scopes) -> Run:
     return Run(end, world.trace, world.events, values, world.over_budget, world.turns)
 
 
-def run_tree(case: dict[str, Any], task: Task | None = None, origin: Mapping[str, str] | None = None) -> Run:
-    """Tick the compiled tree with py_trees' own manager.
+def run_tree(
+    case: dict[str, Any],
+    task: Task | None = None,
+    origin: Mapping[str, str] | None = None,
+    *,
+    by_plan: bool = False,
+) -> Run:
+    """Tick the compiled tree with py_trees' own manager, or by a plan.
 
     Args:
         case: a task with scripts.
         task: run this task instead, which is the same under other paths.
         origin: path in `task` -> path in the case.
+        by_plan: whether a plan ticks.
     """
     world = World(case["scripts"], case.get("preempt_at"), origin)
     compiled = to_tree(task or Task.model_validate(case["task"]), CATALOG, leaf_factory=_factory(world))
@@ -218,10 +225,11 @@ def run_tree(case: dict[str, Any], task: Task | None = None, origin: Mapping[str
     compiled.observe(world)
     tree = BehaviourTree(compiled.root)
     tree.setup(context=world)
+    tick = Plan(compiled.root).tick if by_plan else tree.tick
     try:
         while True:
             world.turn()
-            tree.tick()
+            tick()
             if compiled.root.status != Status.RUNNING:
                 break
         reached = compiled.end()
@@ -263,8 +271,22 @@ def projections(records: list[tuple[Any, ...]]) -> dict[str, list[tuple[Any, ...
 
 
 def difference(case: dict[str, Any]) -> str | None:
-    """Run a case on both targets; return how they differ, None when they don't, '' when it can't be told."""
-    return compare(case, {"tree": run_tree(case), "machine": run_machine(case)})
+    """Run a case as a tree by py_trees, as the same tree by a plan, and as a machine.
+
+    Returns:
+        how two of them differ, None when they don't, '' when it can't be told.
+    """
+    tree, planned = run_tree(case), run_tree(case, by_plan=True)
+    return _unlike(tree, planned) or compare(case, {"tree": tree, "machine": run_machine(case)})
+
+
+def _unlike(tree: Run, planned: Run) -> str | None:
+    """Return how the runs of one tree by py_trees and by a plan differ: in nothing at all, that is the claim."""
+    for field_ in fields(Run):
+        left, right = getattr(tree, field_.name), getattr(planned, field_.name)
+        if left != right:
+            return f"{field_.name} differ\n  py_trees: {left}\n  plan:     {right}"
+    return None
 
 
 def compare(case: dict[str, Any], runs: Mapping[str, Run]) -> str | None:

@@ -1,0 +1,127 @@
+"""From a tree to closures, bottom up, a few microseconds a node."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+
+from . import composites, controls, leaves
+from .hooks import entering, leaving
+from .kinds import Kind, kind_of, ours
+from .parts import INVALID, F, Part, R, S, Verdict, Visit, foreign, halt_foreign
+from .stopping import Stop, make_halt, make_stop
+from .watch import Methods, watch_children
+
+_TO_EXHAUSTION = Verdict()
+_VERDICTS = {
+    Kind.SEQUENCE: Verdict(leave=(F, R, INVALID), onward=S),
+    Kind.SELECTOR: Verdict(leave=(R, S), onward=F),
+}
+
+
+class Compiler:
+    """Compiles the nodes of one tree.
+
+    Attributes:
+        parts: every node compiled so far.
+        stale: whether something was found that has changed since; the node in question was ticked by its own generator.
+
+    Args:
+        visit: called where py_trees yields a node; None for nobody.
+        fixed_methods: somebody promises that no instance gets or loses a method of its life cycle.
+    """
+
+    def __init__(self, visit: Visit | None = None, fixed_methods: bool = False):
+        self.visit, self.fixed_methods = visit, fixed_methods
+        self.parts: dict[Behaviour, Part] = {}
+        self.stale = False
+
+    def compile(self, node: Any, verdict: Verdict = _TO_EXHAUSTION) -> Part:
+        """Return the compiled node; what isn't known to the letter is ticked by its own generator."""
+        kind = kind_of(node)
+        if kind is not Kind.FOREIGN and not _regular(node, kind):
+            kind = Kind.FOREIGN
+        if kind is Kind.FOREIGN:
+            part = Part(node, foreign(node, verdict, self.visit), halt_foreign(node))
+        elif kind is Kind.LEAF:
+            stop = make_stop(node, kind, (), _never)
+            make = leaves.our_leaf if ours(node) else leaves.leaf
+            part = Part(node, make(node, stop, self.visit), make_halt(stop))
+        else:
+            part = self._inner(node, kind, verdict)
+        self.parts[node] = part
+        return part
+
+    def _inner(self, node: Any, kind: Kind, verdict: Verdict) -> Part:
+        verdict_of_kids = _VERDICTS.get(kind, _TO_EXHAUSTION)
+        kids = [self.compile(kid, verdict_of_kids) for kid in children_of(node, kind)]
+        changed = self._watch(node, kind, [kid.node for kid in kids])
+        stop = make_stop(node, kind, kids, changed)
+        tick = self._tick(node, kind, kids, stop)
+        if ours(node):
+            tick = _entered(entering(node), tick)
+        return Part(node, self._guarded(node, tick, changed, verdict), make_halt(stop))
+
+    def _tick(self, node: Any, kind: Kind, kids: list[Part], stop: Stop) -> Callable[[], Status]:
+        ended = leaving(node, self.visit) if ours(node) else None
+        match kind:
+            case Kind.SEQUENCE:
+                return composites.sequence(node, kids, stop, self.visit, ended)
+            case Kind.SELECTOR:
+                return composites.selector(node, kids, stop, self.visit, ended)
+            case Kind.PARALLEL:
+                return composites.parallel(node, kids, stop, self.visit)
+            case Kind.DECORATOR:
+                return controls.decorator(node, kids[0], stop, self.visit, ended)
+        assert ended is not None, "these kinds are ours"
+        if kind is Kind.ROUNDS:
+            return controls.rounds(node, kids, stop, self.visit, ended)
+        return controls.transitions(node, kids, self.visit, ended)
+
+    def _watch(self, node: Any, kind: Kind, kids: list[Behaviour]) -> Callable[[], bool]:
+        methods = Methods(() if self.fixed_methods else kids)
+        memory = node.memory if kind in (Kind.SEQUENCE, Kind.SELECTOR) else None
+        return watch_children(node, kids, methods, memory)
+
+    def _guarded(
+        self, node: Any, tick: Callable[[], Status], changed: Callable[[], bool], verdict: Verdict
+    ) -> Callable[[], Status]:
+        own = foreign(node, verdict, self.visit)
+
+        def guarded() -> Status:
+            if changed():
+                self.stale = True
+                return own()
+            return tick()
+
+        return guarded
+
+
+def children_of(node: Any, kind: Kind) -> list[Behaviour]:
+    """Return the children that the node ticks."""
+    return [node.decorated] if kind is Kind.DECORATOR else list(node.children)
+
+
+def _regular(node: Any, kind: Kind) -> bool:
+    """Tell whether the children can be compiled too: each is there once, and ours has ours alone."""
+    if kind is Kind.LEAF:
+        return True
+    kids = children_of(node, kind)
+    if len(set(map(id, kids))) != len(kids):
+        return False
+    return not ours(node) or all(ours(kid) and kind_of(kid) is not Kind.FOREIGN for kid in kids)
+
+
+def _entered(enter: Callable[[], None], tick: Callable[[], Status]) -> Callable[[], Status]:
+    def entered() -> Status:
+        enter()
+        return tick()
+
+    return entered
+
+
+def _never() -> bool:
+    return False

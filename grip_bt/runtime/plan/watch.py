@@ -1,0 +1,91 @@
+"""What compiled code relies on, and whether it still holds.
+
+A node's structure (children, memory, the decorated child) is compared at each visit. Methods are watched by the size of
+each node's attribute dictionary, in one pass of C over the children: a method assigned to an instance makes it grow. A
+size that changed for another reason is noted and forgotten.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from py_trees.behaviour import Behaviour
+
+from .kinds import LIFE_CYCLE
+
+
+class Methods:
+    """The methods of some instances, as they were when this was made.
+
+    Args:
+        nodes: whose methods; none where somebody has promised that none is replaced.
+    """
+
+    def __init__(self, nodes: Iterable[Behaviour]):
+        self.dicts = [vars(node) for node in nodes]
+        self.sizes = [*map(len, self.dicts)]
+        self._own = [_own(d) for d in self.dicts]
+
+    def replaced(self) -> bool:
+        """Tell whether an instance has got or lost a method of its life cycle; called when a size has changed."""
+        if [_own(d) for d in self.dicts] != self._own:
+            return True
+        self.sizes[:] = map(len, self.dicts)
+        return False
+
+
+def _own(attributes: dict[str, Any]) -> tuple[str, ...]:
+    return tuple(name for name in LIFE_CYCLE if name in attributes)
+
+
+class Classes:
+    """The life cycle methods of some classes, as they were when this was made."""
+
+    def __init__(self, classes: Iterable[type]):
+        self._seen: list[tuple[Any, ...]] = [(cls, *_methods(cls)) for cls in set(classes)]
+
+    def changed(self) -> bool:
+        """Tell whether a method of a class was replaced."""
+        for cls, tick, stop, initialise, terminate in self._seen:
+            if (
+                cls.tick is not tick
+                or cls.stop is not stop
+                or cls.initialise is not initialise
+                or cls.terminate is not terminate
+            ):
+                return True
+        return False
+
+
+def _methods(cls: Any) -> tuple[Any, Any, Any, Any]:
+    return cls.tick, cls.stop, cls.initialise, cls.terminate
+
+
+def watch_children(node: Any, kids: list[Behaviour], methods: Methods, memory: bool | None) -> Callable[[], bool]:
+    """Return a function that tells whether the node, or what it knows about its children, has changed.
+
+    Args:
+        node: a composite or decorator.
+        kids: its children when it was compiled.
+        methods: those of the children.
+        memory: the flag of a sequence or selector when it was compiled; None where there is none.
+    """
+    dicts, sizes, replaced = methods.dicts, methods.sizes, methods.replaced
+    if memory is not None:
+
+        def changed() -> bool:
+            return node.children != kids or node.memory is not memory or ([*map(len, dicts)] != sizes and replaced())
+
+    elif hasattr(node, "decorated"):
+        (kid,) = kids
+
+        def changed() -> bool:
+            return node.decorated is not kid or ([*map(len, dicts)] != sizes and replaced())
+
+    else:
+
+        def changed() -> bool:
+            return node.children != kids or ([*map(len, dicts)] != sizes and replaced())
+
+    return changed

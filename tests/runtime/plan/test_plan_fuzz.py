@@ -1,0 +1,28 @@
+"""Plans do what py_trees does, on random trees with edits between ticks."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import pytest
+from plan_pairs import compare
+
+TREES = int(os.environ.get("GRIP_FUZZ_PLANS", "5000"))
+FIRST = int(os.environ.get("GRIP_FUZZ_SEED", "0"))
+CHUNKS = 10
+
+WAYS: list[dict[str, Any]] = [
+    {},
+    {"watched": True},
+    {"fixed_methods": True, "methods": False},
+    {"edits": 0.0},
+]
+
+
+@pytest.mark.parametrize("chunk", range(CHUNKS))
+def test_a_plan_leaves_every_tree_as_py_trees_does(chunk: int) -> None:
+    size = max(1, TREES // CHUNKS)
+    for seed in range(FIRST + chunk * size, FIRST + (chunk + 1) * size):
+        found = compare(seed, **WAYS[seed % len(WAYS)])
+        assert found is None, found
