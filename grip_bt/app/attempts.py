@@ -25,7 +25,7 @@ class Attempt:
         steps: leaf -> outcome (and failure code), in order of their ends.
         outcome: how the attempt node ended; None when it was interrupted.
         failure: why.
-        where: path of the leaf that failed last.
+        where: path of the leaf that failed first.
         held: objects that the referee saw in the hand when the task checked.
         duration: on the run's clock [s].
     """
@@ -62,11 +62,12 @@ class AttemptRecorder(Silent):
         self._path, self._check, self._clock, self._truth, self._on_end = attempt, check, clock, truth, on_end
         self.attempts: list[Attempt] = []
         self._began = 0.0
+        self._first: Failure | None = None
 
     def entered(self, path: str) -> None:
         """Begin an attempt, or ask what is held before the task checks it."""
         if path == self._path:
-            self._began = self._clock()
+            self._began, self._first = self._clock(), None
             self.attempts.append(Attempt(len(self.attempts) + 1))
         elif path == self._check and self.attempts:
             self.attempts[-1].held = self._with("held")
@@ -86,8 +87,9 @@ class AttemptRecorder(Silent):
         elif path.startswith(self._path + "/") and self.attempts:
             label = outcome if failure is None else f"{outcome}.{failure.code}"
             self.attempts[-1].steps.append((path.removeprefix(self._path + "/"), label))
-            if failure is not None:
-                self.attempts[-1].where = self.attempts[-1].where or path.removeprefix(self._path + "/")
+            if failure is not None and not self.attempts[-1].where:
+                self.attempts[-1].where = path.removeprefix(self._path + "/")
+                self._first = failure
 
     def interrupted(self, path: str) -> None:
         """End the attempt without an outcome."""
@@ -96,7 +98,9 @@ class AttemptRecorder(Silent):
 
     def _end(self, outcome: str | None, failure: Failure | None) -> None:
         attempt = self.attempts[-1]
-        attempt.outcome, attempt.failure = outcome, failure
+        attempt.outcome = outcome
+        # A recovery that succeeded leaves a failed attempt without a reason of its own: what it recovered from is it.
+        attempt.failure = failure or (self._first if outcome == "failure" else None)
         attempt.duration = self._clock() - self._began
         self._on_end(attempt)
 

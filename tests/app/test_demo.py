@@ -7,12 +7,15 @@ from pathlib import Path
 import pytest
 from trial_project import grip, processes_in, result_of
 
-from grip_bt.app.demos import examples_folder
+from grip_bt.app import RunOptions, open_session
+from grip_bt.app.attempts import AttemptRecorder
+from grip_bt.app.demos import examples_folder, find_demo
+from grip_bt.nodes.observer import Silent
+from grip_bt.values import Pose
 
 pytestmark = [pytest.mark.ros, pytest.mark.sim, pytest.mark.slow]
 
 FAR_LEAF = '''
-import numpy as np
 
 from grip_bt.nodes import Leaf
 from grip_bt.values import Grasp, Pose
@@ -72,3 +75,34 @@ def test_an_object_out_of_reach_is_a_failure_with_its_reason(project: Path):
     assert result["code"] == "no_grasp"
     assert "no_ik" in result["message"]
     assert processes_in(project) == []
+
+
+class Thief(Silent):
+    """Takes away the object that is about to be grasped, once, while the hand closes."""
+
+    def __init__(self, recorder, referee):
+        self.recorder, self.referee, self.stolen = recorder, referee, None
+
+    def entered(self, path):
+        if path.endswith("pick/close") and self.stolen is None:
+            self.stolen = self.recorder.attempts[-1].target
+            self.referee.move_object(self.stolen, Pose((0.0, 0.0, -1.0)))
+
+
+@pytest.mark.parametrize("form", ["bt", "sm"])
+def test_after_a_grasp_of_nothing_the_task_backs_off_and_takes_what_is_there(form):
+    demo = find_demo("reactive")
+    with open_session(demo.task, RunOptions(target=form, seed=3)) as session:
+        referee = session.resources.referee
+        recorder = AttemptRecorder(demo.attempt, demo.check, session.resources.clock.now, referee.truth)
+        thief = Thief(recorder, referee)
+        session.runner.observe(recorder)
+        session.runner.observe(thief)
+        result = session.runner.run()
+        truth = referee.truth()
+    assert result.status == "success", result
+    failed = [a for a in recorder.attempts if a.failure is not None]
+    assert [(a.target, a.failure.code) for a in failed] == [(thief.stolen, "no_contact")]
+    assert dict(failed[0].steps)["pick/back_off"] == "success"
+    assert "place" not in dict(failed[0].steps)
+    assert sorted(t.status for t in truth.values()) == ["fallen", "placed", "placed"]
