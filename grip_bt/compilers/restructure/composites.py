@@ -10,7 +10,7 @@ from grip_bt.graph.model import AnyNode, Fallback, Force, Meaning, Repeat, Seque
 
 from ..resolve import Part
 from .regions import Arc, Chain, Loop, Region, State
-from .result import Built, Place
+from .result import Built, Place, common
 
 PLAIN: Mapping[str, Meaning] = {"success": "success", "failure": "failure"}
 
@@ -84,8 +84,7 @@ class Composer:
         for state, place in body.places.items():
             places.update(self.children[state].below(place))
         outcomes = FrozenDict({k: v for k, v in old.outcomes.items() if k not in PLAIN})
-        changes = {"outcomes": outcomes, "data": old.data, "doc": old.doc, "on": old.on, "x": old.x}
-        return Built(body.node.model_copy(update=changes), places)
+        return Built(body.node.model_copy(update={**common(old), "outcomes": outcomes}), places)
 
     def item(self, region: Region, wishes: Wishes) -> Item:
         """Return a child for a region."""

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from grip_bt.errors import NotExpressibleError
 from grip_bt.graph.frozen import FrozenDict
-from grip_bt.graph.model import AnyNode, StateMachine, Task, join
+from grip_bt.graph.model import AnyNode, Fallback, Sequence, StateMachine, Task, join
 
 from ..resolve import Part
 from ..transitions import lead
 
 Place = tuple[str, ...]
 """A node's names, from some node above it downwards."""
+
+
+COMMON = (StateMachine.model_fields.keys() & Sequence.model_fields.keys()) - {"kind", "children", "outcomes"}
+"""What a state machine and a composite say in the same way."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +106,12 @@ def kept(part: Part, children: Mapping[str, Built]) -> Built:
     return Built(part.node.model_copy(update={key: nodes}), places)
 
 
-def successors(part: Part) -> Sequence[str]:
+def common(node: Sequence | Fallback | StateMachine) -> dict[str, Any]:
+    """Return what stays as it is when a composite becomes a state machine, or the reverse."""
+    return {key: getattr(node, key) for key in COMMON}
+
+
+def successors(part: Part) -> list[str]:
     """Return the children that a sibling leads to.
 
     Without any, a container ends in the same tick as its child, whatever its kind is.

@@ -9,7 +9,7 @@ from grip_bt.graph.model import Fallback, Leaf, Parallel, Sequence, StateMachine
 
 from ..resolve import Part, resolve
 from ..transitions import interrupts, lead
-from .result import Built, Note, Restructured, kept, paths_of, successors
+from .result import Built, Note, Restructured, common, kept, paths_of, successors
 
 
 def to_state_machines(task: Task, catalog: Catalog) -> Restructured:
@@ -101,11 +101,8 @@ def _machine(part: Part, same: Built) -> StateMachine:
     for name, row in _rows(part).items():
         children[name] = node.children[name].model_copy(update={"on": FrozenDict(row)})
     return StateMachine(
+        **common(node),
         kind="state_machine",
-        doc=node.doc,
-        on=node.on,
-        x=node.x,
-        data=node.data,
         outcomes=FrozenDict(part.meaning),
         initial=part.children[0].name,
         children=FrozenDict(children),

@@ -8,8 +8,9 @@ import pytest
 from restructure_tasks import CATALOG, leaf, task
 
 from grip_bt.compilers.restructure import to_state_machines
+from grip_bt.compilers.restructure.result import COMMON
 from grip_bt.errors import InvalidTaskError, NotExpressibleError
-from grip_bt.graph import dumps, loads
+from grip_bt.graph import Fallback, Sequence, StateMachine, dumps, loads
 
 
 def converted(root: dict[str, Any], **more: Any) -> dict[str, Any]:
@@ -118,3 +119,10 @@ def test_a_wrong_task_is_refused() -> None:
         to_state_machines(
             task({"kind": "sequence", "exits": {"z.success": "success"}, "children": {"a": leaf()}}), CATALOG
         )
+
+
+def test_every_key_of_these_kinds_is_kept_or_translated() -> None:
+    assert {"doc", "data", "on", "x"} <= COMMON
+    assert set(StateMachine.model_fields) - COMMON == {"kind", "initial", "outcomes", "children"}
+    for composite in (Sequence, Fallback):
+        assert set(composite.model_fields) - COMMON == {"kind", "memory", "outcomes", "exits", "children"}
