@@ -18,7 +18,7 @@ $(STAMP): requirements/lock.txt requirements/build.txt pyproject.toml
 	@python=$$(sh tools/find_python.sh) || exit 1; \
 	echo "Setting up $(VENV) with $$($$python --version) (about a minute, 1.6 GB) ..."; \
 	$$python -m venv $(VENV)
-	@$(BIN)/python -m pip install --disable-pip-version-check -q --no-deps \
+	@$(BIN)/python -m pip install --disable-pip-version-check -q --no-deps --use-pep517 \
 	    -r requirements/lock.txt -r requirements/build.txt 2> >(grep -v '^WARNING: Location' >&2)
 	@$(BIN)/python -m pip install --disable-pip-version-check -q --no-deps --no-build-isolation -e . \
 	    2> >(grep -v '^WARNING: Location' >&2)

@@ -34,4 +34,9 @@ else
     exit 1
 fi
 echo "Installing system packages:$missing"
-$run apt-get update -qq && $run env DEBIAN_FRONTEND=noninteractive $line -qq >/dev/null
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+if ! { $run apt-get update -qq && $run env DEBIAN_FRONTEND=noninteractive $line -qq; } >"$log" 2>&1; then
+    cat "$log" >&2
+    exit 1
+fi
