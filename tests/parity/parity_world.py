@@ -194,7 +194,8 @@ def _factory(world: World) -> Any:
 def _run_of(world: World, end: tuple[Any, ...], data: Scopes) -> Run:
     values = {(world.named(path) or path, name): value for (path, name), value in data.snapshot().items()}
     if end[0] == "error":
-        end = ("error", world.named(end[1]), end[2])
+        known_as = world.named(end[1]) or end[1]
+        end = ("error", known_as, end[2].replace(f"{end[1]}:", f"{known_as}:"))
     return Run(end, world.trace, world.events, values, world.over_budget, world.turns)
 
 
@@ -296,6 +297,8 @@ def compare(case: dict[str, Any], runs: Mapping[str, Run]) -> str | None:
     the same tick than the other does before it looks: then only what came clearly before is compared.
     """
     (left_name, left_run), (right_name, right_run) = runs.items()
+    if case.get("concurrent") and left_run.end[0] == right_run.end[0] == "error":
+        return ""  # how far the siblings have come by then depends on their order
     if left_run.over_budget or right_run.over_budget:
         if case.get("concurrent") or left_run.turns > MAX_TURNS or right_run.turns > MAX_TURNS:
             return ""
