@@ -10,8 +10,8 @@ from py_trees.common import Status
 
 from . import composites, controls, leaves
 from .hooks import entering, leaving
-from .kinds import Kind, kind_of, ours
-from .parts import INVALID, F, Part, R, S, Verdict, Visit, foreign, halt_foreign
+from .kinds import Kind, kind_of, ours, overrides, plain_validation
+from .parts import INVALID, F, Inside, Part, R, S, Verdict, Visit, foreign, halt_foreign
 from .stopping import Stop, make_halt, make_stop
 from .watch import Methods, watch_children
 
@@ -49,7 +49,8 @@ class Compiler:
         elif kind is Kind.LEAF:
             stop = make_stop(node, kind, (), _never)
             make = leaves.our_leaf if ours(node) else leaves.leaf
-            part = Part(node, make(node, stop, self.visit), make_halt(stop))
+            inside = _inside(node, kind, (), stop, Methods())
+            part = Part(node, make(node, stop, self.visit), make_halt(stop), inside)
         else:
             part = self._inner(node, kind, verdict)
         self.parts[node] = part
@@ -58,12 +59,15 @@ class Compiler:
     def _inner(self, node: Any, kind: Kind, verdict: Verdict) -> Part:
         verdict_of_kids = _VERDICTS.get(kind, _TO_EXHAUSTION)
         kids = [self.compile(kid, verdict_of_kids) for kid in children_of(node, kind)]
-        changed = self._watch(node, kind, [kid.node for kid in kids])
+        methods = Methods(() if self.fixed_methods else [kid.node for kid in kids])
+        memory = node.memory if kind in _VERDICTS else None
+        changed = watch_children(node, [kid.node for kid in kids], methods, memory)
         stop = make_stop(node, kind, kids, changed)
         tick = self._tick(node, kind, kids, stop)
         if ours(node):
             tick = _entered(entering(node), tick)
-        return Part(node, self._guarded(node, tick, changed, verdict), make_halt(stop))
+        inside = _inside(node, kind, tuple(kids), stop, methods)
+        return Part(node, self._guarded(node, tick, changed, verdict), make_halt(stop), inside)
 
     def _tick(self, node: Any, kind: Kind, kids: list[Part], stop: Stop) -> Callable[[], Status]:
         ended = leaving(node, self.visit) if ours(node) else None
@@ -80,11 +84,6 @@ class Compiler:
         if kind is Kind.ROUNDS:
             return controls.rounds(node, kids, stop, self.visit, ended)
         return controls.transitions(node, kids, self.visit, ended)
-
-    def _watch(self, node: Any, kind: Kind, kids: list[Behaviour]) -> Callable[[], bool]:
-        methods = Methods(() if self.fixed_methods else kids)
-        memory = node.memory if kind in (Kind.SEQUENCE, Kind.SELECTOR) else None
-        return watch_children(node, kids, methods, memory)
 
     def _guarded(
         self, node: Any, tick: Callable[[], Status], changed: Callable[[], bool], verdict: Verdict
@@ -113,6 +112,21 @@ def _regular(node: Any, kind: Kind) -> bool:
     if len(set(map(id, kids))) != len(kids):
         return False
     return not ours(node) or all(ours(kid) and kind_of(kid) is not Kind.FOREIGN for kid in kids)
+
+
+def _inside(node: Any, kind: Kind, kids: tuple[Part, ...], stop: Stop, methods: Methods) -> Inside | None:
+    if ours(node) or (kind is Kind.PARALLEL and not plain_validation(node)):
+        return None
+    return Inside(
+        kind,
+        kids,
+        stop,
+        methods,
+        overrides(node, "initialise"),
+        overrides(node, "terminate"),
+        getattr(node, "memory", None),
+        getattr(node, "policy", None),
+    )
 
 
 def _entered(enter: Callable[[], None], tick: Callable[[], Status]) -> Callable[[], Status]:

@@ -35,7 +35,7 @@ class Kind(Enum):
     """By its own generator."""
 
 
-LIFE_CYCLE = ("tick", "stop", "initialise", "terminate")
+LIFE_CYCLE = ("tick", "stop", "initialise", "terminate", "validate_policy_configuration")
 """Methods whose replacement changes how a node is compiled; `update` is looked up at each call."""
 
 _TICKS = {
@@ -59,12 +59,19 @@ _STOPS = {
 }
 _OURS_TICK = {Container: Container.tick, Leaf: Leaf.tick}
 _OURS_STOP = Node.stop
+_VALIDATION = composites.Parallel.validate_policy_configuration
 _PLAIN = {"initialise": Behaviour.initialise, "terminate": Behaviour.terminate}
 
 
 def overrides(node: Behaviour, name: str) -> bool:
     """Tell whether `initialise` or `terminate` is more than py_trees' empty one."""
     return replaced_on(node, name) or getattr(type(node), name) is not _PLAIN[name]
+
+
+def plain_validation(node: Behaviour) -> bool:
+    """Tell whether a parallel looks at its policy as py_trees does."""
+    name = "validate_policy_configuration"
+    return not replaced_on(node, name) and getattr(type(node), name) is _VALIDATION
 
 
 def replaced_on(node: Behaviour, name: str) -> bool:

@@ -9,6 +9,9 @@ from typing import Any
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
+from .kinds import Kind
+from .watch import Methods
+
 S, F, R, INVALID = Status.SUCCESS, Status.FAILURE, Status.RUNNING, Status.INVALID
 VALID = tuple(Status)
 
@@ -36,11 +39,38 @@ class Part:
         node: what was compiled.
         tick: does what its `tick` does; returns the status that the parent goes by.
         halt: does what `stop(INVALID)` does.
+        inside: what source can be generated from; None where the node is left to `tick`.
     """
 
     node: Any
     tick: Callable[[], Status]
     halt: Callable[[], None]
+    inside: Inside | None = None
+
+
+@dataclass(frozen=True)
+class Inside:
+    """A node of py_trees as it was when it was compiled.
+
+    Attributes:
+        kind: its rules.
+        kids: its compiled children.
+        stop: does what its `stop` does.
+        methods: those of its children.
+        initialises: whether it overrides `initialise`.
+        terminates: whether it overrides `terminate`.
+        memory: of a sequence or selector.
+        policy: of a parallel.
+    """
+
+    kind: Kind
+    kids: tuple[Part, ...]
+    stop: Callable[[Status], None]
+    methods: Methods
+    initialises: bool
+    terminates: bool
+    memory: Any = None
+    policy: Any = None
 
 
 def rejected(node: Behaviour, status: Any) -> Status:

@@ -22,10 +22,20 @@ class Methods:
         nodes: whose methods; none where somebody has promised that none is replaced.
     """
 
-    def __init__(self, nodes: Iterable[Behaviour]):
-        self.dicts = [vars(node) for node in nodes]
+    def __init__(self, nodes: Iterable[Behaviour] = ()):
+        self.dicts = [_unshared(node) for node in nodes]
         self.sizes = [*map(len, self.dicts)]
         self._own = [_own(d) for d in self.dicts]
+
+    @classmethod
+    def joined(cls, parts: Iterable[Methods]) -> Methods:
+        """Return those of all `parts`, as they were when each of them was made."""
+        whole = cls()
+        for part in parts:
+            whole.dicts += part.dicts
+            whole.sizes += part.sizes
+            whole._own += part._own
+        return whole
 
     def replaced(self) -> bool:
         """Tell whether an instance has got or lost a method of its life cycle; called when a size has changed."""
@@ -33,6 +43,17 @@ class Methods:
             return True
         self.sizes[:] = map(len, self.dicts)
         return False
+
+
+def _unshared(node: Behaviour) -> dict[str, Any]:
+    """Return the node's attributes, in a dictionary of their own.
+
+    Asking for `__dict__` makes CPython 3.11 and 3.12 give up the instance's compact form for one that shares its keys
+    with other instances, in which reading and writing attributes is slow. Plain dictionaries are fast.
+    """
+    if type(node).__dict__.get("__dict__") is None:
+        node.__dict__ = dict(node.__dict__)
+    return node.__dict__
 
 
 def _own(attributes: dict[str, Any]) -> tuple[str, ...]:

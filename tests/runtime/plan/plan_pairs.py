@@ -51,11 +51,13 @@ def state(root: Behaviour) -> list[tuple[Any, ...]]:
 class Pair:
     """Twin trees from one seed."""
 
-    def __init__(self, seed: int, *, calm: bool = False, wild: bool = True, watched: bool = False, **plan: Any):
+    def __init__(
+        self, seed: int, *, calm: bool = False, wild: bool = True, watched: bool = False, hot: bool = False, **plan: Any
+    ):
         self.logs: tuple[Log, Log] = ([], [])
         self.trees = [Maker(seed, log, calm=calm, wild=wild).tree() for log in self.logs]
         self.visits: tuple[Log, Log] = ([], [])
-        self.watched = watched
+        self.watched, self.hot = watched, hot
         self.plan = Plan(self.trees[1], self._visitor(1) if watched else None, **plan)
 
     def _visitor(self, i: int) -> Any:
@@ -71,6 +73,8 @@ class Pair:
 
     def tick(self) -> str | None:
         """Tick both; return how they differ."""
+        if self.hot:
+            self.plan.optimise()
         return self._both(self._theirs, self.plan.tick)
 
     def halt(self) -> str | None:

@@ -70,9 +70,19 @@ class Maker:
         kinds = LEAVES if self.wild else LEAVES[:6]
         return rng.choice(kinds)(self.name(), script, self.log)
 
+    def row(self) -> list[Behaviour]:
+        """Return leaves of one class that mostly go on together, as conditions do."""
+        kind = self.rng.choice([Plain, Told])
+        usual = self.rng.choice([S, S, F])
+        scripts = [[usual] * self.rng.randint(1, 8) + [self.rng.choice([S, F, R])] for _ in range(4)]
+        return [kind(self.name(), script, self.log) for script in scripts[: self.rng.randint(2, 4)]]
+
     def composite(self, depth: int) -> Behaviour:
         rng, name = self.rng, self.name()
         kids = [self.tree(depth - 1) for _ in range(rng.choice([0, 1, 2, 2, 3, 3, 4, 5]))]
+        if rng.random() < 0.4:
+            at = rng.randint(0, len(kids))
+            kids[at:at] = self.row()
         memory, draw = rng.random() < 0.5, rng.random()
         if draw < 0.3:
             return composites.Sequence(name, memory, kids)

@@ -16,7 +16,10 @@ WAYS: list[dict[str, Any]] = [
     {},
     {"watched": True},
     {"fixed_methods": True, "methods": False},
-    {"edits": 0.0},
+    {"hot": True},
+    {"hot": True, "edits": 0.0},
+    {"hot": True, "wild": False},
+    {"hot": True, "fixed_methods": True, "methods": False},
 ]
 
 

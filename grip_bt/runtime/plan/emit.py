@@ -1,0 +1,310 @@
+"""Source of the ticks of nodes of py_trees: what the closures do, in straight lines and short loops.
+
+Every fragment leaves the node's status in `s`. Names end in the node's number: `n` the node, `k` where it resumes, `c`
+the child that decided, `K` its children, `H` children with their halts, `L` leaves ticked in a loop, `t` a closure.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from itertools import groupby
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import ParallelPolicy, Status
+
+from .composites import halt_all, settle
+from .emit_decorators import emit_update
+from .kinds import Kind
+from .parts import INVALID, VALID, F, Inside, Part, R, S, rejected
+from .writer import Writer
+
+Outer = tuple[Callable[[], Status], Callable[[], None]]
+
+LOOP = 3
+"""So many leaves of one class in a row are ticked in a loop."""
+
+PRELUDE = {"S": S, "F": F, "R": R, "I": INVALID, "VALID": VALID, "halt_all": halt_all, "settle": settle}
+
+
+class Emitter:
+    """Writes the source of one region.
+
+    Attributes:
+        write: what was written.
+        insides: the nodes whose structure the source relies on.
+        functions: the source of functions that stop inner nodes.
+
+    Args:
+        inline: tells whether a child is written into its parent's source.
+        outer: returns what ticks and what halts a child that isn't.
+    """
+
+    def __init__(self, inline: Callable[[Part], bool], outer: Callable[[Part], Outer]):
+        self.write = Writer()
+        self.write.names.update(PRELUDE, rejected=rejected)
+        self.insides: list[Part] = []
+        self.functions: list[str] = []
+        self._halting: dict[Behaviour, str] = {}
+        self._inline, self._outer = inline, outer
+
+    def node(self, part: Part) -> str:
+        """Write the tick of a node; return its name."""
+        number = self.write.number()
+        name = self.write.bind(f"n{number}", part.node)
+        inside = part.inside
+        if inside is None or not self._inline(part):
+            self.write(f"s = {self.write.bind(f't{number}', self._outer(part)[0])}()")
+        elif inside.kind is Kind.LEAF:
+            self._leaf(name, inside)
+        else:
+            self.insides.append(part)
+            {
+                Kind.SEQUENCE: self._sequence,
+                Kind.SELECTOR: self._selector,
+                Kind.PARALLEL: self._parallel,
+                Kind.DECORATOR: self._decorator,
+            }[inside.kind](part, inside, name, str(number))
+        return name
+
+    def _leaf(self, name: str, inside: Inside) -> None:
+        write = self.write
+        if inside.initialises:
+            write(f"if {name}.status is not R: {name}.initialise()")
+        write(f"s = {name}.update()")
+        with write.block("if s is not R:"):
+            write(f"if s is not S and s is not F and s not in VALID: s = rejected({name}, s)")
+            if inside.terminates:
+                write(f"{name}.terminate(s)")
+        write(f"{name}.status = s")
+
+    # --- sequences and selectors ---
+
+    def _sequence(self, part: Part, inside: Inside, name: str, i: str) -> None:
+        write = self.write
+        first = self._first(part, i)
+        with write.block(f"if {name}.status is not R:"):
+            write(f"{name}.current_child = {first}")
+            self._halts(inside, i, write)
+            self._initialise(inside, name)
+            write(f"k{i} = 0")
+        if inside.memory:
+            write(f"elif {name}.current_child is not None: k{i} = K{i}.index({name}.current_child)")
+        with write.block("else:"):
+            write(f"{name}.current_child = {first}", f"k{i} = 0")
+        self._children(inside, name, i, bool(inside.memory), "S", "s is not S", points=True)
+        with write.block(f"if c{i} is None:"):
+            self._end(inside, name, i, "S")
+        with write.block("else:"):
+            if not inside.memory:
+                write(f"halt_all(H{i}[K{i}.index(c{i}) + 1:])")
+            write(f"s = c{i}.status")
+            write(f"if s is R: {name}.status = s", f"else: stop{i}(s)")
+
+    def _selector(self, part: Part, inside: Inside, name: str, i: str) -> None:
+        write = self.write
+        first = self._first(part, i)
+        with write.block(f"if {name}.status is not R:"):
+            write(f"{name}.current_child = {first}")
+            self._initialise(inside, name)
+        self._pairs(inside, i)
+        if inside.memory:
+            write(f"assert {name}.current_child is not None", f"k{i} = K{i}.index({name}.current_child)")
+            write(f"if k{i}: halt_all(H{i}[:k{i}])")
+        write(f"p{i} = {name}.current_child")
+        self._children(inside, name, i, bool(inside.memory), "F", "s is S or s is R", points=False)
+        with write.block(f"if c{i} is None:"):
+            self._end(inside, name, i, "F")
+            write(f"{name}.current_child = K{i}[-1]")
+        with write.block("else:"):
+            write(f"{name}.current_child = c{i}")
+            write(f"if p{i} is not c{i}: halt_all(H{i}[K{i}.index(c{i}) + 1:])", f"s = c{i}.status")
+            write(f"if s is S: stop{i}(s)", f"else: {name}.status = s")
+
+    def _children(
+        self, inside: Inside, name: str, i: str, memory: bool, onward: str, leaves: str, *, points: bool
+    ) -> None:
+        """Write the ticks of all children; the one at which the node ends is left in `c`."""
+        write = self.write
+        self._pairs(inside, i)
+        write.bind(f"stop{i}", inside.stop)
+        write(f"c{i} = None")
+        with write.block("while True:"):
+            at = 0
+            for run in _runs(inside.kids, self._inline):
+                if len(run) >= LOOP:
+                    self._loop(run, at, name, i, memory, onward, leaves, points)
+                elif memory and at:
+                    with write.block(f"if k{i} <= {at}:"):
+                        self._child(run[0], at, name, i, leaves, points)
+                elif memory:
+                    with write.block(f"if not k{i}:"):
+                        self._child(run[0], at, name, i, leaves, points)
+                else:
+                    self._child(run[0], at, name, i, leaves, points)
+                at += len(run)
+            write("break")
+
+    def _child(self, kid: Part, at: int, name: str, i: str, leaves: str, points: bool) -> None:
+        if points and at:
+            self.write(f"{name}.current_child = {self.write.bind(f'n{i}_{at}', kid.node)}")
+        child = self.node(kid)
+        with self.write.block(f"if {leaves}:"):
+            self.write(f"c{i} = {child}", "break")
+
+    def _loop(
+        self, run: list[Part], at: int, name: str, i: str, memory: bool, onward: str, leaves: str, points: bool
+    ) -> None:
+        """Write a loop over leaves that override `update` alone."""
+        write = self.write
+        todo = write.bind(f"L{i}_{at}", [kid.node for kid in run])
+        if memory:
+            todo = f"({todo} if k{i} <= {at} else {todo}[k{i} - {at}:])"
+        with write.block(f"for n in {todo}:"):
+            if points:
+                write(f"{name}.current_child = n")
+            write("n.status = s = n.update()")
+            with write.block(f"if s is not {onward}:"):
+                write("if s is not S and s is not R and s is not F and s not in VALID: n.status = s = rejected(n, s)")
+                with write.block(f"if {leaves}:"):
+                    write(f"c{i} = n", "break")
+        write(f"if c{i} is not None: break")
+
+    # --- parallels and decorators ---
+
+    def _parallel(self, part: Part, inside: Inside, name: str, i: str) -> None:
+        write = self.write
+        plain = type(inside.policy) in (ParallelPolicy.SuccessOnAll, ParallelPolicy.SuccessOnOne)
+        write.bind(f"P{i}", inside.policy if plain else None)
+        write.bind(f"stop{i}", inside.stop)
+        write(f"if {name}.policy is not P{i}: {name}.validate_policy_configuration()")
+        with write.block(f"if {name}.status is not R:"):
+            self._halts(inside, i, write)
+            write(f"{name}.current_child = None")
+            self._initialise(inside, name)
+        write.bind(f"K{i}", [kid.node for kid in inside.kids])
+        write(f"y{i} = {name}.policy.synchronise")
+        self._members(inside, i)
+        if type(inside.policy) is ParallelPolicy.SuccessOnAll:
+            self._settle_all(inside, name, i)
+        else:
+            write(f"s = settle({name}, K{i})", f"if s is not R: stop{i}(s)", f"{name}.status = s")
+
+    def _members(self, inside: Inside, i: str) -> None:
+        write, at = self.write, 0
+        for run in _runs(inside.kids, self._inline):
+            if len(run) >= LOOP:
+                with write.block(f"for n in {write.bind(f'L{i}_{at}', [kid.node for kid in run])}:"):
+                    write(f"if y{i} and n.status is S: continue", "n.status = s = n.update()")
+                    with write.block("if s is not S and s is not R and s is not F and s not in VALID:"):
+                        write("n.status = rejected(n, s)")
+            else:
+                with write.block(f"if not y{i} or {write.bind(f'n{i}_{at}', run[0].node)}.status is not S:"):
+                    self.node(run[0])
+            at += len(run)
+
+    def _settle_all(self, inside: Inside, name: str, i: str) -> None:
+        write = self.write
+        with write.block(f"for n in K{i}:"):
+            with write.block(f"if n.status is not S or {name}.policy is not P{i}:"):
+                write(f"s = settle({name}, K{i})", f"if s is not R: stop{i}(s)", f"{name}.status = s", "break")
+        with write.block("else:"):
+            write(f"{name}.current_child = K{i}[-1]")
+            self._end(inside, name, i, "S")
+
+    def _decorator(self, part: Part, inside: Inside, name: str, i: str) -> None:
+        write = self.write
+        write.bind(f"stop{i}", inside.stop)
+        if inside.initialises:
+            write(f"if {name}.status is not R: {name}.initialise()")
+        child = self.node(inside.kids[0])
+        emit_update(write, part.node, name, child)
+        with write.block("if s is R:"):
+            write(f"{name}.status = s")
+        if not inside.terminates:
+            with write.block(f"elif (s is S or s is F) and {child}.status is not R:"):
+                write(f"{name}.status = s")
+        with write.block("else:"):
+            write(f"if s is not S and s is not F and s not in VALID: s = rejected({name}, s)", f"stop{i}(s)")
+
+    # --- pieces ---
+
+    def _first(self, part: Part, i: str) -> str:
+        assert part.inside is not None
+        return self.write.bind(f"f{i}", part.inside.kids[0].node)
+
+    def _initialise(self, inside: Inside, name: str) -> None:
+        if inside.initialises:
+            self.write(f"{name}.initialise()")
+
+    def _pairs(self, inside: Inside, i: str) -> None:
+        self.write.bind(f"K{i}", [kid.node for kid in inside.kids])
+        halts = [kid.halt if self._inline(kid) else self._outer(kid)[1] for kid in inside.kids]
+        self.write.bind(f"H{i}", [(kid.node, halt) for kid, halt in zip(inside.kids, halts, strict=True)])
+
+    def _end(self, inside: Inside, name: str, i: str, status: str) -> None:
+        """End with SUCCESS or FAILURE; the children are left as they are."""
+        self.write(f"stop{i}({status})" if inside.terminates else f"{name}.status = {status}", f"s = {status}")
+
+    def _halts(self, inside: Inside, i: str, write: Writer, unless: str = "is not I") -> None:
+        """Write what stops the children whose status `is not I`, or whichever."""
+        at = 0
+        for run in _runs(inside.kids, self._inline):
+            if len(run) >= LOOP:
+                with write.block(f"for n in {self.write.bind(f'L{i}_{at}', [kid.node for kid in run])}:"):
+                    write(f"if n.status {unless}: n.status = I")
+            else:
+                name = self.write.bind(f"n{i}_{at}", run[0].node)
+                write(f"if {name}.status {unless}: {self._halt(run[0], name, f'{i}_{at}')}")
+            at += len(run)
+
+    def _halt(self, part: Part, name: str, i: str) -> str:
+        """Return statements that stop one node, in one line."""
+        inside = part.inside
+        if inside is None or not self._inline(part):
+            return f"{self.write.bind(f'h{i}', self._outer(part)[1])}()"
+        if inside.kind is Kind.LEAF:
+            return f"{name}.terminate(I); {name}.status = I" if inside.terminates else f"{name}.status = I"
+        return f"{self.halting(part, inside)}()"
+
+    def halting(self, part: Part, inside: Inside) -> str:
+        """Write a function that stops an inner node with all below it, once; return its name."""
+        function = self._halting.get(part.node)
+        if function is not None:
+            return function
+        self._halting[part.node] = function = f"q{len(self._halting)}"
+        name = self.write.bind(f"{function}n", part.node)
+        body = Writer()
+        if inside.kind is Kind.DECORATOR:
+            if inside.terminates:
+                body(f"{name}.terminate(I)")
+            kid = self.write.bind(f"n{function}_0", inside.kids[0].node)
+            halt = self._halt(inside.kids[0], kid, f"{function}_0")
+            body(halt, f"if {kid}.status is R: {halt}", f"{name}.status = I")
+        else:
+            if inside.kind is Kind.PARALLEL:
+                self._halts(inside, function, body, "is R")
+            body(f"{name}.current_child = None")
+            self._halts(inside, function, body)
+            body(f"{name}.terminate(I)" if inside.terminates else "pass", f"{name}.status = I")
+        self.functions += [f"def {function}():", *body.lines]
+        return function
+
+
+def _simple(part: Part) -> bool:
+    inside = part.inside
+    return inside is not None and inside.kind is Kind.LEAF and not inside.terminates
+
+
+def _runs(kids: tuple[Part, ...], inline: Callable[[Part], bool]) -> Iterator[list[Part]]:
+    """Yield children one by one, and leaves of one class in a row that override `update` alone together."""
+
+    def bare(kid: Part) -> type | None:
+        plain = _simple(kid) and not kid.inside.initialises and inline(kid)  # type: ignore[union-attr]
+        return type(kid.node) if plain else None
+
+    for cls, group in groupby(kids, bare):
+        run = list(group)
+        if cls is not None and len(run) >= LOOP:
+            yield run
+        else:
+            yield from ([kid] for kid in run)

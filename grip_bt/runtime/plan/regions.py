@@ -1,0 +1,173 @@
+"""From compiled nodes to generated source: which sub-trees share a function, and what makes the function run.
+
+A sub-tree of at most `REGION` nodes is written into one function, with its guard in front: what the source relies on is
+compared in a few passes of C. Where something differs, the closure of the same node ticks instead.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from operator import attrgetter
+from types import CodeType
+from typing import Any
+
+from py_trees.common import Status
+
+from .emit import Emitter, Outer
+from .kinds import Kind
+from .parts import Inside, Part
+from .watch import Methods
+
+REGION = 200
+"""Nodes in one function, leaves that are children of its root apart."""
+
+DEPTH = 8
+"""Nodes inside one another in one function."""
+
+Tick = Callable[[], Status]
+
+_codes: dict[str, CodeType] = {}
+_lock = threading.Lock()
+_LIMIT = 4096
+
+
+def code_of(text: str) -> CodeType:
+    """Compile, or find what was compiled from the same text: trees of the same shape have the same text."""
+    code = _codes.get(text)
+    if code is None:
+        code = compile(text, "<plan>", "exec")
+        with _lock:
+            if len(_codes) >= _LIMIT:
+                _codes.clear()
+            _codes[text] = code
+    return code
+
+
+class Regions:
+    """Generates the functions of one compiled tree.
+
+    Args:
+        outdated: called when a function finds that the tree has changed.
+    """
+
+    def __init__(self, outdated: Callable[[], None]):
+        self._outdated = outdated
+        self._sizes: dict[int, tuple[int, int]] = {}
+        self._made: dict[int, Outer] = {}
+
+    def tick(self, part: Part) -> Tick:
+        """Return what ticks a compiled node: generated, where that can be."""
+        return self._generate(part)[0]
+
+    def _generate(self, part: Part) -> Outer:
+        """Return what ticks and what halts a node."""
+        made = self._made.get(id(part))
+        if made is None:
+            if not _writable(part) or _inside(part).kind is Kind.LEAF:
+                made = part.tick, part.halt
+            else:
+                self._measure(part)
+                emitter = Emitter(lambda kid: self._inline(part, kid), self._generate)
+                emitter.node(part)
+                made = self._link(part, emitter)
+            self._made[id(part)] = made
+        return made
+
+    def _inline(self, root: Part, part: Part) -> bool:
+        if part is root:
+            return True
+        if not _writable(part):
+            return False
+        size, depth = self._sizes[id(part)]
+        whole = self._sizes[id(root)]
+        return size == 1 or (whole[0] <= REGION and whole[1] <= DEPTH)
+
+    def _measure(self, part: Part) -> tuple[int, int]:
+        """Return the number of nodes below and including this one, and its height."""
+        found = self._sizes.get(id(part))
+        if found is None:
+            below = [self._measure(kid) for kid in part.inside.kids] if part.inside else []
+            found = (1 + sum(n for n, _ in below), 1 + max((d for _, d in below), default=0))
+            self._sizes[id(part)] = found
+        return found
+
+    def _link(self, part: Part, emitter: Emitter) -> Outer:
+        halting = emitter.halting(part, _inside(part))
+        names = emitter.write.names
+        names["refused"], names["refused_halt"] = self._refusing(part.tick), self._refusing(part.halt)
+        guard = _guard(emitter.insides, names) or "False"
+        lines = [
+            *emitter.functions,
+            "def tick(S=S, F=F, R=R, I=I):",
+            f" if {guard}: return refused()",
+            *emitter.write.lines,
+            " return s",
+            "def halt():",
+            f" if {guard}: refused_halt()",
+            f" else: {halting}()",
+        ]
+        exec(code_of("\n".join(lines)), names)
+        for name in ("tick", "halt"):
+            names[name].__code__ = names[name].__code__.replace()  # caches of its own: nodes of other classes
+        return names["tick"], names["halt"]
+
+    def _refusing(self, closure: Callable[[], Any]) -> Callable[[], Any]:
+        """Return what is called where the tree has changed: the closure of the node, which looks for itself."""
+
+        def refused() -> Any:
+            self._outdated()
+            return closure()
+
+        return refused
+
+
+def _guard(parts: list[Part], names: dict[str, Any]) -> str:
+    """Return an expression that is true where the nodes aren't as they were; bind its names."""
+    checks = []
+    insides = [_inside(part) for part in parts]
+    methods = Methods.joined(inside.methods for inside in insides)
+    if methods.dicts:
+        names.update(watched=methods.dicts, sizes=methods.sizes, replaced=methods.replaced)
+        checks.append("([*map(len, watched)] != sizes and replaced())")
+    for attribute in ("children", "memory", "decorated"):
+        pairs = [
+            (part.node, _expected(attribute, inside))
+            for part, inside in zip(parts, insides, strict=True)
+            if attribute == _watched(attribute, inside.kind)
+        ]
+        if len(pairs) == 1:
+            names[f"{attribute}_of"], names[f"{attribute}_was"] = pairs[0]
+            checks.append(f"{attribute}_of.{attribute} != {attribute}_was")
+        elif pairs:
+            names[f"{attribute}_of"] = [node for node, _ in pairs]
+            names[f"{attribute}_was"] = [was for _, was in pairs]
+            names[f"get_{attribute}"] = attrgetter(attribute)
+            checks.append(f"[*map(get_{attribute}, {attribute}_of)] != {attribute}_was")
+    return " or ".join(checks)
+
+
+def _watched(attribute: str, kind: Kind) -> str | None:
+    if kind is Kind.DECORATOR:
+        return "decorated" if attribute == "decorated" else None
+    if attribute == "memory":
+        return "memory" if kind in (Kind.SEQUENCE, Kind.SELECTOR) else None
+    return "children" if attribute == "children" else None
+
+
+def _expected(attribute: str, inside: Inside) -> Any:
+    if attribute == "memory":
+        return inside.memory
+    kids = [kid.node for kid in inside.kids]
+    return kids if attribute == "children" else kids[0]
+
+
+def _inside(part: Part) -> Inside:
+    assert part.inside is not None
+    return part.inside
+
+
+def _writable(part: Part) -> bool:
+    """Tell whether source can be generated for a node: it is of py_trees, and a leaf or not without children."""
+    inside = part.inside
+    return inside is not None and (inside.kind is Kind.LEAF or bool(inside.kids))
