@@ -1,0 +1,144 @@
+"""How the file makes each container: with py_trees' own class where it does the same, else with a supporting one."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from grip_bt.compilers.resolve import Part
+from grip_bt.errors import NotExpressibleError
+from grip_bt.graph import model
+from grip_bt.nodes.control import Edges
+
+from .conditions import condition
+from .layout import WIDTH, Code, Items, call
+from .plan import Plan, is_fresh
+from .refusals import TARGET
+
+_FOREVER = -1
+"""What py_trees' Repeat takes for a number without limit."""
+
+
+def container(part: Part, children: list[str], plan: Plan) -> Items:
+    """Return the expression that makes a container of nodes that were made before it.
+
+    Args:
+        part: the container.
+        children: names of its children in the file.
+        plan: told what else is needed.
+    """
+    if isinstance(part.node, model.Parallel):
+        return _parallel(part, children, plan)
+    if isinstance(part.node, model.StateMachine):
+        plan.parts.add("dispatch")
+        return call(
+            "Dispatch",
+            part.name,
+            children=_names(children),
+            initial=part.node.initial,
+            edges=table(part.edges),
+            outcomes=_statuses(part, part.edges),
+        )
+    class_name, settings = _plain(part, plan)
+    given: dict[str, Any]
+    if isinstance(part.node, model.Sequence | model.Fallback):
+        given = {**settings, "children": _names(children)}
+    else:
+        given = {"child": Code(children[0]), **settings}
+    if part.exits:
+        plan.parts.add("exits")
+        base, class_name = class_name, f"{class_name.rsplit('.', 1)[-1]}WithExits"
+        plan.exits_classes[class_name] = base
+        given |= {"exits": table(part.exits), "outcomes": _statuses(part, part.exits)}
+    return call(class_name, part.name, **given)
+
+
+def _plain(part: Part, plan: Plan) -> tuple[str, dict[str, Any]]:
+    match part.node:
+        case model.Sequence(memory=memory):
+            return "py_trees.composites.Sequence", {"memory": memory}
+        case model.Fallback(memory=memory):
+            return "py_trees.composites.Selector", {"memory": memory}
+        case model.Retry(times=times):
+            return "py_trees.decorators.Retry", {"num_failures": times}
+        case model.Repeat(times=times):
+            return "py_trees.decorators.Repeat", {"num_success": _FOREVER if times is None else times}
+        case model.Timeout(seconds=seconds):
+            if plan.grip:
+                plan.parts.add("timeout")
+            return ("Timeout" if plan.grip else "py_trees.decorators.Timeout"), {"duration": seconds}
+        case model.Guard(if_=text):
+            if plan.codes:
+                plan.parts.add("guard")
+            name = "Guard" if plan.codes else "py_trees.decorators.EternalGuard"
+            return name, {"condition": function_of(text, part, plan)}
+        case model.Invert():
+            return "py_trees.decorators.Inverter", {}
+        case model.Force(as_=forced):
+            name = "FailureIsSuccess" if forced == "success" else "SuccessIsFailure"
+            return f"py_trees.decorators.{name}", {}
+    raise NotExpressibleError(part.path, f"a {type(part.node).__name__}", TARGET)
+
+
+def _parallel(part: Part, children: list[str], plan: Plan) -> Items:
+    node = part.node
+    assert isinstance(node, model.Parallel)
+    if node.policy == "all" and node.cancel == "halt" and not part.exits:
+        policy = Code("py_trees.common.ParallelPolicy.SuccessOnAll()")
+        return call("py_trees.composites.Parallel", part.name, policy=policy, children=_names(children))
+    plan.parts.add("parallel")
+    return call(
+        "Parallel",
+        part.name,
+        children=_names(children),
+        policy=node.policy,
+        join=node.cancel == "join",
+        exits=table(part.exits),
+        outcomes=_statuses(part, part.exits),
+    )
+
+
+def wrapped(part: Part, made: Items, inner: str, plan: Plan) -> list[tuple[str, Items]]:
+    """Return (name, expression) of a node and of what stands around it for its variables and its precondition."""
+    rows = [(inner, made)]
+    if is_fresh(part):
+        plan.parts |= {"scope", "variable"}
+        cells = [Code(plan.variables[id(cell)]) for cell in part.scope.cells.values()]
+        name = plan.identifiers.take(f"fresh_{inner}")
+        rows.append((name, call("Scope", part.name, Code(rows[-1][0]), cells)))
+    if part.node.precondition:
+        plan.parts.add("precondition")
+        test = function_of(part.node.precondition, part, plan, around=True)
+        name = plan.identifiers.take(f"{inner}_if")
+        rows.append((name, call("Precondition", part.name, Code(rows[-1][0]), test)))
+    return rows
+
+
+def function_of(text: str, part: Part, plan: Plan, *, around: bool = False) -> Code:
+    """Return a function that computes an expression: a lambda, or the name of one that is too long for a line."""
+    made = condition(text, plan.visible(part, around=around))
+    if len(made.text) < WIDTH // 2:
+        return made
+    name = plan.identifiers.take(f"condition_of_{part.name}")
+    body = made.text.removeprefix("lambda: ")
+    skip = "  # fmt: skip" if len(body) + len("        return ") > WIDTH else ""
+    plan.statements.append(f"\n    def {name}() -> bool:\n        return {body}{skip}\n")
+    return Code(name)
+
+
+def table(edges: Edges) -> dict[str, dict[str, str]]:
+    """Return edges as child -> `outcome` or `outcome.code` -> target."""
+    rows: dict[str, dict[str, str]] = {}
+    for (child, outcome, code), target in edges:
+        rows.setdefault(child, {})[outcome if code is None else f"{outcome}.{code}"] = target
+    return rows
+
+
+def _statuses(part: Part, edges: Edges) -> dict[str, Code]:
+    targets = {target for _, target in edges}
+    children = {child.name for child in part.children} if isinstance(part.node, model.StateMachine) else set()
+    used = [label for label in part.meaning if label in targets - children]
+    return {label: Code(f"Status.{part.meaning[label].upper()}") for label in used}
+
+
+def _names(children: list[str]) -> list[Code]:
+    return [Code(name) for name in children]

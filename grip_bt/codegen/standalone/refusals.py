@@ -1,0 +1,44 @@
+"""What a stand-alone file can't hold is refused by name."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from grip_bt.errors import NotExpressibleError
+from grip_bt.graph import model
+
+TARGET = "a stand-alone py_trees file"
+_COMMON = {"doc", "precondition", "on", "x"}
+_CONTAINER = {*_COMMON, "kind", "data", "outcomes"}
+_KNOWN: dict[type[Any], set[str]] = {
+    model.Leaf: {*_COMMON, "node", "with_", "in_", "out", "meaning"},
+    model.Sequence: {*_CONTAINER, "children", "exits", "memory"},
+    model.Fallback: {*_CONTAINER, "children", "exits", "memory"},
+    model.Parallel: {*_CONTAINER, "children", "exits", "policy", "cancel"},
+    model.StateMachine: {*_CONTAINER, "initial", "children"},
+    model.Retry: {*_CONTAINER, "child", "exits", "times"},
+    model.Repeat: {*_CONTAINER, "child", "exits", "times"},
+    model.Timeout: {*_CONTAINER, "child", "exits", "seconds"},
+    model.Guard: {*_CONTAINER, "child", "exits", "if_"},
+    model.Invert: {*_CONTAINER, "child", "exits"},
+    model.Force: {*_CONTAINER, "child", "exits", "as_"},
+}
+
+
+def refuse_unknown(task: model.Task) -> None:
+    """Refuse kinds of nodes, and settings of them, that this export has no words for.
+
+    Raises:
+        NotExpressibleError: for the first one.
+    """
+    for path, node in model.walk(task.root):
+        kind = getattr(node, "kind", "leaf")
+        known = _KNOWN.get(type(node))
+        if known is None:
+            raise NotExpressibleError(path, f"a {kind}", TARGET)
+        for name, field in type(node).model_fields.items():
+            if name not in known and getattr(node, name) != field.get_default(call_default_factory=True):
+                raise NotExpressibleError(path, f"`{field.alias or name}` of a {kind}", TARGET)
+        cancel = getattr(node, "cancel", "halt")
+        if cancel not in ("halt", "join") or getattr(node, "policy", "all") not in ("all", "any"):
+            raise NotExpressibleError(path, f"this {kind} ({node.policy}, {cancel})", TARGET)  # type: ignore[union-attr]
