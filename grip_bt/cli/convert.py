@@ -47,6 +47,12 @@ def _restructured(document: Document, catalog: Catalog, args: argparse.Namespace
     return restructure.to_text(result, form, Path(args.task).name)
 
 
+def _stand_alone(document: Document, catalog: Catalog, args: argparse.Namespace) -> str:
+    from grip_bt.codegen.standalone import export
+
+    return export(document.task, catalog, None if args.output == "-" else Path(args.output).parent)
+
+
 Converter = Callable[["Document", "Catalog", argparse.Namespace], str]
 # Each form is one entry: what makes its text. What they need is imported when one is asked for.
 CONVERTERS: dict[str, Converter] = {
@@ -56,6 +62,7 @@ CONVERTERS: dict[str, Converter] = {
     "yaml": _yaml,
     "bt": _restructured,
     "sm": _restructured,
+    "pytrees-py": _stand_alone,
 }
 
 
@@ -67,7 +74,8 @@ def add_parser(subparsers: Any) -> None:
         "--to",
         required=True,
         choices=sorted(CONVERTERS),
-        help="the form; bt and sm: the task itself, made of composites or of state machines",
+        help="the form; bt and sm: the task itself, made of composites or of state machines;"
+        " pytrees-py: a stand-alone Python file",
     )
     parser.add_argument(
         "--view", choices=("tree", "flow"), default="tree", help="of a picture: tree (default) or flow chart"
