@@ -23,6 +23,9 @@ Outer = tuple[Callable[[], Status], Callable[[], None]]
 LOOP = 3
 """So many leaves of one class in a row are ticked in a loop."""
 
+UNFOLDED = 2
+"""So many levels of inner nodes are stopped in place; deeper ones by functions of their own."""
+
 PRELUDE = {"S": S, "F": F, "R": R, "I": INVALID, "VALID": VALID, "halt_all": halt_all, "settle": settle}
 
 
@@ -33,6 +36,7 @@ class Emitter:
         write: what was written.
         insides: the nodes whose structure the source relies on.
         functions: the source of functions that stop inner nodes.
+        resets: inner nodes that their parents may stop -> the variables that tell so; false at first.
 
     Args:
         inline: tells whether a child is written into its parent's source.
@@ -44,6 +48,7 @@ class Emitter:
         self.write.names.update(PRELUDE, rejected=rejected)
         self.insides: list[Part] = []
         self.functions: list[str] = []
+        self.resets: dict[Behaviour, str] = {}
         self._halting: dict[Behaviour, str] = {}
         self._inline, self._outer = inline, outer
 
@@ -84,7 +89,7 @@ class Emitter:
         first = self._first(part, i)
         with write.block(f"if {name}.status is not R:"):
             write(f"{name}.current_child = {first}")
-            self._halts(inside, i, write)
+            self._restart(part, inside, i)
             self._initialise(inside, name)
             write(f"k{i} = 0")
         if inside.memory:
@@ -178,7 +183,7 @@ class Emitter:
         write.bind(f"stop{i}", inside.stop)
         write(f"if {name}.policy is not P{i}: {name}.validate_policy_configuration()")
         with write.block(f"if {name}.status is not R:"):
-            self._halts(inside, i, write)
+            self._restart(part, inside, i)
             write(f"{name}.current_child = None")
             self._initialise(inside, name)
         write.bind(f"K{i}", [kid.node for kid in inside.kids])
@@ -228,6 +233,15 @@ class Emitter:
 
     # --- pieces ---
 
+    def _restart(self, part: Part, inside: Inside, i: str) -> None:
+        """Write what stops the children before they are ticked again, unless the parent has just done so."""
+        reset = self.resets.get(part.node)
+        if reset is None:
+            self._halts(inside, i, self.write)
+        else:
+            with self.write.block(f"if not {reset}:"):
+                self._halts(inside, i, self.write)
+
     def _first(self, part: Part, i: str) -> str:
         assert part.inside is not None
         return self.write.bind(f"f{i}", part.inside.kids[0].node)
@@ -254,17 +268,28 @@ class Emitter:
                     write(f"if n.status {unless}: n.status = I")
             else:
                 name = self.write.bind(f"n{i}_{at}", run[0].node)
-                write(f"if {name}.status {unless}: {self._halt(run[0], name, f'{i}_{at}')}")
+                with write.block(f"if {name}.status {unless}:"):
+                    self._halt(run[0], name, f"{i}_{at}", write)
             at += len(run)
 
-    def _halt(self, part: Part, name: str, i: str) -> str:
-        """Return statements that stop one node, in one line."""
+    def _halt(self, part: Part, name: str, i: str, write: Writer) -> None:
+        """Write what stops one node, with all below it."""
         inside = part.inside
         if inside is None or not self._inline(part):
-            return f"{self.write.bind(f'h{i}', self._outer(part)[1])}()"
-        if inside.kind is Kind.LEAF:
-            return f"{name}.terminate(I); {name}.status = I" if inside.terminates else f"{name}.status = I"
-        return f"{self.halting(part, inside)}()"
+            write(f"{self.write.bind(f'h{i}', self._outer(part)[1])}()")
+        elif inside.kind is Kind.LEAF:
+            write(*([f"{name}.terminate(I)"] if inside.terminates else []), f"{name}.status = I")
+        elif inside.kind in (Kind.SEQUENCE, Kind.SELECTOR) and i.count("_") <= UNFOLDED:
+            self._halt_composite(inside, name, i, write)
+            if write is self.write:
+                write(f"{self._reset(part)} = True")
+        else:
+            write(f"{self.halting(part, inside)}()")
+
+    def _halt_composite(self, inside: Inside, name: str, i: str, write: Writer) -> None:
+        write(f"{name}.current_child = None")
+        self._halts(inside, i, write)
+        write(*([f"{name}.terminate(I)"] if inside.terminates else []), f"{name}.status = I")
 
     def halting(self, part: Part, inside: Inside) -> str:
         """Write a function that stops an inner node with all below it, once; return its name."""
@@ -278,16 +303,20 @@ class Emitter:
             if inside.terminates:
                 body(f"{name}.terminate(I)")
             kid = self.write.bind(f"n{function}_0", inside.kids[0].node)
-            halt = self._halt(inside.kids[0], kid, f"{function}_0")
-            body(halt, f"if {kid}.status is R: {halt}", f"{name}.status = I")
+            self._halt(inside.kids[0], kid, f"{function}_0", body)
+            with body.block(f"if {kid}.status is R:"):
+                self._halt(inside.kids[0], kid, f"{function}_0", body)
+            body(f"{name}.status = I")
         else:
             if inside.kind is Kind.PARALLEL:
                 self._halts(inside, function, body, "is R")
-            body(f"{name}.current_child = None")
-            self._halts(inside, function, body)
-            body(f"{name}.terminate(I)" if inside.terminates else "pass", f"{name}.status = I")
+            self._halt_composite(inside, name, function, body)
         self.functions += [f"def {function}():", *body.lines]
         return function
+
+    def _reset(self, part: Part) -> str:
+        """Return the name of the variable that tells whether the children were found or made INVALID in this tick."""
+        return self.resets.setdefault(part.node, f"z{len(self.resets)}")
 
 
 def _simple(part: Part) -> bool:

@@ -101,6 +101,7 @@ class Regions:
             *emitter.functions,
             "def tick(S=S, F=F, R=R, I=I):",
             f" if {guard}: return refused()",
+            *([" " + " = ".join(emitter.resets.values()) + " = False"] if emitter.resets else []),
             *emitter.write.lines,
             " return s",
             "def halt():",

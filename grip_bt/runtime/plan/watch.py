@@ -51,9 +51,9 @@ def _unshared(node: Behaviour) -> dict[str, Any]:
     Asking for `__dict__` makes CPython 3.11 and 3.12 give up the instance's compact form for one that shares its keys
     with other instances, in which reading and writing attributes is slow. Plain dictionaries are fast.
     """
-    if type(node).__dict__.get("__dict__") is None:
-        node.__dict__ = dict(node.__dict__)
-    return node.__dict__
+    attributes = dict(vars(node))
+    node.__dict__ = attributes
+    return attributes
 
 
 def _own(attributes: dict[str, Any]) -> tuple[str, ...]:
