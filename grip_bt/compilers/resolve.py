@@ -20,11 +20,13 @@ from grip_bt.graph.model import (
     children_of,
     join,
     outcomes_of,
+    with_refusal,
 )
 from grip_bt.nodes.control import Edges
 from grip_bt.validation import Issue
 
 from .checks import check_edges, check_leaf, check_root, problem
+from .conditions import check_expressions
 from .scopes import Cell, Scope, Scopes
 
 
@@ -55,6 +57,11 @@ class Part:
     exits: Edges = field(default_factory=Edges)
     edges: Edges = field(default_factory=Edges)
     manifest: Manifest | None = None
+
+    @property
+    def around(self) -> Scope:
+        """The variables around the node, without its own."""
+        return self.scope.outer if self.declares and self.scope.outer is not None else self.scope
 
     def walk(self) -> Iterator[Part]:
         """Yield this part and all below it, parents first."""
@@ -144,6 +151,8 @@ class _Resolver:
         if isinstance(node, Leaf):
             return self.leaf(name, path, node, outer)
         scope = self.declare(path, node.data, outer)
+        check_expressions(path, node, outer, scope, self.problems)
+        self.refusal(path, node, outcomes_of(node))
         children = tuple(
             self.part(child, join(path, child), below, scope) for child, below in children_of(node).items()
         )
@@ -172,5 +181,13 @@ class _Resolver:
             self.add(path, "unknown-node", str(error))
             return Part(name, path, node, {}, scope, False)
         check_leaf(path, node, manifest, scope, self.problems)
-        meaning = manifest.outcomes_for(dict(node.meaning))
+        check_expressions(path, node, scope, scope, self.problems)
+        meaning = with_refusal(node, manifest.outcomes_for(dict(node.meaning)))
+        self.refusal(path, node, meaning)
         return Part(name, path, node, meaning, scope, False, manifest=manifest)
+
+    def refusal(self, path: str, node: AnyNode, meaning: Mapping[str, str]) -> None:
+        if node.precondition and meaning["failure"] == "success":
+            self.add(
+                path, "contradictory-outcome", "a precondition needs the outcome `failure`, which means success here"
+            )

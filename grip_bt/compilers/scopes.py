@@ -27,13 +27,14 @@ UNSET = _Unset()
 class Cell:
     """One variable of one scope."""
 
-    __slots__ = ("_initial", "name", "parsed", "type", "value")
+    __slots__ = ("_initial", "name", "parsed", "type", "value", "watchers")
 
     def __init__(self, name: str, declared: Variable | str):
         variable = Variable(type=declared) if isinstance(declared, str) else declared
         self.name, self.type, self.parsed = name, variable.type, parse_type(variable.type)
         self._initial: Any = variable.value if variable.has_value else UNSET
         self.value: Any = UNSET
+        self.watchers: list[Callable[[], None]] = []
         self.reset()
 
     def reset(self) -> None:
@@ -138,5 +139,7 @@ class Scopes:
             cell.value = value
             if self.on_write is not None:
                 self.on_write(path, cell.name, cell.type, value)
+            for written in cell.watchers:
+                written()
 
         return write

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from grip_bt.nodes.control import Edges, End, decide, first_reason
+from grip_bt.errors import NodeError
+from grip_bt.nodes.control import Condition, Edges, End, decide, first_reason
 from grip_bt.nodes.control.parallel import Policy
 from grip_bt.nodes.observer import SILENT, Observer
 from grip_bt.smach_compat import Concurrence, State, StateMachine
 from grip_bt.values import Failure
 
-from .behaviour_state import Refined, TaskState, label, labels
+from .behaviour_state import MachineRun, Refined, TaskState, label, labels
 from .drive import Halted
 
 
@@ -19,14 +20,18 @@ class TaskContainer(TaskState):
     """Mixed in before a container of smach.
 
     Attributes:
+        run: what the machine's states share; it learns of errors.
         meaning: each outcome -> success or failure.
         refined: (outcome, code) pairs with labels of their own.
         enter: resets the container's variables, if it declares some.
+        condition: the precondition, looked at before anything else.
     """
 
     observer: Observer = SILENT
+    run: MachineRun
     meaning: Mapping[str, str]
     refined: Refined
+    condition: Condition | None = None
 
     def take(self, path: str, meaning: Mapping[str, str], refined: Refined, enter: Callable[[], None] | None) -> None:
         """Become the container of the node at `path`."""
@@ -42,6 +47,8 @@ class TaskContainer(TaskState):
         self.outcome = self.failure = None
         self.observer.entered(self.path)
         try:
+            if not self._admits():
+                return label(self.outcome or "", self.failure, self.refined)
             for reset in self._entries:
                 reset()
             reached = super().execute(parent_ud)
@@ -49,11 +56,24 @@ class TaskContainer(TaskState):
                 raise Halted  # smach's shutdown was asked for
             self.outcome = reached.split(".", 1)[0]
             self.failure = self.reason() if self.meaning[self.outcome] == "failure" else None
-        except BaseException:
+        except BaseException as error:
+            self.run.fail(error)
             self.observer.interrupted(self.path)
             raise
         self.observer.ended(self.path, self.outcome, self.failure)
         return reached
+
+    def _admits(self) -> bool:
+        """Look at the precondition; where it is false, the container has ended."""
+        try:
+            if self.condition is None or self.condition.holds():
+                return True
+        except Exception as error:
+            raise NodeError(self.path, error) from error
+        self.outcome, self.failure = "failure", self.condition.refusal("precondition")
+        self.observer.ended(self.path, self.outcome, self.failure)
+        self.run.turn()  # a loop over nodes that never begin can be stopped too
+        return False
 
     def reason(self) -> Failure | None:
         """Return why the container fails."""

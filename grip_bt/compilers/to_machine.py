@@ -17,6 +17,7 @@ from grip_bt.nodes.node import Node
 from grip_bt.nodes.observer import Observer
 
 from .behaviour_state import BehaviourState, MachineRun, Refined, TaskState
+from .conditions import bind_condition
 from .drive import Halted, Pacer, TaskEnd
 from .leaves import LeafFactory, implementation_of, release
 from .resolve import Part, Resolved, resolve
@@ -60,6 +61,11 @@ class MachineBuilder:
             state = self._concurrence(part, part.node, needed)
         else:
             state = self._machine(part, needed)
+        if isinstance(state, TaskContainer):
+            state.run = self.run
+        if part.node.precondition and isinstance(state, TaskContainer):
+            text = part.node.precondition
+            state.condition = bind_condition(part.path, "precondition", text, part.around, self.tree.scopes)
         self.states[part.path] = state
         return state
 

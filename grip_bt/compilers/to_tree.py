@@ -14,6 +14,7 @@ from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.node import Node
 from grip_bt.nodes.observer import Observer
 
+from .conditions import bind_condition
 from .drive import Pacer, TaskEnd, drive
 from .leaves import LeafFactory, implementation_of, make_leaf, prepare, release
 from .resolve import Part, Resolved, resolve
@@ -37,9 +38,18 @@ class TreeBuilder:
             node: Node = make_leaf(part, self.factory, self.scopes)
         else:
             children = [self.build(child) for child in part.children]
-            node = _container(part, face_of(part), children)
+            node = self._container(part, face_of(part), children)
+        if part.node.precondition:
+            condition = bind_condition(part.path, "precondition", part.node.precondition, part.around, self.scopes)
+            control.conditional(node, condition, part.meaning)
         self.by_path[part.path] = node
         return node
+
+    def _container(self, part: Part, face: control.Face, children: list[Behaviour]) -> Node:
+        match part.node:
+            case model.Guard(if_=text):
+                return control.Guard(face, children[0], bind_condition(part.path, "if", text, part.scope, self.scopes))
+        return _container(part, face, children)
 
 
 def face_of(part: Part) -> control.Face:

@@ -45,7 +45,7 @@ def interrupts(part: Part) -> bool:
             return not memory or not part.children
         case model.Parallel(cancel=cancel):
             return cancel == "halt" or not part.children
-        case model.Timeout():
+        case model.Timeout() | model.Guard():
             return True
     return False
 

@@ -11,6 +11,7 @@ from .model import (
     Container,
     Fallback,
     Force,
+    Guard,
     Invert,
     Leaf,
     Meaning,
@@ -25,9 +26,11 @@ from .model import (
     Timeout,
     Variable,
     children_of,
+    expressions_of,
     join,
     outcomes_of,
     walk,
+    with_refusal,
 )
 from .schema import schema
 
@@ -40,6 +43,7 @@ __all__ = [
     "Fallback",
     "Force",
     "FrozenDict",
+    "Guard",
     "Invert",
     "Leaf",
     "Meaning",
@@ -55,6 +59,7 @@ __all__ = [
     "Variable",
     "children_of",
     "dumps",
+    "expressions_of",
     "fmt",
     "join",
     "load",
@@ -64,4 +69,5 @@ __all__ = [
     "read_text",
     "schema",
     "walk",
+    "with_refusal",
 ]

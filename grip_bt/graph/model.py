@@ -13,7 +13,7 @@ root maps to the outcomes of the task.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, StringConstraints, Tag
@@ -50,6 +50,8 @@ class Variable(_Model):
 
 class _Node(_Model):
     doc: str = ""
+    precondition: str = ""
+    """An expression over the variables around the node; where it is false on entry, the node fails at once."""
     on: FrozenDict[str, str] = FrozenDict()
     x: FrozenDict[str, Any] = Field(default=FrozenDict(), description="free data, preserved and never read")
 
@@ -142,6 +144,14 @@ class Timeout(_Decorator):
     seconds: float = Field(gt=0)
 
 
+class Guard(_Decorator):
+    """Fails with the reason `guard` when `if` is false; looked at on every tick, before the child."""
+
+    kind: Literal["guard"]
+    if_: str = Field(alias="if")
+    """An expression over variables."""
+
+
 class Invert(_Decorator):
     """Success becomes failure and failure becomes success."""
 
@@ -172,12 +182,13 @@ Node = Annotated[
     | Annotated[Retry, Tag("retry")]
     | Annotated[Repeat, Tag("repeat")]
     | Annotated[Timeout, Tag("timeout")]
+    | Annotated[Guard, Tag("guard")]
     | Annotated[Invert, Tag("invert")]
     | Annotated[Force, Tag("force")],
     Discriminator(_tag),
 ]
 
-Container = Sequence | Fallback | Parallel | StateMachine | Retry | Repeat | Timeout | Invert | Force
+Container = Sequence | Fallback | Parallel | StateMachine | Retry | Repeat | Timeout | Guard | Invert | Force
 AnyNode = Leaf | Container
 KINDS = (
     "sequence",
@@ -187,6 +198,7 @@ KINDS = (
     "retry",
     "repeat",
     "timeout",
+    "guard",
     "invert",
     "force",
 )
@@ -232,5 +244,22 @@ def walk(node: AnyNode, path: str = "/") -> Iterator[tuple[str, AnyNode]]:
 def outcomes_of(node: Container) -> dict[str, Meaning]:
     """Return every outcome that a container can end with, and its meaning."""
     if isinstance(node, StateMachine):
-        return dict(node.outcomes)
+        return with_refusal(node, node.outcomes)
     return {"success": "success", "failure": "failure", **node.outcomes}
+
+
+def with_refusal(node: AnyNode, outcomes: Mapping[str, Meaning]) -> dict[str, Meaning]:
+    """Return a node's outcomes and, where it has a precondition, the `failure` that it then may end with."""
+    refusal: dict[str, Meaning] = {"failure": "failure"} if node.precondition else {}
+    return {**outcomes, **{k: v for k, v in refusal.items() if k not in outcomes}}
+
+
+def expressions_of(node: AnyNode) -> Iterator[tuple[str, str]]:
+    """Yield the key and text of each expression of a node.
+
+    A `precondition` sees the variables around the node, the others its own too.
+    """
+    if node.precondition:
+        yield "precondition", node.precondition
+    if isinstance(node, Guard):
+        yield "if", node.if_

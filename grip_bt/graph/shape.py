@@ -25,6 +25,7 @@ _KINDS: dict[str, type[BaseModel]] = {
     "retry": model.Retry,
     "repeat": model.Repeat,
     "timeout": model.Timeout,
+    "guard": model.Guard,
     "invert": model.Invert,
     "force": model.Force,
 }
@@ -42,7 +43,7 @@ _FIELDS_ONLY = frozenset({"x"}).union(n for shape in _SHAPES for n, f in shape.m
 """Names of fields that aren't keys of a file."""
 _ORDER = (
     *("grip", "name", "kind", "node", "type", "value", "doc"),
-    *("initial", "times", "seconds", "policy", "memory", "cancel", "as"),
+    *("precondition", "initial", "times", "seconds", "if", "policy", "memory", "cancel", "as"),
     *("with", "in", "out", "meaning", "outcomes", "exits", "on"),
     *("data", "root", "children", "child"),
 )
@@ -55,6 +56,11 @@ def model_of(node: Mapping) -> type[BaseModel] | None:
         return model.Leaf
     kind = plain(entry.value)
     return _KINDS.get(kind) if isinstance(kind, str) else None
+
+
+def model_of_kind(kind: str) -> type[BaseModel]:
+    """Return the model of a kind of container; KeyError when there is none."""
+    return _KINDS[kind]
 
 
 def child_nodes(node: Mapping) -> Iterator[tuple[str, Entry]]:
@@ -78,7 +84,7 @@ def read_task(tree: Value, source: str) -> model.Task:
     faults = list(_key_faults(tree))
     if faults:
         raise document_error(faults, source)
-    data = _with_free_keys(plain(tree))
+    data = with_free_keys(plain(tree))
     try:
         return model.Task.model_validate(data, strict=True)
     except ValidationError as error:
@@ -88,7 +94,7 @@ def read_task(tree: Value, source: str) -> model.Task:
 def task_of(data: dict[str, Any]) -> model.Task | None:
     """Turn a file's data, which this changes, into a task; None when it isn't one and `read_task` has to say why."""
     try:
-        return model.Task.model_validate(_with_free_keys(data), strict=True)
+        return model.Task.model_validate(with_free_keys(data), strict=True)
     except (ValidationError, _NotAKeyError):
         return None
 
@@ -153,7 +159,7 @@ def _wrong_variables(node: Mapping) -> Iterator[Fault]:
             )
 
 
-def _with_free_keys(data: dict[str, Any]) -> dict[str, Any]:
+def with_free_keys(data: dict[str, Any]) -> dict[str, Any]:
     """Move each task's and node's `x-*` keys to `x`, in place."""
     _gather(data)
     stack = [data.get("root")]

@@ -10,6 +10,7 @@ from .codes import SEVERITY
 from .dataflow import check_dataflow
 from .issue import Issue, Report, Severity, ordered
 from .possible import Possible
+from .rules.expressions import check_expressions
 from .rules.names import check_names
 from .rules.outcomes import check_outcomes
 from .rules.parallel import check_parallel
@@ -35,6 +36,7 @@ def validate(task: Task, catalog: Catalog, document: Document | None = None) -> 
     possible = Possible(survey)
     check_names(survey)
     check_variables(survey)
+    check_expressions(survey)
     check_outcomes(survey, possible)
     check_reach(survey, possible)
     check_parallel(survey)

@@ -16,6 +16,8 @@ _ERRORS = (
     "undeclared-variable",
     "wrong-variable-type",
     "wrong-initial-value",
+    "bad-expression",
+    "wrong-expression-type",
     "read-before-write",
     "unknown-outcome",
     "contradictory-outcome",

@@ -14,6 +14,7 @@ from collections.abc import Iterator, Mapping
 from grip_bt.graph import (
     Fallback,
     Force,
+    Guard,
     Invert,
     Leaf,
     Parallel,
@@ -33,11 +34,12 @@ class DataFlow:
     """The analysis of one task.
 
     Attributes:
-        missing: (path, port) -> variable, for every read that may come before the write.
+        missing: (path, keys) -> variable, for every read that may come before the write; `keys` lead to where the
+            node says that it reads.
     """
 
     def __init__(self, survey: Survey):
-        self.missing: dict[tuple[str, str], str] = {}
+        self.missing: dict[tuple[str, tuple[str, ...]], str] = {}
         self._known: dict[tuple[str, int], States] = {}
         start = 0
         for declared in survey.task_scope.values():
@@ -47,8 +49,23 @@ class DataFlow:
     def _after(self, spot: Spot, state: int) -> States:
         key = (spot.path, state)
         if key not in self._known:
-            self._known[key] = self._analyse(spot, state)
+            self._known[key] = self._entered(spot, state)
         return self._known[key]
+
+    def _entered(self, spot: Spot, state: int) -> States:
+        if not spot.node.precondition:
+            return self._analyse(spot, state)
+        self._expressions(spot, state, ("precondition",))
+        after = dict(self._analyse(spot, state))
+        _meet(after, "failure", state)
+        return after
+
+    def _expressions(self, spot: Spot, state: int, keys: tuple[str, ...]) -> None:
+        """Note what the expressions at `keys` read before it is written."""
+        for key, read in spot.expressions():
+            for declared in read if key in keys else ():
+                if not declared.bit & state:
+                    self.missing[spot.path, (key,)] = declared.name
 
     def _analyse(self, spot: Spot, state: int) -> States:
         node = spot.node
@@ -57,6 +74,7 @@ class DataFlow:
         for name in node.data:  # a scope begins anew each time its container is entered
             declared = spot.scope[name]
             state = state | declared.bit if declared.has_value else state & ~declared.bit
+        self._expressions(spot, state, ("if",))
         if isinstance(node, Sequence):
             return self._in_order(spot, state, "success")
         if isinstance(node, Fallback):
@@ -72,7 +90,7 @@ class DataFlow:
         for port, name in node.in_.items():
             declared = spot.scope.get(name)
             if declared is not None and not declared.bit & state:
-                self.missing[spot.path, port] = name
+                self.missing[spot.path, ("in", port)] = name
         after = dict.fromkeys(spot.outcomes, state)
         for port, name in node.out.items():
             declared = spot.scope.get(name)
@@ -148,7 +166,7 @@ class DataFlow:
                     _meet(found, node.as_, there)
                 elif not (isinstance(node, Repeat) and node.times is None and label == "success"):
                     _meet(found, label, there)
-        if isinstance(node, Timeout):
+        if isinstance(node, Timeout | Guard):
             _meet(found, "failure", state)
         return found
 
@@ -189,11 +207,12 @@ def _met(states: States) -> int:
 
 def check_dataflow(survey: Survey) -> None:
     """Find reads of variables that some path hasn't written."""
-    for (path, port), name in DataFlow(survey).missing.items():
+    for (path, keys), name in DataFlow(survey).missing.items():
+        reader = f"the port {keys[1]!r}" if keys[0] == "in" else f"`{keys[0]}`"
         survey.add(
             path,
-            ("in", port),
+            keys,
             "read-before-write",
-            f"the port {port!r} reads {name!r}, which isn't written on every path to here",
+            f"{reader} reads {name!r}, which isn't written on every path to here",
             f"write {name!r} on every path before, or give it an initial value in `data`",
         )

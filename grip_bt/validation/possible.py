@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from grip_bt.graph import (
     Fallback,
     Force,
+    Guard,
     Invert,
     Leaf,
     Parallel,
@@ -26,7 +27,8 @@ class Possible:
         self._labels: dict[str, frozenset[str]] = {}
         self.unreached: list[Spot] = []
         for spot in reversed(survey.spots):
-            self._labels[spot.path] = self._of(spot)
+            labels = self._of(spot)
+            self._labels[spot.path] = labels | {"failure"} if spot.node.precondition else labels
 
     def labels(self, spot: Spot) -> frozenset[str]:
         """Return the outcomes with which a node can end."""
@@ -89,7 +91,7 @@ class Possible:
                     found.add(node.as_)
                 elif not (isinstance(node, Repeat) and node.times is None and label == "success"):
                     found.add(label)
-        if isinstance(node, Timeout):
+        if isinstance(node, Timeout | Guard):
             found.add("failure")
         return frozenset(found)
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from grip_bt.catalog import Catalog, Manifest, Type, parse_type
+from grip_bt.errors import ExpressionError
 from grip_bt.graph import (
     AnyNode,
     Leaf,
@@ -13,10 +14,13 @@ from grip_bt.graph import (
     Task,
     Variable,
     children_of,
+    expressions_of,
     join,
     outcomes_of,
+    with_refusal,
 )
 from grip_bt.graph.document import Document
+from grip_bt.graph.expression import parse_expression
 
 from .codes import SEVERITY
 from .issue import Issue
@@ -61,6 +65,7 @@ class Spot:
         node: what the document says.
         parent: None for the root.
         scope: the variables that it sees; a container's own included.
+        around: the variables that it sees without its own.
         manifest: of a leaf whose type is known.
         outcomes: its outcomes and their meanings; of a leaf of unknown type, whatever the task expects of it.
         children: by name, in order.
@@ -73,6 +78,7 @@ class Spot:
     node: AnyNode
     parent: Spot | None
     scope: Scope
+    around: Scope = field(default_factory=dict)
     manifest: Manifest | None = None
     outcomes: Mapping[str, str] = field(default_factory=dict)
     children: dict[str, Spot] = field(default_factory=dict)
@@ -83,6 +89,20 @@ class Spot:
     def codes(self) -> tuple[str, ...] | None:
         """Failure codes that it may end with; None when they aren't known."""
         return self.manifest.codes if self.manifest is not None else None
+
+    def scope_of(self, key: str) -> Scope:
+        """Return the variables that its expression at `key` sees: of a precondition, those around the node."""
+        return self.around if key == "precondition" else self.scope
+
+    def expressions(self) -> Iterator[tuple[str, list[Declared]]]:
+        """Yield the key of each readable expression, and the declared variables that it reads."""
+        for key, text in expressions_of(self.node):
+            try:
+                names = parse_expression(text).names
+            except ExpressionError:
+                continue  # another rule says so
+            scope = self.scope_of(key)
+            yield key, [scope[name] for name in names if name in scope]
 
     @property
     def in_machine(self) -> bool:
@@ -146,7 +166,7 @@ class Survey:
         while stack:
             spot = stack.pop()
             spots.append(spot)
-            node = spot.node
+            node, spot.around = spot.node, spot.scope
             if isinstance(node, Leaf):
                 self._look_up(spot, node)
                 continue
@@ -163,9 +183,9 @@ class Survey:
         if node.node in self.catalog:
             manifest = self.catalog.get(node.node)
             spot.manifest = manifest
-            spot.outcomes = (
-                manifest.outcomes_for(dict(node.meaning)) if node.meaning else manifest.outcomes
-            )
+            spot.outcomes = manifest.outcomes_for(dict(node.meaning)) if node.meaning else manifest.outcomes
+            if node.precondition:
+                spot.outcomes = with_refusal(node, spot.outcomes)
         else:
             spot.outcomes = _expected_outcomes(spot)
 
@@ -179,6 +199,9 @@ class Survey:
                         spot.reads |= declared.bit
                     elif declared is not None:
                         spot.writes |= declared.bit
+        for _, read in spot.expressions():
+            for declared in read:
+                spot.reads |= declared.bit
         if spot.parent is not None:
             spot.parent.reads |= spot.reads
             spot.parent.writes |= spot.writes

@@ -113,6 +113,8 @@ def container_label(node: AnyNode) -> str:
             return f"{times} times"
         case {"kind": "timeout", "seconds": seconds}:
             return f"at most {seconds:g} s"
+        case {"kind": "guard", "if_": text}:
+            return f"only while {text}"
         case {"kind": "force", "as_": meaning}:
             return f"always {meaning}"
     return ""

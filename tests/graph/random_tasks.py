@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from grip_bt.graph import (
     Fallback,
     Force,
+    Guard,
     Invert,
     Leaf,
     Parallel,
@@ -39,7 +40,7 @@ variables = texts | st.builds(Variable, type=texts, doc=texts) | st.builds(
     Variable, type=texts, value=literals
 )  # fmt: skip
 bindings = st.dictionaries(texts, texts, max_size=3)
-common = {"doc": texts, "on": bindings, "x": free}
+common = {"doc": texts, "precondition": texts, "on": bindings, "x": free}
 own = {
     **common,
     "data": st.dictionaries(names, variables, max_size=2),
@@ -92,6 +93,7 @@ def _containers(nodes):
         _made(Retry, "retry", {"times": st.integers(1, 9), "child": child}, exits),
         _made(Repeat, "repeat", {"child": child}, {"times": st.integers(1, 9), **exits}),
         _made(Timeout, "timeout", {"seconds": seconds, "child": child}, exits),
+        _made(Guard, "guard", {"if": texts, "child": child}, exits),
         _made(Invert, "invert", {"child": child}, exits),
         _made(Force, "force", {"as": meanings, "child": child}, exits),
     )

@@ -18,7 +18,7 @@ def test_the_schema_has_every_kind_and_the_file_keys_of_a_leaf():
     kinds = {s["properties"]["kind"]["const"] for s in shapes.values() if "kind" in s.get("properties", {})}
     assert kinds == set(KINDS)
     leaf = shapes["Leaf"]
-    assert {"node", "with", "in", "out", "meaning", "on", "doc"} == set(leaf["properties"])
+    assert {"node", "with", "in", "out", "meaning", "on", "doc", "precondition"} == set(leaf["properties"])
     assert leaf["patternProperties"] == {"^x-": {}}
     assert leaf["additionalProperties"] is False
 

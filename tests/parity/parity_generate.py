@@ -9,10 +9,25 @@ from typing import Any
 from parity_world import FACES
 
 CODES = ("no_ik", "no_plan", "time_out")
+EDGE_CODES = (*CODES, *CODES, "precondition", "guard")
 EXTRA = {"won": "success", "lost": "failure", "none": "success"}
 SEQUENTIAL = ("sequence", "fallback", "state_machine", "retry", "repeat", "invert", "force")
 BRANCHING = ("sequence", "fallback", "state_machine")
-INTERRUPTING = ("reactive_sequence", "reactive_fallback", "timeout", "parallel")
+INTERRUPTING = ("reactive_sequence", "reactive_fallback", "timeout", "guard", "parallel")
+
+
+class Seen(str):
+    """A variable's name, and whether it has a value from the beginning."""
+
+    valued = False
+
+
+def seen_of(data: dict[str, Any]) -> list[Seen]:
+    """Return the names that a container declares."""
+    names = [Seen(name) for name in data]
+    for name in names:
+        name.valued = isinstance(data[name], dict)
+    return names
 
 
 @dataclass
@@ -41,6 +56,32 @@ class Maker:
 
         A leaf mostly ends with the `usual` meaning, so that what comes after it is reached.
         """
+        node, outcomes = self.bare(depth, seen, own, embedded, usual)
+        if outcomes.get("failure") != "success" and self.chance(0.08):
+            node["precondition"] = self.condition(seen)
+            outcomes = {**outcomes, "failure": "failure"}
+        return node, outcomes
+
+    def condition(self, seen: list[str]) -> str:
+        """Return an expression; now and then one over a variable that may not be written, which ends the run."""
+        there = list({str(name): name for name in seen}.values())  # an inner one hides an outer one
+        there = [str(name) for name in there if getattr(name, "valued", False) or self.chance(0.05)]
+        if not there:
+            return "true" if self.chance(0.8) else "1 > 2"
+        one, other, limit = self.random.choice(there), self.random.choice(there), self.random.randint(0, 30)
+        return self.random.choice(
+            (
+                f"{one} % 5 != {limit % 5}",
+                f"{one} >= {limit}",
+                f"{one} + {other} > {limit} or {one} == {limit % 10}",
+                f"not {one} in [{limit}, {other} - 1] and abs({one} - {limit}) > 2",
+                f"max({one}, {limit}) < 60",
+            )
+        )
+
+    def bare(
+        self, depth: int, seen: list[str], own: list[str], embedded: bool, usual: str
+    ) -> tuple[dict[str, Any], dict[str, str]]:
         if depth <= 0 or self.leaves > 24 or self.chance((0.4, 0.25, 0.1, 0.02)[min(depth, 4) - 1]):
             return self.leaf(seen, own, usual)
         kinds = [*SEQUENTIAL, *SEQUENTIAL, *BRANCHING, *BRANCHING]
@@ -56,7 +97,7 @@ class Maker:
         face = self.random.choice(list(FACES))
         node: dict[str, Any] = {"node": face, "with": {"script": script}}
         for key, ports, variables in (("in", "ab", seen), ("out", "xy", own)):
-            bound = {port: self.random.choice(variables) for port in ports if variables and self.chance(0.5)}
+            bound = {port: str(self.random.choice(variables)) for port in ports if variables and self.chance(0.5)}
             if bound:
                 node[key] = bound
         outcomes = dict(FACES[face])
@@ -81,12 +122,12 @@ class Maker:
         self, kind: str, depth: int, seen: list[str], own: list[str], embedded: bool
     ) -> tuple[dict[str, Any], dict[str, str]]:
         data = self.variables()
-        seen, own = [*seen, *data], [*own, *data]
+        seen, own = [*seen, *seen_of(data)], [*own, *data]
         if kind == "join" and not embedded:
             self.concurrent = True
         inside = embedded or kind in INTERRUPTING
         usual = "failure" if kind in ("fallback", "reactive_fallback", "retry") else "success"
-        single = kind in ("retry", "repeat", "invert", "force", "timeout")
+        single = kind in ("retry", "repeat", "invert", "force", "timeout", "guard")
         children: dict[str, Any] = {}
         ends: dict[str, dict[str, str]] = {}
         for _ in range(1 if single else self.random.choice((2, 2, 3, 3, 4))):
@@ -97,7 +138,7 @@ class Maker:
         if kind == "state_machine":
             node, outcomes = self.machine(children, ends)
         else:
-            node = self.plain(kind, children)
+            node = self.plain(kind, children, seen)
             outcomes = {"success": "success", "failure": "failure"}
             if self.chance(0.35):
                 node["outcomes"] = {k: EXTRA[k] for k in self.random.sample(sorted(EXTRA), self.random.randint(1, 2))}
@@ -115,7 +156,7 @@ class Maker:
             name: {"type": "int", "value": self.random.randint(0, 9)} if self.chance(0.6) else "int" for name in made
         }
 
-    def plain(self, kind: str, children: dict[str, Any]) -> dict[str, Any]:
+    def plain(self, kind: str, children: dict[str, Any], seen: list[str]) -> dict[str, Any]:
         times = self.random.randint(1, 3)
         child = next(iter(children.items()))
         only = {"child": {child[0]: child[1]}}
@@ -134,6 +175,7 @@ class Maker:
             "retry": {"kind": "retry", "times": times, **only},
             "repeat": {"kind": "repeat", **({} if self.chance(0.2) else {"times": times}), **only},
             "timeout": {"kind": "timeout", "seconds": self.random.randint(1, 6), **only},
+            "guard": {"kind": "guard", "if": self.condition(seen), **only},
             "invert": {"kind": "invert", **only},
             "force": {"kind": "force", "as": self.random.choice(("success", "failure")), **only},
         }
@@ -146,7 +188,7 @@ class Maker:
                 if self.chance(0.1):
                     exits[f"{child}.{outcome}"] = self.random.choice(targets)
                 if self.chance(0.25):
-                    exits[f"{child}.{outcome}.{self.random.choice(CODES)}"] = self.random.choice(targets)
+                    exits[f"{child}.{outcome}.{self.random.choice(EDGE_CODES)}"] = self.random.choice(targets)
         return exits
 
     def machine(
@@ -159,7 +201,7 @@ class Maker:
             on = {outcome: self.random.choice(targets) for outcome in labels}
             for outcome in labels:
                 if self.chance(0.3):
-                    on[f"{outcome}.{self.random.choice(CODES)}"] = self.random.choice(targets)
+                    on[f"{outcome}.{self.random.choice(EDGE_CODES)}"] = self.random.choice(targets)
             children[child]["on"] = on
         initial = self.random.choice(list(children))
         return {"kind": "state_machine", "initial": initial, "outcomes": outcomes, "children": children}, outcomes
@@ -175,13 +217,13 @@ def make_case(seed: int) -> dict[str, Any]:
     flavour = seed % 5
     maker = Maker(random, embed=flavour in (3, 4), join=flavour == 2)
     data = maker.variables()
-    root, outcomes = maker.node(random.randint(2, 5), list(data), list(data), False, "success")
+    root, outcomes = maker.node(random.randint(2, 5), seen_of(data), list(data), False, "success")
     task: dict[str, Any] = {"grip": 1, "name": "fuzzed", "root": root}
     task["outcomes"] = {"success": "success", "failure": "failure", "other": random.choice(("success", "failure"))}
     root["on"] = {outcome: random.choice(list(task["outcomes"])) for outcome in outcomes}
     for outcome in outcomes:
         if maker.chance(0.2):
-            root["on"][f"{outcome}.{random.choice(CODES)}"] = random.choice(list(task["outcomes"]))
+            root["on"][f"{outcome}.{random.choice(EDGE_CODES)}"] = random.choice(list(task["outcomes"]))
     if data:
         task["data"] = data
     case: dict[str, Any] = {"task": task, "scripts": maker.scripts}

@@ -50,7 +50,7 @@ def test_tree_and_machine_agree_on_random_tasks(chunk: int) -> None:
         if found:
             pytest.fail(report(seed, case))
         compared += found is None
-    assert compared >= 0.9 * size, f"only {compared} of {size} tasks ended within the budget"
+    assert compared >= 0.85 * size, f"only {compared} of {size} tasks ended within the budget"
 
 
 @pytest.mark.parametrize("file", CASES, ids=lambda f: f.stem)

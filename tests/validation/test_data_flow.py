@@ -10,6 +10,7 @@ from grip_bt.catalog import Catalog, InputPort, Manifest, OutputPort
 from grip_bt.graph import (
     Fallback,
     Force,
+    Guard,
     Invert,
     Leaf,
     Parallel,
@@ -39,7 +40,7 @@ CATALOG = Catalog([NODE])
 WRITTEN = {"success": ("x",), "other": ("x", "y"), "failure": ("y",)}
 variables = st.sampled_from(["u", "v"])
 names = ["c0", "c1", "c2", "c3"]
-KINDS = ("sequence", "fallback", "parallel", "state_machine", "retry", "repeat", "timeout", "invert", "force")
+KINDS = ("sequence", "fallback", "parallel", "state_machine", "retry", "repeat", "timeout", "guard", "invert", "force")
 
 
 @st.composite
@@ -78,12 +79,15 @@ def containers(draw, nodes):
         "retry": {"times": 2},
         "repeat": {"times": 2},
         "timeout": {"seconds": 1.0},
+        "guard": {"if": f"{draw(variables)} > 0"},
         "force": {"as": draw(st.sampled_from(["success", "failure"]))},
         "parallel": {
             "policy": draw(st.sampled_from(["all", "any"])),
             "cancel": draw(st.sampled_from(["halt", "join"])),
         },
     }
+    if draw(st.integers(0, 5)) == 0:
+        node["precondition"] = f"{draw(variables)} > 0"
     return {**node, **extra.get(kind, {})}
 
 
@@ -110,6 +114,8 @@ class Run:
             raise RecursionError
         if isinstance(node, Leaf):
             return self.leaf(node, path, scopes)
+        if node.precondition and not self.holds(node.precondition, path, scopes):
+            return "failure"
         scopes = [*scopes, self.fresh(node.data)]
         go = {
             Sequence: lambda: self.in_order(node, path, scopes, "success"),
@@ -118,6 +124,12 @@ class Run:
             StateMachine: lambda: self.machine(node, path, scopes),
         }
         return go.get(type(node), lambda: self.decorated(node, path, scopes))()
+
+    def holds(self, expression, path, scopes):
+        """Read the variable that an expression begins with; what comes out is anybody's guess."""
+        if not self.scope(scopes, expression[0])[expression[0]]:
+            self.unwritten.add((path, expression))
+        return self.random.random() < 0.8
 
     def leaf(self, node, path, scopes):
         for port, name in node.in_.items():
@@ -174,6 +186,8 @@ class Run:
         ((name, child),) = children_of(node).items()
         for attempt in range(getattr(node, "times", 1)):
             if isinstance(node, Timeout) and self.random.random() < 0.2:
+                return "failure"
+            if isinstance(node, Guard) and not self.holds(node.if_, path, scopes):
                 return "failure"
             exit_, meaning = self.ended(node, name, self.node(child, join(path, name), scopes))
             if exit_:

@@ -26,7 +26,7 @@ def flow_figure(task: Task, catalog: Catalog) -> Figure:
 
 def _figure(name: str, node: AnyNode, catalog: Catalog) -> Figure:
     if isinstance(node, Leaf):
-        lines = [describe(node)]
+        lines = [describe(node), *([f"only if {node.precondition}"] if node.precondition else [])]
         if node.with_:
             lines.append(", ".join(f"{k}={v}" for k, v in node.with_.items()))
         box = box_of(name, node, catalog, lines)
@@ -37,7 +37,7 @@ def _figure(name: str, node: AnyNode, catalog: Catalog) -> Figure:
         inside = rows_figure(parts, links[0].label)
     else:
         inside = _inside(children, outcomes, links)
-    words = describe(node)
+    words = describe(node) + (f", only if {node.precondition}" if node.precondition else "")
     header = ICON + text_width(name, NAME_SIZE, bold=True) + 10 + text_width(words, TEXT_SIZE)
     width = max(inside.width, header) + 2 * _PAD
     height = _HEADER + inside.height + _PAD

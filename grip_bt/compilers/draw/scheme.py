@@ -11,6 +11,7 @@ from grip_bt.graph import (
     Container,
     Fallback,
     Force,
+    Guard,
     Leaf,
     Parallel,
     Repeat,
@@ -32,6 +33,7 @@ GLYPHS = {
     "retry": "↻",
     "repeat": "↻",
     "timeout": "◔",
+    "guard": "⊨",
     "invert": "!",
     "force": "=",
 }
@@ -77,6 +79,8 @@ def describe(node: AnyNode) -> str:
             return "repeat for ever" if node.times is None else f"repeat {node.times} times"
         case Timeout():
             return f"timeout {node.seconds:g} s"
+        case Guard():
+            return f"guard: {node.if_}"
         case Force():
             return f"force {node.as_}"
         case _:
@@ -85,7 +89,7 @@ def describe(node: AnyNode) -> str:
 
 def details(node: AnyNode) -> list[str]:
     """Return further lines about a node: literals, and where its ends lead."""
-    lines = []
+    lines = [f"only if {node.precondition}"] if node.precondition else []
     if isinstance(node, Leaf) and node.with_:
         lines.append(", ".join(f"{name}={value}" for name, value in node.with_.items()))
     lines.extend(f"{label} → {target}" for label, target in node.on.items())

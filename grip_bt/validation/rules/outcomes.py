@@ -16,6 +16,14 @@ def check_outcomes(survey: Survey, possible: Possible) -> None:
     """Find ends that lead nowhere, targets that don't exist, and outcomes that nothing leads to."""
     for spot in survey.spots:
         node = spot.node
+        if node.precondition and spot.outcomes.get("failure") == "success":
+            survey.add(
+                spot.path,
+                "precondition",
+                "contradictory-outcome",
+                "a precondition that is false ends the node with `failure`, which means success here",
+                "give the outcome that means success another name",
+            )
         if isinstance(node, Leaf):
             pass
         elif isinstance(node, StateMachine):

@@ -1,0 +1,59 @@
+"""Expressions of a task, bound to the cells of its variables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from grip_bt.errors import ExpressionError, listing, nearest
+from grip_bt.graph.evaluation import condition_of, value_of
+from grip_bt.graph.expression import Expression, parse_expression
+from grip_bt.graph.model import AnyNode, expressions_of
+from grip_bt.nodes.control import Condition
+from grip_bt.validation import Issue
+
+from .scopes import Cell, Scope, Scopes
+
+
+def check_expressions(path: str, node: AnyNode, around: Scope, own: Scope, problems: list[Issue]) -> None:
+    """Every expression of a node can be read, and its variables are there."""
+    for key, text in expressions_of(node):
+        scope = around if key == "precondition" else own
+        try:
+            names = parse_expression(text).names
+        except ExpressionError as error:
+            problems.append(Issue(path, "bad-expression", "error", str(error)))
+            continue
+        for name in names:
+            if scope.find(name) is None:
+                there = scope.visible()
+                message = f"`{text}` reads {name!r}, which isn't declared here or above{nearest(name, there)}"
+                problems.append(Issue(path, "undeclared-variable", "error", f"{message} (there are: {listing(there)})"))
+
+
+def bind_condition(path: str, key: str, text: str, scope: Scope, scopes: Scopes) -> Condition:
+    """Return the condition at `key` of the node at `path`."""
+    expression, cells = _cells(text, scope)
+    readers = {name: scopes.reader(path, key, cell) for name, cell in cells.items()}
+
+    def watch(written: Callable[[], None]) -> None:
+        for cell in cells.values():
+            cell.watchers.append(written)
+
+    return Condition(expression.text, condition_of(expression, readers), watch)
+
+
+def bind_value(path: str, key: str, text: str, scope: Scope, scopes: Scopes) -> Callable[[], Any]:
+    """Return what computes the expression at `key` of the node at `path`."""
+    expression, cells = _cells(text, scope)
+    return value_of(expression, {name: scopes.reader(path, key, cell) for name, cell in cells.items()})
+
+
+def _cells(text: str, scope: Scope) -> tuple[Expression, dict[str, Cell]]:
+    expression = parse_expression(text)
+    cells: dict[str, Cell] = {}
+    for name in expression.names:
+        cell = scope.find(name)
+        assert cell is not None, "resolved variables are declared"
+        cells[name] = cell
+    return expression, cells

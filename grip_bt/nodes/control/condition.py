@@ -1,0 +1,76 @@
+"""Conditions: expressions bound to a run's variables; and nodes that look at one before they begin."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+
+from grip_bt.errors import NodeError
+from grip_bt.values import Failure
+
+from ..node import Node
+
+
+@dataclass(frozen=True)
+class Condition:
+    """An expression that is true or false.
+
+    Attributes:
+        text: as it was written.
+        holds: computes it.
+        watch: has a function called after each write of a variable that it reads.
+    """
+
+    text: str
+    holds: Callable[[], bool]
+    watch: Callable[[Callable[[], None]], None]
+
+    def refusal(self, code: str) -> Failure:
+        """Return the reason of a node that ends because the condition is false."""
+        return Failure(code, f"`{self.text}` is false")
+
+
+class Conditional(Node):
+    """Mixed in before a leaf or container: where the condition is false on entry, it fails without having begun."""
+
+    condition: Condition
+
+    def tick(self) -> Iterator[Behaviour]:
+        """Look at the condition when an activation begins, then tick as usual."""
+        if self.status != Status.RUNNING:
+            try:
+                holds = self.condition.holds()
+            except Exception as error:
+                self.begin()
+                self.stop(Status.INVALID)
+                raise NodeError(self.path, error) from error
+            if not holds:
+                self.begin()
+                self._refuse()
+                yield self
+                return
+        yield from super().tick()
+
+    def _refuse(self) -> None:
+        """End without `terminate`, since nothing was initialised."""
+        self.outcome, self.failure = "failure", self.condition.refusal("precondition")
+        self.feedback_message = str(self.failure)
+        self.status, self.active = Status.FAILURE, False
+        self.observer.ended(self.path, self.outcome, self.failure)
+
+
+def conditional(node: Node, condition: Condition, meaning: Mapping[str, str]) -> None:
+    """Give a node, in place, a precondition; `meaning` holds its outcomes, with `failure` among them."""
+    node.__class__ = _conditional(type(node))
+    assert isinstance(node, Conditional)
+    node.condition, node.meaning = condition, dict(meaning)
+
+
+@cache
+def _conditional(cls: type[Node]) -> Any:
+    return type(cls.__name__, (Conditional, cls), {"__module__": cls.__module__, "__doc__": cls.__doc__})
