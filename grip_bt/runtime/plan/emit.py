@@ -48,14 +48,20 @@ class Emitter:
         self.write.names.update(PRELUDE, rejected=rejected)
         self.insides: list[Part] = []
         self.functions: list[str] = []
+        self._classes: list[type] = []
         self.resets: dict[Behaviour, str] = {}
         self._halting: dict[Behaviour, str] = {}
         self._inline, self._outer = inline, outer
+
+    def classes(self) -> tuple[type, ...]:
+        """Return the classes of the nodes in the source, in its order."""
+        return tuple(self._classes)
 
     def node(self, part: Part) -> str:
         """Write the tick of a node; return its name."""
         number = self.write.number()
         name = self.write.bind(f"n{number}", part.node)
+        self._classes.append(type(part.node))
         inside = part.inside
         if inside is None or not self._inline(part):
             self.write(f"s = {self.write.bind(f't{number}', self._outer(part)[0])}()")
@@ -137,6 +143,7 @@ class Emitter:
             at = 0
             for run in _runs(inside.kids, self._inline):
                 if len(run) >= LOOP:
+                    self._classes.append(type(run[0].node))
                     self._loop(run, at, name, i, memory, onward, leaves, points)
                 elif memory and at:
                     with write.block(f"if k{i} <= {at}:"):
@@ -198,6 +205,7 @@ class Emitter:
         write, at = self.write, 0
         for run in _runs(inside.kids, self._inline):
             if len(run) >= LOOP:
+                self._classes.append(type(run[0].node))
                 with write.block(f"for n in {write.bind(f'L{i}_{at}', [kid.node for kid in run])}:"):
                     write(f"if y{i} and n.status is S: continue", "n.status = s = n.update()")
                     with write.block("if s is not S and s is not R and s is not F and s not in VALID:"):

@@ -6,6 +6,7 @@ compared in a few passes of C. Where something differs, the closure of the same 
 
 from __future__ import annotations
 
+import marshal
 import threading
 from collections.abc import Callable
 from operator import attrgetter
@@ -27,20 +28,28 @@ DEPTH = 8
 
 Tick = Callable[[], Status]
 
-_codes: dict[str, CodeType] = {}
+Classes = tuple[type, ...]
+
+_texts: dict[str, bytes] = {}
+_codes: dict[tuple[str, Classes], CodeType] = {}
 _lock = threading.Lock()
 _LIMIT = 4096
 
 
-def code_of(text: str) -> CodeType:
-    """Compile, or find what was compiled from the same text: trees of the same shape have the same text."""
-    code = _codes.get(text)
+def code_of(text: str, classes: Classes) -> CodeType:
+    """Compile, or find what was compiled before: trees of the same shape have the same text.
+
+    Code is shared by nodes of the same classes only: the interpreter specialises it for the classes that it meets.
+    """
+    code = _codes.get((text, classes))
     if code is None:
-        code = compile(text, "<plan>", "exec")
+        compiled = _texts.get(text) or marshal.dumps(compile(text, "<plan>", "exec"))
+        code = marshal.loads(compiled)
         with _lock:
             if len(_codes) >= _LIMIT:
                 _codes.clear()
-            _codes[text] = code
+                _texts.clear()
+            _texts[text], _codes[text, classes] = compiled, code
     return code
 
 
@@ -97,21 +106,24 @@ class Regions:
         names = emitter.write.names
         names["refused"], names["refused_halt"] = self._refusing(part.tick), self._refusing(part.halt)
         guard = _guard(emitter.insides, names) or "False"
+        resets = " = ".join(emitter.resets.values())
         lines = [
+            f"def make({', '.join(names)}):",
             *emitter.functions,
             "def tick(S=S, F=F, R=R, I=I):",
             f" if {guard}: return refused()",
-            *([" " + " = ".join(emitter.resets.values()) + " = False"] if emitter.resets else []),
+            *([f" {resets} = False"] if resets else []),
             *emitter.write.lines,
             " return s",
             "def halt():",
             f" if {guard}: refused_halt()",
             f" else: {halting}()",
+            "return tick, halt",
         ]
-        exec(code_of("\n".join(lines)), names)
-        for name in ("tick", "halt"):
-            names[name].__code__ = names[name].__code__.replace()  # caches of its own: nodes of other classes
-        return names["tick"], names["halt"]
+        text = "\n ".join(lines)
+        made: dict[str, Any] = {}
+        exec(code_of(text, emitter.classes()), made)
+        return made["make"](**names)  # type: ignore[no-any-return]
 
     def _refusing(self, closure: Callable[[], Any]) -> Callable[[], Any]:
         """Return what is called where the tree has changed: the closure of the node, which looks for itself."""
