@@ -1,0 +1,238 @@
+"""Legacy SMACH states as leaves: the object runs as it is, in a thread of its own, with its userdata bound to ports.
+
+* Each activation calls `execute` in a new thread; its end wakes the task.
+* What the state reads comes from the bound variables when it reads; what it writes is written when it ends.
+* A preempt request is SMACH's: a flag on the state. A state that services it has dealt with it for the whole run;
+  otherwise it goes on to the next state.
+* A halt can't stop a blocking `execute`: the flag is set, what it still writes and returns is dropped, and until its
+  thread ends the leaf is a *zombie*, which says so and isn't entered a second time.
+"""
+
+from __future__ import annotations
+
+import logging
+import re
+import threading
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, ClassVar
+from weakref import WeakKeyDictionary
+
+from py_trees.common import Status
+
+from grip_bt.errors import DataError
+from grip_bt.smach_compat import Remapper, UserData
+
+from .leaf import Leaf
+
+_log = logging.getLogger(__name__)
+_INVALID = re.compile(r"[^A-Za-z0-9_ -]")
+
+
+def task_name(label: str) -> str:
+    """Return a SMACH label as a task may spell it: other characters become `_`, and it begins with a letter or `_`."""
+    name = _INVALID.sub("_", label)
+    return name if name and (name[0].isalpha() or name[0] == "_") else f"_{name}"
+
+
+class _Run:
+    """What the SMACH leaves of one run share."""
+
+    def __init__(self) -> None:
+        self.serviced = False
+        self.built: dict[Callable[..., Any], Any] = {}
+
+
+_runs: WeakKeyDictionary[Any, _Run] = WeakKeyDictionary()
+_runs_lock = threading.RLock()
+
+
+class _Values:
+    """The userdata of one activation: reads go to the ports, writes are kept until the end."""
+
+    def __init__(self, leaf: SmachLeaf):
+        self._leaf = leaf
+        self.written: dict[str, Any] = {}
+
+    def __getitem__(self, key: str) -> Any:
+        if key in self.written:
+            return self.written[key]
+        found, value = self._leaf.look_up(key)
+        if not found:
+            raise KeyError(key)
+        return value
+
+    def __setitem__(self, key: str, value: Any) -> None:
+        self.written[key] = value
+
+    def __contains__(self, key: object) -> bool:
+        return key in self.written or self._leaf.look_up(str(key))[0]
+
+    def keys(self) -> list[str]:
+        return [key for key in self._leaf.manifest.inputs if key in self]
+
+    def update(self, ud: UserData) -> None:
+        self.written.update({key: ud[key] for key in ud.keys()})
+
+
+class _Activation:
+    """One call of `execute` in its thread."""
+
+    def __init__(self, state: Any, values: _Values, name: str, wake: Callable[[], None], asked: bool):
+        self.values, self.asked = values, asked
+        self.result: Any = None
+        self.error: BaseException | None = None
+        self._ended = threading.Event()
+        inputs, outputs = state.get_registered_input_keys(), state.get_registered_output_keys()
+
+        def work() -> None:
+            try:
+                self.result = state.execute(Remapper(values, inputs, outputs))
+            except BaseException as error:  # noqa: BLE001 - raised again in the thread of the task
+                self.error = error
+            self._ended.set()
+            wake()
+
+        threading.Thread(target=work, name=f"smach:{name}", daemon=True).start()
+
+    def done(self) -> bool:
+        return self._ended.is_set()
+
+
+class SmachLeaf(Leaf):
+    """A leaf that runs one SMACH state, or a whole container; generated classes override `make`.
+
+    The manifest's inputs and outputs are the state's keys. The parameter `unwritten` lists inputs whose variable may
+    not have been written yet: None there is SMACH's missing key.
+
+    Attributes:
+        state: the legacy object, made once per run and never reset.
+        first: key -> a function of the leaf that gives the value of an unwritten variable, for values that a task can't
+            hold; it is asked once per run.
+    """
+
+    state: Any = None
+    first: ClassVar[Mapping[str, Callable[[Any], Any]]] = {}
+    _activation: _Activation | None = None
+    _zombie: _Activation | None = None
+
+    def make(self) -> Any:
+        """Return the legacy state."""
+        raise NotImplementedError(f"{type(self).__name__}.make: return the SMACH state")
+
+    def built(self, factory: Callable[..., Any], *arguments: Any) -> Any:
+        """Return the container that `factory` builds, one for all leaves of the run, so that they share its objects."""
+        with _runs_lock:
+            run = self._run()
+            if factory not in run.built:
+                run.built[factory] = factory(*arguments)
+            return run.built[factory]
+
+    def prepare(self) -> None:
+        """Make the state and compare it with the manifest."""
+        with _runs_lock:
+            self._run()
+        self.state = self.make()
+        wanted = {task_name(label) for label in self.state.get_registered_outcomes()}
+        self._agree("outcomes", wanted, self.meaning)
+        self._agree("input keys", self.state.get_registered_input_keys(), self.manifest.inputs)
+        self._agree("output keys", self.state.get_registered_output_keys(), self.manifest.outputs)
+
+    def _agree(self, what: str, of_state: Iterable[str], of_manifest: Iterable[str]) -> None:
+        if missing := sorted(set(of_state) - set(of_manifest)):
+            raise TypeError(
+                f"the state has the {what} {missing}, which the manifest of {self.manifest.id} lacks; "
+                "add them there, or import the file again"
+            )
+
+    def look_up(self, key: str) -> tuple[bool, Any]:
+        """Return whether the variable of an input has been written, and its value."""
+        if key not in self.readers:
+            return False, None
+        try:
+            value = self.read(key)
+        except DataError:
+            value = None
+        else:
+            if value is not None or key not in self.params.get("unwritten", ()):
+                return True, value
+        if key in self.first:
+            return True, self.built(self.first[key], self)
+        return False, None
+
+    def initialise(self) -> None:
+        """Begin anew; the thread is started by `update`, which may have to wait for a zombie."""
+        self._activation = None
+
+    def update(self) -> Status:
+        """Start `execute`, pass on a preempt request, and take its outcome."""
+        if self._activation is None:
+            if self._zombie is not None and not self._zombie.done():
+                return self.running("waits: execute() was interrupted and hasn't returned yet")
+            self._bury()
+            asked = self._to_be_asked()
+            if asked:
+                self.state.request_preempt()  # before it begins, as smach does
+            self._activation = _Activation(self.state, _Values(self), self.path, self.context.wake, asked)
+        activation = self._activation
+        if activation.done():
+            return self._take(activation)
+        if not activation.asked and self._to_be_asked():
+            activation.asked = True
+            self.state.request_preempt()
+        return self.running()
+
+    def _to_be_asked(self) -> bool:
+        """Whether the run is to end on its own terms and no state has dealt with that yet."""
+        return self.context.preempt_requested and not self._run().serviced
+
+    def _take(self, activation: _Activation) -> Status:
+        if activation.asked:
+            if self.state.preempt_requested():
+                self.state.recall_preempt()  # it travels on to the next state
+            else:
+                self._run().serviced = True
+        if isinstance(activation.error, Exception):
+            raise activation.error
+        if activation.error is not None:
+            raise RuntimeError(f"execute() raised {type(activation.error).__name__}") from activation.error
+        if not isinstance(activation.result, str):
+            raise TypeError(f"execute() returned {activation.result!r} and not one of its outcomes")
+        return self.end(task_name(activation.result), **activation.values.written)
+
+    def terminate(self, new_status: Status) -> None:
+        """Leave an `execute` that can't be stopped to its thread: flag set, its writes and outcome dropped."""
+        activation, self._activation = self._activation, None
+        if new_status == Status.INVALID and activation is not None and not activation.done():
+            self._zombie = activation
+            self.state.request_preempt()
+            self.observer.message(self.path, "interrupted: execute() was asked to return and still runs")
+
+    @property
+    def zombie(self) -> bool:
+        """Whether an interrupted `execute` still runs."""
+        return self._zombie is not None and not self._zombie.done()
+
+    def _bury(self) -> None:
+        if self._zombie is not None:
+            self.state.recall_preempt()
+            self._zombie = None
+
+    def shutdown(self) -> None:
+        """Name what is left running; nobody can end it."""
+        if self.zombie:
+            _log.warning("%s: execute() was interrupted and still runs in the thread smach:%s", self.path, self.path)
+
+    def _run(self) -> _Run:
+        # A run has one clock; contexts are wrapped for states of a machine.
+        return _runs.setdefault(self.context.clock, _Run())
+
+
+class NextItem(Leaf):
+    """Hand out the items of an iteration one by one: `item` with the next, `exhausted` after the last."""
+
+    def update(self) -> Status:
+        """Look at the position and move it on."""
+        items, position = self.params["items"], self.read("position")
+        if position >= len(items):
+            return self.end("exhausted", position=position)
+        return self.end("item", item=items[position], position=position + 1)
