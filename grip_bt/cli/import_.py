@@ -1,0 +1,96 @@
+"""`grip import`: tasks from elsewhere."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from grip_bt.errors import GripError
+
+if TYPE_CHECKING:
+    from grip_bt.smach_import import ImportedFile
+
+
+def add_parser(subparsers: Any) -> None:
+    """Add the verb."""
+    parser = subparsers.add_parser("import", help="tasks from elsewhere: SMACH machines in Python files")
+    parser.add_argument("path", type=Path, metavar="PATH", help="a Python file, or a folder of them")
+    parser.add_argument("--from", dest="source", required=True, choices=("smach",), help="what it is")
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="OUT",
+        help="a .yaml file for one machine, a folder for several; without it nothing is written",
+    )
+    parser.add_argument("--machine", metavar="NAME", help="only this one of several machines")
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Report on every container; 1 when one of them wasn't imported."""
+    from grip_bt.smach_import import import_file
+
+    files = _files(args.path)
+    root = args.path if args.path.is_dir() else None
+    imports = [import_file(file, root) for file in files]
+    if len(imports) == 1 and imports[0].error:
+        raise GripError(imports[0].error)
+    for imported in imports:
+        _report(imported)
+    if args.output is not None:
+        _write([i for i in imports if i.tasks], args)
+    return int(any(i.error or i.verdicts()["failed"] for i in imports))
+
+
+def _files(path: Path) -> list[Path]:
+    if path.is_dir():
+        return sorted(p for p in path.rglob("*.py") if not any(part.startswith(".") for part in p.parts))
+    if not path.is_file():
+        raise GripError(f"{path}: there is no such file or folder")
+    return [path]
+
+
+def _report(imported: ImportedFile) -> None:
+    if imported.error:
+        print(f"{imported.error}")
+    if not imported.containers:
+        return
+    counts = ", ".join(f"{n} {verdict}" for verdict, n in imported.verdicts().items() if n)
+    old = " (Python 2)" if imported.converted else ""
+    print(f"{imported.file.name}{old}: {counts}")
+    for found in imported.containers:
+        name = found.kind if found.cls == found.kind else f"{found.cls} ({found.kind})"
+        print(f"  {found.verdict:<8}{found.span.line:>5}  {name}")
+        for problem in found.problems:
+            print(f"{'':>17}{problem}")
+
+
+def _write(imports: list[ImportedFile], args: argparse.Namespace) -> None:
+    from grip_bt.app.project import find_project
+    from grip_bt.smach_import import write_import
+
+    every = [(imported, name) for imported in imports for name in imported.tasks]
+    chosen = [(i, name) for i, name in every if args.machine in (None, name)]
+    names = ", ".join(name for _, name in every) or "none"
+    if not chosen:
+        raise GripError(f"nothing to write: no such machine was imported (there are: {names})")
+    one = args.output.suffix in (".yaml", ".yml")
+    if one and len(chosen) > 1:
+        raise GripError(f"{args.output} holds one machine; choose one of {names} by --machine, or give a folder")
+    folder = args.output.parent if one else args.output
+    folder.mkdir(parents=True, exist_ok=True)
+    project = find_project(folder)
+    nodes = project.folder / (project.file.nodes or "nodes")
+    for imported in imports:
+        mine = [name for i, name in chosen if i is imported]
+        if mine:
+            paths = {name: args.output if one else folder / f"{_stem(imported, name)}.yaml" for name in mine}
+            for path in write_import(imported, paths, nodes):
+                print(f"wrote {path}", file=sys.stderr)
+
+
+def _stem(imported: ImportedFile, name: str) -> str:
+    return name if name == imported.file.stem else f"{imported.file.stem}_{name}"

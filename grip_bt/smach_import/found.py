@@ -1,0 +1,158 @@
+"""What is found in a legacy file: states, containers, and what couldn't be read."""
+
+from __future__ import annotations
+
+import ast
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+Verdict = Literal["exact", "partial", "failed"]
+CONTAINERS = ("StateMachine", "Sequence", "Concurrence", "Iterator")
+
+# States of smach_ros that nothing has to be said about: their outcomes are fixed.
+FIXED_OUTCOMES = {
+    "SimpleActionState": ("succeeded", "aborted", "preempted"),
+    "ServiceState": ("succeeded", "aborted", "preempted"),
+    "MonitorState": ("valid", "invalid", "preempted"),
+    "ConditionState": ("true", "false", "preempted"),
+}
+
+
+@dataclass(frozen=True)
+class Span:
+    """A place in a legacy file; lines and columns count from 1."""
+
+    file: Path
+    line: int
+    column: int
+    end_line: int
+
+    def __str__(self) -> str:
+        return f"{self.file.name}:{self.line}:{self.column}"
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Why a container isn't imported exactly.
+
+    Attributes:
+        verdict: `partial`: the task has a gap that a person can fill; `failed`: the container isn't in the task.
+        text: what it is, and what to do.
+        span: where.
+    """
+
+    verdict: Literal["partial", "failed"]
+    text: str
+    span: Span
+
+    def __str__(self) -> str:
+        return f"{self.span}: {self.text}"
+
+
+@dataclass(frozen=True)
+class Opaque:
+    """A value that only a run knows.
+
+    Attributes:
+        text: its source, for people.
+        expression: source that gives it in the module's namespace; None where nothing does.
+    """
+
+    text: str
+    expression: ast.expr | None = None
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A name of an imported module that isn't part of the project: `smach.State`, `math.pi`."""
+
+    name: str
+    expression: ast.expr | None = None
+
+
+@dataclass(eq=False)
+class Found:
+    """An object of a State class, or a container.
+
+    Attributes:
+        kind: the class of smach or smach_ros that it comes from.
+        cls: the name of its own class.
+        span: where it is made.
+        expression: source that makes it, in the module's namespace; None with `why` otherwise.
+        file: the module that `expression` is in.
+        outcomes: None when they aren't known.
+        initialised: whether its constructor has been followed.
+        home: its class, where that is part of the project.
+        parent: the container that it is in.
+        attributes: what `__init__` sets on `self`.
+    """
+
+    kind: str
+    cls: str
+    span: Span
+    expression: ast.expr | None = None
+    file: Path | None = None
+    why: str = ""
+    outcomes: list[str] | None = None
+    input_keys: list[str] = field(default_factory=list)
+    output_keys: list[str] = field(default_factory=list)
+    attributes: dict[str, Any] = field(default_factory=dict)
+    problems: list[Problem] = field(default_factory=list)
+    initialised: bool = False
+    home: Any = None
+    parent: FoundContainer | None = None
+
+    def problem(self, verdict: Literal["partial", "failed"], text: str, span: Span | None = None) -> None:
+        """Note what can't be read."""
+        found = Problem(verdict, text, span or self.span)
+        if found not in self.problems:
+            self.problems.append(found)
+
+
+@dataclass
+class Added:
+    """One child of a container, as it was added.
+
+    Attributes:
+        transitions: outcome -> label, outcome of the container, or None for the outcome of the same name.
+        connectors: outcomes that lead to the next child that is added.
+    """
+
+    label: str
+    state: Found
+    transitions: dict[str, str | None]
+    remapping: dict[str, str]
+    span: Span
+    connectors: tuple[str, ...] = ()
+
+
+@dataclass(eq=False)
+class FoundContainer(Found):
+    """A container.
+
+    Attributes:
+        added: its children by label, in order.
+        initial: label of the first state, once known.
+        settings: what its constructor was given besides outcomes and keys.
+        userdata: initial values.
+        entry: source of what gives the container at run time: a function, a class or a variable of the module.
+        entry_is_call: whether `entry` has to be called.
+        entry_file: where `entry` is.
+        executed_in: functions that execute it, so that calling them would run the machine.
+    """
+
+    added: dict[str, Added] = field(default_factory=dict)
+    initial: str | None = None
+    settings: dict[str, Any] = field(default_factory=dict)
+    userdata: dict[str, Any] = field(default_factory=dict)
+    entry: ast.expr | None = None
+    entry_is_call: bool = False
+    entry_file: Path | None = None
+    executed_in: list[Any] = field(default_factory=list)
+
+    @property
+    def verdict(self) -> Verdict:
+        """How well it was read."""
+        verdicts = {p.verdict for p in self.problems}
+        return "failed" if "failed" in verdicts else "partial" if verdicts else "exact"

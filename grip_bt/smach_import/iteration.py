@@ -1,0 +1,59 @@
+"""Iterator -> a state machine that takes the next item, runs the contained state, and goes round."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from .concurrence import RefusedError
+from .found import FoundContainer
+from .keys import plain_literal
+
+
+@dataclass(frozen=True)
+class Iteration:
+    """What an Iterator does.
+
+    Attributes:
+        items: what is iterated over.
+        label: userdata that holds the item.
+        loops: outcomes of the contained state after which the next item comes.
+        final: every other outcome of the contained state -> outcome of the Iterator.
+        exhausted: outcome of the Iterator after the last item.
+    """
+
+    items: list[Any]
+    label: str
+    loops: frozenset[str]
+    final: dict[str, str]
+    exhausted: str
+
+
+def iteration_of(found: FoundContainer) -> Iteration:
+    """Return what an Iterator does.
+
+    Raises:
+        RefusedError: it isn't known, or leads nowhere.
+    """
+    settings = found.settings
+    if len(found.added) != 1:
+        raise RefusedError("it needs exactly one contained state")
+    (added,) = found.added.values()
+    try:
+        items = plain_literal(settings.get("it", []))
+    except ValueError as error:
+        raise RefusedError(f"its items are `{error}`, which only a run knows") from None
+    label, exhausted = settings.get("it_label", "it_data"), settings.get("exhausted_outcome", "exhausted")
+    loop, leave = settings.get("loop_outcomes") or [], settings.get("break_outcomes") or []
+    mapped = settings.get("final_outcome_map") or {}
+    known = added.state.outcomes or []
+    words = (*loop, *leave, *mapped, *mapped.values(), label, exhausted)
+    if not isinstance(items, list) or not all(isinstance(word, str) for word in words):
+        raise RefusedError("its items, outcomes or outcome map are known only by a run")
+    # upstream's rule: with a break list, the rest loops; without, whatever isn't in the loop list breaks
+    loops = frozenset(o for o in known if (o not in leave if leave else o in loop))
+    final = {o: mapped.get(o, o) for o in known if o not in loops}
+    for target in (*final.values(), mapped.get(exhausted, exhausted)):
+        if target not in (found.outcomes or ()):
+            raise RefusedError(f"it would end with {target!r}, which is none of its outcomes")
+    return Iteration(items, label, loops, final, mapped.get(exhausted, exhausted))

@@ -1,0 +1,185 @@
+"""Names of a legacy file while it is read: scopes, what they hold, and source in terms of the module's own names."""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import copy
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from .found import Found, Opaque, Reference
+
+MODULE = "legacy"
+"""How generated code calls the legacy module."""
+
+
+class UnresolvedError(Exception):
+    """Source uses a name that only a run knows."""
+
+
+@dataclass(eq=False)
+class Scope:
+    """Names of a module, or of one call of a function.
+
+    Attributes:
+        names: name -> value.
+        outer: the scope around it.
+        file: where its code is.
+        is_module: whether its names are there once the module is imported.
+    """
+
+    names: dict[str, Any] = field(default_factory=dict)
+    outer: Scope | None = None
+    file: Path = Path()
+    is_module: bool = False
+
+    def find(self, name: str) -> tuple[Any, Scope] | None:
+        """Return a name's value and the scope that holds it."""
+        scope: Scope | None = self
+        while scope is not None:
+            if name in scope.names:
+                return scope.names[name], scope
+            scope = scope.outer
+        return None
+
+    def inner(self) -> Scope:
+        """Return a new scope within this one."""
+        return Scope(outer=self, file=self.file)
+
+
+@dataclass(eq=False)
+class Function:
+    """A function of a legacy file; `owner` is the class that defines it."""
+
+    node: ast.FunctionDef | ast.Lambda
+    scope: Scope
+    name: str
+    owner: Class | None = None
+    interface: dict[str, Any] | None = None
+    called: bool = False
+
+
+@dataclass(eq=False)
+class Class:
+    """A class of a legacy file."""
+
+    node: ast.ClassDef
+    scope: Scope
+    bases: list[Any]
+    names: dict[str, Any] = field(default_factory=dict)
+    made: int = 0
+
+    @property
+    def name(self) -> str:
+        """The name of the class."""
+        return self.node.name
+
+
+@dataclass(frozen=True)
+class Bound:
+    """A method of an object."""
+
+    target: Any
+    name: str
+
+
+@dataclass(eq=False)
+class Instance:
+    """An object of a class that is no state."""
+
+    cls: Class
+    attributes: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class UserDataOf:
+    """The userdata of a container."""
+
+    target: Found
+
+
+def is_literal(value: Any, depth: int = 0) -> bool:
+    """Tell whether a value is wholly known."""
+    if depth > 20:
+        return False
+    if isinstance(value, dict):
+        return all(is_literal(k, depth + 1) and is_literal(v, depth + 1) for k, v in value.items())
+    if isinstance(value, (list, tuple, set, frozenset)):
+        return all(is_literal(v, depth + 1) for v in value)
+    return value is None or isinstance(value, (bool, int, float, str, bytes, range))
+
+
+def literal_source(value: Any) -> ast.expr:
+    """Return the source of a known value."""
+    return ast.parse(repr(value), mode="eval").body
+
+
+def express(node: ast.expr, scope: Scope) -> ast.expr:
+    """Return source that means the same in generated code, where the module is called `legacy`.
+
+    Raises:
+        UnresolvedError: it uses what only a run knows.
+    """
+    return _Expressed(scope).visit(copy.deepcopy(node))
+
+
+def express_or_none(node: ast.expr, scope: Scope) -> ast.expr | None:
+    """Return what `express` does; None where it refuses."""
+    try:
+        return express(node, scope)
+    except UnresolvedError:
+        return None
+
+
+class _Expressed(ast.NodeTransformer):
+    def __init__(self, scope: Scope):
+        self.scope = scope
+        self.bound: set[str] = set()
+
+    def visit_Lambda(self, node: ast.Lambda) -> ast.expr:
+        self.bound.update(a.arg for a in ast.walk(node.args) if isinstance(a, ast.arg))
+        return self.generic_visit(node)  # type: ignore[return-value]
+
+    def visit_comprehension(self, node: ast.comprehension) -> ast.AST:
+        self.bound.update(n.id for n in ast.walk(node.target) if isinstance(n, ast.Name))
+        return self.generic_visit(node)
+
+    def _comprehension(self, node: Any) -> Any:
+        node.generators = [self.visit(g) for g in node.generators]
+        return self.generic_visit(node)
+
+    visit_ListComp = visit_SetComp = visit_DictComp = visit_GeneratorExp = _comprehension
+
+    def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
+        if isinstance(node.value, ast.Name):
+            found = self.scope.find(node.value.id)
+            if found is not None and isinstance(found[0], (Found, Instance)):
+                held = found[0].attributes.get(node.attr, UnresolvedError)
+                if is_literal(held):
+                    return literal_source(held)
+        return self.generic_visit(node)  # type: ignore[return-value]
+
+    def visit_Name(self, node: ast.Name) -> ast.expr:
+        name = node.id
+        if name in self.bound or not isinstance(node.ctx, ast.Load):
+            return node
+        found = self.scope.find(name)
+        if found is None:
+            if hasattr(builtins, name):
+                return node
+            raise UnresolvedError(name)
+        value, holder = found
+        if holder.is_module:
+            return ast.Attribute(ast.Name(MODULE, ast.Load()), name, ast.Load())
+        if is_literal(value):
+            return literal_source(value)
+        if isinstance(value, (Opaque, Reference)) and value.expression is not None and not _makes(value.expression):
+            return value.expression
+        raise UnresolvedError(name)
+
+
+def _makes(expression: ast.expr) -> bool:
+    """Whether it makes something: two uses of a local variable share an object, two copies of its source don't."""
+    return any(isinstance(n, ast.Call) for n in ast.walk(expression))

@@ -1,0 +1,299 @@
+"""A container that was found -> a task: state machines of leaves, a parallel for a Concurrence that is one."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from grip_bt.catalog import Catalog
+from grip_bt.graph import FrozenDict, Leaf, Parallel, StateMachine, Task, Variable, children_of
+from grip_bt.graph.model import AnyNode, Meaning
+from grip_bt.nodes.smach_leaf import task_name
+from grip_bt.validation import validate
+from grip_bt.validation.dataflow import DataFlow
+from grip_bt.validation.survey import Survey
+
+from .concurrence import Plan, RefusedError, plan_of
+from .found import Added, Found, FoundContainer
+from .iteration import iteration_of
+from .keys import Keys, Variables
+from .leaves import Leaves
+from .meanings import meaning_of
+
+Ends = Mapping[str, str]
+"""Outcome of a node -> the outcome of SMACH that it stands for."""
+
+
+class TaskMaker:
+    """Makes the task of one outermost container."""
+
+    def __init__(self, root: FoundContainer, name: str, leaves: Leaves):
+        self.root, self.name, self.leaves = root, name, leaves
+        self.variables = Variables()
+
+    def make(self) -> Task | None:
+        """Return the task; None when the container can't be imported, with the reason among its problems."""
+        keys = Keys(self.variables, self.name)
+        for key in self.root.input_keys:
+            keys(key)
+        try:
+            node, ends = self.container(self.root, keys, None)
+        except RefusedError as error:
+            self.root.problem("failed", f"{self.root.kind} {self.root.cls}: {error}")
+            return None
+        outcomes = {task_name(o): meaning_of(o) for o in self.root.outcomes or ()}
+        on = {here: task_name(there) for here, there in ends.items() if here != task_name(there)}
+        node = node.model_copy(update={"on": FrozenDict(on)})
+        return self._checked(node, outcomes)
+
+    # --- nodes ---
+
+    def container(self, found: FoundContainer, keys: Keys, meaning: Mapping[str, Meaning] | None) -> Any:
+        """Return a container as a node, and what its outcomes stand for.
+
+        Raises:
+            RefusedError: it has no equal.
+        """
+        check(found)
+        keys.begin(found)
+        self._check_inputs(found)
+        if found.kind == "Concurrence":
+            if meaning is not None:
+                raise RefusedError("it is a child of another Concurrence")
+            return self._parallel(found, keys, plan_of(found))
+        ends = {task_name(o): o for o in found.outcomes or ()}
+        means = {here: (meaning or {}).get(there, meaning_of(there)) for here, there in ends.items()}
+        if wrong := [o for o in ("success", "failure") if o in means and means[o] != o]:
+            raise RefusedError(f"its outcome {wrong[0]!r} would have to mean the opposite")
+        if found.kind == "Iterator":
+            return self._iterator(found, keys, means), ends
+        names = self._labels(found)
+        children = {}
+        for label, added in found.added.items():
+            node, child_ends = self.child(found, added, keys, None)
+            on = {here: self._target(found, added, there, names) for here, there in child_ends.items()}
+            children[names[label]] = node.model_copy(update={"on": FrozenDict(on)})
+        initial = names[found.initial or ""]
+        machine = StateMachine(
+            kind="state_machine", initial=initial, outcomes=means, children=children, x=_source(found)
+        )
+        return machine, ends
+
+    def _iterator(self, found: FoundContainer, keys: Keys, means: Mapping[str, Meaning]) -> StateMachine:
+        plan = iteration_of(found)
+        spec = self.leaves.next_item()
+        added = next(iter(found.added.values()))
+        name = task_name(added.label)
+        name += "_" * (name in means or name == "next")
+        first = "next" if "next" not in means else "next_"
+        node, ends = self.child(found, added, keys, None, raw=True)
+        position = self.variables.new("position", task_name(found.cls))
+        item = keys(plan.label)
+        on = {here: first if there in plan.loops else task_name(plan.final[there]) for here, there in ends.items()}
+        step = Leaf(
+            node=spec.manifest.id,
+            with_={"items": plan.items},
+            in_={"position": position},
+            out={"position": position, "item": item},
+            on={"item": name, "exhausted": task_name(plan.exhausted)},
+        )
+        return StateMachine(
+            kind="state_machine",
+            initial=first,
+            outcomes=dict(means),
+            data={position: Variable(type="int", value=0)},
+            children={first: step, name: node.model_copy(update={"on": FrozenDict(on)})},
+            x=_source(found),
+        )
+
+    def _parallel(self, found: FoundContainer, keys: Keys, plan: Plan) -> tuple[Parallel, Ends]:
+        children, exits = {}, {}
+        for label in plan.order:
+            added = found.added[label]
+            wanted = plan.wanted.get(label)
+            meaning: dict[str, Meaning] = {
+                o: "success" if wanted in (None, o) else "failure" for o in self.outcomes(added)
+            }
+            node, ends = self.child(found, added, keys, meaning)
+            children[task_name(label)] = node
+            back = {there: here for here, there in ends.items()}
+            for (child, outcome), end in plan.exits.items():
+                if child == label and outcome in back:
+                    exits[f"{task_name(label)}.{back[outcome]}"] = end
+        own = {end: meaning_of(plan.ends[end]) for end in plan.exits.values()}
+        node = Parallel(kind="parallel", cancel="join", children=children, exits=exits, outcomes=own, x=_source(found))
+        return node, plan.ends
+
+    def child(
+        self, found: FoundContainer, added: Added, keys: Keys, meaning: Mapping[str, Meaning] | None, raw: bool = False
+    ) -> tuple[AnyNode, Ends]:
+        """Return one child as a node."""
+        state = added.state
+        for each in state.problems if not isinstance(state, FoundContainer) else ():
+            found.problem(each.verdict, each.text, each.span)
+        remapping = {} if raw else added.remapping
+        if not isinstance(state, FoundContainer):
+            return self._leaf(found, added, keys, remapping, meaning)
+        shared = {k: keys(remapping.get(k, k)) for k in (*state.input_keys, *state.output_keys)}
+        problems, before = len(state.problems), (dict(self.variables.names), dict(self.leaves.specs))
+        try:
+            return self.container(state, Keys(self.variables, task_name(added.label), shared), meaning)
+        except RefusedError as error:
+            self.variables.names, self.leaves.specs = before
+            if len(state.problems) == problems:
+                state.problem("failed", f"{state.kind} {state.cls}: {error}")
+            found.problem(
+                "partial", f"{added.label!r} is one leaf that runs the {state.kind} as it is: {error}", added.span
+            )
+            return self._leaf(found, added, keys, remapping, meaning)
+
+    def _leaf(
+        self,
+        found: FoundContainer,
+        added: Added,
+        keys: Keys,
+        remapping: Mapping[str, str],
+        meaning: Mapping[str, Meaning] | None,
+    ) -> tuple[Leaf, Ends]:
+        state, outcomes = added.state, self.outcomes(added)
+        inputs, outputs = state.input_keys, state.output_keys
+        if not state.kind:
+            inputs = outputs = list(remapping)
+        bound = {key: keys(remapping.get(key, key)) for key in (*inputs, *outputs)}
+        first = {k: (v, text) for k in inputs if (v := bound[k]) in self.variables.first and (text := self._first(v))}
+        spec = self.leaves.add(state, added.label, outcomes, (inputs, outputs), first)
+        if not spec.source:
+            why = state.why or f"`{state.cls}` can't be made outside of what builds it"
+            found.problem("partial", f"{why}; say in leaves.py how {spec.cls} is made", added.span)
+        ends = {task_name(o): o for o in outcomes}
+        usual = spec.manifest.outcomes
+        means = {h: m for h, t in ends.items() if (m := (meaning or {}).get(t, usual[h])) != usual[h]}
+        leaf = Leaf(
+            node=spec.manifest.id,
+            in_={key: bound[key] for key in inputs},
+            out={key: bound[key] for key in outputs},
+            meaning=means,
+            x={"x-source": str(added.span)},
+        )
+        return leaf, ends
+
+    def _first(self, variable: str) -> str:
+        expression, where = self.variables.first[variable]
+        if isinstance(where, FoundContainer):
+            assert isinstance(expression, ast.Constant), "a key of that container"
+            live = self.leaves.live(where)
+            return f"{live}.userdata[{expression.value!r}]" if live else ""
+        return self.leaves.unparsed(expression, where)
+
+    # --- edges ---
+
+    def outcomes(self, added: Added) -> list[str]:
+        """Return a state's outcomes; where nothing is known of them, those that lead somewhere."""
+        state = added.state
+        if state.outcomes:
+            return state.outcomes
+        known = [o for o in (*added.transitions, *added.connectors)]
+        if not known:
+            raise RefusedError(f"nothing is known of the outcomes of {added.label!r} ({state.cls})")
+        if not state.problems:
+            state.problem(
+                "partial",
+                f"the outcomes of {state.cls} are taken from its transitions, since its class isn't here",
+            )
+        return list(dict.fromkeys(known))
+
+    def _target(self, found: FoundContainer, added: Added, outcome: str, names: Mapping[str, str]) -> str:
+        target = added.transitions.get(outcome)
+        if target in names:
+            return names[target]
+        target = target or outcome
+        if target not in (found.outcomes or ()):
+            raise RefusedError(f"{outcome!r} of {added.label!r} leads to {target!r}, which isn't there")
+        return task_name(target)
+
+    def _labels(self, found: FoundContainer) -> dict[str, str]:
+        """Return the states' names; one that is also an outcome gets another, since SMACH prefers the state."""
+        used = {task_name(o) for o in found.outcomes or ()}
+        names: dict[str, str] = {}
+        for label in found.added:
+            name = task_name(label)
+            while name in used:
+                name += "_"
+            used.add(name)
+            names[label] = name
+        return names
+
+    def _check_inputs(self, found: FoundContainer) -> None:
+        if found.parent is None:
+            return
+        written = {added.remapping.get(key, key) for added in found.added.values() for key in added.state.output_keys}
+        for key in written & set(found.input_keys) - set(found.output_keys):
+            found.problem(
+                "partial",
+                f"userdata `{key}` comes in and not out, but a state writes it: SMACH drops that value when the"
+                f" {found.kind} ends, the task keeps it",
+            )
+
+    # --- the whole ---
+
+    def _checked(self, node: AnyNode, outcomes: Mapping[str, Meaning]) -> Task:
+        catalog = Catalog.builtin().with_manifests(spec.manifest for spec in self.leaves.specs.values())
+        task = self._task(node, outcomes, set())
+        missing = set(DataFlow(Survey(task, catalog, None)).missing.values()) | set(self.variables.first)
+        task = self._task(_marked(node, missing), outcomes, missing)
+        for issue in validate(task, catalog).issues:
+            if issue.severity == "error":
+                self.root.problem("partial", f"`grip check`: {issue.path}: {issue.message}")
+        return task
+
+    def _task(self, node: AnyNode, outcomes: Mapping[str, Meaning], missing: set[str]) -> Task:
+        data = self.variables.declared(missing)
+        local = {name for each in _walk(node) for name in getattr(each, "data", {})}
+        return Task(
+            grip=1,
+            name=self.name,
+            doc=f"Imported from {self.root.span.file.name}.",
+            outcomes=dict(outcomes),
+            data={name: declared for name, declared in data.items() if name not in local},
+            root=node,
+        )
+
+
+def check(found: FoundContainer) -> None:
+    """Refuse what no machine can be made of.
+
+    Raises:
+        RefusedError: the container wasn't read well enough, or SMACH would refuse it too.
+    """
+    if failed := [p for p in found.problems if p.verdict == "failed"]:
+        raise RefusedError(failed[0].text)
+    if not found.outcomes:
+        raise RefusedError("its outcomes aren't known")
+    if not found.added:
+        raise RefusedError("nothing is added to it")
+    for label, added in found.added.items():
+        known = added.state.outcomes
+        if known and (wrong := sorted(set(added.transitions) - set(known))):
+            raise RefusedError(f"{label!r} has transitions for {wrong}, but {added.state.cls} ends with {known}")
+    if found.kind in ("StateMachine", "Sequence") and found.initial not in found.added:
+        raise RefusedError(f"its initial state {found.initial!r} isn't there")
+
+
+def _marked(node: AnyNode, missing: set[str]) -> AnyNode:
+    """Tell every leaf which of its inputs may be unwritten."""
+    if isinstance(node, Leaf):
+        unwritten = [port for port, variable in node.in_.items() if variable in missing and port != "position"]
+        return node.model_copy(update={"with_": FrozenDict({"unwritten": unwritten})}) if unwritten else node
+    children = {name: _marked(child, missing) for name, child in children_of(node).items()}
+    return node.model_copy(update={"children": FrozenDict(children)})
+
+
+def _walk(node: AnyNode) -> Iterable[AnyNode]:
+    yield node
+    for child in children_of(node).values():
+        yield from _walk(child)
+
+
+def _source(found: Found) -> dict[str, Any]:
+    return {"x-source": str(found.span)}
