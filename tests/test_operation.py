@@ -30,6 +30,20 @@ def test_callbacks_are_called_once_and_at_once_after_the_end():
     assert calls == ["before", "after"]
 
 
+def test_a_callback_that_raises_keeps_no_other_waiting():
+    def broken():
+        raise ValueError("broken")
+
+    calls = []
+    operation = Operation()
+    operation.add_done_callback(broken)
+    operation.add_done_callback(lambda: calls.append("after"))
+    with pytest.raises(ValueError, match="broken"):
+        operation.succeed(1)
+    assert calls == ["after"]
+    assert operation.result() == 1
+
+
 def test_cancelling_asks_the_work_once():
     asked = []
     operation = Operation(on_cancel=lambda: asked.append(1))
