@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import re
 
-_SINGLE = re.compile(r"^'[^\"]*'$", re.DOTALL)
+_ESCAPE_OR_QUOTE = re.compile(r"\\.|\"", re.DOTALL)
 
 
 def py(value: object) -> str:
     """Return a Python literal for a string, a number, a bool, None, or a list, tuple or dict of such.
 
-    Strings are in double quotes where that needs no escape, as formatters want it.
+    Strings are in double quotes unless these need more escapes than single ones, as formatters want it.
 
     Raises:
         TypeError: the value isn't a literal.
     """
     if isinstance(value, str):
         text = repr(value)
-        return f'"{text[1:-1]}"' if _SINGLE.match(text) else text
+        if text[0] == '"' or value.count('"') > value.count("'"):
+            return text
+        return f'"{_ESCAPE_OR_QUOTE.sub(_for_double_quotes, text[1:-1])}"'
     if value is None or isinstance(value, (bool, int, float)):
         return repr(value)
     if isinstance(value, (list, tuple)):
@@ -28,3 +30,7 @@ def py(value: object) -> str:
     if isinstance(value, dict):
         return "{" + ", ".join(f"{py(k)}: {py(v)}" for k, v in value.items()) + "}"
     raise TypeError(f"a {type(value).__name__} can't be written as a literal")
+
+
+def _for_double_quotes(found: re.Match[str]) -> str:
+    return {'"': '\\"', "\\'": "'"}.get(found.group(), found.group())

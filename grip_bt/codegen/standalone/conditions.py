@@ -30,10 +30,27 @@ class _Reading(ast.NodeTransformer):
         self.variables = variables
 
     def visit_Call(self, node: ast.Call) -> ast.Call:
+        """Go on with the arguments; the function isn't a variable."""
         node.args = [self.visit(argument) for argument in node.args]
         return node
 
+    def visit_UnaryOp(self, node: ast.UnaryOp) -> ast.expr:
+        """Write `not a in b` as `a not in b`, as people do."""
+        match node:
+            case ast.UnaryOp(ast.Not(), ast.Compare(ops=[ast.In() | ast.Is() as way]) as inner):
+                inner.ops = [ast.NotIn() if isinstance(way, ast.In) else ast.IsNot()]
+                return self.visit_Compare(inner)
+        node.operand = self.visit(node.operand)
+        return node
+
+    def visit_Compare(self, node: ast.Compare) -> ast.Compare:
+        """Go on with the operands."""
+        node.left = self.visit(node.left)
+        node.comparators = [self.visit(other) for other in node.comparators]
+        return node
+
     def visit_Name(self, node: ast.Name) -> ast.expr:
+        """Read a variable."""
         if node.id in CONSTANTS:
             return ast.Constant(CONSTANTS[node.id])
         return ast.Call(ast.Attribute(ast.Name(self.variables[node.id]), "get"), [], [])

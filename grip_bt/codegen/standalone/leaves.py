@@ -65,8 +65,8 @@ def _equal(part: Part, plan: Plan, parameters: dict[str, object]) -> Items:
         case "flow/fail":
             plan.parts.add("fail")
             return call("Fail", part.name, code=parameters["code"])
-    plan.parts |= {"log", "variable"}
-    value = {"value": Code(plan.visible(part)[node.in_["value"]])} if "value" in node.in_ else {}
+    plan.parts.add("log")
+    value = {"value": Code(f"{plan.visible(part)[node.in_['value']]}.get")} if "value" in node.in_ else {}
     return call("Log", part.name, message=parameters["message"], **value)
 
 
