@@ -26,7 +26,7 @@ class Compiler:
     """Compiles the nodes of one tree.
 
     Attributes:
-        parts: every node compiled so far.
+        nodes: those compiled so far.
         stale: whether something was found that has changed since; the node in question was ticked by its own generator.
 
     Args:
@@ -36,7 +36,7 @@ class Compiler:
 
     def __init__(self, visit: Visit | None = None, fixed_methods: bool = False):
         self.visit, self.fixed_methods = visit, fixed_methods
-        self.parts: dict[Behaviour, Part] = {}
+        self.nodes: list[Behaviour] = []
         self.stale = False
 
     def compile(self, node: Any, verdict: Verdict = _TO_EXHAUSTION) -> Part:
@@ -53,7 +53,7 @@ class Compiler:
             part = Part(node, make(node, stop, self.visit), make_halt(stop), inside)
         else:
             part = self._inner(node, kind, verdict)
-        self.parts[node] = part
+        self.nodes.append(node)
         return part
 
     def _inner(self, node: Any, kind: Kind, verdict: Verdict) -> Part:

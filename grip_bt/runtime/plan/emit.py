@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from itertools import groupby
 
-from py_trees.behaviour import Behaviour
 from py_trees.common import ParallelPolicy, Status
 
 from .composites import halt_all, settle
@@ -36,7 +35,7 @@ class Emitter:
         write: what was written.
         insides: the nodes whose structure the source relies on.
         functions: the source of functions that stop inner nodes.
-        resets: inner nodes that their parents may stop -> the variables that tell so; false at first.
+        resets: ids of inner nodes that their parents may stop -> the variables that tell so; false at first.
 
     Args:
         inline: tells whether a child is written into its parent's source.
@@ -49,8 +48,8 @@ class Emitter:
         self.insides: list[Part] = []
         self.functions: list[str] = []
         self._classes: list[type] = []
-        self.resets: dict[Behaviour, str] = {}
-        self._halting: dict[Behaviour, str] = {}
+        self.resets: dict[int, str] = {}
+        self._halting: dict[int, str] = {}
         self._inline, self._outer = inline, outer
 
     def classes(self) -> tuple[type, ...]:
@@ -243,7 +242,7 @@ class Emitter:
 
     def _restart(self, part: Part, inside: Inside, i: str) -> None:
         """Write what stops the children before they are ticked again, unless the parent has just done so."""
-        reset = self.resets.get(part.node)
+        reset = self.resets.get(id(part.node))
         if reset is None:
             self._halts(inside, i, self.write)
         else:
@@ -301,10 +300,10 @@ class Emitter:
 
     def halting(self, part: Part, inside: Inside) -> str:
         """Write a function that stops an inner node with all below it, once; return its name."""
-        function = self._halting.get(part.node)
+        function = self._halting.get(id(part.node))
         if function is not None:
             return function
-        self._halting[part.node] = function = f"q{len(self._halting)}"
+        self._halting[id(part.node)] = function = f"q{len(self._halting)}"
         name = self.write.bind(f"{function}n", part.node)
         body = Writer()
         if inside.kind is Kind.DECORATOR:
@@ -324,7 +323,7 @@ class Emitter:
 
     def _reset(self, part: Part) -> str:
         """Return the name of the variable that tells whether the children were found or made INVALID in this tick."""
-        return self.resets.setdefault(part.node, f"z{len(self.resets)}")
+        return self.resets.setdefault(id(part.node), f"z{len(self.resets)}")
 
 
 def _simple(part: Part) -> bool:

@@ -7,8 +7,9 @@ size that changed for another reason is noted and forgotten.
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Callable, Iterable
-from typing import Any
+from typing import Any, ClassVar
 
 from py_trees.behaviour import Behaviour
 
@@ -22,8 +23,11 @@ class Methods:
         nodes: whose methods; none where somebody has promised that none is replaced.
     """
 
+    passing: ClassVar[int] = 0
+    """How many plans have put something into their nodes that will be gone after the tick: sizes aren't noted then."""
+
     def __init__(self, nodes: Iterable[Behaviour] = ()):
-        self.dicts = [_unshared(node) for node in nodes]
+        self.dicts = [_attributes(node) for node in nodes]
         self.sizes = [*map(len, self.dicts)]
         self._own = [_own(d) for d in self.dicts]
 
@@ -41,18 +45,27 @@ class Methods:
         """Tell whether an instance has got or lost a method of its life cycle; called when a size has changed."""
         if [_own(d) for d in self.dicts] != self._own:
             return True
-        self.sizes[:] = map(len, self.dicts)
+        if not Methods.passing:
+            self.sizes[:] = map(len, self.dicts)
         return False
 
 
-def _unshared(node: Behaviour) -> dict[str, Any]:
+_unshared: dict[int, weakref.ref[Behaviour]] = {}
+
+
+def _attributes(node: Behaviour) -> dict[str, Any]:
     """Return the node's attributes, in a dictionary of their own.
 
     Asking for `__dict__` makes CPython 3.11 and 3.12 give up the instance's compact form for one that shares its keys
-    with other instances, in which reading and writing attributes is slow. Plain dictionaries are fast.
+    with other instances, in which reading and writing attributes is slow. Plain dictionaries are fast. Each node gets
+    one once, since whoever watches holds on to it.
     """
-    attributes = dict(vars(node))
-    node.__dict__ = attributes
+    key = id(node)
+    known = _unshared.get(key)
+    if known is None or known() is not node:
+        node.__dict__ = dict(vars(node))
+        _unshared[key] = weakref.ref(node, lambda _: _unshared.pop(key, None))
+    attributes: dict[str, Any] = vars(node)
     return attributes
 
 

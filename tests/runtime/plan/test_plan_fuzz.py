@@ -21,6 +21,12 @@ WAYS: list[dict[str, Any]] = [
     {"hot": True, "wild": False},
     {"hot": True, "fixed_methods": True, "methods": False},
 ]
+CALM: list[dict[str, Any]] = [
+    {"edits": 0.05},
+    {"edits": 0.0, "hot": True},
+    {"edits": 0.1, "wild": False},
+    {"edits": 0.05, "fixed_methods": True, "methods": False},
+]
 
 
 @pytest.mark.parametrize("chunk", range(CHUNKS))
@@ -28,4 +34,12 @@ def test_a_plan_leaves_every_tree_as_py_trees_does(chunk: int) -> None:
     size = max(1, TREES // CHUNKS)
     for seed in range(FIRST + chunk * size, FIRST + (chunk + 1) * size):
         found = compare(seed, **WAYS[seed % len(WAYS)])
+        assert found is None, found
+
+
+@pytest.mark.parametrize("chunk", range(CHUNKS))
+def test_a_plan_leaves_trees_that_settle_as_py_trees_does(chunk: int) -> None:
+    size = max(1, TREES // CHUNKS // 5)
+    for seed in range(FIRST + chunk * size, FIRST + (chunk + 1) * size):
+        found = compare(seed, ticks=40, calm=True, **CALM[seed % len(CALM)])
         assert found is None, found
