@@ -22,6 +22,7 @@ class Calls(Evaluation):
         conditions: what has to hold for the code that is being read, and whether it makes a machine unknowable.
         running: the functions whose bodies are being read.
         base: how many of the conditions lie outside the innermost of them.
+        in_main: whether what is read happens only when the file is run and not when it is imported.
         modules: modules of the project that were imported as modules, by name.
     """
 
@@ -32,6 +33,7 @@ class Calls(Evaluation):
         self.conditions: list[tuple[str, bool]] = []
         self.running: list[Function] = []
         self.base = 0
+        self.in_main = False
         self.modules: dict[str, Scope] = {}
 
     def apply(self, function: Function, arguments: list[Any], named: dict[str, Any]) -> Any:
@@ -96,6 +98,7 @@ class Calls(Evaluation):
                 base, me = owner.target
                 held = self.member(base, node.attr) if isinstance(base, Class) else None
                 return Bound((held or base, me), node.attr)
+            return self.attribute_of(owner, node, scope)
         return super()._attribute(node, scope)
 
     # --- making objects ---

@@ -83,8 +83,7 @@ def _plan(
         plan.exits[child, outcome] = name
         plan.ends[name] = label
     plan.ends["success"] = success
-    if plan.wanted:
-        plan.ends["failure"] = default
+    plan.ends["failure"] = default
     return plan
 
 

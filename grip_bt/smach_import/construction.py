@@ -132,7 +132,7 @@ def call(
         reader.open = [each for each in reader.open if each is not me]
     elif name == "execute":
         me.executed_in.extend(reader.running)
-        if not reader.running and not reader.conditions:
+        if not (reader.running or reader.conditions or reader.in_main):
             me.attributes.setdefault("<executed>", span)
     elif name == "set_initial_state" and arguments and isinstance(arguments[0], (list, tuple)) and arguments[0]:
         me.initial = arguments[0][0] if isinstance(arguments[0][0], str) else me.initial

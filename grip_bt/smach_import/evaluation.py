@@ -180,7 +180,10 @@ class Evaluation:
         return value[self.value(node.slice, scope)] if isinstance(value, (list, tuple, dict, str)) else NotImplemented
 
     def _attribute(self, node: ast.Attribute, scope: Scope) -> Any:
-        value = self.value(node.value, scope)
+        return self.attribute_of(self.value(node.value, scope), node, scope)
+
+    def attribute_of(self, value: Any, node: ast.Attribute, scope: Scope) -> Any:
+        """Return the attribute that `node` names of a value."""
         if isinstance(value, UserDataOf):
             return getattr(value.target, "userdata", {}).get(node.attr, NotImplemented)
         if isinstance(value, (Found, Instance)):

@@ -64,6 +64,7 @@ class Interpreter(Calls):
         """Read a file wholly: as a module, its `__main__` block, and what nobody calls."""
         scope = self.module(file)
         tree = self.project.source(file).tree
+        self.in_main = True
         for statement in tree.body:
             if isinstance(statement, ast.If) and _is_main(statement.test):
                 self.body(statement.body, scope.inner())
@@ -75,17 +76,17 @@ class Interpreter(Calls):
         """Follow the constructors, functions and methods that nothing has called, with arguments that nobody knows."""
         mine = [v for v in scope.names.values() if isinstance(v, (Class, Function)) and v.scope.file == file]
         for value in mine:
-            if isinstance(value, Class) and self.is_container(value) and not value.made:
-                self.instantiate(value, [], {}, None, Span(file, value.node.lineno, 1, value.node.lineno))
-        for value in mine:
             if isinstance(value, Function) and not value.called:
                 self.apply(value, [], {})
         for value in mine:
-            if isinstance(value, Class) and not self.is_container(value) and not self.kind_of(value):
+            if isinstance(value, Class) and not self.kind_of(value):
                 me = Instance(value)
                 for method in [value.names.get("__init__"), *value.names.values()]:
                     if isinstance(method, Function) and not method.called:
                         self.apply(method, [me], {})
+        for value in mine:
+            if isinstance(value, Class) and self.is_container(value) and not value.made:
+                self.instantiate(value, [], {}, None, Span(file, value.node.lineno, 1, value.node.lineno))
 
     def _entries(self, scope: Scope) -> None:
         """Note which containers are there once the module is imported."""
@@ -175,6 +176,8 @@ class Interpreter(Calls):
                 self.set_userdata(owner.target, key, value, self.span(target, scope))
             elif isinstance(owner, (Found, Instance)) and isinstance(key, str):
                 owner.attributes[key] = value
+                if isinstance(owner, Found) and owner.expression is not None:
+                    owner.expression, owner.why = None, f"`{key}` of {owner.cls} is set after it is made"
             elif isinstance(owner, dict) and is_literal(key):
                 owner[key] = value
         elif isinstance(target, ast.Name) and isinstance(value, Opaque) and not scope.is_module:

@@ -116,7 +116,8 @@ class Leaves:
 
     def source(self, found: Found) -> str:
         """Return the source that gives a legacy object; empty where nothing does."""
-        if found.expression is not None:
+        filled = isinstance(found, FoundContainer) and found.cls == found.kind  # its children are added later
+        if found.expression is not None and not filled:
             return self.unparsed(found.expression, found.file or found.span.file)
         return self.live(found)
 

@@ -40,7 +40,8 @@ class TaskMaker:
         try:
             node, ends = self.container(self.root, keys, None)
         except RefusedError as error:
-            self.root.problem("failed", f"{self.root.kind} {self.root.cls}: {error}")
+            if self.root.verdict != "failed":
+                self.root.problem("failed", str(error))
             return None
         outcomes = {task_name(o): meaning_of(o) for o in self.root.outcomes or ()}
         on = {here: task_name(there) for here, there in ends.items() if here != task_name(there)}
@@ -136,16 +137,15 @@ class TaskMaker:
         if not isinstance(state, FoundContainer):
             return self._leaf(found, added, keys, remapping, meaning)
         shared = {k: keys(remapping.get(k, k)) for k in (*state.input_keys, *state.output_keys)}
-        problems, before = len(state.problems), (dict(self.variables.names), dict(self.leaves.specs))
+        before = dict(self.variables.names), dict(self.leaves.specs)
         try:
             return self.container(state, Keys(self.variables, task_name(added.label), shared), meaning)
         except RefusedError as error:
             self.variables.names, self.leaves.specs = before
-            if len(state.problems) == problems:
-                state.problem("failed", f"{state.kind} {state.cls}: {error}")
-            found.problem(
-                "partial", f"{added.label!r} is one leaf that runs the {state.kind} as it is: {error}", added.span
-            )
+            runs = bool(self.leaves.source(state))
+            state.problems = [p for p in state.problems if p.verdict != "failed"] if runs else state.problems
+            as_leaf = "it is one leaf, which runs it as it is" if runs else "it isn't in the task"
+            state.problem("partial" if runs else "failed", f"{as_leaf}: {error}")
             return self._leaf(found, added, keys, remapping, meaning)
 
     def _leaf(
