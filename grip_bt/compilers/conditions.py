@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from grip_bt.errors import ExpressionError, listing, nearest
+from grip_bt.graph import model
 from grip_bt.graph.evaluation import condition_of, value_of
 from grip_bt.graph.expression import Expression, parse_expression
 from grip_bt.graph.model import AnyNode, expressions_of
-from grip_bt.nodes.control import Condition
+from grip_bt.nodes.control import Cases, Condition, Items, Passes, Rest, Rule
 from grip_bt.validation import Issue
 
 from .scopes import Cell, Scope, Scopes
+
+if TYPE_CHECKING:
+    from .resolve import Part
 
 
 def check_expressions(path: str, node: AnyNode, around: Scope, own: Scope, problems: list[Issue]) -> None:
@@ -41,6 +45,25 @@ def bind_condition(path: str, key: str, text: str, scope: Scope, scopes: Scopes)
             cell.watchers.append(written)
 
     return Condition(expression.text, condition_of(expression, readers), watch)
+
+
+def bind_rule(part: Part, scopes: Scopes) -> Rule | None:
+    """Return the rule of a container that chooses its children; None for every other."""
+    path, scope, names = part.path, part.scope, [child.name for child in part.children]
+    match part.node:
+        case model.Switch(on_value=text, default=default):
+            return Cases(bind_value(path, "on_value", text, scope, scopes), list(model.cases_of(part.node)), default)
+        case model.Loop(while_=text, times=times):
+            holds = bind_condition(path, "while", text, scope, scopes) if text else None
+            return Passes(names[0], holds, times)
+        case model.ForEach(items=items, item=item):
+            held, one = scope.find(items), scope.find(item)
+            assert held is not None, "resolved variables are declared"
+            assert one is not None, "a for_each declares its item"
+            return Items(names[0], scopes.reader(path, "items", held), scopes.writer(path, "item", one))
+        case model.Cooldown(seconds=seconds):
+            return Rest(names[0], seconds)
+    return None
 
 
 def bind_value(path: str, key: str, text: str, scope: Scope, scopes: Scopes) -> Callable[[], Any]:

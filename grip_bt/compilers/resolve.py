@@ -13,8 +13,11 @@ from grip_bt.catalog import Catalog, Manifest, check_value, parse_type
 from grip_bt.errors import GripError, InvalidTaskError
 from grip_bt.graph.model import (
     AnyNode,
+    Container,
+    ForEach,
     Leaf,
     StateMachine,
+    Switch,
     Task,
     Variable,
     children_of,
@@ -150,12 +153,14 @@ class _Resolver:
     def part(self, name: str, path: str, node: AnyNode, outer: Scope) -> Part:
         if isinstance(node, Leaf):
             return self.leaf(name, path, node, outer)
-        scope = self.declare(path, node.data, outer)
+        scope = self.declare(path, self.variables(path, node, outer), outer)
         check_expressions(path, node, outer, scope, self.problems)
         self.refusal(path, node, outcomes_of(node))
         children = tuple(
             self.part(child, join(path, child), below, scope) for child, below in children_of(node).items()
         )
+        if isinstance(node, Switch):
+            self.cases(path, node)
         machine = isinstance(node, StateMachine)
         exits, edges = Edges(), Edges()
         if isinstance(node, StateMachine):
@@ -173,6 +178,27 @@ class _Resolver:
         initial = node.initial if isinstance(node, StateMachine) else None
         check_edges(path, edges if machine else exits, ends, set(outcomes_of(node)), initial, self.problems)
         return Part(name, path, node, outcomes_of(node), scope, scope is not outer, children, exits, edges)
+
+    def variables(self, path: str, node: Container, outer: Scope) -> Mapping[str, Variable | str]:
+        """Return what a container declares, with the item of a for_each."""
+        if not isinstance(node, ForEach):
+            return node.data
+        there = {name: v if isinstance(v, str) else v.type for name, v in node.data.items()}
+        cell = outer.find(node.items)
+        if node.items not in there and cell is None:
+            self.add(path, "undeclared-variable", f"`items` names {node.items!r}, which isn't declared here or above")
+            return {**node.data, node.item: "Any"}
+        held = there.get(node.items) or (cell.type if cell is not None else "Any")
+        try:
+            item = parse_type(held).item
+        except ValueError:
+            item = None
+        return {**node.data, node.item: str(item or "Any")}
+
+    def cases(self, path: str, node: Switch) -> None:
+        for name in (*node.cases, *([node.default] if node.default else [])):
+            if name not in node.children:
+                self.add(path, "unknown-child", f"a case names {name!r}, which isn't a child")
 
     def leaf(self, name: str, path: str, node: Leaf, scope: Scope) -> Part:
         try:

@@ -13,6 +13,7 @@ from grip_bt.smach_compat import Concurrence, State, StateMachine
 from grip_bt.values import Failure
 
 from .behaviour_state import MachineRun, Refined, TaskState, label, labels
+from .choice import Choice
 from .drive import Halted
 
 
@@ -92,11 +93,22 @@ class TaskMachine(TaskContainer, StateMachine):
     ):
         StateMachine.__init__(self, labels(meaning, refined))
         self.take(path, meaning, refined, enter)
+        self.choice: Choice | None = None
         self._last: TaskState | None = None
         self.register_termination_cb(self._remember)
 
     def _remember(self, userdata: Any, terminal_states: list[str], outcome: str) -> None:
         self._last = self[terminal_states[0]]  # type: ignore[assignment]
+
+    def execute(self, parent_ud: Any = None) -> Any:
+        """Execute; a rule learns when that begins and ends, whatever ends it."""
+        if self.choice is None:
+            return super().execute(parent_ud)
+        self.choice.rule.begin()
+        try:
+            return super().execute(parent_ud)
+        finally:
+            self.choice.rule.over()
 
     def reason(self) -> Failure | None:
         """Return the reason of the state that ended the machine."""

@@ -17,14 +17,15 @@ from grip_bt.nodes.node import Node
 from grip_bt.nodes.observer import Observer
 
 from .behaviour_state import BehaviourState, MachineRun, Refined, TaskState
-from .conditions import bind_condition
+from .choice import Choice
+from .conditions import bind_condition, bind_rule
 from .drive import Halted, Pacer, TaskEnd
 from .leaves import LeafFactory, implementation_of, release
 from .resolve import Part, Resolved, resolve
 from .scopes import Scopes
 from .task_machine import Count, TaskConcurrence, TaskContainer, TaskMachine
 from .to_tree import TreeBuilder
-from .transitions import COUNT, counts, interrupts, state_labels, table_of
+from .transitions import COUNT, chooses, counts, interrupts, state_labels, table_of
 
 _log = logging.getLogger("grip_bt.smach")
 
@@ -78,6 +79,8 @@ class MachineBuilder:
                 TaskMachine.add(names[child.name], state, table.rows[names[child.name]])
             if counts(part):
                 self._count(part, machine, needed)
+            if chooses(part):
+                self._choice(part, machine, needed)
             machine.set_initial_state([table.initial])
         return machine
 
@@ -92,6 +95,16 @@ class MachineBuilder:
         row = {"again": child, "enough": end, **{f"enough.{code}": f"{end}.{code}" for code in codes}}
         TaskMachine.add(COUNT, count, row)
         machine.on_enter(count.reset)
+
+    def _choice(self, part: Part, machine: TaskMachine, needed: Refined) -> None:
+        """Add the state that asks the container's rule."""
+        rule = bind_rule(part, self.tree.scopes)
+        assert rule is not None, "a container that chooses has a rule"
+        names = state_labels(part)
+        ways = {child.name: names[child.name] for child in part.children}
+        choice = Choice(part.path, rule, list(ways), self.run, {(o, code) for o, code in needed if o == "failure"})
+        TaskMachine.add(COUNT, choice, {**choice.leads(ways), **{k: k for k in choice.ends()}})
+        machine.choice = choice
 
     def _concurrence(self, part: Part, node: model.Parallel, needed: Refined) -> TaskConcurrence:
         enter = part.scope.reset if part.declares else None
@@ -145,6 +158,8 @@ class CompiledMachine:
         for state in self.by_path.values():
             if isinstance(state, BehaviourState):
                 state.prepare(context)
+            elif isinstance(state, TaskMachine) and state.choice is not None:
+                state.choice.rule.context = context
 
     def release(self) -> None:
         """Undo `prepare`; nothing runs any more."""

@@ -14,11 +14,18 @@ from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.node import Node
 from grip_bt.nodes.observer import Observer
 
-from .conditions import bind_condition
+from .conditions import bind_condition, bind_rule
 from .drive import Pacer, TaskEnd, drive
 from .leaves import LeafFactory, implementation_of, make_leaf, prepare, release
 from .resolve import Part, Resolved, resolve
 from .scopes import Scopes
+
+_CHOOSERS: Mapping[type, type[control.Chooser]] = {
+    model.Switch: control.Switch,
+    model.Loop: control.Loop,
+    model.ForEach: control.ForEach,
+    model.Cooldown: control.Cooldown,
+}
 
 
 class TreeBuilder:
@@ -46,9 +53,12 @@ class TreeBuilder:
         return node
 
     def _container(self, part: Part, face: control.Face, children: list[Behaviour]) -> Node:
-        match part.node:
-            case model.Guard(if_=text):
-                return control.Guard(face, children[0], bind_condition(part.path, "if", text, part.scope, self.scopes))
+        rule = bind_rule(part, self.scopes)
+        if rule is not None:
+            return _CHOOSERS[type(part.node)](face, children, rule)
+        if isinstance(part.node, model.Guard):
+            holds = bind_condition(part.path, "if", part.node.if_, part.scope, self.scopes)
+            return control.Guard(face, children[0], holds)
         return _container(part, face, children)
 
 

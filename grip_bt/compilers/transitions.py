@@ -13,7 +13,7 @@ from .behaviour_state import Refined
 from .resolve import Part
 
 COUNT = "again?"
-"""Label of the state that counts attempts; no node's name can contain the question mark."""
+"""Label of the state that counts attempts, or chooses who is next; no node's name can contain the question mark."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +48,11 @@ def interrupts(part: Part) -> bool:
         case model.Timeout() | model.Guard():
             return True
     return False
+
+
+def chooses(part: Part) -> bool:
+    """Tell whether a rule chooses the child that comes next."""
+    return isinstance(part.node, (model.Switch, model.Loop, model.ForEach, model.Cooldown))
 
 
 def counts(part: Part) -> bool:
@@ -95,7 +100,7 @@ def table_of(part: Part, needed: Refined) -> Table:
                     refined.add((outcome, code))
                     row[f"{outcome}.{code}"] = f"{way.end}.{code}" if carried else _target(way, names)
         table.rows[names[child.name]], table.refined[child.name] = row, refined
-    table.initial = names[_initial(part)]
+    table.initial = COUNT if chooses(part) else names[_initial(part)]
     return table
 
 
@@ -119,6 +124,10 @@ def _by_meaning(part: Part, index: int, meaning: str) -> Lead:
             return Lead(to=following) if meaning == "success" and following is not None else Lead(end=meaning)
         case model.Fallback():
             return Lead(to=following) if meaning == "failure" and following is not None else Lead(end=meaning)
+        case model.Loop() | model.ForEach():
+            return Lead(to=COUNT) if meaning == "success" else Lead(end="failure")
+        case model.Switch() | model.Cooldown():
+            return Lead(end=meaning)
         case model.Retry():
             return Lead(to=COUNT) if meaning == "failure" else Lead(end="success")
         case model.Repeat(times=times):

@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, StringConstraints, Tag
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, StringConstraints, Tag, model_validator
 
 from .frozen import FrozenDict
 
@@ -26,6 +26,8 @@ Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_ -]*$")]
 """Name of a node, a variable or an outcome: no dot and no slash, since these separate names."""
 
 Meaning = Literal["success", "failure"]
+Case = bool | int | float | str | None
+"""A literal that a value is compared with."""
 
 
 class _Model(BaseModel):
@@ -152,6 +154,54 @@ class Guard(_Decorator):
     """An expression over variables."""
 
 
+class Switch(_Composite):
+    """The one child whose case equals the value on entry; else `default`, or a failure with the reason `no_case`."""
+
+    kind: Literal["switch"]
+    on_value: str
+    """An expression over variables."""
+    cases: FrozenDict[str, Case | list[Case]]
+    """Child -> the literal, or one of the literals, for which it is taken."""
+    default: str = ""
+    """The child that is taken for every other value."""
+    children: FrozenDict[Name, Node] = Field(min_length=1)
+
+
+class ForEach(_Decorator):
+    """The child once for each item of a list, one a tick, until it fails; an empty list runs nothing and succeeds."""
+
+    kind: Literal["for_each"]
+    items: str
+    """The variable that holds the list, as it is on entry."""
+    item: Name
+    """The variable that holds the item for the child; it is this container's own."""
+
+    @model_validator(mode="after")
+    def _item_is_new(self) -> ForEach:
+        if self.item in self.data:
+            raise ValueError(f"`item` declares {self.item!r}; remove it from `data`")
+        return self
+
+
+class Loop(_Decorator):
+    """The child again and again, one pass a tick: while a condition holds, until it fails or an exit is taken.
+
+    After `times` passes it fails with the reason `loop_limit`, unless the condition has become false.
+    """
+
+    kind: Literal["loop"]
+    while_: str = Field(default="", alias="while")
+    """An expression over variables, looked at before each pass."""
+    times: int | None = Field(default=None, ge=1)
+
+
+class Cooldown(_Decorator):
+    """After the child has ended or was halted it isn't run for `seconds`: until then the container fails at once."""
+
+    kind: Literal["cooldown"]
+    seconds: float = Field(gt=0)
+
+
 class Invert(_Decorator):
     """Success becomes failure and failure becomes success."""
 
@@ -183,12 +233,18 @@ Node = Annotated[
     | Annotated[Repeat, Tag("repeat")]
     | Annotated[Timeout, Tag("timeout")]
     | Annotated[Guard, Tag("guard")]
+    | Annotated[Switch, Tag("switch")]
+    | Annotated[ForEach, Tag("for_each")]
+    | Annotated[Loop, Tag("loop")]
+    | Annotated[Cooldown, Tag("cooldown")]
     | Annotated[Invert, Tag("invert")]
     | Annotated[Force, Tag("force")],
     Discriminator(_tag),
 ]
 
-Container = Sequence | Fallback | Parallel | StateMachine | Retry | Repeat | Timeout | Guard | Invert | Force
+Container = (Sequence | Fallback | Parallel | Switch | StateMachine | ForEach) | (
+    Retry | Repeat | Loop | Timeout | Guard | Cooldown | Invert | Force
+)
 AnyNode = Leaf | Container
 KINDS = (
     "sequence",
@@ -199,6 +255,10 @@ KINDS = (
     "repeat",
     "timeout",
     "guard",
+    "switch",
+    "for_each",
+    "loop",
+    "cooldown",
     "invert",
     "force",
 )
@@ -263,3 +323,14 @@ def expressions_of(node: AnyNode) -> Iterator[tuple[str, str]]:
         yield "precondition", node.precondition
     if isinstance(node, Guard):
         yield "if", node.if_
+    elif isinstance(node, Switch):
+        yield "on_value", node.on_value
+    elif isinstance(node, Loop) and node.while_:
+        yield "while", node.while_
+
+
+def cases_of(node: Switch) -> Iterator[tuple[str, Case]]:
+    """Yield each child of a switch with each literal for which it is taken, in order."""
+    for child, said in node.cases.items():
+        for literal in said if isinstance(said, list) else [said]:
+            yield child, literal

@@ -26,6 +26,10 @@ _KINDS: dict[str, type[BaseModel]] = {
     "repeat": model.Repeat,
     "timeout": model.Timeout,
     "guard": model.Guard,
+    "switch": model.Switch,
+    "for_each": model.ForEach,
+    "loop": model.Loop,
+    "cooldown": model.Cooldown,
     "invert": model.Invert,
     "force": model.Force,
 }
@@ -43,10 +47,16 @@ _FIELDS_ONLY = frozenset({"x"}).union(n for shape in _SHAPES for n, f in shape.m
 """Names of fields that aren't keys of a file."""
 _ORDER = (
     *("grip", "name", "kind", "node", "type", "value", "doc"),
-    *("precondition", "initial", "times", "seconds", "if", "policy", "memory", "cancel", "as"),
+    *("precondition", "initial", "times", "seconds", "if", "while", "on_value", "cases", "default", "items", "item"),
+    *("policy", "memory", "cancel", "as"),
     *("with", "in", "out", "meaning", "outcomes", "exits", "on"),
     *("data", "root", "children", "child"),
 )
+
+
+def key_rank(key: str) -> float:
+    """Return a number by which the keys of a node or a task are in canonical order."""
+    return _ORDER.index(key) if key in _ORDER else _ORDER.index("root") - 0.5
 
 
 def model_of(node: Mapping) -> type[BaseModel] | None:
@@ -95,11 +105,11 @@ def task_of(data: dict[str, Any]) -> model.Task | None:
     """Turn a file's data, which this changes, into a task; None when it isn't one and `read_task` has to say why."""
     try:
         return model.Task.model_validate(with_free_keys(data), strict=True)
-    except (ValidationError, _NotAKeyError):
+    except (ValidationError, NotAKeyError):
         return None
 
 
-class _NotAKeyError(Exception):
+class NotAKeyError(Exception):
     """A field's own name stands where a file has its alias."""
 
 
@@ -177,7 +187,7 @@ def with_free_keys(data: dict[str, Any]) -> dict[str, Any]:
 
 def _gather(node: dict[str, Any]) -> None:
     if not _FIELDS_ONLY.isdisjoint(node):
-        raise _NotAKeyError
+        raise NotAKeyError(*_FIELDS_ONLY.intersection(node))
     free = {key: node.pop(key) for key in list(node) if key.startswith(FREE)}
     if free:
         node["x"] = free

@@ -24,6 +24,7 @@ _ERRORS = (
     "unknown-child",
     "unknown-target",
     "ambiguous-target",
+    "ambiguous-case",
     "missing-target",
     "misplaced-on",
     "empty-container",

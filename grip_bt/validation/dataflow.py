@@ -12,15 +12,19 @@ from collections import deque
 from collections.abc import Iterator, Mapping
 
 from grip_bt.graph import (
+    Cooldown,
     Fallback,
     Force,
+    ForEach,
     Guard,
     Invert,
     Leaf,
+    Loop,
     Parallel,
     Repeat,
     Sequence,
     StateMachine,
+    Switch,
     Timeout,
 )
 
@@ -74,7 +78,7 @@ class DataFlow:
         for name in node.data:  # a scope begins anew each time its container is entered
             declared = spot.scope[name]
             state = state | declared.bit if declared.has_value else state & ~declared.bit
-        self._expressions(spot, state, ("if",))
+        self._expressions(spot, state, ("if", "while", "on_value"))
         if isinstance(node, Sequence):
             return self._in_order(spot, state, "success")
         if isinstance(node, Fallback):
@@ -83,6 +87,10 @@ class DataFlow:
             return self._parallel(spot, node, state)
         if isinstance(node, StateMachine):
             return self._machine(spot, node, state)
+        if isinstance(node, Switch):
+            return self._switch(spot, node, state)
+        if isinstance(node, ForEach):
+            return self._for_each(spot, node, state)
         return self._decorated(spot, state)
 
     def _leaf(self, spot: Spot, node: Leaf, state: int) -> States:
@@ -153,6 +161,20 @@ class DataFlow:
             _meet(found, every, together)
         return found
 
+    def _switch(self, spot: Spot, node: Switch, state: int) -> States:
+        found: States = {} if node.default else {"failure": state}
+        for name, child in spot.children.items():
+            if name in node.cases or name == node.default:
+                for label, _, there in self._ends(spot, child, self._after(child, state)):
+                    _meet(found, label, there)
+        return found
+
+    def _for_each(self, spot: Spot, node: ForEach, state: int) -> States:
+        declared = spot.scope.get(node.items)
+        if declared is not None and not declared.bit & state:
+            self.missing[spot.path, ("items",)] = node.items
+        return {**self._decorated(spot, state | spot.scope[node.item].bit), "success": state}
+
     def _decorated(self, spot: Spot, state: int) -> States:
         node = spot.node
         found: States = {}
@@ -164,10 +186,12 @@ class DataFlow:
                     _meet(found, "failure" if label == "success" else "success", there)
                 elif isinstance(node, Force):
                     _meet(found, node.as_, there)
-                elif not (isinstance(node, Repeat) and node.times is None and label == "success"):
-                    _meet(found, label, there)
-        if isinstance(node, Timeout | Guard):
+                elif not (isinstance(node, Repeat | Loop) and node.times is None and label == "success"):
+                    _meet(found, "failure" if isinstance(node, Loop) else label, there)
+        if isinstance(node, Timeout | Guard | Cooldown):
             _meet(found, "failure", state)
+        if isinstance(node, Loop) and node.while_:
+            _meet(found, "success", state)
         return found
 
     def _machine(self, spot: Spot, node: StateMachine, state: int) -> States:

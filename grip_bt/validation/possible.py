@@ -5,15 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from grip_bt.graph import (
+    Cooldown,
     Fallback,
     Force,
+    ForEach,
     Guard,
     Invert,
     Leaf,
+    Loop,
     Parallel,
     Repeat,
     Sequence,
     StateMachine,
+    Switch,
     Timeout,
 )
 
@@ -44,6 +48,8 @@ class Possible:
             return self._in_order(spot, "success" if isinstance(node, Sequence) else "failure")
         if isinstance(node, Parallel):
             return self._parallel(spot, node)
+        if isinstance(node, Switch):
+            return self._switch(spot, node)
         return self._decorated(spot)
 
     def _ends(self, spot: Spot, child: Spot) -> Iterator[tuple[str, bool]]:
@@ -78,6 +84,12 @@ class Possible:
             found.add(every)
         return frozenset(found)
 
+    def _switch(self, spot: Spot, node: Switch) -> frozenset[str]:
+        taken = {*node.cases, node.default}
+        self.unreached.extend(child for name, child in spot.children.items() if name not in taken)
+        found = {label for name, c in spot.children.items() if name in taken for label, _ in self._ends(spot, c)}
+        return frozenset(found if node.default else found | {"failure"})
+
     def _decorated(self, spot: Spot) -> frozenset[str]:
         node = spot.node
         found: set[str] = set()
@@ -89,10 +101,12 @@ class Possible:
                     found.add("failure" if label == "success" else "success")
                 elif isinstance(node, Force):
                     found.add(node.as_)
-                elif not (isinstance(node, Repeat) and node.times is None and label == "success"):
-                    found.add(label)
-        if isinstance(node, Timeout | Guard):
+                elif not (isinstance(node, Repeat | Loop) and node.times is None and label == "success"):
+                    found.add("failure" if isinstance(node, Loop) else label)
+        if isinstance(node, Timeout | Guard | Cooldown):
             found.add("failure")
+        if isinstance(node, ForEach) or (isinstance(node, Loop) and node.while_):
+            found.add("success")
         return frozenset(found)
 
     def _machine(self, spot: Spot, node: StateMachine) -> frozenset[str]:

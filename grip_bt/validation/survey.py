@@ -9,6 +9,7 @@ from grip_bt.catalog import Catalog, Manifest, Type, parse_type
 from grip_bt.errors import ExpressionError
 from grip_bt.graph import (
     AnyNode,
+    ForEach,
     Leaf,
     StateMachine,
     Task,
@@ -172,6 +173,10 @@ class Survey:
                 continue
             spot.outcomes = outcomes_of(node)
             spot.scope = self._scope(spot.scope, spot.path, node.data)
+            if isinstance(node, ForEach):
+                held = spot.scope.get(node.items)
+                item = held.type.item if held is not None and held.type is not None else None
+                spot.scope = self._scope(spot.scope, spot.path, {node.item: str(item or "Any")})
             spot.children = {
                 name: Spot(join(spot.path, name), name, child, spot, spot.scope)
                 for name, child in children_of(node).items()
@@ -199,6 +204,8 @@ class Survey:
                         spot.reads |= declared.bit
                     elif declared is not None:
                         spot.writes |= declared.bit
+        if isinstance(node, ForEach) and node.items in spot.scope:
+            spot.reads |= spot.scope[node.items].bit
         for _, read in spot.expressions():
             for declared in read:
                 spot.reads |= declared.bit

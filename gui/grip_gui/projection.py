@@ -113,6 +113,15 @@ def container_label(node: AnyNode) -> str:
             return f"{times} times"
         case {"kind": "timeout", "seconds": seconds}:
             return f"at most {seconds:g} s"
+        case {"kind": "switch", "on_value": text}:
+            return f"on {text}"
+        case {"kind": "for_each", "items": items, "item": item}:
+            return f"each {item} of {items}"
+        case {"kind": "loop", "while_": text, "times": times}:
+            limit = f"at most {times} passes" if times else ""
+            return ", ".join(part for part in (f"while {text}" if text else "", limit) if part)
+        case {"kind": "cooldown", "seconds": seconds}:
+            return f"not again for {seconds:g} s"
         case {"kind": "guard", "if_": text}:
             return f"only while {text}"
         case {"kind": "force", "as_": meaning}:

@@ -5,16 +5,20 @@ from __future__ import annotations
 from hypothesis import strategies as st
 
 from grip_bt.graph import (
+    Cooldown,
     Fallback,
     Force,
+    ForEach,
     Guard,
     Invert,
     Leaf,
+    Loop,
     Parallel,
     Repeat,
     Retry,
     Sequence,
     StateMachine,
+    Switch,
     Task,
     Timeout,
     Variable,
@@ -30,8 +34,9 @@ texts = tricky | st.text(
     st.characters(exclude_categories=["Cs"]), max_size=30
 ) | st.from_regex(r"\A[a-z,.:#' -]{0,160}\Z")  # fmt: skip
 meanings = st.sampled_from(["success", "failure"])
+scalars = st.none() | st.booleans() | st.integers(-(2**63) + 1, 2**63 - 1) | st.floats(allow_nan=False) | texts
 literals = st.recursive(
-    st.none() | st.booleans() | st.integers(-(2**63) + 1, 2**63 - 1) | st.floats(allow_nan=False) | texts,
+    scalars,
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(texts, inner, max_size=3),
     max_leaves=6,
 )
@@ -94,6 +99,19 @@ def _containers(nodes):
         _made(Repeat, "repeat", {"child": child}, {"times": st.integers(1, 9), **exits}),
         _made(Timeout, "timeout", {"seconds": seconds, "child": child}, exits),
         _made(Guard, "guard", {"if": texts, "child": child}, exits),
+        _made(
+            Switch,
+            "switch",
+            {
+                "on_value": texts,
+                "cases": st.dictionaries(texts, scalars | st.lists(scalars, max_size=2), max_size=2),
+                "children": st.dictionaries(names, nodes, min_size=1, max_size=3),
+            },
+            {"default": texts, "exits": bindings},
+        ),
+        _made(ForEach, "for_each", {"items": texts, "item": names, "child": child, "data": st.just({})}, exits),
+        _made(Loop, "loop", {"child": child}, {"while": texts, "times": st.integers(1, 9), **exits}),
+        _made(Cooldown, "cooldown", {"seconds": seconds, "child": child}, exits),
         _made(Invert, "invert", {"child": child}, exits),
         _made(Force, "force", {"as": meanings, "child": child}, exits),
     )

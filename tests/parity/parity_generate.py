@@ -9,9 +9,10 @@ from typing import Any
 from parity_world import FACES
 
 CODES = ("no_ik", "no_plan", "time_out")
-EDGE_CODES = (*CODES, *CODES, "precondition", "guard")
+EDGE_CODES = (*CODES, *CODES, "precondition", "guard", "no_case", "cooldown", "loop_limit")
 EXTRA = {"won": "success", "lost": "failure", "none": "success"}
 SEQUENTIAL = ("sequence", "fallback", "state_machine", "retry", "repeat", "invert", "force")
+CHOOSING = ("switch", "loop", "for_each", "cooldown")
 BRANCHING = ("sequence", "fallback", "state_machine")
 INTERRUPTING = ("reactive_sequence", "reactive_fallback", "timeout", "guard", "parallel")
 
@@ -84,11 +85,12 @@ class Maker:
     ) -> tuple[dict[str, Any], dict[str, str]]:
         if depth <= 0 or self.leaves > 24 or self.chance((0.4, 0.25, 0.1, 0.02)[min(depth, 4) - 1]):
             return self.leaf(seen, own, usual)
-        kinds = [*SEQUENTIAL, *SEQUENTIAL, *BRANCHING, *BRANCHING]
+        kinds = [*SEQUENTIAL, *SEQUENTIAL, *BRANCHING, *BRANCHING, *CHOOSING]
         if self.embed:
             kinds += 2 * INTERRUPTING
         if self.join:
             kinds += ("join",) * 6
+            kinds.remove("cooldown")  # threads share the clock
         return self.container(self.random.choice(kinds), depth, seen, own, embedded)
 
     def leaf(self, seen: list[str], own: list[str], usual: str) -> tuple[dict[str, Any], dict[str, str]]:
@@ -123,11 +125,14 @@ class Maker:
     ) -> tuple[dict[str, Any], dict[str, str]]:
         data = self.variables()
         seen, own = [*seen, *seen_of(data)], [*own, *data]
+        there, item = seen, self.random.choice([name for name in "uvw" if name not in data])
+        if kind == "for_each":
+            seen, own = [*seen, *seen_of({item: {}})], [*own, item]
         if kind == "join" and not embedded:
             self.concurrent = True
         inside = embedded or kind in INTERRUPTING
         usual = "failure" if kind in ("fallback", "reactive_fallback", "retry") else "success"
-        single = kind in ("retry", "repeat", "invert", "force", "timeout", "guard")
+        single = kind in ("retry", "repeat", "invert", "force", "timeout", "guard", "loop", "for_each", "cooldown")
         children: dict[str, Any] = {}
         ends: dict[str, dict[str, str]] = {}
         for _ in range(1 if single else self.random.choice((2, 2, 3, 3, 4))):
@@ -138,15 +143,31 @@ class Maker:
         if kind == "state_machine":
             node, outcomes = self.machine(children, ends)
         else:
-            node = self.plain(kind, children, seen)
+            node = self.plain(kind, children, there)
             outcomes = {"success": "success", "failure": "failure"}
             if self.chance(0.35):
                 node["outcomes"] = {k: EXTRA[k] for k in self.random.sample(sorted(EXTRA), self.random.randint(1, 2))}
                 outcomes.update(node["outcomes"])
                 node["exits"] = self.exits(ends, list(outcomes))
+        if kind == "for_each":
+            items = [self.random.randint(0, 9) for _ in range(self.random.choice((0, 1, 2, 3, 3)))]
+            node["item"], data = item, {**data, "list": {"type": "list[int]", "value": items}}
         if data:
             node["data"] = data
         return node, outcomes
+
+    def cases(self, children: dict[str, Any], seen: list[str]) -> dict[str, Any]:
+        """Return what a switch compares; now and then it has no case for a value, or no child for a case."""
+        there = [str(name) for name in {str(n): n for n in seen}.values() if getattr(name, "valued", False)]
+        value = f"{self.random.choice(there)} % 4" if there else str(self.random.randint(0, 3))
+        literals = self.random.sample(range(4), 4)
+        cases: dict[str, Any] = {}
+        for name in children:
+            taken = [literals.pop() for _ in range(self.random.choice((1, 1, 2))) if literals]
+            if taken:
+                cases[name] = taken if len(taken) > 1 else taken[0]
+        default = {"default": self.random.choice(list(children))} if self.chance(0.4) else {}
+        return {"on_value": value, "cases": cases, **default}
 
     def variables(self) -> dict[str, Any]:
         if not self.chance(0.35):
@@ -160,7 +181,12 @@ class Maker:
         times = self.random.randint(1, 3)
         child = next(iter(children.items()))
         only = {"child": {child[0]: child[1]}}
+        limit = {"times": times} if self.chance(0.8) else {}
         made: dict[str, dict[str, Any]] = {
+            "switch": {"kind": "switch", **self.cases(children, seen), "children": children},
+            "loop": {"kind": "loop", **({"while": self.condition(seen)} if self.chance(0.6) else {}), **limit, **only},
+            "for_each": {"kind": "for_each", "items": "list", **only},
+            "cooldown": {"kind": "cooldown", "seconds": self.random.randint(1, 6), **only},
             "sequence": {"kind": "sequence", "children": children},
             "fallback": {"kind": "fallback", "children": children},
             "reactive_sequence": {"kind": "sequence", "memory": False, "children": children},

@@ -8,16 +8,20 @@ from hypothesis import strategies as st
 
 from grip_bt.catalog import Catalog, InputPort, Manifest, OutputPort
 from grip_bt.graph import (
+    Cooldown,
     Fallback,
     Force,
+    ForEach,
     Guard,
     Invert,
     Leaf,
+    Loop,
     Parallel,
     Repeat,
     Retry,
     Sequence,
     StateMachine,
+    Switch,
     Task,
     Timeout,
     children_of,
@@ -40,7 +44,10 @@ CATALOG = Catalog([NODE])
 WRITTEN = {"success": ("x",), "other": ("x", "y"), "failure": ("y",)}
 variables = st.sampled_from(["u", "v"])
 names = ["c0", "c1", "c2", "c3"]
-KINDS = ("sequence", "fallback", "parallel", "state_machine", "retry", "repeat", "timeout", "guard", "invert", "force")
+KINDS = (
+    *("sequence", "fallback", "parallel", "state_machine", "switch"),
+    *("for_each", "loop", "cooldown", "retry", "repeat", "timeout", "guard", "invert", "force"),
+)
 
 
 @st.composite
@@ -54,9 +61,9 @@ def leaves(draw):
 
 @st.composite
 def containers(draw, nodes):
-    kind = draw(st.sampled_from(KINDS if draw(st.booleans()) else KINDS[:4]))
+    kind = draw(st.sampled_from(KINDS if draw(st.booleans()) else KINDS[:5]))
     data = draw(st.dictionaries(variables, st.sampled_from(["int", {"type": "int", "value": 1}]), max_size=1))
-    count = draw(st.integers(2, 4)) if kind in ("sequence", "fallback", "parallel", "state_machine") else 1
+    count = draw(st.integers(2, 4)) if kind in KINDS[:5] else 1
     children = {name: draw(nodes) for name in names[:count]}
     if kind == "state_machine":
         outcomes = {"success": "success", "failure": "failure"}
@@ -71,7 +78,7 @@ def containers(draw, nodes):
             end = draw(st.sampled_from(["success", "failure"] + ["other"] * ("node" in child)))
             exits[f"{name}.{end}"] = draw(st.sampled_from(["success", "failure"]))
     node = {"kind": kind, "data": data, "exits": exits}
-    if count > 1 or kind in ("sequence", "fallback", "parallel"):
+    if count > 1 or kind in KINDS[:5]:
         node["children"] = children
     else:
         node["child"] = children
@@ -79,6 +86,14 @@ def containers(draw, nodes):
         "retry": {"times": 2},
         "repeat": {"times": 2},
         "timeout": {"seconds": 1.0},
+        "switch": {
+            "on_value": f"{draw(variables)} + 0",
+            "cases": {name: i for i, name in enumerate(children)},
+            **({"default": "c0"} if draw(st.booleans()) else {}),
+        },
+        "for_each": {"items": "list", "item": "w"},
+        "loop": {"while": f"{draw(variables)} > 0"} if draw(st.booleans()) else {},
+        "cooldown": {"seconds": 1.0},
         "guard": {"if": f"{draw(variables)} > 0"},
         "force": {"as": draw(st.sampled_from(["success", "failure"]))},
         "parallel": {
@@ -122,6 +137,9 @@ class Run:
             Fallback: lambda: self.in_order(node, path, scopes, "failure"),
             Parallel: lambda: self.parallel(node, path, scopes),
             StateMachine: lambda: self.machine(node, path, scopes),
+            Switch: lambda: self.switch(node, path, scopes),
+            ForEach: lambda: self.passes(node, path, [*scopes, {node.item: True}]),
+            Loop: lambda: self.passes(node, path, scopes),
         }
         return go.get(type(node), lambda: self.decorated(node, path, scopes))()
 
@@ -182,10 +200,36 @@ class Run:
             name = child.on[self.node(child, join(path, name), scopes)]
         return name
 
+    def switch(self, node, path, scopes):
+        self.holds(node.on_value, path, scopes)
+        name = self.random.choice([*node.children, node.default])
+        if not name:
+            return "failure"
+        exit_, meaning = self.ended(node, name, self.node(node.children[name], join(path, name), scopes))
+        return exit_ or meaning
+
+    def passes(self, node, path, scopes):
+        ((name, child),) = node.child.items()
+        if isinstance(node, ForEach) and not self.scope(scopes, node.items)[node.items]:
+            self.unwritten.add((path, node.items))
+        for _ in range(3):
+            if isinstance(node, Loop) and node.while_ and not self.holds(node.while_, path, scopes):
+                return "success"
+            if isinstance(node, ForEach) and self.random.random() < 0.3:
+                return "success"
+            exit_, meaning = self.ended(node, name, self.node(child, join(path, name), scopes))
+            if exit_ or meaning == "failure":
+                return exit_ or meaning
+        if isinstance(node, Loop):
+            raise RecursionError
+        return "success"
+
     def decorated(self, node, path, scopes):
         ((name, child),) = children_of(node).items()
         for attempt in range(getattr(node, "times", 1)):
             if isinstance(node, Timeout) and self.random.random() < 0.2:
+                return "failure"
+            if isinstance(node, Cooldown) and self.random.random() < 0.2:
                 return "failure"
             if isinstance(node, Guard) and not self.holds(node.if_, path, scopes):
                 return "failure"
@@ -206,7 +250,7 @@ def found_in(task):
 
 
 def task_of(root):
-    data = {"u": "int", "v": "int"}
+    data = {"u": "int", "v": "int", "list": {"type": "list[int]", "value": []}}
     return Task.model_validate({"grip": 1, "name": "t", "data": data, "root": root})
 
 

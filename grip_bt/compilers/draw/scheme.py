@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
@@ -9,16 +10,21 @@ from typing import Literal
 from grip_bt.graph import (
     AnyNode,
     Container,
+    Cooldown,
     Fallback,
     Force,
+    ForEach,
     Guard,
     Leaf,
+    Loop,
     Parallel,
     Repeat,
     Retry,
     Sequence,
     StateMachine,
+    Switch,
     Timeout,
+    cases_of,
     children_of,
     outcomes_of,
 )
@@ -34,6 +40,10 @@ GLYPHS = {
     "repeat": "↻",
     "timeout": "◔",
     "guard": "⊨",
+    "switch": "⑂",
+    "for_each": "∀",
+    "loop": "↻",
+    "cooldown": "◔",
     "invert": "!",
     "force": "=",
 }
@@ -45,7 +55,7 @@ class Link:
     """A connection between two children, or from a child to an outcome of their container.
 
     Attributes:
-        source: a child's name; empty for the start of a state machine.
+        source: a child's name; empty for the start of a state machine or a switch.
         target: a child's name, or an outcome's.
         label: the ends that take it; empty where order alone decides.
         to_outcome: whether `target` is an outcome.
@@ -79,6 +89,15 @@ def describe(node: AnyNode) -> str:
             return "repeat for ever" if node.times is None else f"repeat {node.times} times"
         case Timeout():
             return f"timeout {node.seconds:g} s"
+        case Switch():
+            return f"switch on {node.on_value}"
+        case ForEach():
+            return f"for each {node.item} in {node.items}"
+        case Loop():
+            limit = "" if node.times is None else f", at most {node.times} times"
+            return (f"loop while {node.while_}" if node.while_ else "loop") + limit
+        case Cooldown():
+            return f"cooldown {node.seconds:g} s"
         case Guard():
             return f"guard: {node.if_}"
         case Force():
@@ -113,6 +132,11 @@ def links_of(node: Container) -> list[Link]:
             label = "else" if isinstance(node, Fallback) else ""
             for name, following in zip(names, names[1:], strict=False):
                 found[name, following, False] = [label] if label else []
+        if isinstance(node, Switch):
+            for name, literal in cases_of(node):
+                found.setdefault(("", name, False), []).append(json.dumps(literal))
+            if node.default:
+                found.setdefault(("", node.default, False), []).append("else")
         for end, target in node.exits.items():
             name, _, label = end.partition(".")
             if name in names:

@@ -1,5 +1,6 @@
 """Composites and decorators of a task: py_trees' own, with labelled ends, reasons, exits and the run's clock."""
 
+from .chooser import Chooser, Cooldown, ForEach, Loop, Switch
 from .composites import Fallback, Sequence
 from .condition import Condition, Conditional, conditional
 from .container import PLAIN, Container, Face
@@ -8,26 +9,38 @@ from .dispatch import MAX_TRANSITIONS, Dispatch
 from .edges import Edges
 from .guard import Guard
 from .parallel import End, Parallel, decide, first_reason
+from .turns import Cases, Items, Passes, Rest, Rule, Turn
 
 __all__ = [
     "MAX_TRANSITIONS",
     "PLAIN",
+    "Cases",
+    "Chooser",
     "Condition",
     "Conditional",
     "Container",
+    "Cooldown",
     "Dispatch",
     "Edges",
     "End",
     "Face",
     "Fallback",
+    "ForEach",
     "Force",
     "Guard",
     "Invert",
+    "Items",
+    "Loop",
     "Parallel",
+    "Passes",
     "Repeat",
+    "Rest",
     "Retry",
+    "Rule",
     "Sequence",
+    "Switch",
     "Timeout",
+    "Turn",
     "conditional",
     "decide",
     "first_reason",

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 
 from grip_bt.errors import listing, nearest
-from grip_bt.graph import Leaf, StateMachine, Task
+from grip_bt.graph import Leaf, StateMachine, Switch, Task, cases_of
+from grip_bt.graph.evaluation import same_literal
 
 from ..possible import Possible
 from ..survey import Spot, Survey
@@ -37,6 +38,8 @@ def check_outcomes(survey: Survey, possible: Possible) -> None:
                     f"a {node.kind} without children does nothing",
                     "add a child, or remove it",
                 )
+            if isinstance(node, Switch):
+                _cases(survey, spot, node)
             _reserved(survey, spot, node.outcomes)
             _exits(survey, spot, node.exits, possible)
             _unused(survey, spot.path, node.outcomes, node.exits.values(), "`exits`")
@@ -49,6 +52,32 @@ def check_outcomes(survey: Survey, possible: Possible) -> None:
                 f"write `exits: {{{spot.name}.<outcome>: ...}}` in {spot.parent.path}, or make it a state_machine",
             )
     _root(survey, survey.task)
+
+
+def _cases(survey: Survey, spot: Spot, node: Switch) -> None:
+    for key, names in (("cases", [*node.cases]), ("default", [node.default] if node.default else [])):
+        for name in names:
+            if name not in spot.children:
+                hint = nearest(name, spot.children)
+                survey.add(
+                    spot.path,
+                    (key, name) if key == "cases" else key,
+                    "unknown-child",
+                    f"`{key}` names no child: {name!r}{hint} (there are: {listing(spot.children)})",
+                    take_hint(hint, ""),
+                )
+    seen: list[tuple[str, object]] = []
+    for child, literal in cases_of(node):
+        earlier = next((name for name, other in seen if same_literal(other, literal)), None)
+        if earlier is not None:
+            survey.add(
+                spot.path,
+                ("cases", child),
+                "ambiguous-case",
+                f"{literal!r} is a case of {earlier!r} and again of {child!r}",
+                "leave it in one of them",
+            )
+        seen.append((child, literal))
 
 
 def _reserved(survey: Survey, spot: Spot, outcomes: Mapping[str, str]) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from grip_bt.catalog import InputPort, OutputPort, check_value, is_assignable, parse_type
 from grip_bt.errors import listing, nearest
-from grip_bt.graph import Leaf, Variable
+from grip_bt.graph import ForEach, Leaf, Variable
 
 from ..survey import Declared, Spot, Survey
 from ..wording import take_hint
@@ -24,6 +24,8 @@ def check_variables(survey: Survey) -> None:
             for port, name in spot.node.out.items():
                 writes = manifest.outputs.get(port) if manifest else None
                 _binding(survey, spot, ("out", port), name, writes)
+        elif isinstance(spot.node, ForEach):
+            _items(survey, spot, spot.node)
     read, written = survey.root.reads, survey.root.writes
     for declared in survey.declared:
         if not declared.bit & read:
@@ -35,6 +37,27 @@ def check_variables(survey: Survey) -> None:
                 f"the variable {declared.name!r} is {what}",
                 "remove it, or bind it under `in` of the node that needs it",
             )
+
+
+def _items(survey: Survey, spot: Spot, node: ForEach) -> None:
+    declared = spot.scope.get(node.items)
+    if declared is None:
+        hint = nearest(node.items, spot.scope)
+        survey.add(
+            spot.path,
+            "items",
+            "undeclared-variable",
+            f"`items` names {node.items!r}, which isn't declared{hint} (there are: {listing(spot.scope)})",
+            take_hint(hint, f"declare it: `data: {{{node.items}: list[...]}}` in an enclosing container"),
+        )
+    elif declared.type is not None and (declared.type.name not in ("list", "Any") or declared.type.optional):
+        survey.add(
+            spot.path,
+            "items",
+            "wrong-variable-type",
+            f"`items` takes a list, but {node.items!r} holds {declared.type}",
+            f"name a variable of type `list[{declared.type}]`",
+        )
 
 
 def _declaration(survey: Survey, declared: Declared) -> None:
@@ -58,15 +81,16 @@ def _declaration(survey: Survey, declared: Declared) -> None:
 
 def _shadowed(survey: Survey) -> None:
     for spot in survey.spots:
-        if isinstance(spot.node, Leaf) or not spot.node.data:
+        if isinstance(spot.node, Leaf) or not (spot.node.data or isinstance(spot.node, ForEach)):
             continue
         outer = spot.parent.scope if spot.parent is not None else survey.task_scope
-        for name in spot.node.data:
+        item = (spot.node.item,) if isinstance(spot.node, ForEach) else ()
+        for name in (*spot.node.data, *item):
             if name in outer:
                 owner = outer[name].owner or "the task"
                 survey.add(
                     spot.path,
-                    ("data", name),
+                    "item" if name in item else ("data", name),
                     "shadowed-variable",
                     f"the variable {name!r} hides the one that {owner} declares",
                     "give it another name, or remove this declaration to share the outer one",
