@@ -84,6 +84,19 @@ class InvalidTaskError(GripError):
         super().__init__("\n".join(str(i) for i in issues))
 
 
+class EditError(GripError):
+    """An edit that can't be made; the task is as it was.
+
+    Attributes:
+        path: the node, or the place in the file, that the edit is about.
+        message: what is wrong and what to do.
+    """
+
+    def __init__(self, path: str, message: str):
+        self.path, self.message = path, message
+        super().__init__(f"{path or 'the task'}: {message}")
+
+
 class NotExpressibleError(GripError):
     """A compiler can't express a node exactly in the target form; it refuses instead of approximating."""
 

@@ -32,12 +32,8 @@ def write_canonical(tree: Mapping, header: list[str] | None = None) -> str:
     """Return the canonical text of the syntax tree of a readable task."""
     blocks = {id(tree)}
     _arrange(tree, model.Task)
-    for node in _nodes(tree):
-        shape = model_of(node) or model.Leaf
-        _arrange(node, shape)
-        if shape is not model.Leaf:
-            blocks.add(id(node))
-            blocks.update(id(node.entries[key].value) for key in CHILDREN if key in node.entries)
+    for node in _below(tree.entries["root"].value):
+        _arrange_node(node, blocks)
     return write(tree, lambda value: id(value) in blocks and _filled(value), header)
 
 
@@ -45,8 +41,18 @@ def _filled(value: Value) -> bool:
     return isinstance(value, Mapping) and bool(value.entries)
 
 
-def _nodes(tree: Mapping) -> Iterator[Mapping]:
-    stack = [tree.entries["root"].value]
+def _arrange_node(node: Mapping, blocks: set[int], whole: bool = False) -> None:
+    """Arrange a node's entries, and add to `blocks` what always stands one entry a line."""
+    shape = model_of(node) or model.Leaf
+    _arrange(node, shape, whole)
+    if shape is not model.Leaf:
+        blocks.add(id(node))
+        blocks.update(id(node.entries[key].value) for key in CHILDREN if key in node.entries)
+
+
+def _below(root: Value) -> Iterator[Mapping]:
+    """Yield a node and the nodes below it."""
+    stack = [root]
     while stack:
         node = stack.pop()
         if isinstance(node, Mapping):
@@ -54,8 +60,8 @@ def _nodes(tree: Mapping) -> Iterator[Mapping]:
             stack.extend(child.value for _, child in child_nodes(node))
 
 
-def _arrange(node: Mapping, shape: type[BaseModel]) -> None:
-    """Order a node's or the task's entries and drop those that only repeat a default."""
+def _arrange(node: Mapping, shape: type[BaseModel], whole: bool = False) -> None:
+    """Order a node's or the task's entries and drop those that only repeat a default, unless `whole`."""
     order = keys_of(shape)
     last = len(order) - sum(key in order for key in ("root", *CHILDREN))
     rank = {key: position for position, key in enumerate(order)}
@@ -65,7 +71,7 @@ def _arrange(node: Mapping, shape: type[BaseModel]) -> None:
         if not field.is_required()
     }
     entries = sorted(node.entries.values(), key=lambda e: rank.get(e.key, last - 0.5))
-    node.entries = {e.key: e for e in entries if not _says_nothing(e, defaults)}
+    node.entries = {e.key: e for e in entries if whole or not _says_nothing(e, defaults)}
     seconds = node.entries.get("seconds")
     if seconds is not None and isinstance(seconds.value, Scalar):
         seconds.value.value = _shortest(seconds.value.value)
@@ -93,12 +99,12 @@ def _shortest(number: Any) -> Any:
 
 
 def _task_data(task: model.Task) -> dict[str, Any]:
-    data = _data(task, ("root",))
+    data = data_of(task, ("root",))
     data["root"] = None
     todo: list[tuple[Any, str, dict[str, Any]]] = [(task.root, "root", data)]
     while todo:
         node, key, parent = todo.pop()
-        parent[key] = mine = _data(node, CHILDREN)
+        parent[key] = mine = data_of(node, CHILDREN)
         below = model.children_of(node)
         if not isinstance(node, model.Leaf):
             children: dict[str, Any] = dict.fromkeys(below)
@@ -107,8 +113,8 @@ def _task_data(task: model.Task) -> dict[str, Any]:
     return data
 
 
-def _data(shape: BaseModel, skipped: tuple[str, ...]) -> dict[str, Any]:
-    """Return a task's or node's own keys as plain data."""
+def data_of(shape: BaseModel, skipped: tuple[str, ...] = ()) -> dict[str, Any]:
+    """Return the keys of a task or a node as they stand in a file; nodes in it are left as models."""
     data: dict[str, Any] = {}
     for name, field in type(shape).model_fields.items():
         value = getattr(shape, name)
@@ -116,10 +122,8 @@ def _data(shape: BaseModel, skipped: tuple[str, ...]) -> dict[str, Any]:
             continue
         if name == "x":
             data.update((k, v) for k, v in value.items() if k.startswith(FREE))
-        elif name == "data":
-            data[name] = {k: _variable(v) for k, v in value.items()}
         elif field.is_required() or name in shape.model_fields_set or value != field.default:
-            data[field.alias or name] = value
+            data[field.alias or name] = {k: _variable(v) for k, v in value.items()} if name == "data" else value
     return data
 
 
@@ -132,3 +136,22 @@ def _variable(variable: model.Variable | str) -> Any:
     if variable.doc:
         data["doc"] = variable.doc
     return data
+
+
+def lines_of(key: str, value: Any, node: bool, beside: str = "") -> list[str]:
+    """Return the lines of one entry in canonical order and layout, indented from column 0; nothing is left out.
+
+    Args:
+        key: its key.
+        value: its value, as it stands in a file.
+        node: whether the value is a node.
+        beside: a comment for the end of its first line.
+    """
+    entry = Entry(key, tree_of(value))
+    entry.comments.beside = beside
+    blocks: set[int] = set()
+    if node and isinstance(entry.value, Mapping):
+        for inner in _below(entry.value):
+            _arrange_node(inner, blocks, whole=True)
+    text = write(Mapping({key: entry}), lambda part: id(part) in blocks and _filled(part))
+    return text.removesuffix("\n").split("\n")

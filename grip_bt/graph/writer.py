@@ -50,7 +50,7 @@ def _entry(parent: Mapping | Listing, entry: Entry, indent: int, always_block: A
     if isinstance(value, Scalar):
         first, *rest = _text(value.value, indent, len(lead) + 1)
         return [f"{space}{lead} {first}{beside}", *rest]
-    flow = None if always_block(value) else _flow(value)
+    flow = None if always_block(value) else in_braces(value)
     if flow is not None and (indent + len(lead) + 1 + len(flow) <= WIDTH or not entries_of(value)):
         return [f"{space}{lead} {flow}{beside}"]
     inner = list(_block(value, indent + 2, always_block))
@@ -59,15 +59,15 @@ def _entry(parent: Mapping | Listing, entry: Entry, indent: int, always_block: A
     return [f"{space}{lead}{beside}", *inner]
 
 
-def _flow(value: Value) -> str | None:
-    """Return a value on one line; None when it carries comments or can't stand there."""
+def in_braces(value: Value) -> str | None:
+    """Return a value on one line, in braces or brackets; None when it carries comments or can't stand there."""
     if isinstance(value, Scalar):
         return write_scalar(value.value, flow=True)
     if value.closing:
         return None
     parts = []
     for entry in entries_of(value):
-        inner = None if entry.comments.any() else _flow(entry.value)
+        inner = None if entry.comments.any() else in_braces(entry.value)
         if inner is None:
             return None
         key = f"{write_scalar(entry.key, flow=True)}: " if isinstance(value, Mapping) else ""

@@ -1,0 +1,72 @@
+"""What the nodes around a node say about it by its name.
+
+The container's `initial`, `default`, `cases` and `exits`, and the `on` of siblings in a state machine.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ..model import AnyNode, StateMachine, children_of
+from .editing import Editing, slot
+from .steps import Place
+
+_BY_CHILD = ("cases",)
+"""Keys of containers that hold a mapping by names of children."""
+_BY_END = ("exits",)
+"""Keys of containers that hold a mapping by `child.outcome`."""
+
+
+def forget(editing: Editing, parent: str, name: str) -> None:
+    """Take out all that is said about the child `name`, which is about to leave."""
+    container, place = editing.node(parent), editing.place(parent)
+    for field in (*_BY_CHILD, *_BY_END):
+        for key in editing.entries(place, field):
+            if (child_of(key) if field in _BY_END else key) == name:
+                editing.drop((*place, field), key)
+    if editing.draft.mapping(place).get("default") == name:
+        editing.drop(place, "default")
+    for record, outcome in _edges_to(editing, container, place, name):
+        editing.drop_in(record, "on", outcome)
+    if isinstance(container, StateMachine) and container.initial == name:
+        remaining = [child for child in children_of(container) if child != name]
+        editing.set(place, "initial", remaining[0])
+
+
+def follow(editing: Editing, parent: str, name: str, to: str) -> None:
+    """Let all that is said about the child `name` be said about `to`."""
+    container, place = editing.node(parent), editing.place(parent)
+    if isinstance(container, StateMachine) and container.initial == name:
+        editing.set(place, "initial", to)
+    if editing.draft.mapping(place).get("default") == name:
+        editing.set(place, "default", to)
+    for field in _BY_CHILD:
+        if name in editing.entries(place, field):
+            editing.rekey((*place, field), name, to)
+    follow_exits(editing, place, lambda child: to if child == name else child)
+    for record, outcome in _edges_to(editing, container, place, name):
+        editing.set((*record, "on"), outcome, to)
+
+
+def follow_exits(editing: Editing, place: Place, renamed: Callable[[str], str]) -> None:
+    """Rename the children that the keys of a container's `exits` begin with."""
+    for field in _BY_END:
+        for key in editing.entries(place, field):
+            child, dot, outcome = key.partition(".")
+            editing.rekey((*place, field), key, renamed(child) + dot + outcome)
+
+
+def child_of(key: str) -> str:
+    """Return the child that a key of `exits` is about."""
+    return key.partition(".")[0]
+
+
+def _edges_to(editing: Editing, container: AnyNode, place: Place, name: str) -> list[tuple[Place, str]]:
+    """Return the record and outcome of every edge to a child of a state machine."""
+    if not isinstance(container, StateMachine):
+        return []
+    found = []
+    for sibling, node in children_of(container).items():
+        record = (*place, slot(container), sibling)
+        found += [(record, outcome) for outcome, target in node.on.items() if target == name]
+    return found

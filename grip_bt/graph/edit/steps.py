@@ -1,0 +1,146 @@
+"""The five things that an edit can do to a task file, and where; every command is a list of them.
+
+A place is the keys on the way to a mapping of the file: `("root", "children", "look", "in")`. The same steps are
+applied to the models (`draft`) and to the text (`text`), so the two can't drift apart; each has an exact inverse.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from ..model import join
+from ..shape import CHILDREN
+
+Place = tuple[str, ...]
+
+
+class _Step(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Put(_Step):
+    """A new entry `key` in the mapping at `at`."""
+
+    step: Literal["put"] = "put"
+    at: Place
+    key: str
+    value: Any
+    index: int | None = None
+    """Position among the entries whose order counts; None: at the end."""
+    source: str | None = None
+    """The lines that it was written in when it was taken out, indented from column 0, with their comments."""
+
+
+class Drop(_Step):
+    """The entry `key` of the mapping at `at` goes."""
+
+    step: Literal["drop"] = "drop"
+    at: Place
+    key: str
+
+
+class Rekey(_Step):
+    """The entry `key` of the mapping at `at` is called `to`, and stays where it is."""
+
+    step: Literal["rekey"] = "rekey"
+    at: Place
+    key: str
+    to: str
+
+
+class Assign(_Step):
+    """The entry `key` of the mapping at `at` has another value."""
+
+    step: Literal["assign"] = "assign"
+    at: Place
+    key: str
+    value: Any
+    source: str | None = None
+    """The lines of the whole entry, as in `Put`; for one that goes back to what it was."""
+
+
+class Shift(_Step):
+    """The entry `key` of the mapping at `at` goes to the mapping at `to`, or to another position in its own."""
+
+    step: Literal["shift"] = "shift"
+    at: Place
+    key: str
+    to: Place
+    index: int | None = None
+    """Position in `to`, counted without the entry itself; None: at the end."""
+
+
+Step = Annotated[Put | Drop | Rekey | Assign | Shift, Field(discriminator="step")]
+
+
+def is_record(at: Place) -> bool:
+    """Tell whether a place is a task, a node or a variable, whose keys have a fixed order, and not a list by name."""
+    if at[:1] != ("root",):
+        return at == () or (len(at) == 2 and at[0] == "data")
+    inner = at[1:]
+    while inner and inner[0] in CHILDREN:
+        if len(inner) == 1:
+            return False
+        inner = inner[2:]
+    return inner == () or (len(inner) == 2 and inner[0] == "data")
+
+
+def path_of(place: Place) -> str | None:
+    """Return the path of the node at a place; None when no node is there."""
+    if place[:1] != ("root",) or len(place) % 2 == 0 or any(key not in CHILDREN for key in place[1::2]):
+        return None
+    path = "/"
+    for name in place[2::2]:
+        path = join(path, name)
+    return path
+
+
+def path_after(path: str, steps: Iterable[Step]) -> str | None:
+    """Return where the node that was at `path` is after some steps; None when it is gone.
+
+    What lives beside a task and speaks about its nodes (layout, breakpoints, a selection) follows an edit by this.
+    """
+    names: tuple[str, ...] = () if path == "/" else tuple(path.split("/"))
+    where: tuple[str, ...] | None = ("root", *names)
+    for step in steps:
+        if where is None:
+            return None
+        where = _after(where, step)
+    if where is None or where[0] != "root":
+        return None
+    return "/".join(where[1:]) or "/"
+
+
+def _after(where: tuple[str, ...], step: Step) -> tuple[str, ...] | None:
+    """Follow one step; `where` are names without the keys `children` and `child` between them."""
+    if isinstance(step, Put):
+        return where
+    at = _names(step.at)
+    if at is None or where[: len(at) + 1] != (*at, step.key):
+        return where
+    below = where[len(at) + 1 :]
+    if isinstance(step, Drop):
+        return None
+    if isinstance(step, Rekey):
+        return (*at, step.to, *below)
+    if isinstance(step, Shift):
+        to = _names(step.to)
+        return None if to is None else (*to, step.key, *below)
+    return where
+
+
+def _names(at: Place) -> tuple[str, ...] | None:
+    """Return the names on the way to a mapping of nodes; None for any other mapping."""
+    if at == ():
+        return ()
+    if len(at) % 2 or any(key not in CHILDREN for key in at[1::2]):
+        return None
+    return at[::2]
+
+
+def moves(paths: Sequence[str], steps: Sequence[Step]) -> dict[str, str | None]:
+    """Return where each of some paths is after some steps; None for what is gone."""
+    return {path: path_after(path, steps) for path in paths}

@@ -1,0 +1,341 @@
+"""Steps applied to a text: each changes only the lines of its own entries, and keeps comments.
+
+A mapping in braces is changed within its line where the result fits there; else it, and it alone, is written anew with
+one entry a line.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from grip_bt.errors import EditError
+
+from ..canonical import lines_of
+from ..comments import attach_comments
+from ..scalars import write_scalar
+from ..shape import FREE, key_rank
+from ..syntax import Entry, Mapping, Scalar, Value, entries_of, parse, plain, tree_of
+from ..writer import WIDTH, in_braces, write
+from .commands import Splice
+from .regions import content_end, dedented, indented, is_tidy, line_end, line_start, region_end, region_start
+from .steps import Assign, Drop, Place, Put, Rekey, Step, is_record, path_of
+
+_FIRST = "this text is spelled in a way that can't be changed in place; bring it into form with `grip fmt`, then edit"
+
+
+class Text:
+    """A text under edit; `splices` are the changes, in their order."""
+
+    def __init__(self, text: str):
+        if "\r" in text.replace("\r\n", ""):
+            raise EditError("", _FIRST)
+        self.text = text
+        self.splices: list[Splice] = []
+        self._newline = "\r\n" if "\r\n" in text else "\n"
+        self._tree: Mapping | None = None
+        self._pending: dict[int, tuple[int, str]] = {}
+
+    def take(self, step: Step) -> str | None:
+        """Do one step; return the lines of what it took out, if anything."""
+        if isinstance(step, Rekey):
+            self._rekey(step)
+            return None
+        if isinstance(step, Assign):
+            return self._assign(step)
+        self.flush()
+        if isinstance(step, Put):
+            self._put(step.at, step.key, step.value, step.index, step.source)
+            return None
+        if isinstance(step, Drop):
+            self._make_room(step.at)
+            return self._drop(step.at, step.key)
+        value = plain(self._entry(step.at, step.key).value)
+        self._make_tidy(step.at)
+        source = self._drop(step.at, step.key)
+        self._put(step.to, step.key, value, step.index, source)
+        return None
+
+    # --- finding ---------------------------------------------------------------------------------------------------
+
+    @property
+    def tree(self) -> Mapping:
+        """The syntax of the text as it is, but for replacements that `flush` hasn't done yet."""
+        if self._tree is None:
+            tree = parse(self.text)
+            assert isinstance(tree, Mapping)
+            self._tree = tree
+        return self._tree
+
+    def _mapping(self, at: Place) -> Mapping:
+        value: Value = self.tree
+        for key in at:
+            value = value.entries[key].value if isinstance(value, Mapping) and key in value.entries else Scalar(None)
+        if not isinstance(value, Mapping):
+            raise EditError("/".join(at), _FIRST)
+        return value
+
+    def _entry(self, at: Place, key: str) -> Entry:
+        entry = self._mapping(at).entries.get(key)
+        if entry is None:
+            raise EditError("/".join((*at, key)), _FIRST)
+        return entry
+
+    # --- replacing in place ----------------------------------------------------------------------------------------
+
+    def flush(self) -> None:
+        """Do the replacements that were collected, from the last to the first."""
+        for start in sorted(self._pending, reverse=True):
+            end, new = self._pending[start]
+            self._splice(start, end, new)
+        self._pending.clear()
+
+    def _splice(self, start: int, end: int, new: str) -> None:
+        old = self.text[start:end]
+        if old != new:
+            self.splices.append(Splice(start=start, old=old, new=new))
+            self.text = self.text[:start] + new + self.text[end:]
+            self._tree = None
+
+    def _rekey(self, step: Rekey) -> None:
+        entry = self._entry(step.at, step.key)
+        if entry.start in self._pending:
+            self.flush()
+            entry = self._entry(step.at, step.key)
+        self._pending[entry.start] = (entry.key_end, write_scalar(step.to, flow=True))
+        inside = self._mapping(step.at)
+        entry.key = step.to
+        inside.entries = {e.key: e for e in inside.entries.values()}
+
+    def _assign(self, step: Assign) -> str:
+        entry = self._entry(step.at, step.key)
+        value = entry.value
+        begin, end = value.span
+        simple = isinstance(value, Scalar) and begin != end and "\n" not in self.text[begin:end]
+        if simple and step.source is None and not isinstance(step.value, dict | list | tuple):
+            in_flow = any(self._mapping(step.at[:depth]).flow for depth in range(len(step.at) + 1))
+            new = lines_of("k", step.value, False) if not in_flow else [f"k: {write_scalar(step.value, flow=True)}"]
+            if len(new) == 1 and begin not in self._pending and entry.start not in self._pending:
+                taken = self._taken(step.at, entry)
+                self._pending[begin] = (end, new[0].removeprefix("k: "))
+                assert isinstance(value, Scalar)
+                value.value = step.value
+                return taken
+        self.flush()
+        return self._replace(step)
+
+    def _taken(self, at: Place, entry: Entry) -> str:
+        """Return the lines of an entry, without what is above it."""
+        if not is_tidy(self.text, self._mapping(at)):
+            return "\n".join(lines_of(entry.key, plain(entry.value), False)) + "\n"
+        begin = line_start(self.text, entry.start)
+        return self._lines(dedented(self.text[begin : region_end(self.text, entry)], entry.column))
+
+    def _replace(self, step: Assign) -> str:
+        entry = self._entry(step.at, step.key)
+        inside = self._mapping(step.at)
+        taken = self._taken(step.at, entry)
+        if inside.flow:
+            inline = in_braces(tree_of(step.value))
+            begin, end = entry.value.span
+            if inline is not None and begin != end and self._fits(inside, len(inline) - (end - begin)):
+                self._splice(begin, end, inline)
+                return taken
+        self._make_tidy(step.at)
+        entry = self._entry(step.at, step.key)
+        begin, end = line_start(self.text, entry.start), region_end(self.text, entry)
+        if step.source is not None:
+            lines = step.source.removesuffix("\n").split("\n")
+        else:
+            # comments below the value that it closes stay; one beside it stays beside it
+            last = content_end(self.text, entry)
+            beside = self.text[last : line_end(self.text, last)].strip()
+            if not isinstance(entry.value, Scalar) and not entry.value.flow:
+                end = line_end(self.text, last)
+                beside = ""
+            elif beside:
+                end = line_end(self.text, last)
+            is_node = path_of((*step.at, step.key)) is not None
+            lines = lines_of(step.key, step.value, is_node, beside if beside.startswith("#") else "")
+        self._splice(begin, end, self._joined(indented(lines, entry.column), end))
+        return taken
+
+    # --- taking out and putting in ---------------------------------------------------------------------------------
+
+    def _drop(self, at: Place, key: str) -> str:
+        inside, entry = self._mapping(at), self._entry(at, key)
+        keys = list(inside.entries)
+        if inside.flow:
+            return self._drop_in_braces(inside, entry, keys.index(key))
+        if not is_tidy(self.text, inside):
+            raise EditError("/".join(at), _FIRST)
+        begin = region_start(self.text, inside, keys.index(key), at == ())
+        end = region_end(self.text, entry)
+        source = self._lines(dedented(self.text[begin:end], entry.column))
+        if len(keys) > 1:
+            self._splice(begin, end, "")
+            return source
+        holder = self._entry(at[:-1], at[-1])
+        colon = self.text.index(":", holder.key_end) + 1
+        self._splice(begin, end, "")
+        self._splice(colon, colon, " {}")
+        return source
+
+    def _drop_in_braces(self, inside: Mapping, entry: Entry, index: int) -> str:
+        source = "\n".join(lines_of(entry.key, plain(entry.value), False)) + "\n"
+        entries = entries_of(inside)
+        if len(entries) == 1:
+            self._splice(*inside.span, "{}")
+        elif index + 1 < len(entries):
+            self._splice(entry.start, entries[index + 1].start, "")
+        else:
+            self._splice(_inline_end(entries[index - 1]), _inline_end(entry), "")
+        return source
+
+    def _put(self, at: Place, key: str, value: Any, index: int | None, source: str | None) -> None:
+        is_node = path_of((*at, key)) is not None
+        inside = self._mapping(at)
+        if (
+            inside.flow
+            and (source is None or "#" not in source)
+            and self._put_in_braces(at, key, value, index, is_node)
+        ):
+            return
+        self._make_tidy(at, but_last=not inside.entries)
+        inside = self._mapping(at)
+        lines = lines_of(key, value, is_node) if source is None else source.removesuffix("\n").split("\n")
+        if not inside.entries:
+            self._open(at, lines)
+            return
+        keys = list(inside.entries)
+        before = _position(at, keys, key, index)
+        column = next(iter(inside.entries.values())).column
+        if before < len(keys):
+            offset = region_start(self.text, inside, before, at == ())
+        else:
+            offset = region_end(self.text, inside.entries[keys[-1]])
+        self._insert(offset, indented(lines, column))
+
+    def _open(self, at: Place, lines: list[str]) -> None:
+        """Write the first entry of a mapping that is `{}`."""
+        holder = self._entry(at[:-1], at[-1])
+        begin, end = holder.value.span
+        if self.text[begin:end].strip("{} "):
+            raise EditError("/".join(at), _FIRST)
+        rest = self.text[end : line_end(self.text, end)].strip()
+        if rest and not rest.startswith("#"):
+            raise EditError("/".join(at), _FIRST)
+        self._insert(line_end(self.text, end), indented(lines, holder.column + 2))
+        colon = self.text.index(":", holder.key_end) + 1
+        if self.text[colon:begin].strip():
+            raise EditError("/".join(at), _FIRST)
+        self._splice(colon, end, "")
+
+    def _put_in_braces(self, at: Place, key: str, value: Any, index: int | None, is_node: bool) -> bool:
+        inside = self._mapping(at)
+        if is_node and (not isinstance(value, dict) or "kind" in value or at[-1:] == ("child",)):
+            return False
+        if is_node and not inside.entries:
+            return False
+        inline = in_braces(tree_of({key: value}))
+        if inline is None or self._is_odd(inside):
+            return False
+        pair = inline[1:-1]
+        if not self._fits(inside, len(pair) + 2):
+            return False
+        entries, keys = entries_of(inside), list(inside.entries)
+        if not entries:
+            self._splice(*inside.span, f"{{{pair}}}")
+            return True
+        before = _position(at, keys, key, index)
+        if before < len(keys):
+            self._splice(entries[before].start, entries[before].start, f"{pair}, ")
+        else:
+            end = _inline_end(entries[-1])
+            self._splice(end, end, f", {pair}")
+        return True
+
+    def _fits(self, inside: Mapping, more: int) -> bool:
+        begin, end = inside.span
+        line = self.text[line_start(self.text, end - 1) : line_end(self.text, end - 1)].partition("#")[0]
+        return len(line.rstrip()) + more <= WIDTH and "\n" not in self.text[begin:end]
+
+    def _is_odd(self, inside: Mapping) -> bool:
+        """Tell whether a mapping in braces has comments, or entries without a value."""
+        begin, end = inside.span
+        empty = any(isinstance(e.value, Scalar) and e.value.span[0] == e.value.span[1] for e in entries_of(inside))
+        return empty or "#" in self.text[begin:end]
+
+    def _insert(self, offset: int, lines: list[str]) -> None:
+        new = self._newline.join(lines) + self._newline
+        if offset == len(self.text) and self.text and not self.text.endswith("\n"):
+            new = self._newline + new.removesuffix(self._newline)
+        self._splice(offset, offset, new)
+
+    def _joined(self, lines: list[str], end: int) -> str:
+        """Return lines as text; without a final newline where they replace a last line that has none."""
+        text = self._newline.join(lines)
+        return text if self.text[end - 1 : end] != "\n" else text + self._newline
+
+    def _lines(self, text: str) -> str:
+        return text.replace("\r\n", "\n")
+
+    # --- spelling ----------------------------------------------------------------------------------------------------
+
+    def _make_room(self, at: Place) -> None:
+        """See to it that an entry of this mapping can be taken out."""
+        inside = self._mapping(at)
+        if not (inside.flow and not self._is_odd(inside)):
+            self._make_tidy(at)
+
+    def _make_tidy(self, at: Place, but_last: bool = False) -> None:
+        """Write what holds this mapping, and is in braces, with one entry a line."""
+        depths = range(len(at) if but_last else len(at) + 1)
+        for depth in depths:
+            if self._mapping(at[:depth]).flow:
+                self._spread(at, depth, but_last)
+                return
+
+    def _spread(self, at: Place, depth: int, but_last: bool) -> None:
+        tree = parse(self.text)
+        assert isinstance(tree, Mapping)
+        header = attach_comments(tree, self.text.replace("\r", " "))
+        chain: list[Mapping] = [tree]
+        holders: list[Entry] = []
+        for key in at:
+            inner = chain[-1].entries[key]
+            assert isinstance(inner.value, Mapping)
+            holders.append(inner)
+            chain.append(inner.value)
+        blocks = {id(mapping) for mapping in chain[depth:] if mapping.entries}
+        if depth == 0:
+            written = write(tree, lambda value: id(value) in blocks, header)
+            self._splice(0, len(self.text), written.replace("\n", self._newline))
+            return
+        holder = holders[depth - 1]
+        end = line_end(self.text, content_end(self.text, holder))
+        if not is_tidy(self.text, chain[depth - 1]):
+            raise EditError("/".join(at), _FIRST)
+        holder.comments.before = []
+        written = write(Mapping({holder.key: holder}), lambda value: id(value) in blocks)
+        lines = indented(written.removesuffix("\n").split("\n"), holder.column)
+        self._splice(line_start(self.text, holder.start), end, self._joined(lines, end))
+
+
+def _inline_end(entry: Entry) -> int:
+    """Return the offset after an entry of a mapping in braces."""
+    return max(entry.value.span[1], entry.key_end)
+
+
+def _position(at: Place, keys: list[str], key: str, index: int | None) -> int:
+    """Return before which of the keys a new one stands."""
+    if not is_record(at):
+        return len(keys) if index is None else min(index, len(keys))
+    if key.startswith(FREE):
+        free = [position for position, other in enumerate(keys) if other.startswith(FREE)]
+        if index is not None and index < len(free):
+            return free[index]
+        if free:
+            return free[-1] + 1
+    rank = key_rank(key)
+    lower = [position for position, other in enumerate(keys) if key_rank(other) <= rank]
+    return lower[-1] + 1 if lower else 0
