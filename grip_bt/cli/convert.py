@@ -53,6 +53,12 @@ def _stand_alone(document: Document, catalog: Catalog, args: argparse.Namespace)
     return export(document.task, catalog, None if args.output == "-" else Path(args.output).parent)
 
 
+def _pytrees_xml(document: Document, catalog: Catalog, args: argparse.Namespace) -> str:
+    from grip_bt.compilers.pytrees_xml import to_xml
+
+    return to_xml(document.task, catalog)
+
+
 Converter = Callable[["Document", "Catalog", argparse.Namespace], str]
 # Each form is one entry: what makes its text. What they need is imported when one is asked for.
 CONVERTERS: dict[str, Converter] = {
@@ -63,6 +69,7 @@ CONVERTERS: dict[str, Converter] = {
     "bt": _restructured,
     "sm": _restructured,
     "pytrees-py": _stand_alone,
+    "pytrees-xml": _pytrees_xml,
 }
 
 
@@ -75,7 +82,7 @@ def add_parser(subparsers: Any) -> None:
         required=True,
         choices=sorted(CONVERTERS),
         help="the form; bt and sm: the task itself, made of composites or of state machines;"
-        " pytrees-py: a stand-alone Python file",
+        " pytrees-py: a stand-alone Python file; pytrees-xml: py_trees' XML",
     )
     parser.add_argument(
         "--view", choices=("tree", "flow"), default="tree", help="of a picture: tree (default) or flow chart"

@@ -39,8 +39,12 @@ def equal_of(behaviour: Behaviour) -> Equal:
     known = _KNOWN.get(type(behaviour))
     if known is not None:
         return known(behaviour)
-    name = type(behaviour).__name__
-    raise NoEqual(_WHY.get(type(behaviour)) or f"{type(behaviour).__module__}.{name} is no class that a task has")
+    raise NoEqual(why_not(type(behaviour)))
+
+
+def why_not(cls: type[Behaviour]) -> str:
+    """Return why a class has no equal."""
+    return _WHY.get(cls) or f"{cls.__module__}.{cls.__name__} is no class that a task has"
 
 
 def _sequence(node: Any) -> Equal:
