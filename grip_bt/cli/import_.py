@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,20 +27,39 @@ def add_parser(subparsers: Any) -> None:
         help="a .yaml file for one machine, a folder for several; without it nothing is written",
     )
     parser.add_argument("--machine", metavar="NAME", help="only this one of several machines")
-    parser.set_defaults(run=run)
+    parser.add_argument(
+        "--execute",
+        action="store_true",
+        help="also run the code, in a process of its own, to see what it builds: only for code that you trust",
+    )
+    parser.add_argument(
+        "--arguments",
+        type=Path,
+        metavar="FILE",
+        help="for --execute, JSON: class or function -> parameter -> value",
+    )
+    parser.set_defaults(run=run, usage_error=parser.error)
 
 
 def run(args: argparse.Namespace) -> int:
     """Report on every container; 1 when one of them wasn't imported."""
-    from grip_bt.smach_import import import_file
+    from grip_bt.smach_import import import_file, import_with_execution
 
+    if args.arguments is not None and not args.execute:
+        args.usage_error("--arguments are for --execute")
     files = _files(args.path)
     root = args.path if args.path.is_dir() else None
-    imports = [import_file(file, root) for file in files]
+    if args.execute:
+        given = _arguments(args.arguments)
+        imports = [import_with_execution(file, root, given) for file in files]
+    else:
+        imports = [import_file(file, root) for file in files]
     if len(imports) == 1 and imports[0].error:
         raise GripError(imports[0].error)
     for imported in imports:
         _report(imported)
+    if not any(imported.containers or imported.error for imported in imports):
+        raise GripError(f"{args.path}: no SMACH machine was found")
     if args.output is not None:
         _write([i for i in imports if i.tasks], args)
     return int(any(i.error or i.verdicts()["failed"] for i in imports))
@@ -51,6 +71,18 @@ def _files(path: Path) -> list[Path]:
     if not path.is_file():
         raise GripError(f"{path}: there is no such file or folder")
     return [path]
+
+
+def _arguments(path: Path | None) -> dict[str, dict[str, Any]]:
+    if path is None:
+        return {}
+    try:
+        given = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise GripError(f"{path}: can't be read: {error}") from error
+    if not isinstance(given, dict) or not all(isinstance(each, dict) for each in given.values()):
+        raise GripError(f'{path}: write class or function -> parameter -> value, such as {{"Meet": {{"times": 3}}}}')
+    return given
 
 
 def _report(imported: ImportedFile) -> None:

@@ -119,12 +119,12 @@ class SmachLeaf(Leaf):
         """Return the legacy state."""
         raise NotImplementedError(f"{type(self).__name__}.make: return the SMACH state")
 
-    def built(self, factory: Callable[..., Any], *arguments: Any) -> Any:
+    def built(self, factory: Callable[..., Any], *arguments: Any, **named: Any) -> Any:
         """Return the container that `factory` builds, one for all leaves of the run, so that they share its objects."""
         with _runs_lock:
             run = self._run()
             if factory not in run.built:
-                run.built[factory] = factory(*arguments)
+                run.built[factory] = factory(*arguments, **named)
             return run.built[factory]
 
     def prepare(self) -> None:

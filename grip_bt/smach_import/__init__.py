@@ -2,5 +2,6 @@
 
 from .files import ImportedFile, import_file, write_import
 from .found import Problem, Span
+from .recorded import import_with_execution
 
-__all__ = ["ImportedFile", "Problem", "Span", "import_file", "write_import"]
+__all__ = ["ImportedFile", "Problem", "Span", "import_file", "import_with_execution", "write_import"]

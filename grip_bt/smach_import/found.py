@@ -139,6 +139,7 @@ class FoundContainer(Found):
         entry: source of what gives the container at run time: a function, a class or a variable of the module.
         entry_is_call: whether `entry` has to be called.
         entry_file: where `entry` is.
+        entry_arguments: what it is called with.
         executed_in: functions that execute it, so that calling them would run the machine.
     """
 
@@ -149,6 +150,7 @@ class FoundContainer(Found):
     entry: ast.expr | None = None
     entry_is_call: bool = False
     entry_file: Path | None = None
+    entry_arguments: dict[str, Any] = field(default_factory=dict)
     executed_in: list[Any] = field(default_factory=list)
 
     @property

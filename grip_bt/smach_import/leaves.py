@@ -133,7 +133,8 @@ class Leaves:
         if root is None or root.entry is None or "" in labels:
             return ""
         entry = self.unparsed(root.entry, root.entry_file or root.span.file)
-        start = f"self.built({entry})" if root.entry_is_call else entry
+        given = "".join(f", {name}={value!r}" for name, value in root.entry_arguments.items())
+        start = f"self.built({entry}{given})" if root.entry_is_call else entry
         return start + "".join(f"[{label!r}]" for label in reversed(labels))
 
     def unparsed(self, expression: ast.expr, file: Path) -> str:

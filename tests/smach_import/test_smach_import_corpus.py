@@ -16,22 +16,6 @@ RUNNABLE = [path for path in FILES if path.stem not in NEED_ROS]
 EMBEDDED = {"concurrence_first": {"WATCH"}}
 
 
-@pytest.fixture(autouse=True)
-def own_smach():
-    """Leave the process as it was: other tests look at what `install` does."""
-    import sys
-
-    from grip_bt import smach_compat
-
-    before, path = set(sys.modules), list(sys.path)
-    yield
-    for name in set(sys.modules) - before:
-        if name.startswith(("grip_legacy_", "grip_node_")) or name == "states_lib":
-            del sys.modules[name]
-    sys.path[:] = path
-    smach_compat.uninstall()
-
-
 def test_95_percent_of_the_containers_are_imported_and_the_rest_says_why():
     containers = [c for path in FILES for c in import_file(path).containers]
     failed = [c for c in containers if c.verdict == "failed"]

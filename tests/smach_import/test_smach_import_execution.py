@@ -1,0 +1,119 @@
+import json
+from pathlib import Path
+
+import pytest
+from smach_runs import build_legacy, run_legacy, run_task
+
+from grip_bt.smach_import import import_file, import_with_execution, write_import
+from grip_bt.smach_import.recorded import record
+
+DATA = Path(__file__).parent / "data"
+EXECUTED = DATA / "executed"
+ROOMS = {"CleanAll": {"rooms": ["bath", "attic"]}}
+
+
+def verdicts(imported):
+    return [c.verdict for c in imported.containers]
+
+
+def texts(imported):
+    return "\n".join(str(p) for c in imported.containers for p in c.problems)
+
+
+@pytest.mark.parametrize(("name", "given"), [("computed_steps", {}), ("given_rooms", ROOMS)])
+def test_what_only_a_run_knows_is_exact_when_it_is_run_and_does_the_same(name, given, tmp_path):
+    file = EXECUTED / f"{name}.py"
+    assert verdicts(import_file(file)) == ["failed"]
+    imported = import_with_execution(file, given=given)
+    assert verdicts(imported) == ["exact"]
+    ((task, path),) = {n: tmp_path / f"{n}.yaml" for n in imported.tasks}.items()
+    write_import(imported, {task: path}, tmp_path / "nodes")
+    outcome, ends, _ = run_task(path)
+    container = imported.containers[0]
+    if given:
+        from grip_bt.nodes.smach_source import load_legacy
+
+        machine = load_legacy(file).CleanAll(**ROOMS["CleanAll"])
+    else:
+        machine = build_legacy(imported, task)
+    assert (outcome, ends) == run_legacy(machine)
+    assert len(ends) == len(container.added) >= 2
+
+
+def test_without_arguments_that_it_needs_a_machine_stays_failed_with_its_reason():
+    imported = import_with_execution(EXECUTED / "given_rooms.py")
+    assert verdicts(imported) == ["failed"]
+    assert "room.upper()" in texts(imported)
+
+
+def test_missing_packages_get_stand_ins_and_the_machine_says_so():
+    imported = import_with_execution(EXECUTED / "vendor_base.py")
+    assert verdicts(imported) == ["partial"]
+    assert "with stand-ins for rospy, tf2_ros, vendor_robot" in texts(imported)
+    (container,) = imported.containers
+    assert list(container.added) == ["FIND_BASE_LINK", "TAKE"]
+    assert container.added["TAKE"].state.outcomes == ["taken", "failed"]
+    assert list(imported.tasks) == ["vendor_base"]
+
+
+def test_recording_executes_no_machine_and_refuses_files_and_programs(tmp_path, monkeypatch):
+    forbidden = tmp_path / "forbidden"
+    monkeypatch.setenv("GRIP_TEST_FILE", str(forbidden))
+    run = record(EXECUTED / "harmful.py", EXECUTED, {}, timeout=120)
+    assert not forbidden.exists()
+    assert [c["children"][0]["label"] for c in run.containers][:1] == ["STOP"]
+    assert "a recorded machine is not executed" not in run.words
+
+
+@pytest.mark.slow
+def test_what_was_built_before_the_time_was_over_is_kept(tmp_path):
+    file = tmp_path / "endless.py"
+    file.write_text(
+        "import smach\n"
+        "def build():\n"
+        "    sm = smach.StateMachine(['end'])\n"
+        "    with sm:\n"
+        "        smach.StateMachine.add('A', smach.State(['end']))\n"
+        "    return sm\n"
+        "def zz_hangs():\n"
+        "    build()\n"
+        "    while True: pass\n"
+    )
+    run = record(file, tmp_path, {}, timeout=20)
+    assert "stopped after 20 s" in run.words
+    assert run.containers[0]["children"][0]["label"] == "A"
+
+
+def test_a_run_that_builds_other_states_than_the_text_is_noted(tmp_path):
+    file = tmp_path / "sly.py"
+    file.write_text(
+        "import smach\n"
+        "def build():\n"
+        "    sm = smach.StateMachine(['end'])\n"
+        "    with sm:\n"
+        "        smach.StateMachine.add('A', smach.State(['end']))\n"
+        "        exec(\"smach.StateMachine.add('B', smach.State(['end']))\")\n"
+        "    return sm\n"
+    )
+    assert verdicts(import_file(file)) == ["exact"]
+    imported = import_with_execution(file)
+    assert "the run adds the states ['A', 'B'], the text seems to add ['A']" in texts(imported)
+
+
+def test_nothing_runs_unless_it_is_asked_for(tmp_path):
+    file = tmp_path / "loud.py"
+    file.write_text(f"import smach\nopen({str(tmp_path / 'ran')!r}, 'w')\nsm = smach.StateMachine(['a'])\n")
+    import_file(file)
+    assert not (tmp_path / "ran").exists()
+
+
+def test_a_file_without_smach_is_not_run(tmp_path):
+    file = tmp_path / "other.py"
+    file.write_text("raise SystemExit\n")
+    assert import_with_execution(file).containers == []
+
+
+def test_the_record_is_json_on_stdout_whatever_the_module_prints():
+    run = record(EXECUTED / "harmful.py", EXECUTED, {}, timeout=120)
+    assert json.dumps(run.containers)
+    assert "nonsense" in run.words
