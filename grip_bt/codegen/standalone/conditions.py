@@ -6,23 +6,45 @@ import ast
 import copy
 from collections.abc import Mapping
 
+from grip_bt.compilers.resolve import Part
 from grip_bt.graph.expression import CONSTANTS, parse_expression
 
-from .layout import Code
+from .layout import WIDTH, Code
+from .plan import Plan
 
 
-def condition(text: str, variables: Mapping[str, str]) -> Code:
-    """Return a function without arguments that computes an expression.
+def function_of(text: str, part: Part, plan: Plan, *, around: bool = False) -> Code:
+    """Return a function that computes a condition: a lambda, or the name of one that is too long for a line.
 
     Args:
         text: the expression; every variable of it is declared.
-        variables: variable of the task -> name in the file.
+        part: the node that has it.
+        plan: takes the function, where it has a name.
+        around: whether it sees the variables around the node, and not the node's own.
     """
-    tree = copy.deepcopy(parse_expression(text).tree)
-    inner = ast.unparse(ast.fix_missing_locations(_Reading(variables).visit(tree)))
+    inner = _python(text, plan.visible(part, around=around))
     # What an attribute of a value compares to may be numpy's kind of bool, which py_trees refuses.
     own = any(isinstance(node, ast.Attribute) for node in ast.walk(parse_expression(text).tree))
-    return Code(f"lambda: bool({inner})" if own else f"lambda: {inner}")
+    return _function(f"bool({inner})" if own else inner, "bool", f"condition_of_{part.name}", plan)
+
+
+def value_of(text: str, part: Part, plan: Plan) -> Code:
+    """Return a function that computes any value, likewise."""
+    return _function(_python(text, plan.visible(part)), "Any", f"value_of_{part.name}", plan)
+
+
+def _function(body: str, returns: str, name: str, plan: Plan) -> Code:
+    if len(body) < WIDTH // 2 - 8:
+        return Code(f"lambda: {body}")
+    name = plan.identifiers.take(name)
+    skip = "  # fmt: skip" if len(body) + len("        return ") > WIDTH else ""
+    plan.statements.append(f"\n    def {name}() -> {returns}:\n        return {body}{skip}\n")
+    return Code(name)
+
+
+def _python(text: str, variables: Mapping[str, str]) -> str:
+    tree = copy.deepcopy(parse_expression(text).tree)
+    return ast.unparse(ast.fix_missing_locations(_Reading(variables).visit(tree)))
 
 
 class _Reading(ast.NodeTransformer):

@@ -9,8 +9,9 @@ from grip_bt.errors import NotExpressibleError
 from grip_bt.graph import model
 from grip_bt.nodes.control import Edges
 
-from .conditions import condition
-from .layout import WIDTH, Code, Items, call
+from .choosers import chooser
+from .conditions import function_of
+from .layout import Code, Items, call
 from .plan import Plan, is_fresh
 from .refusals import TARGET
 
@@ -38,12 +39,7 @@ def container(part: Part, children: list[str], plan: Plan) -> Items:
             edges=table(part.edges),
             outcomes=_statuses(part, part.edges),
         )
-    class_name, settings = _plain(part, plan)
-    given: dict[str, Any]
-    if isinstance(part.node, model.Sequence | model.Fallback):
-        given = {**settings, "children": _names(children)}
-    else:
-        given = {"child": Code(children[0]), **settings}
+    class_name, given = chooser(part, children, plan) or _plain(part, children, plan)
     if part.exits:
         plan.parts.add("exits")
         base, class_name = class_name, f"{class_name.rsplit('.', 1)[-1]}WithExits"
@@ -52,7 +48,14 @@ def container(part: Part, children: list[str], plan: Plan) -> Items:
     return call(class_name, part.name, **given)
 
 
-def _plain(part: Part, plan: Plan) -> tuple[str, dict[str, Any]]:
+def _plain(part: Part, children: list[str], plan: Plan) -> tuple[str, dict[str, Any]]:
+    class_name, settings = _class_of(part, plan)
+    if isinstance(part.node, model.Sequence | model.Fallback):
+        return class_name, {**settings, "children": _names(children)}
+    return class_name, {"child": Code(children[0]), **settings}
+
+
+def _class_of(part: Part, plan: Plan) -> tuple[str, dict[str, Any]]:
     match part.node:
         case model.Sequence(memory=memory):
             return "py_trees.composites.Sequence", {"memory": memory}
@@ -111,18 +114,6 @@ def wrapped(part: Part, made: Items, inner: str, plan: Plan) -> list[tuple[str, 
         name = plan.identifiers.take(f"{inner}_if")
         rows.append((name, call("Precondition", part.name, Code(rows[-1][0]), test)))
     return rows
-
-
-def function_of(text: str, part: Part, plan: Plan, *, around: bool = False) -> Code:
-    """Return a function that computes an expression: a lambda, or the name of one that is too long for a line."""
-    made = condition(text, plan.visible(part, around=around))
-    if len(made.text) < WIDTH // 2:
-        return made
-    name = plan.identifiers.take(f"condition_of_{part.name}")
-    body = made.text.removeprefix("lambda: ")
-    skip = "  # fmt: skip" if len(body) + len("        return ") > WIDTH else ""
-    plan.statements.append(f"\n    def {name}() -> bool:\n        return {body}{skip}\n")
-    return Code(name)
 
 
 def table(edges: Edges) -> dict[str, dict[str, str]]:

@@ -23,6 +23,7 @@ from .refusals import refuse_unknown
 _STANDARD: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("copy", "logging", "time"), ()),
     "collections.abc": ("Callable", "Iterator", "Mapping"),
+    "numbers": ("Real",),
     "pathlib": ("Path",),
     "typing": ("Any",),
 }

@@ -8,6 +8,7 @@ import copy
 import logging
 import time
 from collections.abc import Callable, Iterator, Mapping
+from numbers import Real
 from typing import Any
 
 import py_trees
@@ -140,6 +141,166 @@ class Guard(py_trees.decorators.EternalGuard):
         return "guard" if self.closed else carried_code(self)
 
 
+class Chooser(py_trees.composites.Composite):
+    """Ticks the child that was chosen, until that ends; at most one choice a tick."""
+
+    again = False  # whether a child's success leads to the next choice
+    refusal: str | None = None  # code of a failure that isn't a child's
+
+    def begin(self) -> None:
+        """Start anew: it was entered."""
+
+    def choose(self) -> py_trees.behaviour.Behaviour | None:
+        """Return the next child; None ends it: with success, or with a refusal."""
+        raise NotImplementedError
+
+    def tick(self) -> Iterator[py_trees.behaviour.Behaviour]:
+        if self.status != Status.RUNNING:
+            self.current_child = self.refusal = None
+            self.begin()
+        child = self.current_child or self.choose()
+        self.current_child = child
+        if child is None:
+            self.stop(Status.FAILURE if self.refusal else Status.SUCCESS)
+            yield self
+            return
+        yield from child.tick()
+        if child.status == Status.SUCCESS and self.again:
+            self.current_child, self.status = None, Status.RUNNING
+        elif child.status == Status.RUNNING:
+            self.status = Status.RUNNING
+        else:
+            self.stop(child.status)
+        yield self
+
+    @property
+    def code(self) -> str | None:
+        return self.refusal or carried_code(self)
+
+
+def is_truth(value: Any) -> bool:
+    """Tell whether a value is true or false, by Python's type or by numpy's."""
+    kind = getattr(getattr(value, "dtype", None), "kind", "")
+    return isinstance(value, bool) or (kind == "b" and value.ndim == 0)
+
+
+def same(value: Any, literal: Any) -> bool:
+    """Tell whether a value is a literal: 1 and 1.0 are the same, 1 and True aren't."""
+    if is_truth(value) or isinstance(literal, bool):
+        return is_truth(value) and isinstance(literal, bool) and bool(value) == literal
+    if isinstance(value, Real) and isinstance(literal, Real):
+        return bool(value == literal)
+    return type(value) is type(literal) and bool(value == literal)
+
+
+class Switch(Chooser):
+    """The child that has the value, as it is on entry, among its cases."""
+
+    def __init__(
+        self,
+        name: str,
+        children: list[py_trees.behaviour.Behaviour],
+        value: Callable[[], Any],
+        cases: Mapping[str, list[Any]],
+        default: str,
+    ):
+        super().__init__(name, children)
+        self.by_name = {child.name: child for child in children}
+        self.value, self.cases, self.default = value, cases, default
+
+    def choose(self) -> py_trees.behaviour.Behaviour | None:
+        value, chosen = self.value(), self.default
+        for name, literals in self.cases.items():
+            if any(same(value, literal) for literal in literals):
+                chosen = name
+                break
+        if not chosen:
+            self.refusal = "no_case"
+            return None
+        return self.by_name[chosen]
+
+
+class Loop(Chooser):
+    """The child again while a condition holds, so many times at most; one pass a tick."""
+
+    again = True
+
+    def __init__(
+        self,
+        name: str,
+        child: py_trees.behaviour.Behaviour,
+        condition: Callable[[], bool] | None,
+        times: int | None,
+    ):
+        super().__init__(name, [child])
+        self.condition, self.times = condition, times
+
+    def begin(self) -> None:
+        self.done = 0
+
+    def choose(self) -> py_trees.behaviour.Behaviour | None:
+        if self.condition is not None and not self.condition():
+            return None
+        if self.done == self.times:
+            self.refusal = "loop_limit"
+            return None
+        self.done += 1
+        return self.children[0]
+
+
+class ForEach(Chooser):
+    """The child once for each item of a list, as it is on entry; one item a tick."""
+
+    again = True
+
+    def __init__(
+        self,
+        name: str,
+        child: py_trees.behaviour.Behaviour,
+        items: Variable,
+        item: Variable,
+    ):
+        super().__init__(name, [child])
+        self.items, self.item = items, item
+
+    def begin(self) -> None:
+        self.left: list[Any] | None = None
+
+    def choose(self) -> py_trees.behaviour.Behaviour | None:
+        if self.left is None:
+            items = self.items.get()
+            if not isinstance(items, list | tuple):
+                raise TypeError(f"`items` is {items!r}, not a list")
+            self.left = list(reversed(items))
+        if not self.left:
+            return None
+        self.item.set(self.left.pop())
+        return self.children[0]
+
+
+class Cooldown(Chooser):
+    """The child, unless it ended or was halted less than `seconds` [s] ago."""
+
+    def __init__(self, name: str, child: py_trees.behaviour.Behaviour, seconds: float):
+        super().__init__(name, [child])
+        self.seconds, self.ready_at, self.used = seconds, None, False
+
+    def now(self) -> float:
+        """Return the time [s]."""
+        return time.monotonic()
+
+    def choose(self) -> py_trees.behaviour.Behaviour | None:
+        if self.ready_at is not None and self.now() < self.ready_at:
+            self.refusal = "cooldown"
+            return None
+        self.used = True
+        return self.children[0]
+
+    def terminate(self, new_status: Status) -> None:
+        if self.used:
+            self.used, self.ready_at = False, self.now() + self.seconds
+
+
 class WithExits(py_trees.behaviour.Behaviour):
     """Mixed in before a composite or decorator: some ends of children end it at once.
 
@@ -179,6 +340,10 @@ class WithExits(py_trees.behaviour.Behaviour):
 
 class SelectorWithExits(WithExits, py_trees.composites.Selector):
     """Selector that some ends of children end at once."""
+
+
+class ForEachWithExits(WithExits, ForEach):
+    """ForEach that some ends of children end at once."""
 
 
 class Parallel(py_trees.composites.Parallel):
@@ -314,6 +479,8 @@ def create_root() -> py_trees.behaviour.Behaviour:
     count = Variable("count", 2)  # int
     limit = Variable("limit", 3)  # int
     seen = Variable("seen", ["a", "b's"])  # list[str]
+    names = Variable("names", ["Ann", "Bob"])  # list[str]
+    name = Variable("name")  # str
     near = Fail("near", code="no_plan")
     near_if = Precondition("near", near, lambda: count.get() < limit.get())
     far = Fail("far", code="no_ik")
@@ -343,14 +510,35 @@ def create_root() -> py_trees.behaviour.Behaviour:
     last = Fail("last", code="failed")
     turned = py_trees.decorators.Inverter("turned", child=last)
     settle = py_trees.decorators.Repeat("settle", child=turned, num_success=2)
+    few = Fail("few", code="failed")
+    call = Log("call", message="next", value=name.get)
+    turns = Loop("turns", child=call, condition=lambda: limit.get() > 3, times=2)
+    rest = Cooldown("rest", child=turns, seconds=60.0)
+    five = ForEachWithExits(
+        "five",
+        child=rest,
+        items=names,
+        item=name,
+        exits={"rest": {"failure.cooldown": "tired"}},
+        outcomes={"tired": Status.SUCCESS},
+    )
+    fresh_five = Scope("five", five, [names, name])
+    choose = Switch(
+        "choose",
+        children=[few, fresh_five],
+        value=lambda: count.get() + limit.get(),
+        cases={"few": [1, 2], "five": [5]},
+        default="few",
+    )
     root = Dispatch(
         "labelled ends",
-        children=[look, take, settle],
+        children=[look, take, settle, choose],
         initial="look",
         edges={
             "look": {"success": "look", "failure": "take", "nothing": "take"},
             "take": {"success": "settle", "failure.guard": "lost", "failure": "lost"},
-            "settle": {"success": "done", "failure": "lost"},
+            "settle": {"success": "choose", "failure": "lost"},
+            "choose": {"success": "done", "failure.no_case": "lost", "failure": "lost"},
         },
         outcomes={"done": Status.SUCCESS, "lost": Status.FAILURE},
     )
