@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from grip_bt.catalog import Manifest
 from grip_bt.errors import listing, nearest
-from grip_bt.graph.model import Leaf, Task
+from grip_bt.graph.model import Leaf, Parallel, Task, outcomes_of
 from grip_bt.nodes.control import Edges
 from grip_bt.validation import Issue
 
@@ -122,6 +122,21 @@ def check_edges(
                         f"{child!r} may end with {outcome!r}, which leads nowhere; add it to `on:` of {child!r}",
                     )
                 )
+
+
+def check_rules(path: str, node: Parallel, ends: Mapping[str, Mapping[str, str]], problems: list[Issue]) -> None:
+    """Rules of a parallel are about ends that its children have, and lead to its outcomes."""
+    waited = node.wait_for if isinstance(node.wait_for, list) else []
+    for child in (*waited, *(child for rule in node.rules for child in rule.when)):
+        if child not in ends:
+            problems.append(problem(path, "unknown-child", f"a rule names {child!r}{nearest(child, ends)}"))
+    for rule in node.rules:
+        if rule.then not in outcomes_of(node):
+            problems.append(problem(path, "unknown-target", f"a rule leads to {rule.then!r}, which isn't an outcome"))
+        for child, said in rule.when.items():
+            for label in [said] if isinstance(said, str) else said:
+                if ends.get(child) and label.partition(".")[0] not in ends[child]:
+                    problems.append(problem(path, "unknown-outcome", f"{child!r} never ends with {label!r}"))
 
 
 def check_root(task: Task, meaning: Mapping[str, str], problems: list[Issue]) -> Edges:

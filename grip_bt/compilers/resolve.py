@@ -16,6 +16,7 @@ from grip_bt.graph.model import (
     Container,
     ForEach,
     Leaf,
+    Parallel,
     StateMachine,
     Switch,
     Task,
@@ -28,7 +29,7 @@ from grip_bt.graph.model import (
 from grip_bt.nodes.control import Edges
 from grip_bt.validation import Issue
 
-from .checks import check_edges, check_leaf, check_root, problem
+from .checks import check_edges, check_leaf, check_root, check_rules, problem
 from .conditions import check_expressions
 from .scopes import Cell, Scope, Scopes
 
@@ -161,6 +162,8 @@ class _Resolver:
         )
         if isinstance(node, Switch):
             self.cases(path, node)
+        if isinstance(node, Parallel):
+            check_rules(path, node, {child.name: child.meaning for child in children}, self.problems)
         machine = isinstance(node, StateMachine)
         exits, edges = Edges(), Edges()
         if isinstance(node, StateMachine):

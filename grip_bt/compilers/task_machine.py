@@ -6,8 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from grip_bt.errors import NodeError
-from grip_bt.nodes.control import Condition, Edges, End, decide, first_reason
-from grip_bt.nodes.control.parallel import Policy
+from grip_bt.nodes.control import Condition, End, Ruling, first_reason
 from grip_bt.nodes.observer import SILENT, Observer
 from grip_bt.smach_compat import Concurrence, State, StateMachine
 from grip_bt.values import Failure
@@ -128,13 +127,13 @@ class TaskConcurrence(TaskContainer, Concurrence):
         self,
         path: str,
         meaning: Mapping[str, str],
-        rule: tuple[Policy, Edges],
+        ruling: Ruling,
         refined: Refined = (),
         enter: Callable[[], None] | None = None,
     ):
         Concurrence.__init__(self, labels(meaning, refined), default_outcome="failure", outcome_cb=self._choose)
         self.take(path, meaning, refined, enter)
-        self.policy, self.exits = rule
+        self.ruling = ruling
         self.ends_of: dict[str, tuple[str, Mapping[str, str]]] = {}
 
     def ends(self) -> list[End]:
@@ -147,12 +146,12 @@ class TaskConcurrence(TaskContainer, Concurrence):
 
     def reason(self) -> Failure | None:
         """Return the reason of the first child that accounts for the outcome."""
-        return first_reason(self.ends(), self.exits, self.outcome or "failure")
+        return first_reason(self.ends(), self.ruling.exits, self.outcome or "failure")
 
     def _choose(self, outcomes: Mapping[str, str]) -> str:
         ends = self.ends()
-        outcome = decide(self.policy, self.exits, ends) or "failure"
-        failure = first_reason(ends, self.exits, outcome) if self.meaning[outcome] == "failure" else None
+        outcome = self.ruling.outcome(ends) or "failure"
+        failure = first_reason(ends, self.ruling.exits, outcome) if self.meaning[outcome] == "failure" else None
         return label(outcome, failure, self.refined)
 
     def execute(self, parent_ud: Any = None) -> Any:

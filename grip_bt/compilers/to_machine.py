@@ -24,7 +24,7 @@ from .leaves import LeafFactory, implementation_of, release
 from .resolve import Part, Resolved, resolve
 from .scopes import Scopes
 from .task_machine import Count, TaskConcurrence, TaskContainer, TaskMachine
-from .to_tree import TreeBuilder
+from .to_tree import TreeBuilder, ruling_of
 from .transitions import COUNT, chooses, counts, interrupts, state_labels, table_of
 
 _log = logging.getLogger("grip_bt.smach")
@@ -59,7 +59,7 @@ class MachineBuilder:
                 raise NotExpressibleError(part.path, what, "a machine of blocking states")
             state = BehaviourState(self.tree.build(part), self.run, needed)
         elif isinstance(part.node, model.Parallel):
-            state = self._concurrence(part, part.node, needed)
+            state = self._concurrence(part, needed)
         else:
             state = self._machine(part, needed)
         if isinstance(state, TaskContainer):
@@ -106,9 +106,9 @@ class MachineBuilder:
         TaskMachine.add(COUNT, choice, {**choice.leads(ways), **{k: k for k in choice.ends()}})
         machine.choice = choice
 
-    def _concurrence(self, part: Part, node: model.Parallel, needed: Refined) -> TaskConcurrence:
+    def _concurrence(self, part: Part, needed: Refined) -> TaskConcurrence:
         enter = part.scope.reset if part.declares else None
-        machine = TaskConcurrence(part.path, part.meaning, (node.policy, part.exits), needed, enter)
+        machine = TaskConcurrence(part.path, part.meaning, ruling_of(part), needed, enter)
         names = state_labels(part)
         with machine:
             for child in part.children:

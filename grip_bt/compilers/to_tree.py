@@ -62,6 +62,22 @@ class TreeBuilder:
         return _container(part, face, children)
 
 
+def ruling_of(part: Part) -> control.Ruling:
+    """Return how a parallel is decided."""
+    node = part.node
+    assert isinstance(node, model.Parallel), "only these have rules"
+    rules = [
+        control.Match(
+            rule.then,
+            {child: [said] if isinstance(said, str) else said for child, said in rule.when.items()},
+            rule.at_least,
+            rule.ends,
+        )
+        for rule in node.rules
+    ]
+    return control.Ruling(node.policy, part.exits, rules, node.wait_for)
+
+
 def face_of(part: Part) -> control.Face:
     """Return what the container of `part` is made with."""
     enter = part.scope.reset if part.declares else None
@@ -74,8 +90,13 @@ def _container(part: Part, face: control.Face, children: list[Behaviour]) -> Nod
             return control.Sequence(face, children, memory)
         case model.Fallback(memory=memory):
             return control.Fallback(face, children, memory)
-        case model.Parallel(policy=policy, cancel=cancel):
-            return control.Parallel(face, children, policy, cancel)
+        case model.Parallel(cancel=cancel):
+            node = control.Parallel(face, children, ruling_of(part), cancel)
+            if cancel == "ask":
+                for below in node.iterate():
+                    if isinstance(below, Leaf):
+                        below.askers.append(node)
+            return node
         case model.StateMachine(initial=initial):
             return control.Dispatch(face, children, initial, part.edges)
         case model.Retry(times=attempts):

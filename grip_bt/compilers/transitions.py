@@ -43,8 +43,8 @@ def interrupts(part: Part) -> bool:
     match part.node:
         case model.Sequence(memory=memory) | model.Fallback(memory=memory):
             return not memory or not part.children
-        case model.Parallel(cancel=cancel):
-            return cancel == "halt" or not part.children
+        case model.Parallel(cancel=cancel, order=order):
+            return cancel != "join" or order is not None or not part.children
         case model.Timeout() | model.Guard():
             return True
     return False

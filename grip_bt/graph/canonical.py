@@ -123,8 +123,15 @@ def data_of(shape: BaseModel, skipped: tuple[str, ...] = ()) -> dict[str, Any]:
         if name == "x":
             data.update((k, v) for k, v in value.items() if k.startswith(FREE))
         elif field.is_required() or name in shape.model_fields_set or value != field.default:
-            data[field.alias or name] = {k: _variable(v) for k, v in value.items()} if name == "data" else value
+            data[field.alias or name] = {k: _variable(v) for k, v in value.items()} if name == "data" else _plain(value)
     return data
+
+
+def _plain(value: Any) -> Any:
+    """Return a list of models as a list of the keys that were given; every other value as it is."""
+    if not isinstance(value, list):
+        return value
+    return [entry.model_dump(exclude_defaults=True) if isinstance(entry, BaseModel) else entry for entry in value]
 
 
 def _variable(variable: model.Variable | str) -> Any:

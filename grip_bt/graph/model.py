@@ -103,17 +103,44 @@ class Fallback(_Composite):
     memory: bool = True
 
 
+class ParallelRule(_Model):
+    """A way in which a parallel ends, from how its children have ended; all of its conditions have to hold.
+
+    Without conditions it is for the rest: it holds when everybody whom the parallel waits for has ended.
+    """
+
+    when: FrozenDict[Name, str | list[str]] = FrozenDict()
+    """Child -> its outcome, or `outcome.code`, or a list of these."""
+    at_least: int | None = Field(default=None, ge=1)
+    """How many children have ended with the meaning `ends`."""
+    ends: Meaning = "success"
+    then: str
+    """The outcome of the parallel."""
+
+
 class Parallel(_Composite):
     """All children at once.
 
     `all` succeeds when every child has succeeded and fails when one has failed; `any` succeeds when one has
     succeeded and fails when every child has failed. What is decided is decided after all children were ticked. Then
-    `halt` interrupts the children that are still running, and `join` waits for them.
+    `halt` interrupts the children that are still running, `ask` requests them to stop and waits for them, and `join`
+    waits. Where there are `rules`, the first that matches decides, and `policy` only what none of them does.
     """
 
     kind: Literal["parallel"]
     policy: Literal["all", "any"] = "all"
-    cancel: Literal["halt", "join"] = "halt"
+    rules: list[ParallelRule] = Field(default_factory=list)
+    wait_for: Literal["all", "any"] | Annotated[int, Field(ge=1)] | list[Name] | None = None
+    """Who has to have ended before anything is decided: all, one, so many, or these; then it is decided."""
+    cancel: Literal["halt", "ask", "join"] = "halt"
+    order: Literal["declared"] | None = None
+    """`declared`: children may share variables, since they are ticked in their order."""
+
+    @model_validator(mode="after")
+    def _join_waits_for_all(self) -> Parallel:
+        if self.cancel == "join" and self.wait_for not in (None, "all"):
+            raise ValueError("`cancel: join` waits for all children; remove `wait_for`, or use `cancel: ask`")
+        return self
 
 
 class StateMachine(_Container):

@@ -48,7 +48,7 @@ _FIELDS_ONLY = frozenset({"x"}).union(n for shape in _SHAPES for n, f in shape.m
 _ORDER = (
     *("grip", "name", "kind", "node", "type", "value", "doc"),
     *("precondition", "initial", "times", "seconds", "if", "while", "on_value", "cases", "default", "items", "item"),
-    *("policy", "memory", "cancel", "as"),
+    *("policy", "memory", "rules", "wait_for", "cancel", "order", "as"),
     *("with", "in", "out", "meaning", "outcomes", "exits", "on"),
     *("data", "root", "children", "child"),
 )

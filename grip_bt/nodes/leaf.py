@@ -24,6 +24,7 @@ from grip_bt.operation import Operation
 from grip_bt.ports import Context
 from grip_bt.values import Failure
 
+from .asked import AskedContext, Asker
 from .node import LABEL, STATUS, Node
 
 T = TypeVar("T")
@@ -57,6 +58,7 @@ class Leaf(Node):
         self.path, self.manifest, self.params = path, manifest, dict(params)
         self.meaning = {**manifest.outcomes, **meaning}
         self.inputs_read: dict[str, Any] = {}
+        self.askers: list[Asker] = []
         self.readers: dict[str, Callable[[], Any]] = {}
         self.writers: dict[str, Callable[[Any], None]] = {}
 
@@ -121,8 +123,9 @@ class Leaf(Node):
     # --- py_trees' side ---
 
     def setup(self, **kwargs: Any) -> None:
-        """Take the run's context and prepare."""
-        self.context = kwargs["context"]
+        """Take the run's context, with the requests of parallels above, and prepare."""
+        context = kwargs["context"]
+        self.context = AskedContext(context, self.askers) if self.askers else context
         self.prepare()
 
     def tick(self) -> Iterator[Behaviour]:

@@ -143,6 +143,12 @@ class DataFlow:
 
     def _parallel(self, spot: Spot, node: Parallel, state: int) -> States:
         one, every = ("failure", "success") if node.policy == "all" else ("success", "failure")
+        if node.rules or node.wait_for is not None:  # who has ended then, only a run can tell
+            afters = [self._after(child, state) for child in spot.children.values()]
+            for after in afters if node.cancel != "halt" else ():
+                state |= _met(after) if after else 0
+            labels = {"success", "failure", *node.exits.values(), *(rule.then for rule in node.rules)}
+            return dict.fromkeys(labels & spot.outcomes.keys(), state)
         found: States = {}
         decided: States = {}
         together, joined, all_can = state, state, True
@@ -151,7 +157,7 @@ class DataFlow:
             ends: States = {}
             for label, is_exit, there in self._ends(spot, child, after):
                 _meet(found if is_exit else decided if label == one else ends, label, there)
-            if node.cancel == "join" and after:
+            if node.cancel != "halt" and after:
                 joined |= _met(after)
             all_can = all_can and every in ends
             together |= ends.get(every, 0)

@@ -76,6 +76,8 @@ class Possible:
 
     def _parallel(self, spot: Spot, node: Parallel) -> frozenset[str]:
         one, every = ("failure", "success") if node.policy == "all" else ("success", "failure")
+        if node.rules or node.wait_for is not None:
+            return frozenset({"success", "failure", *node.exits.values(), *(rule.then for rule in node.rules)})
         ends = [set(self._ends(spot, child)) for child in spot.children.values()]
         found = {label for each in ends for label, is_exit in each if is_exit}
         if any((one, False) in each for each in ends):

@@ -103,6 +103,8 @@ def container_label(node: AnyNode) -> str:
     match node.__dict__:
         case {"kind": "sequence" | "fallback", "memory": False}:
             return "asks again on every tick"
+        case {"kind": "parallel", "rules": [_, *_] as rules, "cancel": cancel}:
+            return f"{len(rules)} rules, {cancel}"
         case {"kind": "parallel", "policy": policy, "cancel": cancel}:
             return f"{policy} must succeed" if policy == "all" else f"first success ends it, {cancel}"
         case {"kind": "retry", "times": times}:

@@ -63,6 +63,16 @@ leaves = st.fixed_dictionaries(
 ).map(Leaf.model_validate)
 
 
+rules = st.fixed_dictionaries(
+    {"then": texts},
+    optional={
+        "when": st.dictionaries(names, texts | st.lists(texts, max_size=2), max_size=2),
+        "at_least": st.integers(1, 9),
+        "ends": meanings,
+    },
+)
+
+
 def _made(model, kind, fields, extra=None):
     optional = {**own, **(extra or {})}
     return st.fixed_dictionaries(
@@ -84,7 +94,14 @@ def _containers(nodes):
             Parallel,
             "parallel",
             {"children": children},
-            {"policy": st.sampled_from(["all", "any"]), "cancel": st.sampled_from(["halt", "join"])},
+            {
+                "policy": st.sampled_from(["all", "any"]),
+                "cancel": st.sampled_from(["halt", "ask"]),
+                "order": st.sampled_from([None, "declared"]),
+                "rules": st.lists(rules, max_size=2),
+                "wait_for": st.sampled_from(["all", "any", 2, ["a"]]),
+                "exits": bindings,
+            },
         ),
         _made(
             StateMachine,

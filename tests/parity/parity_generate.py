@@ -149,12 +149,38 @@ class Maker:
                 node["outcomes"] = {k: EXTRA[k] for k in self.random.sample(sorted(EXTRA), self.random.randint(1, 2))}
                 outcomes.update(node["outcomes"])
                 node["exits"] = self.exits(ends, list(outcomes))
+            if kind in ("parallel", "join"):
+                node.update(self.rules(ends, list(outcomes), kind == "join"))
         if kind == "for_each":
             items = [self.random.randint(0, 9) for _ in range(self.random.choice((0, 1, 2, 3, 3)))]
             node["item"], data = item, {**data, "list": {"type": "list[int]", "value": items}}
         if data:
             node["data"] = data
         return node, outcomes
+
+    def rules(self, ends: dict[str, dict[str, str]], targets: list[str], join: bool) -> dict[str, Any]:
+        """Return how a parallel is decided, beyond policy and exits."""
+        made: dict[str, Any] = {}
+        if self.chance(0.5):
+            made["rules"] = [self.rule(ends, targets) for _ in range(self.random.randint(1, 3))]
+        if join:
+            return made
+        if self.chance(0.5):
+            some = self.random.sample(list(ends), self.random.randint(1, len(ends)))
+            made["wait_for"] = self.random.choice(("all", "any", self.random.randint(1, len(ends) + 1), some))
+        if self.chance(0.4):
+            made["cancel"] = "ask"
+        return made
+
+    def rule(self, ends: dict[str, dict[str, str]], targets: list[str]) -> dict[str, Any]:
+        rule: dict[str, Any] = {"then": self.random.choice(targets)}
+        if self.chance(0.7):
+            for child in self.random.sample(list(ends), self.random.randint(1, min(2, len(ends)))):
+                labels = self.random.sample(list(ends[child]), self.random.randint(1, len(ends[child])))
+                rule.setdefault("when", {})[child] = labels if len(labels) > 1 else labels[0]
+        if self.chance(0.4):
+            rule |= {"at_least": self.random.randint(1, 3), "ends": self.random.choice(("success", "failure"))}
+        return rule
 
     def cases(self, children: dict[str, Any], seen: list[str]) -> dict[str, Any]:
         """Return what a switch compares; now and then it has no case for a value, or no child for a case."""

@@ -93,7 +93,7 @@ def _smaller_trees(case: Case, place: tuple[Any, ...]) -> Iterator[Case]:
 
 def _without_keys(case: Case, place: tuple[Any, ...]) -> Iterator[Case]:
     node = _at(case, place)
-    for key in ("precondition", "data", "exits", "outcomes", "in", "out", "meaning"):
+    for key in ("precondition", "rules", "wait_for", "cancel", "data", "exits", "outcomes", "in", "out", "meaning"):
         if key in node:
             yield _edited(case, lambda c, key=key: _at(c, place).pop(key))
     for key in ("on", "exits"):

@@ -18,6 +18,7 @@ from grip_bt.graph import (
     Leaf,
     Loop,
     Parallel,
+    ParallelRule,
     Repeat,
     Retry,
     Sequence,
@@ -80,7 +81,7 @@ def describe(node: AnyNode) -> str:
         case Sequence() | Fallback():
             return node.kind if node.memory else f"reactive {node.kind}"
         case Parallel():
-            return f"parallel, {node.policy}" + (", join" if node.cancel == "join" else "")
+            return f"parallel, {_parallel(node)}"
         case StateMachine():
             return "state machine"
         case Retry():
@@ -112,9 +113,30 @@ def details(node: AnyNode) -> list[str]:
     if isinstance(node, Leaf) and node.with_:
         lines.append(", ".join(f"{name}={value}" for name, value in node.with_.items()))
     lines.extend(f"{label} → {target}" for label, target in node.on.items())
+    if isinstance(node, Parallel):
+        lines.extend(f"{rule_text(rule)} ⇥ {rule.then}" for rule in node.rules)
     if not isinstance(node, Leaf | StateMachine):
         lines.extend(f"{end} ⇥ {target}" for end, target in node.exits.items())
     return lines
+
+
+def _parallel(node: Parallel) -> str:
+    """Return what decides a parallel, whom it waits for, and what becomes of the rest."""
+    words = ["rules" if node.rules else str(node.policy)]
+    if node.wait_for is not None:
+        waited = ", ".join(node.wait_for) if isinstance(node.wait_for, list) else node.wait_for
+        words.append(f"waits for {waited}")
+    if node.cancel != "halt":
+        words.append(node.cancel)
+    return ", ".join(words)
+
+
+def rule_text(rule: ParallelRule) -> str:
+    """Return the conditions of a rule in a few words."""
+    words = [f"{child}: {said if isinstance(said, str) else ' | '.join(said)}" for child, said in rule.when.items()]
+    if rule.at_least is not None:
+        words.append(f"{rule.at_least} × {rule.ends}")
+    return ", ".join(words) or "else"
 
 
 def links_of(node: Container) -> list[Link]:

@@ -74,7 +74,7 @@ def _keys(node: Node) -> dict[str, Any]:
     if base is control.Fallback:
         return {"kind": "fallback", "memory": node.memory}
     if base is control.Parallel:
-        return {"kind": "parallel", "policy": node.rule, "cancel": node.cancel}
+        return {"kind": "parallel", "cancel": node.cancel, **_ruling(node.ruling)}
     if base is control.Dispatch:
         if node.run_to_completion:
             raise NoEqual("it runs to completion, which no task says")
@@ -90,6 +90,23 @@ def _keys(node: Node) -> dict[str, Any]:
     if base is control.Force:
         return {"kind": "force", "as": node.forced}
     raise NoEqual(f"a {base.__name__}, {_GIVE}")
+
+
+def _ruling(ruling: control.Ruling) -> dict[str, Any]:
+    keys: dict[str, Any] = {"policy": ruling.policy}
+    if ruling.rules:
+        keys["rules"] = [_rule(match) for match in ruling.rules]
+    if ruling.wait_for is not None:
+        said = ruling.wait_for
+        keys["wait_for"] = said if isinstance(said, str | int) else list(said)
+    return keys
+
+
+def _rule(match: control.Match) -> dict[str, Any]:
+    keys: dict[str, Any] = {"when": {child: list(labels) for child, labels in match.when.items()}} if match.when else {}
+    if match.at_least is not None:
+        keys |= {"at_least": match.at_least, "ends": match.ends}
+    return {**keys, "then": match.then}
 
 
 def _leaf(leaf: Leaf) -> dict[str, Any]:

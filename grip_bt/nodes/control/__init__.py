@@ -8,7 +8,7 @@ from .decorators import Force, Invert, Repeat, Retry, Timeout
 from .dispatch import MAX_TRANSITIONS, Dispatch
 from .edges import Edges
 from .guard import Guard
-from .parallel import End, Parallel, decide, first_reason
+from .parallel import End, Match, Parallel, Ruling, decide, first_reason
 from .turns import Cases, Items, Passes, Rest, Rule, Turn
 
 __all__ = [
@@ -31,12 +31,14 @@ __all__ = [
     "Invert",
     "Items",
     "Loop",
+    "Match",
     "Parallel",
     "Passes",
     "Repeat",
     "Rest",
     "Retry",
     "Rule",
+    "Ruling",
     "Sequence",
     "Switch",
     "Timeout",

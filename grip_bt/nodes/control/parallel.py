@@ -7,8 +7,8 @@ ended first.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Literal
 
 from py_trees import composites
@@ -22,7 +22,8 @@ from .container import Container, Face
 from .edges import Edges
 
 Policy = Literal["all", "any"]
-Cancel = Literal["halt", "join"]
+Cancel = Literal["halt", "ask", "join"]
+WaitFor = Literal["all", "any"] | int | Sequence[str] | None
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,83 @@ class End:
     outcome: str
     meaning: str
     failure: Failure | None = None
+
+    def labels(self) -> set[str]:
+        """Return how a rule may call this end."""
+        return {self.outcome} if self.failure is None else {self.outcome, f"{self.outcome}.{self.failure.code}"}
+
+
+@dataclass(frozen=True)
+class Match:
+    """A rule of a parallel.
+
+    Attributes:
+        then: the outcome that it leads to.
+        when: child -> the labels, `outcome` or `outcome.code`, of which it has to have ended with one.
+        at_least: how many children have to have ended with the meaning `ends`.
+        ends: `success` or `failure`.
+    """
+
+    then: str
+    when: Mapping[str, Collection[str]] = field(default_factory=dict)
+    at_least: int | None = None
+    ends: str = "success"
+
+    def holds(self, ends: Sequence[End], complete: bool) -> bool:
+        """Tell whether it holds for the children that have ended; `complete`: nobody is waited for any more."""
+        if not self.when and self.at_least is None:
+            return complete
+        labels = {end.child: end.labels() for end in ends}
+        wanted = all(not labels.get(child, set()).isdisjoint(any_of) for child, any_of in self.when.items())
+        return wanted and sum(end.meaning == self.ends for end in ends) >= (self.at_least or 0)
+
+
+@dataclass(frozen=True)
+class Ruling:
+    """How a parallel is decided: exits come first, then the rules in their order, then the policy.
+
+    Attributes:
+        policy: `all` or `any`.
+        exits: ends of children -> outcomes.
+        rules: in the document's order.
+        wait_for: who has to have ended before anything is decided.
+    """
+
+    policy: Policy = "all"
+    exits: Edges = field(default_factory=Edges)
+    rules: Sequence[Match] = ()
+    wait_for: WaitFor = None
+
+    def outcome(self, ends: Sequence[End | None]) -> str | None:
+        """Return what the children's ends decide, or None; one end per child, None for one that still runs."""
+        if not self._waited(ends):
+            return None
+        there = [end for end in ends if end is not None]
+        complete = self.wait_for is not None or len(there) == len(ends)
+        if not self.rules and self.wait_for is None:
+            return decide(self.policy, self.exits, ends)
+        for end in there:
+            label = self.exits.target(end.child, end.outcome, end.failure.code if end.failure else None)
+            if label is not None:
+                return label
+        matching = next((rule.then for rule in self.rules if rule.holds(there, complete)), None)
+        return matching or (decide(self.policy, Edges(), there) if complete else None)
+
+    def _waited(self, ends: Sequence[End | None]) -> bool:
+        ended = [end.child for end in ends if end is not None]
+        match self.wait_for:
+            case _ if len(ended) == len(ends):
+                return True
+            case None:
+                return True
+            case "all":
+                return False
+            case "any":
+                return bool(ended)
+            case int(number):
+                return len(ended) >= number
+            case names:
+                return set(names) <= set(ended)
 
 
 def decide(policy: Policy, exits: Edges, ends: Sequence[End | None]) -> str | None:
@@ -107,13 +185,19 @@ class Parallel(Container, _Rounds):
         self,
         face: Face,
         children: Iterable[Behaviour],
-        policy: Policy = "all",
+        ruling: Ruling,
         cancel: Cancel = "halt",
     ):
-        shown = ParallelPolicy.SuccessOnAll() if policy == "all" else ParallelPolicy.SuccessOnOne()
+        shown = ParallelPolicy.SuccessOnAll() if ruling.policy == "all" else ParallelPolicy.SuccessOnOne()
         composites.Parallel.__init__(self, face.name, shown, list(children))
         self.take(face)
-        self.rule, self.cancel = policy, cancel
+        self.ruling, self.cancel = ruling, cancel
+        self.asked = False
+        self.decided: tuple[str, Failure | None] | None = None
+
+    def initialise(self) -> None:
+        """Decide anew."""
+        self.asked, self.decided = False, None
 
     def settle(self) -> Status:
         """Decide, and remember which child accounts for the end."""
@@ -121,11 +205,22 @@ class Parallel(Container, _Rounds):
         self.current_child = self.children[-1] if self.children else None
         if self.cancel == "join" and None in ends:
             return Status.RUNNING
-        outcome = decide(self.rule, self.exits, ends)
-        if outcome is None:
+        if self.decided is None:
+            outcome = self.ruling.outcome(ends)
+            if outcome is None:
+                return Status.RUNNING
+            self.decided = outcome, first_reason(ends, self.exits, outcome)
+        if self.cancel == "ask" and None in ends:
+            self._ask()
             return Status.RUNNING
-        self.outcome = outcome
-        return STATUS[self.meaning[outcome]]
+        self.outcome = self.decided[0]
+        return STATUS[self.meaning[self.outcome]]
+
+    def _ask(self) -> None:
+        """Request the children that still run to stop; their leaves see it as a preempt request."""
+        if not self.asked:
+            self.asked = True
+            self.context.wake()
 
     def ends(self) -> list[End | None]:
         """Return how each child has ended in this activation; None for one that still runs."""
@@ -136,4 +231,4 @@ class Parallel(Container, _Rounds):
 
     def reason(self) -> Failure | None:
         """Return the reason of the first child that accounts for the outcome."""
-        return first_reason(self.ends(), self.exits, self.outcome or "failure")
+        return self.decided[1] if self.decided is not None else None

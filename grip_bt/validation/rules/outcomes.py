@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 
 from grip_bt.errors import listing, nearest
-from grip_bt.graph import Leaf, StateMachine, Switch, Task, cases_of
+from grip_bt.graph import Leaf, Parallel, StateMachine, Switch, Task, cases_of
 from grip_bt.graph.evaluation import same_literal
 
 from ..possible import Possible
@@ -42,7 +42,9 @@ def check_outcomes(survey: Survey, possible: Possible) -> None:
                 _cases(survey, spot, node)
             _reserved(survey, spot, node.outcomes)
             _exits(survey, spot, node.exits, possible)
-            _unused(survey, spot.path, node.outcomes, node.exits.values(), "`exits`")
+            rules = node.rules if isinstance(node, Parallel) else []
+            targets = (*node.exits.values(), *(rule.then for rule in rules))
+            _unused(survey, spot.path, node.outcomes, targets, "`exits`")
         if spot.node.on and spot.parent is not None and not spot.in_machine:
             survey.add(
                 spot.path,
@@ -105,7 +107,7 @@ def _exits(survey: Survey, spot: Spot, exits: Mapping[str, str], possible: Possi
                 "unknown-child",
                 f"exits are `child.outcome: exit`; {key!r} names no child{hint} (there are: {listing(spot.children)})",
             )
-        elif _label(survey, spot.path, where, child, label):
+        elif check_label(survey, spot.path, where, child, label):
             if label.partition(".")[0] not in possible.labels(child):
                 survey.add(
                     spot.path,
@@ -115,10 +117,10 @@ def _exits(survey: Survey, spot: Spot, exits: Mapping[str, str], possible: Possi
                     "remove this exit",
                 )
         if target not in spot.outcomes:
-            _unknown_target(survey, spot.path, where, target, spot.outcomes, "outcomes of this container")
+            unknown_target(survey, spot.path, where, target, spot.outcomes, "outcomes of this container")
 
 
-def _label(survey: Survey, path: str, where: tuple[str, str], child: Spot, label: str) -> bool:
+def check_label(survey: Survey, path: str, where: tuple[str | int, ...], child: Spot, label: str) -> bool:
     """Check `outcome` or `outcome.code` of a child; tell whether there is such an outcome."""
     outcome, dot, code = label.partition(".")
     if outcome not in child.outcomes:
@@ -158,7 +160,7 @@ def _machine(survey: Survey, spot: Spot, node: StateMachine) -> None:
     for child in spot.children.values():
         targets.extend(child.node.on.values())
         for label, target in child.node.on.items():
-            _label(survey, child.path, ("on", label), child, label)
+            check_label(survey, child.path, ("on", label), child, label)
             _machine_target(survey, spot, child, label, target)
         for outcome in child.outcomes:
             if outcome not in child.node.on and child.outcomes:
@@ -180,18 +182,19 @@ def _machine_target(survey: Survey, spot: Spot, child: Spot, label: str, target:
         )
     elif not sibling and not outcome:
         allowed = (*spot.children, *spot.outcomes)
-        _unknown_target(survey, child.path, where, target, allowed, "siblings and outcomes")
+        unknown_target(survey, child.path, where, target, allowed, "siblings and outcomes")
 
 
-def _unknown_target(
-    survey: Survey, path: str, where: tuple[str, str], target: str, allowed: Iterable[str], kind: str
+def unknown_target(
+    survey: Survey, path: str, where: tuple[str | int, ...], target: str, allowed: Iterable[str], kind: str
 ) -> None:
+    """Note a target that isn't among what is allowed."""
     hint = nearest(target, allowed)
     survey.add(
         path,
         where,
         "unknown-target",
-        f"{where[1]!r} leads to {target!r}, which isn't there{hint} ({kind}: {listing(allowed)})",
+        f"{where[-1]!r} leads to {target!r}, which isn't there{hint} ({kind}: {listing(allowed)})",
         take_hint(hint, ""),
     )
 
@@ -224,9 +227,9 @@ def _unused(survey: Survey, path: str, outcomes: Iterable[str], targets: Iterabl
 def _root(survey: Survey, task: Task) -> None:
     root = survey.root
     for label, target in task.root.on.items():
-        _label(survey, "/", ("on", label), root, label)
+        check_label(survey, "/", ("on", label), root, label)
         if target not in task.outcomes:
-            _unknown_target(survey, "/", ("on", label), target, task.outcomes, "outcomes of the task")
+            unknown_target(survey, "/", ("on", label), target, task.outcomes, "outcomes of the task")
     for outcome, meaning in root.outcomes.items():
         if outcome not in task.root.on and root_target(task, outcome, meaning) is None:
             survey.add(

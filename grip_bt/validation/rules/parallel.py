@@ -2,16 +2,44 @@
 
 from __future__ import annotations
 
+from grip_bt.errors import listing, nearest
 from grip_bt.graph import Parallel
 
-from ..survey import Spot, Survey
+from ..survey import Key, Spot, Survey
+from .outcomes import check_label, unknown_target
 
 
 def check_parallel(survey: Survey) -> None:
     """Find variables that two children of a parallel write, or that one writes and another reads."""
     for spot in survey.spots:
         if isinstance(spot.node, Parallel):
-            _shared(survey, spot)
+            _rules(survey, spot, spot.node)
+            if spot.node.order is None:
+                _shared(survey, spot)
+
+
+def _rules(survey: Survey, spot: Spot, node: Parallel) -> None:
+    for name in node.wait_for if isinstance(node.wait_for, list) else ():
+        _child(survey, spot, "wait_for", name)
+    for number, rule in enumerate(node.rules):
+        where = ("rules", number)
+        if rule.then not in spot.outcomes:
+            unknown_target(survey, spot.path, (*where, "then"), rule.then, spot.outcomes, "outcomes of this container")
+        for name, said in rule.when.items():
+            child = _child(survey, spot, (*where, "when", name), name)
+            for label in [said] if isinstance(said, str) else said:
+                if child is not None:
+                    check_label(survey, spot.path, (*where, "when", name), child, label)
+
+
+def _child(survey: Survey, spot: Spot, where: Key, name: str) -> Spot | None:
+    child = spot.children.get(name)
+    if child is None:
+        hint = nearest(name, spot.children)
+        survey.add(
+            spot.path, where, "unknown-child", f"{name!r} is no child{hint} (there are: {listing(spot.children)})"
+        )
+    return child
 
 
 def _shared(survey: Survey, spot: Spot) -> None:
@@ -30,7 +58,7 @@ def _shared(survey: Survey, spot: Spot) -> None:
                 "children",
                 "parallel-writes",
                 f"the children {', '.join(writers)} write {declared.name!r} at the same time",
-                "give each a variable of its own",
+                "give each a variable of its own, or say `order: declared`",
             )
         elif declared.bit & mixed:
             writer = next(c.name for c in children if c.writes & declared.bit)
