@@ -10,7 +10,8 @@ from grip_bt.graph.layout import Layout, layout_path, load_layout, read_layout, 
 paths = st.from_regex(r"\A[a-z_][a-z /_-]{0,8}\Z") | st.just("/")
 spots = st.dictionaries(paths, st.tuples(st.integers(-(10**6), 10**6), st.integers(-(10**6), 10**6)), max_size=4)
 TASK = read_text(
-    "grip: 1\nname: a\nroot:\n  kind: sequence\n  children:\n    pick: {kind: sequence, children: {grasp: {node: a/b}}}\n"
+    "grip: 1\nname: a\nroot:\n  kind: sequence\n  children:\n"
+    "    pick: {kind: sequence, children: {grasp: {node: a/b}}}\n"
     "    rest: {node: a/c}\n"
 ).task
 LAYOUT = Layout().pin("flow", "pick/grasp", 64, 96).pin("flow", "pick", 3, -5).pin("tree", "rest", 0, 8).fold("pick")

@@ -26,6 +26,7 @@ from .commands import (
     command_of,
 )
 from .documents import Edited, apply_to_document
+from .history import History, Moment
 from .steps import path_after
 
 __all__ = [
@@ -40,6 +41,8 @@ __all__ = [
     "Disconnect",
     "Edited",
     "Group",
+    "History",
+    "Moment",
     "Move",
     "Patch",
     "Remove",

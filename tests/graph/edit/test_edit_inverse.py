@@ -10,7 +10,7 @@ from grip_bt.graph import Task, dumps, loads
 from grip_bt.graph.edit import Group, apply, command_of
 
 unhurried = settings(
-    deadline=None, max_examples=600, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large]
+    deadline=None, max_examples=300, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large]
 )
 
 
