@@ -85,19 +85,29 @@ def _class_of(part: Part, plan: Plan) -> tuple[str, dict[str, Any]]:
 def _parallel(part: Part, children: list[str], plan: Plan) -> Items:
     node = part.node
     assert isinstance(node, model.Parallel)
-    if node.policy == "all" and node.cancel == "halt" and not part.exits:
+    plain = not (part.exits or node.rules) and node.wait_for is None
+    if plain and node.policy == "all" and node.cancel == "halt":
         policy = Code("py_trees.common.ParallelPolicy.SuccessOnAll()")
         return call("py_trees.composites.Parallel", part.name, policy=policy, children=_names(children))
     plan.parts.add("parallel")
-    return call(
-        "Parallel",
-        part.name,
-        children=_names(children),
-        policy=node.policy,
-        join=node.cancel == "join",
-        exits=table(part.exits),
-        outcomes=_statuses(part, part.exits),
-    )
+    given: dict[str, Any] = {
+        "children": _names(children),
+        "policy": node.policy,
+        "join": node.cancel == "join",
+        "exits": table(part.exits),
+        "outcomes": _statuses(part, part.exits, *(rule.then for rule in node.rules)),
+    }
+    if not node.rules and node.wait_for is None:
+        return call("Parallel", part.name, **given)
+    plan.parts.add("ruled_parallel")
+    waits = node.wait_for if isinstance(node.wait_for, str | int | None) else list(node.wait_for)
+    return call("RuledParallel", part.name, **given, rules=[_rule(rule) for rule in node.rules], wait_for=waits)
+
+
+def _rule(rule: model.ParallelRule) -> dict[str, Any]:
+    when = {child: [said] if isinstance(said, str) else list(said) for child, said in rule.when.items()}
+    counts = {} if rule.at_least is None else {"at_least": rule.at_least, "ends": rule.ends}
+    return {**({"when": when} if when else {}), **counts, "then": rule.then}
 
 
 def wrapped(part: Part, made: Items, inner: str, plan: Plan) -> list[tuple[str, Items]]:
@@ -124,8 +134,8 @@ def table(edges: Edges) -> dict[str, dict[str, str]]:
     return rows
 
 
-def _statuses(part: Part, edges: Edges) -> dict[str, Code]:
-    targets = {target for _, target in edges}
+def _statuses(part: Part, edges: Edges, *more: str) -> dict[str, Code]:
+    targets = {*(target for _, target in edges), *more}
     children = {child.name for child in part.children} if isinstance(part.node, model.StateMachine) else set()
     used = [label for label in part.meaning if label in targets - children]
     return {label: Code(f"Status.{part.meaning[label].upper()}") for label in used}

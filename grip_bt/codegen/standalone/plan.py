@@ -12,13 +12,13 @@ from .identifiers import Identifiers
 ORDER = (
     *("variable", "bind", "labels", "scope", "precondition", "guard", "timeout"),
     *("chooser", "switch", "loop", "for_each", "cooldown", "exits", "exits_classes"),
-    *("parallel", "dispatch", "fail", "log"),
+    *("parallel", "ruled_parallel", "dispatch", "fail", "log"),
 )
 """Supporting parts, in the order in which the file has them."""
 _OWN_NAMES = (
     *("py_trees", "Status", "Any", "Callable", "Iterator", "Mapping", "copy", "time", "logging"),
     *("Variable", "Scope", "Precondition", "Guard", "Timeout", "WithExits", "Parallel", "Dispatch", "Fail", "Log"),
-    *("Chooser", "Switch", "Loop", "ForEach", "Cooldown", "Real", "is_truth", "same"),
+    *("RuledParallel", "Chooser", "Switch", "Loop", "ForEach", "Cooldown", "Real", "is_truth", "same"),
     *("bind", "outcome_of", "code_of", "carried_code", "look_up", "create_root", "end_of", "run", "ENDS"),
     *("Leaf", "Context", "RunContext", "Catalog", "Manifest", "load_implementation", "NODES", "Path", "HERE"),
 )
@@ -66,7 +66,9 @@ class Plan:
 def asks_for_codes(resolved: Resolved) -> bool:
     """Tell whether some edge is refined by a failure code."""
     tables = [resolved.ends, *(edges for part in resolved.root.walk() for edges in (part.exits, part.edges))]
-    return any(code is not None for table in tables for (_, _, code), _ in table)
+    rules = [rule for part in resolved.root.walk() for rule in getattr(part.node, "rules", ())]
+    said = [label for rule in rules for one in rule.when.values() for label in ([one] if isinstance(one, str) else one)]
+    return any(code is not None for table in tables for (_, _, code), _ in table) or any("." in s for s in said)
 
 
 def is_fresh(part: Part) -> bool:

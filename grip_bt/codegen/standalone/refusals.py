@@ -14,7 +14,7 @@ _KNOWN: dict[type[Any], set[str]] = {
     model.Leaf: {*_COMMON, "node", "with_", "in_", "out", "meaning"},
     model.Sequence: {*_CONTAINER, "children", "exits", "memory"},
     model.Fallback: {*_CONTAINER, "children", "exits", "memory"},
-    model.Parallel: {*_CONTAINER, "children", "exits", "policy", "cancel", "order"},
+    model.Parallel: {*_CONTAINER, "children", "exits", "policy", "cancel", "order", "rules", "wait_for"},
     model.Switch: {*_CONTAINER, "children", "exits", "on_value", "cases", "default"},
     model.ForEach: {*_CONTAINER, "child", "exits", "items", "item"},
     model.Loop: {*_CONTAINER, "child", "exits", "while_", "times"},
@@ -43,6 +43,5 @@ def refuse_unknown(task: model.Task) -> None:
         for name, field in type(node).model_fields.items():
             if name not in known and getattr(node, name) != field.get_default(call_default_factory=True):
                 raise NotExpressibleError(path, f"`{field.alias or name}` of a {kind}", TARGET)
-        cancel = getattr(node, "cancel", "halt")
-        if cancel not in ("halt", "join") or getattr(node, "policy", "all") not in ("all", "any"):
-            raise NotExpressibleError(path, f"this {kind} ({node.policy}, {cancel})", TARGET)  # type: ignore[union-attr]
+        if getattr(node, "cancel", "halt") not in ("halt", "join"):
+            raise NotExpressibleError(path, f"`cancel: {getattr(node, 'cancel', '')}` of a {kind}", TARGET)

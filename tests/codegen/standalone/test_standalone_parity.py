@@ -113,4 +113,4 @@ def test_an_exported_file_does_what_the_tree_does(plain: bool, chunk: int, monke
         else:
             assert done.end == expected.end[:2], f"seed {seed}"
         compared += 1
-    assert compared > 0.3 * size, f"only {compared} of {size} tasks were compared"
+    assert compared > 0.7 * size, f"only {compared} of {size} tasks were compared"

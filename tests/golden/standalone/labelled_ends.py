@@ -389,18 +389,26 @@ class Parallel(py_trees.composites.Parallel):
 
     def decide(self) -> Status:
         """Read the rule; the current child is the one that accounts for the end."""
-        ends = [c.status for c in self.children]
         self.outcome = None
-        if self.join and Status.RUNNING in ends:
+        ended = [child for child in self.children if child.status != Status.RUNNING]
+        if self.join and len(ended) < len(self.children):
             return Status.RUNNING
-        for child in self.children:
-            if child.status != Status.RUNNING:
-                self.outcome = look_up(self.exits.get(child.name, {}), child)
-                if self.outcome is not None:
-                    self.current_child = child
-                    return self.outcomes[self.outcome]
-        failed = [c for c in self.children if c.status == Status.FAILURE]
-        self.current_child = next(iter(failed or self.children), None)
+        return self.leave(ended) or self.by_policy(self.children)
+
+    def leave(self, ended: list[py_trees.behaviour.Behaviour]) -> Status | None:
+        """Take the exit of the first child that has one."""
+        for child in ended:
+            self.outcome = look_up(self.exits.get(child.name, {}), child)
+            if self.outcome is not None:
+                self.current_child = child
+                return self.outcomes[self.outcome]
+        return None
+
+    def by_policy(self, children: list[py_trees.behaviour.Behaviour]) -> Status:
+        """Go by how these children have ended."""
+        ends = [child.status for child in children]
+        failed = [child for child in children if child.status == Status.FAILURE]
+        self.current_child = next(iter(failed or children), None)
         if self.rule == "any":
             decisive, other = Status.SUCCESS, Status.FAILURE
         else:
