@@ -23,6 +23,7 @@ class Calls(Evaluation):
         running: the functions whose bodies are being read.
         base: how many of the conditions lie outside the innermost of them.
         in_main: whether what is read happens only when the file is run and not when it is imported.
+        steps: how many statements were read.
         modules: modules of the project that were imported as modules, by name.
     """
 
@@ -34,6 +35,7 @@ class Calls(Evaluation):
         self.running: list[Function] = []
         self.base = 0
         self.in_main = False
+        self.steps = 0
         self.modules: dict[str, Scope] = {}
 
     def apply(self, function: Function, arguments: list[Any], named: dict[str, Any]) -> Any:

@@ -103,6 +103,8 @@ class Evaluation:
     def known(self, node: ast.expr, scope: Scope) -> Any:
         """Return a sequence's items; raise ValueError where only a run knows them."""
         value = self.value(node, scope)
+        if isinstance(value, range) and len(value) > _LARGEST:
+            raise ValueError("too many items to follow")
         if isinstance(value, (list, tuple, range, str, set, dict)) or type(value).__name__.startswith("dict_"):
             return list(value)
         raise ValueError(ast.unparse(node))
@@ -262,6 +264,8 @@ class Evaluation:
 
     def pure(self, target: Any, name: str, arguments: list[Any], named: dict[str, Any]) -> Any:
         """Call a method of a Python value, or a builtin function where `target` is None."""
+        if any(isinstance(a, range) and len(a) > _LARGEST for a in arguments):
+            return NotImplemented
         if target is None:
             if name in ("len", "list", "tuple", "enumerate", "zip", "reversed") or all(map(is_literal, arguments)):
                 return _FUNCTIONS[name](*arguments, **named)

@@ -19,6 +19,8 @@ from .project import SMACH, SMACH_ROS
 
 _DEEPEST = 25
 _LOOPS = 1000
+MOST_STEPS = 50_000
+"""Statements that are followed; beyond, functions aren't entered any more."""
 
 
 class _Return(Exception):
@@ -68,9 +70,15 @@ class Interpreter(Calls):
         for statement in tree.body:
             if isinstance(statement, ast.If) and _is_main(statement.test):
                 self.body(statement.body, scope.inner())
-        self._rest(scope, file)
+        if self.containers or "smach" in self.project.source(file).text or self._derives(scope):
+            self._rest(scope, file)
         self._entries(scope)
+        for container in self.containers if self.steps > MOST_STEPS else ():
+            container.problem("partial", "there is more code than is followed here: compare the states with the text")
         return scope
+
+    def _derives(self, scope: Scope) -> bool:
+        return any(isinstance(v, Class) and self.is_container(v) for v in scope.names.values())
 
     def _rest(self, scope: Scope, file: Path) -> None:
         """Follow the constructors, functions and methods that nothing has called, with arguments that nobody knows."""
@@ -99,6 +107,7 @@ class Interpreter(Calls):
     def body(self, statements: list[ast.stmt], scope: Scope) -> None:
         """Follow statements in order."""
         for statement in statements:
+            self.steps += 1
             method = getattr(self, f"_do_{type(statement).__name__.lower()}", None)
             if method is not None:
                 method(statement, scope)
@@ -279,7 +288,7 @@ class Interpreter(Calls):
 
     def apply(self, function: Function, arguments: list[Any], named: dict[str, Any]) -> Any:
         """Follow a function's body and return what it returns."""
-        if len(self.running) >= _DEEPEST or function in self.running:
+        if self.steps > MOST_STEPS or len(self.running) >= _DEEPEST or function in self.running:
             return Opaque(f"{function.name}(...)")
         function.called = True
         scope = Scope(outer=function.scope, file=function.scope.file)

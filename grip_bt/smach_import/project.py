@@ -37,6 +37,9 @@ class Project:
     sources: dict[Path, Source] = field(default_factory=dict)
     scopes: dict[Path, Scope] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        self._roots = [self.root, self.root / "src", *sorted(self.root.glob("*/src"))]
+
     def source(self, file: Path) -> Source:
         """Read a file, once.
 
@@ -54,7 +57,7 @@ class Project:
         for _ in range(level - 1):
             folders = [folders[0].parent]
         if level == 0:
-            folders += [self.root, self.root / "src", *sorted(self.root.glob("*/src"))]
+            folders += self._roots
         for folder in folders:
             for candidate in (folder.joinpath(*parts).with_suffix(".py"), folder.joinpath(*parts, "__init__.py")):
                 if parts and candidate.is_file() and self._readable(candidate):
