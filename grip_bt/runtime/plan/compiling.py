@@ -10,12 +10,15 @@ from py_trees.common import Status
 
 from . import composites, controls, leaves
 from .hooks import entering, leaving
-from .kinds import Kind, kind_of, ours, overrides, plain_validation
+from .kinds import DECORATORS, Kind, conditional, kind_of, ours, overrides, plain_validation
 from .parts import INVALID, F, Inside, Part, R, S, Verdict, Visit, foreign, halt_foreign
 from .stopping import Stop, make_halt, make_stop
 from .watch import Methods, watch_children
 
-_TO_EXHAUSTION = Verdict()
+LEVELS = 150
+"""Trees with more of them are left to py_trees, whose generators go deeper than functions that call functions."""
+
+_ROOT, _TO_EXHAUSTION = Verdict(), Verdict()
 _VERDICTS = {
     Kind.SEQUENCE: Verdict(leave=(F, R, INVALID), onward=S),
     Kind.SELECTOR: Verdict(leave=(R, S), onward=F),
@@ -39,10 +42,12 @@ class Compiler:
         self.nodes: list[Behaviour] = []
         self.stale = False
 
-    def compile(self, node: Any, verdict: Verdict = _TO_EXHAUSTION) -> Part:
+    def compile(self, node: Any, verdict: Verdict = _ROOT) -> Part:
         """Return the compiled node; what isn't known to the letter is ticked by its own generator."""
         kind = kind_of(node)
         if kind is not Kind.FOREIGN and not _regular(node, kind):
+            kind = Kind.FOREIGN
+        if verdict is _ROOT and deeper_than(LEVELS, node):
             kind = Kind.FOREIGN
         if kind is Kind.FOREIGN:
             part = Part(node, foreign(node, verdict, self.visit), halt_foreign(node))
@@ -50,7 +55,7 @@ class Compiler:
             stop = make_stop(node, kind, (), _never)
             make = leaves.our_leaf if ours(node) else leaves.leaf
             inside = _inside(node, kind, (), stop, Methods())
-            part = Part(node, make(node, stop, self.visit), make_halt(stop), inside)
+            part = Part(node, self._conditional(node, make(node, stop, self.visit)), make_halt(stop), inside)
         else:
             part = self._inner(node, kind, verdict)
         self.nodes.append(node)
@@ -65,7 +70,7 @@ class Compiler:
         stop = make_stop(node, kind, kids, changed)
         tick = self._tick(node, kind, kids, stop)
         if ours(node):
-            tick = _entered(entering(node), tick)
+            tick = self._conditional(node, _entered(entering(node), tick))
         inside = _inside(node, kind, tuple(kids), stop, methods)
         return Part(node, self._guarded(node, tick, changed, verdict), make_halt(stop), inside)
 
@@ -80,10 +85,18 @@ class Compiler:
                 return composites.parallel(node, kids, stop, self.visit)
             case Kind.DECORATOR:
                 return controls.decorator(node, kids[0], stop, self.visit, ended)
+            case Kind.GATE:
+                inner = controls.decorator(node, kids[0], stop, self.visit, ended)
+                return controls.gate(node, inner, stop, self.visit)
         assert ended is not None, "these kinds are ours"
         if kind is Kind.ROUNDS:
             return controls.rounds(node, kids, stop, self.visit, ended)
+        if kind is Kind.TURNS:
+            return controls.turns(node, kids, self.visit, ended)
         return controls.transitions(node, kids, self.visit, ended)
+
+    def _conditional(self, node: Any, tick: Callable[[], Status]) -> Callable[[], Status]:
+        return controls.conditional(node, tick, self.visit) if conditional(node) else tick
 
     def _guarded(
         self, node: Any, tick: Callable[[], Status], changed: Callable[[], bool], verdict: Verdict
@@ -101,7 +114,22 @@ class Compiler:
 
 def children_of(node: Any, kind: Kind) -> list[Behaviour]:
     """Return the children that the node ticks."""
-    return [node.decorated] if kind is Kind.DECORATOR else list(node.children)
+    return [node.decorated] if kind in DECORATORS else list(node.children)
+
+
+def deeper_than(levels: int, node: Behaviour) -> bool:
+    """Tell whether a tree has more than so many levels."""
+    row = [node]
+    for _ in range(levels):
+        row = [kid for parent in row for kid in (*parent.children, *_decorated(parent))]
+        if not row:
+            return False
+    return True
+
+
+def _decorated(node: Any) -> tuple[Behaviour, ...]:
+    kid = getattr(node, "decorated", None)
+    return () if kid is None or kid in node.children else (kid,)
 
 
 def _regular(node: Any, kind: Kind) -> bool:

@@ -7,13 +7,13 @@ from typing import Any
 
 from py_trees.common import Status
 
-from grip_bt.errors import LivelockError
+from grip_bt.errors import LivelockError, NodeError
 from grip_bt.nodes.control.dispatch import MAX_TRANSITIONS
 
 from .composites import halt_all
 from .hooks import Ended
 from .kinds import overrides
-from .parts import VALID, F, Part, R, S, Visit, rejected
+from .parts import INVALID, VALID, F, Part, R, S, Visit, rejected
 from .stopping import Stop
 
 Tick = Callable[[], Status]
@@ -99,6 +99,65 @@ def transitions(node: Any, parts: Sequence[Part], visit: Visit | None, ended: En
         return seen()
 
     def seen() -> Status:
+        if visit is not None:
+            visit(node)
+        return node.status
+
+    return tick
+
+
+def turns(node: Any, parts: Sequence[Part], visit: Visit | None, ended: Ended) -> Tick:
+    """The tick of our switch, loop, for_each and cooldown: the chosen child, one choice a tick."""
+    ticks = {id(part.node): part.tick for part in parts}
+
+    def tick() -> Status:
+        if node.status is not R:
+            node.current_child = None
+            node.rule.begin()
+        if node.current_child is not None or node.chosen():
+            kid = node.current_child
+            assert kid is not None, "somebody was chosen"
+            ticks[id(kid)]()
+            if ended(kid):
+                return node.status
+            node.follow(kid)
+        if visit is not None:
+            visit(node)
+        return node.status
+
+    return tick
+
+
+def gate(node: Any, inner: Tick, stop: Stop, visit: Visit | None) -> Tick:
+    """The tick of our guard: that of a decorator while it is open."""
+
+    def tick() -> Status:
+        if node.open():
+            return inner()
+        stop(F)
+        if visit is not None:
+            visit(node)
+        return node.status
+
+    return tick
+
+
+def conditional(node: Any, inner: Tick, visit: Visit | None) -> Tick:
+    """`Conditional.tick`: look at the precondition before an activation begins."""
+
+    def tick() -> Status:
+        if node.status is R:
+            return inner()
+        try:
+            holds = node.condition.holds()
+        except Exception as error:
+            node.begin()
+            node.stop(INVALID)
+            raise NodeError(node.path, error) from error
+        if holds:
+            return inner()
+        node.begin()
+        node._refuse()
         if visit is not None:
             visit(node)
         return node.status

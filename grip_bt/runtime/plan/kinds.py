@@ -12,8 +12,11 @@ from typing import Any
 from py_trees import composites, decorators
 from py_trees.behaviour import Behaviour
 
+from grip_bt.nodes.control.chooser import _Turns
+from grip_bt.nodes.control.condition import Conditional
 from grip_bt.nodes.control.container import Container
 from grip_bt.nodes.control.dispatch import _Steps
+from grip_bt.nodes.control.guard import _Gate
 from grip_bt.nodes.control.parallel import _Rounds
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.node import Node
@@ -31,6 +34,10 @@ class Kind(Enum):
     """Our parallel."""
     STEPS = auto()
     """Our state machine."""
+    TURNS = auto()
+    """Our switch, loop, for_each and cooldown."""
+    GATE = auto()
+    """Our guard."""
     FOREIGN = auto()
     """By its own generator."""
 
@@ -46,6 +53,8 @@ _TICKS = {
     decorators.Decorator.tick: Kind.DECORATOR,
     _Rounds.tick: Kind.ROUNDS,
     _Steps.tick: Kind.STEPS,
+    _Turns.tick: Kind.TURNS,
+    _Gate.tick: Kind.GATE,
 }
 _COMPOSITE = composites.Composite.stop
 _STOPS = {
@@ -56,9 +65,13 @@ _STOPS = {
     Kind.DECORATOR: {decorators.Decorator.stop},
     Kind.ROUNDS: {composites.Parallel.stop},
     Kind.STEPS: {_COMPOSITE},
+    Kind.TURNS: {_COMPOSITE},
+    Kind.GATE: {decorators.Decorator.stop},
 }
 _OURS_TICK = {Container: Container.tick, Leaf: Leaf.tick}
 _OURS_STOP = Node.stop
+_CONDITIONAL = Conditional.tick
+DECORATORS = (Kind.DECORATOR, Kind.GATE)
 _VALIDATION = composites.Parallel.validate_policy_configuration
 _PLAIN = {"initialise": Behaviour.initialise, "terminate": Behaviour.terminate}
 
@@ -85,6 +98,11 @@ def ours(node: Behaviour) -> bool:
     return isinstance(node, Node)
 
 
+def conditional(node: Behaviour) -> bool:
+    """Tell whether a node of ours looks at a precondition before it begins."""
+    return isinstance(node, Conditional)
+
+
 def kind_of(node: Behaviour) -> Kind:
     """Return the rules that the node follows; FOREIGN for everything that isn't known to the letter."""
     cls: Any = type(node)
@@ -93,6 +111,8 @@ def kind_of(node: Behaviour) -> Kind:
     tick, stop = cls.tick, cls.stop
     if issubclass(cls, Node):
         mixin = Leaf if issubclass(cls, Leaf) else Container
+        if tick is _CONDITIONAL:
+            tick = _after(cls, Conditional, "tick")
         if tick is not _OURS_TICK[mixin] or stop is not _OURS_STOP:
             return Kind.FOREIGN
         tick, stop = _after(cls, mixin, "tick"), _after(cls, Node, "stop")

@@ -67,6 +67,11 @@ class Regions:
 
     def tick(self, part: Part) -> Tick:
         """Return what ticks a compiled node: generated, where that can be."""
+        for below in _children_first(part):
+            self._measure(below)
+        for below in _children_first(part):
+            if below is not part and not self._small(below) and below.inside and below.inside.kids:
+                self._generate(below)  # before who calls it, so that no call of this goes deep
         return self._generate(part)[0]
 
     def _generate(self, part: Part) -> Outer:
@@ -76,7 +81,6 @@ class Regions:
             if not _writable(part) or _inside(part).kind is Kind.LEAF:
                 made = part.tick, part.halt
             else:
-                self._measure(part)
                 emitter = Emitter(lambda kid: self._inline(part, kid), self._generate)
                 emitter.node(part)
                 made = self._link(part, emitter)
@@ -84,22 +88,17 @@ class Regions:
         return made
 
     def _inline(self, root: Part, part: Part) -> bool:
-        if part is root:
-            return True
-        if not _writable(part):
-            return False
-        size, depth = self._sizes[id(part)]
-        whole = self._sizes[id(root)]
-        return size == 1 or (whole[0] <= REGION and whole[1] <= DEPTH)
+        return part is root or (_writable(part) and (self._sizes[id(part)][0] == 1 or self._small(root)))
 
-    def _measure(self, part: Part) -> tuple[int, int]:
-        """Return the number of nodes below and including this one, and its height."""
-        found = self._sizes.get(id(part))
-        if found is None:
-            below = [self._measure(kid) for kid in part.inside.kids] if part.inside else []
-            found = (1 + sum(n for n, _ in below), 1 + max((d for _, d in below), default=0))
-            self._sizes[id(part)] = found
-        return found
+    def _small(self, part: Part) -> bool:
+        """Tell whether a whole sub-tree goes into one function."""
+        size, height = self._sizes[id(part)]
+        return size <= REGION and height <= DEPTH
+
+    def _measure(self, part: Part) -> None:
+        """Note the number of nodes below and including this one, and its height; those below are known."""
+        below = [self._sizes[id(kid)] for kid in part.inside.kids] if part.inside else []
+        self._sizes[id(part)] = 1 + sum(n for n, _ in below), 1 + max((height for _, height in below), default=0)
 
     def _link(self, part: Part, emitter: Emitter) -> Outer:
         halting = emitter.halting(part, _inside(part))
@@ -173,6 +172,17 @@ def _expected(attribute: str, inside: Inside) -> Any:
         return inside.memory
     kids = [kid.node for kid in inside.kids]
     return kids if attribute == "children" else kids[0]
+
+
+def _children_first(part: Part) -> list[Part]:
+    """Return all below and including `part`, without going deep."""
+    found, todo = [], [part]
+    while todo:
+        part = todo.pop()
+        found.append(part)
+        if part.inside is not None:
+            todo += part.inside.kids
+    return found[::-1]
 
 
 def _inside(part: Part) -> Inside:

@@ -7,7 +7,7 @@ from typing import Any
 
 from py_trees.common import Status
 
-from .kinds import Kind, ours, overrides
+from .kinds import DECORATORS, Kind, ours, overrides
 from .parts import INVALID, F, Part, R, S
 
 Stop = Callable[[Status], None]
@@ -24,7 +24,7 @@ def make_stop(node: Any, kind: Kind, kids: Sequence[Part], changed: Callable[[],
     """
     if kind is Kind.LEAF:
         stop = _leaf(node)
-    elif kind is Kind.DECORATOR:
+    elif kind in DECORATORS:
         stop = _decorator(node, kids[0])
     else:
         stop = _composite(node, kids, sweeps=kind in (Kind.PARALLEL, Kind.ROUNDS))

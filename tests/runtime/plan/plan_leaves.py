@@ -46,6 +46,14 @@ class Told(Plain):
         return self.result()
 
 
+class Looking(Plain):
+    """Overrides `update` alone, and looks at its own status, its parent's, and where the parent points."""
+
+    def update(self) -> Status:
+        self.log.append(("update", self.name, *seen_from(self)))
+        return self.result()
+
+
 class Seeing(Plain):
     """Overrides everything, and looks at its own status and its parent's."""
 

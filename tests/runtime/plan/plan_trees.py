@@ -15,6 +15,7 @@ from plan_leaves import (
     LoggedParallel,
     LoggedSelector,
     LoggedSequence,
+    Looking,
     Plain,
     R,
     Reckless,
@@ -28,7 +29,7 @@ from py_trees import composites, decorators
 from py_trees.behaviour import Behaviour
 from py_trees.common import OneShotPolicy, ParallelPolicy
 
-LEAVES = [Plain, Plain, Told, Told, Seeing, Seeing, Ending, Stopping, Ticking]
+LEAVES = [Plain, Told, Told, Looking, Seeing, Seeing, Ending, Stopping, Ticking]
 GUARDED = "guard"
 
 
@@ -72,7 +73,7 @@ class Maker:
 
     def row(self) -> list[Behaviour]:
         """Return leaves of one class that mostly go on together, as conditions do."""
-        kind = self.rng.choice([Plain, Told])
+        kind = self.rng.choice([Plain, Told, Looking])
         usual = self.rng.choice([S, S, F])
         scripts = [[usual] * self.rng.randint(1, 8) + [self.rng.choice([S, F, R])] for _ in range(4)]
         return [kind(self.name(), script, self.log) for script in scripts[: self.rng.randint(2, 4)]]

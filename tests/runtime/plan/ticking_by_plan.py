@@ -16,10 +16,11 @@ plans: WeakKeyDictionary[Behaviour, Plan] = WeakKeyDictionary()
 
 
 def tick_once(self: Behaviour) -> None:
-    """Tick by a plan that is kept from tick to tick, as an application would."""
+    """Tick by a plan that is kept from tick to tick, as an application would, with its source generated at once."""
     used["tick_once"] += 1
     if self not in plans:
         plans[self] = Plan(self)
+    plans[self].optimise()
     plans[self].tick()
 
 
