@@ -51,7 +51,7 @@ class MachineBuilder:
         Raises:
             NotExpressibleError: it interrupts a running child, and embedding isn't allowed.
         """
-        if isinstance(part.node, model.Leaf):
+        if isinstance(part.node, model.Leaf | model.Foreign):
             state: TaskState = BehaviourState(self.tree.build(part), self.run, needed)
         elif interrupts(part):
             if not self.embed:
@@ -163,7 +163,8 @@ class CompiledMachine:
 
     def release(self) -> None:
         """Undo `prepare`; nothing runs any more."""
-        release(self._nodes.values())
+        nodes = {id(below): below for node in self._nodes.values() for below in node.iterate()}
+        release(nodes.values())
 
     def request_preempt(self) -> None:
         """Ask the task to come to an end on its own terms: smach's flag, which travels to the active state."""

@@ -16,6 +16,7 @@ from grip_bt.nodes.observer import Observer
 
 from .conditions import bind_condition, bind_rule
 from .drive import Pacer, TaskEnd, drive
+from .foreign import adopt
 from .leaves import LeafFactory, implementation_of, make_leaf, prepare, release
 from .resolve import Part, Resolved, resolve
 from .scopes import Scopes
@@ -56,6 +57,8 @@ class TreeBuilder:
         rule = bind_rule(part, self.scopes)
         if rule is not None:
             return _CHOOSERS[type(part.node)](face, children, rule)
+        if isinstance(part.node, model.Foreign):
+            return control.Foreign(face, adopt(part.path, part.name, part.node))
         if isinstance(part.node, model.Guard):
             holds = bind_condition(part.path, "if", part.node.if_, part.scope, self.scopes)
             return control.Guard(face, children[0], holds)
@@ -145,11 +148,11 @@ class CompiledTree:
         Raises:
             NodeError: a leaf can't be prepared.
         """
-        prepare(self.by_path.values(), context)
+        prepare(self.root.iterate(), context)
 
     def release(self) -> None:
         """Undo `prepare`; nothing runs any more."""
-        release(self.by_path.values())
+        release(self.root.iterate())
 
     def execute(self, pacer: Pacer, tick: Callable[[], None] | None = None) -> TaskEnd:
         """Tick until the task ends.

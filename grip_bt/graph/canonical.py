@@ -45,7 +45,7 @@ def _arrange_node(node: Mapping, blocks: set[int], whole: bool = False) -> None:
     """Arrange a node's entries, and add to `blocks` what always stands one entry a line."""
     shape = model_of(node) or model.Leaf
     _arrange(node, shape, whole)
-    if shape is not model.Leaf:
+    if shape not in (model.Leaf, model.Foreign):
         blocks.add(id(node))
         blocks.update(id(node.entries[key].value) for key in CHILDREN if key in node.entries)
 
@@ -106,7 +106,7 @@ def _task_data(task: model.Task) -> dict[str, Any]:
         node, key, parent = todo.pop()
         parent[key] = mine = data_of(node, CHILDREN)
         below = model.children_of(node)
-        if not isinstance(node, model.Leaf):
+        if not isinstance(node, model.Leaf | model.Foreign):
             children: dict[str, Any] = dict.fromkeys(below)
             mine["child" if hasattr(node, "child") else "children"] = children
             todo.extend((child, name, children) for name, child in below.items())
@@ -122,7 +122,11 @@ def data_of(shape: BaseModel, skipped: tuple[str, ...] = ()) -> dict[str, Any]:
             continue
         if name == "x":
             data.update((k, v) for k, v in value.items() if k.startswith(FREE))
-        elif field.is_required() or name in shape.model_fields_set or value != field.default:
+        elif (
+            field.is_required()
+            or name in shape.model_fields_set
+            or value != field.get_default(call_default_factory=True)
+        ):
             data[field.alias or name] = {k: _variable(v) for k, v in value.items()} if name == "data" else _plain(value)
     return data
 

@@ -23,6 +23,8 @@ def fault_of(tree: Mapping, error: Any) -> Fault:
     if error["type"] == "missing":
         message = f"the key {words[-1]!r} is missing"
         words = words[:-1]
+    elif error["type"] == "string_pattern_mismatch" and words[-1:] == ["behaviour"]:
+        message = f"{error['input']!r} isn't an import path: write `package.module:Class`"
     elif error["type"] == "string_pattern_mismatch":
         message = f"{error['input']!r} isn't a name: letters, digits, _, - and spaces, a letter or _ first"
     elif error["type"] == "union_tag_not_found":

@@ -14,7 +14,7 @@ root maps to the outcomes of the task.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, StringConstraints, Tag, model_validator
 
@@ -229,6 +229,20 @@ class Cooldown(_Decorator):
     seconds: float = Field(gt=0)
 
 
+class Foreign(_Node):
+    """Somebody's own behaviour of py_trees; it ends with `success` or `failure`, and knows no variables."""
+
+    kind: Literal["foreign"]
+    behaviour: Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_.]*:[A-Za-z_][A-Za-z0-9_.]*$")]
+    """Where it is imported from when the task is compiled: `package.module:Class`, or a function that makes one."""
+    args: FrozenDict[str, Any] = FrozenDict()
+    """Literal arguments by name."""
+    children: ClassVar[FrozenDict[str, Node]] = FrozenDict()
+    data: ClassVar[FrozenDict[str, Variable | str]] = FrozenDict()
+    outcomes: ClassVar[FrozenDict[str, Meaning]] = FrozenDict()
+    exits: ClassVar[FrozenDict[str, str]] = FrozenDict()
+
+
 class Invert(_Decorator):
     """Success becomes failure and failure becomes success."""
 
@@ -264,13 +278,14 @@ Node = Annotated[
     | Annotated[ForEach, Tag("for_each")]
     | Annotated[Loop, Tag("loop")]
     | Annotated[Cooldown, Tag("cooldown")]
+    | Annotated[Foreign, Tag("foreign")]
     | Annotated[Invert, Tag("invert")]
     | Annotated[Force, Tag("force")],
     Discriminator(_tag),
 ]
 
 Container = (Sequence | Fallback | Parallel | Switch | StateMachine | ForEach) | (
-    Retry | Repeat | Loop | Timeout | Guard | Cooldown | Invert | Force
+    Retry | Repeat | Loop | Timeout | Guard | Cooldown | Foreign | Invert | Force
 )
 AnyNode = Leaf | Container
 KINDS = (
@@ -286,6 +301,7 @@ KINDS = (
     "for_each",
     "loop",
     "cooldown",
+    "foreign",
     "invert",
     "force",
 )

@@ -30,6 +30,7 @@ _KINDS: dict[str, type[BaseModel]] = {
     "for_each": model.ForEach,
     "loop": model.Loop,
     "cooldown": model.Cooldown,
+    "foreign": model.Foreign,
     "invert": model.Invert,
     "force": model.Force,
 }
@@ -49,7 +50,7 @@ _ORDER = (
     *("grip", "name", "kind", "node", "type", "value", "doc"),
     *("precondition", "initial", "times", "seconds", "if", "while", "on_value", "cases", "default", "items", "item"),
     *("policy", "memory", "rules", "wait_for", "cancel", "order", "as"),
-    *("with", "in", "out", "meaning", "outcomes", "exits", "on"),
+    *("behaviour", "args", "with", "in", "out", "meaning", "outcomes", "exits", "on"),
     *("data", "root", "children", "child"),
 )
 

@@ -16,6 +16,7 @@ from grip_bt.graph import (
     Fallback,
     Force,
     ForEach,
+    Foreign,
     Guard,
     Invert,
     Leaf,
@@ -83,6 +84,8 @@ class DataFlow:
             return self._in_order(spot, state, "success")
         if isinstance(node, Fallback):
             return self._in_order(spot, state, "failure")
+        if isinstance(node, Foreign):
+            return dict.fromkeys(spot.outcomes, state)
         if isinstance(node, Parallel):
             return self._parallel(spot, node, state)
         if isinstance(node, StateMachine):

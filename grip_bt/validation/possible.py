@@ -9,6 +9,7 @@ from grip_bt.graph import (
     Fallback,
     Force,
     ForEach,
+    Foreign,
     Guard,
     Invert,
     Leaf,
@@ -40,7 +41,7 @@ class Possible:
 
     def _of(self, spot: Spot) -> frozenset[str]:
         node = spot.node
-        if isinstance(node, Leaf):
+        if isinstance(node, Leaf | Foreign):
             return frozenset(spot.outcomes)
         if isinstance(node, StateMachine):
             return self._machine(spot, node)

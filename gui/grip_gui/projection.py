@@ -124,6 +124,8 @@ def container_label(node: AnyNode) -> str:
             return ", ".join(part for part in (f"while {text}" if text else "", limit) if part)
         case {"kind": "cooldown", "seconds": seconds}:
             return f"not again for {seconds:g} s"
+        case {"kind": "foreign", "behaviour": behaviour}:
+            return str(behaviour)
         case {"kind": "guard", "if_": text}:
             return f"only while {text}"
         case {"kind": "force", "as_": meaning}:

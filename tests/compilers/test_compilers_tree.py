@@ -75,6 +75,7 @@ def every_kind() -> dict[str, Any]:
                 "child": {"c": leaf()},
             },
             "loop": {"kind": "loop", "times": 2, "child": {"c": leaf()}},
+            "foreign": {"kind": "foreign", "behaviour": "py_trees.behaviours:Success"},
             "cooldown": {"kind": "cooldown", "seconds": 1, "child": {"c": leaf()}},
             "invert": {"kind": "invert", "child": {"c": leaf()}},
             "force": {"kind": "force", "as": "success", "child": {"c": leaf()}},
@@ -96,6 +97,7 @@ def test_every_kind_becomes_the_class_of_py_trees_that_it_is() -> None:
         "ForEach",
         "Loop",
         "Cooldown",
+        "Foreign",
         "Invert",
         "Force",
     }
@@ -113,7 +115,7 @@ def test_the_tree_has_the_documents_names_and_order_and_py_trees_draws_it() -> N
     assert list(tree.leaves) == [path for path in tree.by_path if path.endswith(("/c", "/s"))]
     drawn = py_trees.display.unicode_tree(tree.root)
     assert drawn.splitlines()[0].strip().endswith("tested")
-    assert len(drawn.splitlines()) == len(tree.by_path)
+    assert len(drawn.splitlines()) == len(tree.by_path) + 1  # what the foreign node holds
     assert len(py_trees.display.dot_tree(tree.root).get_nodes()) >= len(tree.by_path)
 
 

@@ -9,6 +9,7 @@ from grip_bt.graph import (
     Fallback,
     Force,
     ForEach,
+    Foreign,
     Guard,
     Invert,
     Leaf,
@@ -81,6 +82,12 @@ def _made(model, kind, fields, extra=None):
     ).map(model.model_validate)
 
 
+_foreign = st.fixed_dictionaries(
+    {"kind": st.just("foreign"), "behaviour": st.just("a.b:C.d")},
+    optional={**common, "args": st.dictionaries(texts, literals, max_size=2)},
+).map(Foreign.model_validate)
+
+
 def _containers(nodes):
     children = st.dictionaries(names, nodes, max_size=3)
     child = st.dictionaries(names, nodes, min_size=1, max_size=1)
@@ -129,6 +136,7 @@ def _containers(nodes):
         _made(ForEach, "for_each", {"items": texts, "item": names, "child": child, "data": st.just({})}, exits),
         _made(Loop, "loop", {"child": child}, {"while": texts, "times": st.integers(1, 9), **exits}),
         _made(Cooldown, "cooldown", {"seconds": seconds, "child": child}, exits),
+        _foreign,
         _made(Invert, "invert", {"child": child}, exits),
         _made(Force, "force", {"as": meanings, "child": child}, exits),
     )

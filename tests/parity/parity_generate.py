@@ -94,6 +94,10 @@ class Maker:
         return self.container(self.random.choice(kinds), depth, seen, own, embedded)
 
     def leaf(self, seen: list[str], own: list[str], usual: str) -> tuple[dict[str, Any], dict[str, str]]:
+        if self.chance(0.04):
+            made = {"kind": "foreign", "behaviour": "py_trees.behaviours:SuccessEveryN", "args": {"n": 2}}
+            made |= {"behaviour": "py_trees.behaviours:Success", "args": {}} if self.chance(0.3) else {}
+            return made, {"success": "success", "failure": "failure"}
         self.leaves += 1
         script = f"s{self.leaves}"
         face = self.random.choice(list(FACES))

@@ -14,6 +14,7 @@ from grip_bt.graph import (
     Fallback,
     Force,
     ForEach,
+    Foreign,
     Guard,
     Leaf,
     Loop,
@@ -45,6 +46,7 @@ GLYPHS = {
     "for_each": "∀",
     "loop": "↻",
     "cooldown": "◔",
+    "foreign": "⇲",
     "invert": "!",
     "force": "=",
 }
@@ -82,6 +84,8 @@ def describe(node: AnyNode) -> str:
             return node.kind if node.memory else f"reactive {node.kind}"
         case Parallel():
             return f"parallel, {_parallel(node)}"
+        case Foreign():
+            return node.behaviour
         case StateMachine():
             return "state machine"
         case Retry():
@@ -112,6 +116,8 @@ def details(node: AnyNode) -> list[str]:
     lines = [f"only if {node.precondition}"] if node.precondition else []
     if isinstance(node, Leaf) and node.with_:
         lines.append(", ".join(f"{name}={value}" for name, value in node.with_.items()))
+    if isinstance(node, Foreign) and node.args:
+        lines.append(", ".join(f"{name}={value}" for name, value in node.args.items()))
     lines.extend(f"{label} → {target}" for label, target in node.on.items())
     if isinstance(node, Parallel):
         lines.extend(f"{rule_text(rule)} ⇥ {rule.then}" for rule in node.rules)

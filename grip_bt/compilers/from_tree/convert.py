@@ -76,7 +76,7 @@ class _Reader:
                 for label, means in _ends(child, below).items()
                 if means == "failure"
             }
-        if "node" in keys:
+        if "node" in keys or keys["kind"] == "foreign":
             return keys
         return {**keys, "children" if keys["kind"] in _COMPOSITES else "child": children}
 
@@ -95,7 +95,9 @@ class _Reader:
 
     def children(self, behaviour: Behaviour, path: str) -> dict[str, dict[str, Any]]:
         """Return the children of a behaviour by name."""
-        result = {}
+        result: dict[str, dict[str, Any]] = {}
+        if isinstance(behaviour, control.Foreign):
+            return result  # what it holds is said by its import path
         names = distinct(child.name for child in behaviour.children)
         for name, child in zip(names, behaviour.children, strict=True):
             below = model.join(path, name)

@@ -1,5 +1,6 @@
 """Composites and decorators of a task: py_trees' own, with labelled ends, reasons, exits and the run's clock."""
 
+from .adopted import Foreign
 from .chooser import Chooser, Cooldown, ForEach, Loop, Switch
 from .composites import Fallback, Sequence
 from .condition import Condition, Conditional, conditional
@@ -27,6 +28,7 @@ __all__ = [
     "Fallback",
     "ForEach",
     "Force",
+    "Foreign",
     "Guard",
     "Invert",
     "Items",

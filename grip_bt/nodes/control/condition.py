@@ -38,13 +38,13 @@ class Condition:
 class Conditional(Node):
     """Mixed in before a leaf or container: where the condition is false on entry, it fails without having begun."""
 
-    condition: Condition
+    precondition: Condition
 
     def tick(self) -> Iterator[Behaviour]:
         """Look at the condition when an activation begins, then tick as usual."""
         if self.status != Status.RUNNING:
             try:
-                holds = self.condition.holds()
+                holds = self.precondition.holds()
             except Exception as error:
                 self.begin()
                 self.stop(Status.INVALID)
@@ -58,7 +58,7 @@ class Conditional(Node):
 
     def _refuse(self) -> None:
         """End without `terminate`, since nothing was initialised."""
-        self.outcome, self.failure = "failure", self.condition.refusal("precondition")
+        self.outcome, self.failure = "failure", self.precondition.refusal("precondition")
         self.feedback_message = str(self.failure)
         self.status, self.active = Status.FAILURE, False
         self.observer.ended(self.path, self.outcome, self.failure)
@@ -68,7 +68,7 @@ def conditional(node: Node, condition: Condition, meaning: Mapping[str, str]) ->
     """Give a node, in place, a precondition; `meaning` holds its outcomes, with `failure` among them."""
     node.__class__ = _conditional(type(node))
     assert isinstance(node, Conditional)
-    node.condition, node.meaning = condition, dict(meaning)
+    node.precondition, node.meaning = condition, dict(meaning)
 
 
 @cache

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 
 from grip_bt.errors import listing, nearest
-from grip_bt.graph import Leaf, Parallel, StateMachine, Switch, Task, cases_of
+from grip_bt.graph import Foreign, Leaf, Parallel, StateMachine, Switch, Task, cases_of
 from grip_bt.graph.evaluation import same_literal
 
 from ..possible import Possible
@@ -25,7 +25,7 @@ def check_outcomes(survey: Survey, possible: Possible) -> None:
                 "a precondition that is false ends the node with `failure`, which means success here",
                 "give the outcome that means success another name",
             )
-        if isinstance(node, Leaf):
+        if isinstance(node, Leaf | Foreign):
             pass
         elif isinstance(node, StateMachine):
             _machine(survey, spot, node)

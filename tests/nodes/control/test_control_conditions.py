@@ -106,6 +106,12 @@ def test_a_guard_sees_its_own_variables_which_begin_anew() -> None:
     assert world.ticked == ["guard/work/up"] * 6
 
 
+def test_a_guard_with_a_precondition_keeps_its_own_condition() -> None:
+    world = World(guarded(leaf(), "count > 0", precondition="count == 0"), data=COUNT)
+    assert world.tick() == Status.FAILURE
+    assert (world.reason, world.ticked) == ("guard", [])
+
+
 def test_a_condition_that_cant_be_computed_is_an_error_of_its_node() -> None:
     for root in (guarded(leaf(), "1 / count > 0"), leaf(precondition="1 / count > 0")):
         world = World(root, data=COUNT)
