@@ -131,6 +131,8 @@ class Interpreter(Calls):
             if alias.name == "*":
                 known = SMACH if module.split(".")[0] == "smach" else SMACH_ROS if module == "smach_ros" else {}
                 names = {n: v for n, v in there.names.items() if n[0] != "_"} if there is not None else {}
+                if there is None and not known:
+                    scope.takes_more = True
                 scope.names.update({n: Reference(v) for n, v in known.items()} | names)
                 continue
             name = alias.asname or alias.name

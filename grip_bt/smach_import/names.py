@@ -28,12 +28,14 @@ class Scope:
         outer: the scope around it.
         file: where its code is.
         is_module: whether its names are there once the module is imported.
+        takes_more: whether a star import from a package that isn't here may give it any name.
     """
 
     names: dict[str, Any] = field(default_factory=dict)
     outer: Scope | None = None
     file: Path = Path()
     is_module: bool = False
+    takes_more: bool = False
 
     def find(self, name: str) -> tuple[Any, Scope] | None:
         """Return a name's value and the scope that holds it."""
@@ -169,6 +171,8 @@ class _Expressed(ast.NodeTransformer):
         if found is None:
             if hasattr(builtins, name):
                 return node
+            if _outermost(self.scope).takes_more:
+                return ast.Attribute(ast.Name(MODULE, ast.Load()), name, ast.Load())
             raise UnresolvedError(name)
         value, holder = found
         if holder.is_module:
@@ -178,6 +182,10 @@ class _Expressed(ast.NodeTransformer):
         if isinstance(value, (Opaque, Reference)) and value.expression is not None and not _makes(value.expression):
             return value.expression
         raise UnresolvedError(name)
+
+
+def _outermost(scope: Scope) -> Scope:
+    return scope if scope.outer is None else _outermost(scope.outer)
 
 
 def _makes(expression: ast.expr) -> bool:

@@ -20,6 +20,7 @@ from .iteration import iteration_of
 from .keys import Keys, Variables
 from .leaves import Leaves
 from .meanings import meaning_of
+from .sharing import Sharing
 
 Ends = Mapping[str, str]
 """Outcome of a node -> the outcome of SMACH that it stands for."""
@@ -30,7 +31,7 @@ class TaskMaker:
 
     def __init__(self, root: FoundContainer, name: str, leaves: Leaves):
         self.root, self.name, self.leaves = root, name, leaves
-        self.variables = Variables()
+        self.variables, self.sharing = Variables(), Sharing()
 
     def make(self) -> Task | None:
         """Return the task; None when the container can't be imported, with the reason among its problems."""
@@ -43,6 +44,7 @@ class TaskMaker:
             if self.root.verdict != "failed":
                 self.root.problem("failed", str(error))
             return None
+        self.sharing.check({*self.variables.values, *self.variables.first})
         outcomes = {task_name(o): meaning_of(o) for o in self.root.outcomes or ()}
         on = {here: task_name(there) for here, there in ends.items() if here != task_name(there)}
         node = node.model_copy(update={"on": FrozenDict(on)})
@@ -58,7 +60,6 @@ class TaskMaker:
         """
         check(found)
         keys.begin(found)
-        self._check_inputs(found)
         if found.kind == "Concurrence":
             if meaning is not None:
                 raise RefusedError("it is a child of another Concurrence")
@@ -91,6 +92,7 @@ class TaskMaker:
         node, ends = self.child(found, added, keys, None, raw=True)
         position = self.variables.new("position", task_name(found.cls))
         item = keys(plan.label)
+        self.sharing.wrote({item})
         on = {here: first if there in plan.loops else task_name(plan.final[there]) for here, there in ends.items()}
         step = Leaf(
             node=spec.manifest.id,
@@ -138,15 +140,22 @@ class TaskMaker:
             return self._leaf(found, added, keys, remapping, meaning)
         shared = {k: keys(remapping.get(k, k)) for k in (*state.input_keys, *state.output_keys)}
         before = dict(self.variables.names), dict(self.leaves.specs)
+        writes = list(self.sharing.writes)
         try:
-            return self.container(state, Keys(self.variables, task_name(added.label), shared), meaning)
+            self.sharing.chain.append(state)
+            made = self.container(state, Keys(self.variables, task_name(added.label), shared), meaning)
+            self.sharing.shared.append((state, shared))
+            return made
         except RefusedError as error:
+            self.sharing.writes = writes
             self.variables.names, self.leaves.specs = before
             runs = bool(self.leaves.source(state))
             state.problems = [p for p in state.problems if p.verdict != "failed"] if runs else state.problems
             as_leaf = "it is one leaf, which runs it as it is" if runs else "it isn't in the task"
             state.problem("partial" if runs else "failed", f"{as_leaf}: {error}")
-            return self._leaf(found, added, keys, remapping, meaning)
+        finally:
+            self.sharing.chain.pop()
+        return self._leaf(found, added, keys, remapping, meaning)
 
     def _leaf(
         self,
@@ -162,6 +171,7 @@ class TaskMaker:
             inputs = outputs = list(remapping)
         bound = {key: keys(remapping.get(key, key)) for key in (*inputs, *outputs)}
         first = {k: (v, text) for k in inputs if (v := bound[k]) in self.variables.first and (text := self._first(v))}
+        self.sharing.wrote({bound[key] for key in outputs})
         spec = self.leaves.add(state, added.label, outcomes, (inputs, outputs), first)
         if not spec.source:
             why = state.why or f"`{state.cls}` can't be made outside of what builds it"
@@ -223,17 +233,6 @@ class TaskMaker:
             used.add(name)
             names[label] = name
         return names
-
-    def _check_inputs(self, found: FoundContainer) -> None:
-        if found.parent is None:
-            return
-        written = {added.remapping.get(key, key) for added in found.added.values() for key in added.state.output_keys}
-        for key in written & set(found.input_keys) - set(found.output_keys):
-            found.problem(
-                "partial",
-                f"userdata `{key}` comes in and not out, but a state writes it: SMACH drops that value when the"
-                f" {found.kind} ends, the task keeps it",
-            )
 
     # --- the whole ---
 

@@ -1,0 +1,77 @@
+"""Legacy source text of a machine of the golden file."""
+
+HEAD = """import smach
+
+TRACE = []
+
+
+class Scripted(smach.State):
+    def __init__(self, path, outcomes, inputs, outputs, script):
+        smach.State.__init__(self, outcomes, inputs, outputs)
+        self.path, self.labels, self.inputs, self.outputs, self.script = path, outcomes, inputs, outputs, script
+        self.runs = 0
+
+    def execute(self, ud):
+        outcome = self.labels[self.script[self.runs % len(self.script)]]
+        self.runs += 1
+        read = {key: ud[key] if key in ud else '-' for key in self.inputs}
+        total = sum(value for value in read.values() if isinstance(value, int))
+        for key in self.outputs:
+            ud[key] = (total + 7 * self.runs + len(self.path)) % 101
+        TRACE.append([self.path, outcome, sorted([k, v] for k, v in read.items()), False])
+        return outcome
+
+
+"""
+
+
+def source_of(spec):
+    """Return a file with a function `build` that builds the machine of a spec."""
+    lines = []
+    name = _emit(spec, "", lines)
+    lines += [f"{name}.userdata.{key} = {value!r}" for key, value in spec["ud"].items()]
+    lines.append(f"return {name}")
+    return HEAD + "def build():\n" + "".join(f"    {line}\n" for line in lines)
+
+
+def _emit(spec, path, lines):
+    """Append the lines that make a spec's object, and return an expression for it."""
+    if spec["kind"] == "leaf":
+        return f"Scripted({path!r}, {spec['outcomes']}, {spec['in']}, {spec['out']}, {spec['script']})"
+    name = "sm" + path.replace("/", "_")
+    keys = f"input_keys={spec['in']}, output_keys={spec['out']}"
+    outcomes = spec["outcomes"]
+    if spec["kind"] == "sm":
+        lines.append(f"{name} = smach.StateMachine({outcomes}, {keys})")
+        if spec["initial"] is not None:
+            lines.append(f"{name}.set_initial_state([{spec['initial']!r}])")
+    elif spec["kind"] == "seq":
+        lines.append(f"{name} = smach.Sequence({outcomes}, {spec['connector']!r}, {keys})")
+    elif spec["kind"] == "conc":
+        lines.append(f"{name} = smach.Concurrence({outcomes}, {spec['default']!r}, {keys}, outcome_map={spec['map']})")
+    else:
+        more = f"it={spec['items']}, it_label={spec['label']!r}, exhausted_outcome={spec['exh']!r}"
+        lines.append(f"{name} = smach.Iterator({outcomes}, {keys}, {more})")
+    lines.append(f"with {name}:")
+    for call in _adds(spec, path, lines):
+        lines.append(f"    {call}")
+    return name
+
+
+def _adds(spec, path, lines):
+    calls, before = [], []
+    if spec["kind"] == "iter":
+        child = _emit(spec["child"], f"{path}/{spec['state']}", before)
+        given = f"loop_outcomes={spec['loop']}, break_outcomes={spec['break']}, final_outcome_map={spec['final']}"
+        calls.append(f"smach.Iterator.set_contained_state({spec['state']!r}, {child}, {given})")
+    elif spec["kind"] == "conc":
+        for label, child, remapping in spec["children"]:
+            made = _emit(child, f"{path}/{label}", before)
+            calls.append(f"smach.Concurrence.add({label!r}, {made}, remapping={remapping})")
+    else:
+        cls = {"sm": "StateMachine", "seq": "Sequence"}[spec["kind"]]
+        for label, child, transitions, remapping in spec["states"]:
+            made = _emit(child, f"{path}/{label}", before)
+            calls.append(f"smach.{cls}.add({label!r}, {made}, {transitions}, {remapping})")
+    lines[-1:-1] = before
+    return calls
