@@ -2,7 +2,7 @@
 
 An expression is one line over the variables of a task: literals, comparisons, `and or not`, `+ - * / // %` on
 numbers, membership (`in`, `not in`), `is None`, `len min max abs`, lists of values, and attributes of values whose
-names don't begin with an underscore (`grasp.score`). Nothing else can be said, so nothing else can happen: no calls of
+names don't begin with an underscore (`grasp.quality`). Nothing else can be said, so nothing else can happen: no calls of
 anything but the four functions, no indexing, no powers, no text arithmetic. `grip_bt.graph.evaluation` computes it.
 """
 
@@ -22,7 +22,7 @@ CONSTANTS = {"true": True, "false": False, "null": None}
 """Words of YAML that mean here what they mean there; no variable of such a name can be used."""
 ALLOWED = (
     "literals, variables, `== != < <= > >=`, `in`, `is None`, `and or not`, `+ - * / // %`, "
-    "`len() min() max() abs()`, lists, attributes such as `grasp.score`"
+    "`len() min() max() abs()`, lists, attributes such as `grasp.quality`"
 )
 _PLAIN = (
     *(ast.BoolOp, ast.And, ast.Or, ast.UnaryOp, ast.Not, ast.USub, ast.UAdd, ast.Load),

@@ -15,7 +15,7 @@ from ruamel.yaml import YAML
 
 from grip_bt.errors import InvalidTaskError
 
-TASKS = int(os.environ.get("GRIP_FUZZ_TASKS", "1000"))
+TASKS = int(os.environ.get("GRIP_FUZZ_TASKS", "2000"))
 FIRST = int(os.environ.get("GRIP_FUZZ_SEED", "0"))
 CHUNKS = 20
 CASES = sorted((Path(__file__).parent / "cases").glob("*.yaml"))
