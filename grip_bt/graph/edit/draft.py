@@ -21,6 +21,10 @@ class _Open(dict[str, Any]):
     """A mapping that belongs to the draft and may be changed."""
 
 
+class _OpenList(list[Any]):
+    """A list that belongs to the draft and may be changed; its keys are `0`, `1` ..."""
+
+
 class Draft:
     """The data of a task's file, opened where it is needed."""
 
@@ -33,17 +37,16 @@ class Draft:
         Raises:
             EditError: there is none.
         """
-        current = self._top
+        current: Any = self._top
         for depth, key in enumerate(at):
-            value = current.get(key)
-            if isinstance(value, BaseModel):
-                value = current[key] = _Open(data_of(value))
-            elif isinstance(value, dict) and not isinstance(value, _Open):
-                value = current[key] = _Open(value)
-            if not isinstance(value, _Open):
-                raise EditError("/".join(at[:depth]), f"there is no mapping {key!r}")
-            current = value
-        return current
+            if not _has(current, key):
+                raise EditError("/".join(at[:depth]), f"there is no {key!r}")
+            index = _index(current, key)
+            inner = current[index] = _opened(current[index])
+            current = inner
+            if not isinstance(current, _Open | _OpenList):
+                raise EditError("/".join(at[:depth]), f"{key!r} holds nothing")
+        return current  # type: ignore[no-any-return]
 
     def apply(self, step: Step) -> Step:
         """Do one step and return its inverse.
@@ -58,11 +61,12 @@ class Draft:
             return Drop(at=step.at, key=step.key)
         _expect(inside, step.at, step.key, True)
         if isinstance(step, Drop):
-            index = position(inside, step.at, step.key)
-            return Put(at=step.at, key=step.key, value=deep(inside.pop(step.key)), index=index)
+            order = position(inside, step.at, step.key)
+            return Put(at=step.at, key=step.key, value=deep(inside.pop(step.key)), index=order)
         if isinstance(step, Assign):
-            before = deep(inside[step.key])
-            inside[step.key] = step.value
+            index = _index(inside, step.key)
+            before = deep(inside[index])
+            inside[index] = step.value
             return Assign(at=step.at, key=step.key, value=before)
         if isinstance(step, Rekey):
             _expect(inside, step.at, step.to, False)
@@ -98,6 +102,24 @@ class Draft:
             raise EditError(where, f"there is no key {error.args[0]!r}; keys are those of the file") from None
 
 
+def _opened(value: Any) -> Any:
+    if isinstance(value, BaseModel):
+        return _Open(data_of(value))
+    if isinstance(value, dict):
+        return value if isinstance(value, _Open) else _Open(value)
+    if isinstance(value, list | tuple):
+        return value if isinstance(value, _OpenList) else _OpenList(value)
+    return value
+
+
+def _index(inside: Any, key: str) -> Any:
+    return int(key) if isinstance(inside, list) else key
+
+
+def _has(inside: Any, key: str) -> bool:
+    return key.isdecimal() and int(key) < len(inside) if isinstance(inside, list) else key in inside
+
+
 def position(mapping: dict[str, Any], at: Place, key: str) -> int | None:
     """Return the position of an entry among those whose order counts; None where the order of keys is fixed."""
     ordered = _ordered(mapping, at, key)
@@ -119,7 +141,7 @@ def _insert(mapping: dict[str, Any], at: Place, key: str, value: Any, index: int
 
 
 def _expect(mapping: dict[str, Any], at: Place, key: str, present: bool) -> None:
-    if (key in mapping) != present:
+    if _has(mapping, key) != present:
         where = "/".join(at) or "the task"
         raise EditError(where, f"there is no {key!r}" if present else f"there is a {key!r} already")
 

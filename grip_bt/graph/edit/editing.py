@@ -6,7 +6,8 @@ from typing import Any
 
 from grip_bt.errors import EditError, listing, nearest
 
-from ..model import AnyNode, Leaf, StateMachine, Task, children_of, join, walk
+from ..model import AnyNode, StateMachine, Task, children_of, join, walk
+from ..shape import CHILDREN
 from .draft import Draft
 from .steps import Assign, Drop, Place, Put, Rekey, Shift, Step
 
@@ -99,8 +100,8 @@ class Editing:
             EditError: there is none, or a leaf is there.
         """
         node = self.node(path)
-        if isinstance(node, Leaf):
-            raise EditError(path, "a leaf holds no nodes; wrap it in a container first")
+        if not holds_nodes(node):
+            raise EditError(path, f"a {kind_of(node)} holds no nodes; wrap it in a container first")
         return node
 
     def place(self, path: str) -> Place:
@@ -133,8 +134,14 @@ def slot(container: AnyNode) -> str:
     return "child" if hasattr(container, "child") else "children"
 
 
-def _kind(container: AnyNode) -> str:
-    return str(getattr(container, "kind", "leaf"))
+def kind_of(node: AnyNode | Task) -> str:
+    """Return a node's kind; `leaf` for a node of the catalogue."""
+    return str(getattr(node, "kind", "leaf"))
+
+
+def holds_nodes(node: AnyNode) -> bool:
+    """Tell whether a node is a container."""
+    return not type(node).model_fields.keys().isdisjoint(CHILDREN)
 
 
 def expect_free(container: AnyNode, path: str, name: str) -> None:
@@ -156,7 +163,7 @@ def expect_room(container: AnyNode, path: str) -> None:
     """
     if hasattr(container, "child"):
         raise EditError(
-            path, f"a {_kind(container)} has one child; wrap that child in a sequence, and add to the sequence"
+            path, f"a {kind_of(container)} has one child; wrap that child in a sequence, and add to the sequence"
         )
 
 
@@ -167,5 +174,5 @@ def expect_others(container: AnyNode, path: str) -> None:
         EditError: it would.
     """
     if len(children_of(container)) == 1 and (hasattr(container, "child") or isinstance(container, StateMachine)):
-        kind = _kind(container)
+        kind = kind_of(container)
         raise EditError(path, f"a {kind} needs a child; remove or unwrap the {kind} instead")

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from grip_bt.errors import EditError, listing, nearest
 
-from ..model import AnyNode, Leaf, StateMachine, children_of, outcomes_of
+from ..model import AnyNode, StateMachine, children_of, outcomes_of
 from ..shape import CHILDREN, FREE, keys_of
 from .commands import Bind, Connect, Disconnect, Set, SetMeaning, Unbind, Unset
-from .editing import Editing
+from .editing import Editing, kind_of
 from .steps import Place
 
 _STRUCTURE = {
@@ -110,8 +110,8 @@ def unbind(editing: Editing, command: Unbind) -> None:
 
 def _leaf(editing: Editing, path: str, what: str) -> AnyNode:
     node = editing.node(path)
-    if not isinstance(node, Leaf):
-        raise EditError(path, f"a {node.kind} has no {what}; leaves have")
+    if not {"in", "out"} <= set(keys_of(type(node))):
+        raise EditError(path, f"a {kind_of(node)} has no {what}; leaves have")
     return node
 
 
@@ -119,12 +119,14 @@ def set_meaning(editing: Editing, command: SetMeaning) -> None:
     """Say what an outcome means."""
     place = editing.place(command.path)
     holder = editing.task if command.path == "" else editing.node(command.path)
-    if isinstance(holder, Leaf):
+    if "meaning" in type(holder).model_fields:
         if command.meaning is not None:
             editing.set_in(place, "meaning", command.outcome, command.meaning)
         elif command.outcome in editing.entries(place, "meaning"):
             editing.drop_in(place, "meaning", command.outcome)
         return
+    if "outcomes" not in type(holder).model_fields:
+        raise EditError(command.path, f"the outcomes of a {kind_of(holder)} keep their meanings")
     if command.meaning is None:
         raise EditError(command.path, f"the outcome {command.outcome!r} needs a meaning: success or failure")
     if command.path == "" and "outcomes" not in editing.draft.mapping(()):

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from grip_bt.errors import EditError, listing, nearest
 
-from ..model import KINDS, AnyNode, Fallback, Force, Invert, Leaf, Sequence, StateMachine, children_of
+from ..model import KINDS, AnyNode, Fallback, Force, Invert, Sequence, StateMachine, children_of
 from ..shape import CHILDREN, FREE, keys_of, model_of_kind
 from .commands import ChangeKind
-from .editing import Editing, slot
+from .editing import Editing, holds_nodes, kind_of, slot
 
 STANDARD = ("success", "failure")
 
@@ -20,6 +20,11 @@ def expect_kind(path: str, kind: str) -> None:
     """
     if kind not in KINDS:
         raise EditError(path, f"unknown kind {kind!r}{nearest(kind, KINDS)} (there are: {listing(KINDS)})")
+
+
+def holds_nodes_of_kind(kind: str) -> bool:
+    """Tell whether nodes of a kind are containers."""
+    return not model_of_kind(kind).model_fields.keys().isdisjoint(CHILDREN)
 
 
 def slot_of_kind(kind: str) -> str:
@@ -64,15 +69,15 @@ def change_kind(editing: Editing, command: ChangeKind) -> None:
     """Make a container one of another kind."""
     node = editing.node(command.path)
     expect_kind(command.path, command.kind)
-    if isinstance(node, Leaf):
-        raise EditError(command.path, "a leaf has no kind; add a container, or wrap the leaf in one")
+    if not holds_nodes(node) or not holds_nodes_of_kind(command.kind):
+        raise EditError(command.path, "only a container becomes another container; add a node, or wrap this one")
     names = list(children_of(node))
     new_slot = slot_of_kind(command.kind)
     if new_slot == "child" and len(names) != 1:
         held = listing(names, "no child")
-        raise EditError(command.path, f"a {command.kind} has one child, this {node.kind} has {held}")
+        raise EditError(command.path, f"a {command.kind} has one child, this {kind_of(node)} has {held}")
     place = editing.place(command.path)
-    if command.kind != node.kind:
+    if command.kind != kind_of(node):
         _change_edges(editing, node, command)
         editing.set(place, "kind", command.kind)
         allowed = {*keys_of(model_of_kind(command.kind)), *CHILDREN}

@@ -1,6 +1,7 @@
 """The five things that an edit can do to a task file, and where; every command is a list of them.
 
-A place is the keys on the way to a mapping of the file: `("root", "children", "look", "in")`. The same steps are
+A place is the keys on the way to a mapping of the file: `("root", "children", "look", "in")`; in a list the keys are
+`0`, `1` ... (its entries are renamed within and assigned, not put, dropped or shifted). The same steps are
 applied to the models (`draft`) and to the text (`text`), so the two can't drift apart; each has an exact inverse.
 """
 

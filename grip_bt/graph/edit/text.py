@@ -66,16 +66,23 @@ class Text:
             self._tree = tree
         return self._tree
 
-    def _mapping(self, at: Place) -> Mapping:
+    def _value(self, at: Place) -> Value:
         value: Value = self.tree
-        for key in at:
-            value = value.entries[key].value if isinstance(value, Mapping) and key in value.entries else Scalar(None)
+        for depth, key in enumerate(at):
+            entry = _inner(value, key)
+            if entry is None:
+                raise EditError("/".join(at[: depth + 1]), _FIRST)
+            value = entry.value
+        return value
+
+    def _mapping(self, at: Place) -> Mapping:
+        value = self._value(at)
         if not isinstance(value, Mapping):
             raise EditError("/".join(at), _FIRST)
         return value
 
     def _entry(self, at: Place, key: str) -> Entry:
-        entry = self._mapping(at).entries.get(key)
+        entry = _inner(self._value(at), key)
         if entry is None:
             raise EditError("/".join((*at, key)), _FIRST)
         return entry
@@ -112,7 +119,7 @@ class Text:
         begin, end = value.span
         simple = isinstance(value, Scalar) and begin != end and "\n" not in self.text[begin:end]
         if simple and step.source is None and not isinstance(step.value, dict | list | tuple):
-            in_flow = any(self._mapping(step.at[:depth]).flow for depth in range(len(step.at) + 1))
+            in_flow = any(getattr(self._value(step.at[:depth]), "flow", False) for depth in range(len(step.at) + 1))
             new = lines_of("k", step.value, False) if not in_flow else [f"k: {write_scalar(step.value, flow=True)}"]
             if len(new) == 1 and begin not in self._pending and entry.start not in self._pending:
                 taken = self._taken(step.at, entry)
@@ -125,7 +132,7 @@ class Text:
 
     def _taken(self, at: Place, entry: Entry) -> str:
         """Return the lines of an entry, without what is above it."""
-        if not is_tidy(self.text, self._mapping(at)):
+        if not is_tidy(self.text, self._value(at)):
             return "\n".join(lines_of(entry.key, plain(entry.value), False)) + "\n"
         begin = line_start(self.text, entry.start)
         return self._lines(dedented(self.text[begin : region_end(self.text, entry)], entry.column))
@@ -319,6 +326,13 @@ class Text:
         written = write(Mapping({holder.key: holder}), lambda value: id(value) in blocks)
         lines = indented(written.removesuffix("\n").split("\n"), holder.column)
         self._splice(line_start(self.text, holder.start), end, self._joined(lines, end))
+
+
+def _inner(value: Value, key: str) -> Entry | None:
+    if isinstance(value, Mapping):
+        return value.entries.get(key)
+    entries = entries_of(value)
+    return entries[int(key)] if key.isdecimal() and int(key) < len(entries) else None
 
 
 def _inline_end(entry: Entry) -> int:

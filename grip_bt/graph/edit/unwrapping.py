@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from grip_bt.errors import EditError, listing
 
-from ..model import AnyNode, Leaf, StateMachine, Task, children_of
+from ..model import AnyNode, StateMachine, Task, children_of
 from .commands import Unwrap
 from .editing import Editing, slot
 from .kinds import edges_of
@@ -67,18 +67,17 @@ def _unwrap_root(editing: Editing, node: AnyNode, names: list[str]) -> None:
 
 def _rehome(editing: Editing, node: AnyNode, place: Place, around: AnyNode | Task, to: Place) -> None:
     """Let the variables of the container be those of the one around it."""
-    assert not isinstance(node, Leaf)
-    assert not isinstance(around, Leaf)
-    if not node.data:
+    own = list(getattr(node, "data", ()))
+    if not own:
         return
-    both = [name for name in node.data if name in around.data]
+    both = [name for name in own if name in getattr(around, "data", ())]
     if both:
         where = "the task" if to == () else "the container around it"
         raise EditError("/".join(place[2::2]), f"{where} has its own {listing(both)}; rename a variable first")
     if "data" not in editing.draft.mapping(to):
         editing.shift(place, "data", to)
         return
-    for name in node.data:
+    for name in own:
         editing.shift((*place, "data"), name, (*to, "data"))
 
 

@@ -10,7 +10,7 @@ from typing import Any
 from grip_bt.errors import EditError, ExpressionError, listing, nearest
 
 from ..expression import parse_expression
-from ..model import AnyNode, Leaf, children_of, expressions_of, join
+from ..model import AnyNode, children_of, expressions_of, join
 from .commands import Declare, RenameVariable, Undeclare
 from .draft import deep
 from .editing import Editing
@@ -99,7 +99,7 @@ class _Seer:
     def uses(self) -> set[str]:
         """Return the variables that the node uses, of those that it may see."""
         node = self.node
-        used = {*node.in_.values(), *node.out.values()} if isinstance(node, Leaf) else set()
+        used: set[str] = {*getattr(node, "in_", {}).values(), *getattr(node, "out", {}).values()}
         if self.inside:
             used |= {getattr(node, key) for key in _READS if hasattr(node, key)}
         return used.union(*(_names(text) for _, text in self.expressions()))
@@ -155,11 +155,10 @@ def _refuse_capture(editing: Editing, command: RenameVariable) -> None:
 
 def _follow(editing: Editing, seer: _Seer, command: RenameVariable) -> None:
     place = editing.place(seer.path)
-    if isinstance(seer.node, Leaf):
-        for side in ("in", "out"):
-            for port, variable in editing.entries(place, side).items():
-                if variable == command.name:
-                    editing.set((*place, side), port, command.to)
+    for side in ("in", "out"):
+        for port, variable in editing.entries(place, side).items():
+            if variable == command.name:
+                editing.set((*place, side), port, command.to)
     for key in _READS:
         if seer.inside and getattr(seer.node, key, None) == command.name:
             editing.set(place, key, command.to)

@@ -9,7 +9,7 @@ from grip_bt.errors import EditError, listing
 from ..model import AnyNode, Leaf, Meaning, StateMachine, Task, children_of, outcomes_of
 from .commands import Wrap
 from .editing import Editing, expect_free, slot
-from .kinds import STANDARD, chain, expect_kind, slot_of_kind
+from .kinds import STANDARD, chain, expect_kind, holds_nodes_of_kind, slot_of_kind
 from .steps import Place
 
 
@@ -42,6 +42,8 @@ class _Shell:
 def wrap(editing: Editing, command: Wrap) -> None:
     """Put neighbours into a new container."""
     expect_kind(command.paths[0], command.kind)
+    if not holds_nodes_of_kind(command.kind):
+        raise EditError(command.paths[0], f"a {command.kind} holds no nodes; choose a container")
     shell = _Shell(command)
     if command.paths == ("/",):
         _wrap_root(editing, shell)

@@ -262,3 +262,68 @@ def test_a_spelling_that_cant_be_edited_is_refused_with_the_way_out():
     with pytest.raises(EditError, match="grip fmt"):
         edit(text, do="set", path="/", key=["doc"], value="x")
     assert loads(edit(fmt(text), do="set", path="/", key=["doc"], value="x")).root.doc == "x"
+
+
+PARALLEL = """\
+grip: 1
+name: a
+root:
+  kind: parallel
+  outcomes: {early: success}
+  rules:
+    # whoever comes first
+    - when: {a: success, b: failure}  # two
+      then: early
+    - {when: {c: success}, then: early}
+  wait_for: [a, b]  # not c
+  children:
+    a: {node: b/c}
+    b: {node: b/c}
+    c: {node: b/c}
+"""
+SWITCH = """\
+grip: 1
+name: a
+data: {all: "list[Pose]", n: int}
+root:
+  kind: switch
+  on_value: n + 1  # counted
+  cases: {a: 1, b: [2, 3]}
+  default: a
+  children:
+    a: {kind: for_each, items: all, item: one, child: {go: {node: b/c, in: {to: one}}}}
+    b: {kind: guard, if: "n < 3", child: {go: {node: b/c}}}
+"""
+
+
+def test_names_in_rules_cases_and_lists_follow_and_leave_with_their_node():
+    gone, came = changed_lines(PARALLEL, edit(PARALLEL, do="rename", path="a", name="x"))
+    assert [line.strip() for line in came] == [
+        "- when: {x: success, b: failure}  # two",
+        "wait_for: [x, b]  # not c",
+        "x: {node: b/c}",
+    ]
+    assert len(gone) == 3
+    after = loads(edit(PARALLEL, do="remove", path="a")).root
+    assert [dict(rule.when) for rule in after.rules] == [{"c": "success"}]
+    assert after.wait_for == ["b"]
+    assert edit(SWITCH, do="rename", path="a", name="x").count("x:") == 2
+    without = loads(edit(SWITCH, do="remove", path="a")).root
+    assert dict(without.cases) == {"b": [2, 3]}
+    assert without.default == ""
+
+
+def test_variables_follow_in_expressions_and_in_what_a_loop_goes_over():
+    gone, came = changed_lines(SWITCH, edit(SWITCH, do="rename_variable", path="", name="n", to="count"))
+    assert [line.strip() for line in came] == [
+        'data: {all: "list[Pose]", count: int}',
+        "on_value: count + 1  # counted",
+        'b: {kind: guard, if: count < 3, child: {go: {node: b/c}}}',
+    ]  # fmt: skip
+    assert "items: every" in edit(SWITCH, do="rename_variable", path="", name="all", to="every")
+    each = edit(SWITCH, do="rename_variable", path="a", name="one", to="pose")
+    assert "item: pose, child: {go: {node: b/c, in: {to: pose}}}" in each
+    with pytest.raises(EditError, match="would hide"):
+        edit(SWITCH, do="rename_variable", path="", name="all", to="one")
+    with pytest.raises(EditError, match="is used by /, b"):
+        edit(SWITCH, do="undeclare", path="", name="n")
