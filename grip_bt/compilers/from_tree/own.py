@@ -52,7 +52,7 @@ def from_face(behaviour: Node) -> dict[str, Any]:
     """
     keys = _keys(behaviour)
     if isinstance(behaviour, control.Conditional):
-        raise NoEqual(f"it has the precondition `{behaviour.condition.text}`, {_GIVE}")
+        raise NoEqual(f"it has the precondition `{behaviour.precondition.text}`, {_GIVE}")
     if isinstance(behaviour, control.Container):
         if behaviour.enter is not None:
             raise NoEqual(f"it declares variables, {_GIVE}")
@@ -85,6 +85,10 @@ def _keys(node: Node) -> dict[str, Any]:
         return {"kind": "repeat", **({"times": node.num_success} if node.num_success > 0 else {})}
     if base is control.Timeout:
         return {"kind": "timeout", "seconds": float(node.duration)}
+    if base is control.Cooldown:
+        return {"kind": "cooldown", "seconds": float(node.rule.seconds)}
+    if base is control.Loop and node.rule.condition is None:
+        return {"kind": "loop", **({"times": node.rule.times} if node.rule.times is not None else {})}
     if base is control.Invert:
         return {"kind": "invert"}
     if base is control.Force:

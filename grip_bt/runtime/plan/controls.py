@@ -149,7 +149,7 @@ def conditional(node: Any, inner: Tick, visit: Visit | None) -> Tick:
         if node.status is R:
             return inner()
         try:
-            holds = node.condition.holds()
+            holds = node.precondition.holds()
         except Exception as error:
             node.begin()
             node.stop(INVALID)
