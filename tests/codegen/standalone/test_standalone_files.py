@@ -14,6 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from py_trees.common import Status
 
+from grip_bt.app import RunOptions, open_session, project_catalog
 from grip_bt.catalog import Catalog
 from grip_bt.cli.__main__ import main
 from grip_bt.codegen.standalone import export
@@ -75,6 +76,19 @@ def test_leaves_of_components_are_found_relative_to_the_file(tmp_path: Path) -> 
     names = [type(node).__name__ for node in made["create_root"]().iterate()]
     assert "AntipodalGrasps" in names
     assert "MoveToGrasp" in names
+
+
+def test_the_example_runs_from_its_file_with_parts_that_do_as_they_are_asked(tmp_path: Path) -> None:
+    made: dict[str, Any] = {"__name__": "exported", "__file__": str(tmp_path / "out.py")}
+    exec(compile(export(read(EXAMPLE).task, project_catalog(EXAMPLE), tmp_path), "out.py", "exec"), made)
+    ends = []
+    for run in (
+        lambda s: s.runner.run().outcome,
+        lambda s: made["run"](made["create_root"](), s.runner.context, 0.001),
+    ):
+        with open_session(EXAMPLE, RunOptions(robot="fake", journal=tmp_path / f"{len(ends)}.sqlite")) as session:
+            ends.append(run(session))
+    assert ends == ["cleared", "cleared"]
 
 
 def test_no_two_things_of_a_file_have_one_name() -> None:
