@@ -49,7 +49,7 @@ _runs_lock = threading.RLock()
 class _Values:
     """The userdata of one activation: reads go to the ports, writes are kept until the end."""
 
-    def __init__(self, leaf: SmachLeaf):
+    def __init__(self, leaf: KeysLeaf):
         self._leaf = leaf
         self.written: dict[str, Any] = {}
 
@@ -98,11 +98,34 @@ class _Activation:
         return self._ended.is_set()
 
 
-class SmachLeaf(Leaf):
+class KeysLeaf(Leaf):
+    """A leaf whose ports are keys of userdata: a variable that isn't written is a missing key and no error.
+
+    The parameter `unwritten` lists inputs whose variable may not have been written yet: None there is a missing key.
+    """
+
+    def look_up(self, key: str) -> tuple[bool, Any]:
+        """Return whether the variable of an input has been written, and its value."""
+        if key not in self.readers:
+            return False, None
+        try:
+            value = self.read(key)
+        except DataError:
+            value = None
+        else:
+            if value is not None or key not in self.params.get("unwritten", ()):
+                return True, value
+        return self.at_first(key)
+
+    def at_first(self, key: str) -> tuple[bool, Any]:
+        """Return whether an unwritten variable has a value all the same, and that value."""
+        return False, None
+
+
+class SmachLeaf(KeysLeaf):
     """A leaf that runs one SMACH state, or a whole container; generated classes override `make`.
 
-    The manifest's inputs and outputs are the state's keys. The parameter `unwritten` lists inputs whose variable may
-    not have been written yet: None there is SMACH's missing key.
+    The manifest's inputs and outputs are the state's keys.
 
     Attributes:
         state: the legacy object, made once per run and never reset.
@@ -144,20 +167,9 @@ class SmachLeaf(Leaf):
                 "add them there, or import the file again"
             )
 
-    def look_up(self, key: str) -> tuple[bool, Any]:
-        """Return whether the variable of an input has been written, and its value."""
-        if key not in self.readers:
-            return False, None
-        try:
-            value = self.read(key)
-        except DataError:
-            value = None
-        else:
-            if value is not None or key not in self.params.get("unwritten", ()):
-                return True, value
-        if key in self.first:
-            return True, self.built(self.first[key], self)
-        return False, None
+    def at_first(self, key: str) -> tuple[bool, Any]:
+        """Return the value that the legacy code begins with."""
+        return (True, self.built(self.first[key], self)) if key in self.first else (False, None)
 
     def initialise(self) -> None:
         """Begin anew; the thread is started by `update`, which may have to wait for a zombie."""
@@ -236,3 +248,12 @@ class NextItem(Leaf):
         if position >= len(items):
             return self.end("exhausted", position=position)
         return self.end("item", item=items[position], position=position + 1)
+
+
+class CopyKeys(KeysLeaf):
+    """Copy inputs to the outputs of the same names, as SMACH does when it enters a container."""
+
+    def update(self) -> Status:
+        """Copy what has been written."""
+        found = {key: self.look_up(key) for key in self.manifest.inputs}
+        return self.end("done", **{key: value for key, (there, value) in found.items() if there})

@@ -57,6 +57,14 @@ class Sharing:
         return ""
 
 
+def copied_in(found: FoundContainer) -> list[str]:
+    """Return the keys of a machine that need a variable of their own: they come in and not out, and are written."""
+    if found.kind not in ("StateMachine", "Sequence"):
+        return []
+    writes = _inside(found)[1]
+    return [key for key in found.input_keys if key in writes and key not in found.output_keys]
+
+
 def _inside(found: FoundContainer) -> tuple[set[str], set[str]]:
     """Return the keys of a container that its children read and write."""
     reads: set[str] = set()

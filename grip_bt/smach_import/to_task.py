@@ -20,7 +20,7 @@ from .iteration import iteration_of
 from .keys import Keys, Variables
 from .leaves import Leaves
 from .meanings import meaning_of
-from .sharing import Sharing
+from .sharing import Sharing, copied_in
 
 Ends = Mapping[str, str]
 """Outcome of a node -> the outcome of SMACH that it stands for."""
@@ -139,13 +139,15 @@ class TaskMaker:
         if not isinstance(state, FoundContainer):
             return self._leaf(found, added, keys, remapping, meaning)
         shared = {k: keys(remapping.get(k, k)) for k in (*state.input_keys, *state.output_keys)}
+        copied = {k: shared.pop(k) for k in copied_in(state) if shared[k] not in self.variables.first}
         before = dict(self.variables.names), dict(self.leaves.specs)
         writes = list(self.sharing.writes)
         try:
             self.sharing.chain.append(state)
-            made = self.container(state, Keys(self.variables, task_name(added.label), shared), meaning)
+            inner = Keys(self.variables, task_name(added.label), shared)
+            node, ends = self.container(state, inner, meaning)
             self.sharing.shared.append((state, shared))
-            return made
+            return (self._entered(node, copied, inner) if copied else node), ends
         except RefusedError as error:
             self.sharing.writes = writes
             self.variables.names, self.leaves.specs = before
@@ -156,6 +158,19 @@ class TaskMaker:
         finally:
             self.sharing.chain.pop()
         return self._leaf(found, added, keys, remapping, meaning)
+
+    def _entered(self, node: StateMachine, copied: Mapping[str, str], inner: Keys) -> StateMachine:
+        """Put a state first that copies keys in, as SMACH does."""
+        name = "enter"
+        while name in node.children or name in node.outcomes:
+            name += "_"
+        step = Leaf(
+            node=self.leaves.copy(list(copied)).manifest.id,
+            in_=dict(copied),
+            out={key: inner(key) for key in copied},
+            on={"done": node.initial},
+        )
+        return node.model_copy(update={"initial": name, "children": FrozenDict({name: step, **node.children})})
 
     def _leaf(
         self,
