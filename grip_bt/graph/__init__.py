@@ -1,4 +1,7 @@
-"""What a task is: frozen models, and the text that they are read from and written to."""
+"""What a task is: frozen models, the text that they are read from and written to, and edits of both."""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 from .canonical import dumps
 from .document import Document, load, loads, read, read_text
@@ -41,20 +44,40 @@ from .model import (
 )
 from .schema import schema
 
+if TYPE_CHECKING:
+    from .edit import Edited, History, apply, apply_to_document, command_of
+    from .layout import Layout, load_layout, write_layout
+
+_ON_DEMAND = {
+    **dict.fromkeys(("Edited", "History", "apply", "apply_to_document", "command_of"), ".edit"),
+    **dict.fromkeys(("Layout", "load_layout", "write_layout"), ".layout"),
+}
+"""What only editors need, and where it is: running a task doesn't load it."""
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _ON_DEMAND:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(_ON_DEMAND[name], __name__), name)
+
+
 __all__ = [
-    "FORMAT_VERSION",
-    "KINDS",
     "AnyNode",
     "Container",
     "Cooldown",
     "Document",
+    "Edited",
+    "FORMAT_VERSION",
     "Fallback",
     "ForEach",
-    "Foreign",
     "Force",
+    "Foreign",
     "FrozenDict",
     "Guard",
+    "History",
     "Invert",
+    "KINDS",
+    "Layout",
     "Leaf",
     "Loop",
     "Meaning",
@@ -70,13 +93,17 @@ __all__ = [
     "Task",
     "Timeout",
     "Variable",
+    "apply",
+    "apply_to_document",
     "cases_of",
     "children_of",
+    "command_of",
     "dumps",
     "expressions_of",
     "fmt",
     "join",
     "load",
+    "load_layout",
     "loads",
     "outcomes_of",
     "read",
@@ -84,4 +111,5 @@ __all__ = [
     "schema",
     "walk",
     "with_refusal",
+    "write_layout",
 ]

@@ -1,6 +1,6 @@
 """Edits of a task as values: applied to a task or to its text, each with an exact inverse, kept in a history."""
 
-from .apply import Applied, apply, title_of
+from .applied import Applied, apply, title_of
 from .commands import (
     Add,
     AnyCommand,

@@ -6,6 +6,7 @@ is empty. Keys are those of the file (`with`, `in`, `as`).
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, TypeAdapter
@@ -16,7 +17,8 @@ from .steps import Step
 
 
 class _Command(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    # built on first use: whoever only runs tasks needs none of it
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
 
 class Add(_Command):
@@ -233,9 +235,11 @@ AnyCommand = (
     | SetMeaning | Declare | Undeclare | RenameVariable | Group | Patch
 )  # fmt: skip
 Command = Annotated[AnyCommand, Discriminator("do")]
-Group.model_rebuild()
 
-_ADAPTER: TypeAdapter[AnyCommand] = TypeAdapter(Command)
+
+@lru_cache(maxsize=1)
+def _adapter() -> TypeAdapter[AnyCommand]:
+    return TypeAdapter(Command)
 
 
 def command_of(data: Any) -> AnyCommand:
@@ -244,4 +248,4 @@ def command_of(data: Any) -> AnyCommand:
     Raises:
         pydantic.ValidationError: it describes none.
     """
-    return _ADAPTER.validate_python(data)
+    return _adapter().validate_python(data)

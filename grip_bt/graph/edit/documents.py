@@ -9,7 +9,7 @@ from grip_bt.errors import DocumentError, EditError
 
 from ..document import Document, read_text
 from ..model import Task
-from .apply import apply
+from .applied import apply
 from .commands import AnyCommand, Patch, Restore, Splice
 from .steps import Assign, Put, Step, path_after
 from .text import Text

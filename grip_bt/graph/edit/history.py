@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from grip_bt.errors import EditError
 
 from ..document import Document
-from .apply import title_of
+from .applied import title_of
 from .commands import AnyCommand, Patch
 from .documents import Edited, apply_to_document
 
