@@ -16,7 +16,7 @@ from grip_bt.graph import model
 
 from .containers import container, table, wrapped
 from .layout import call, comment, literal, remarked, statement
-from .leaves import is_file, leaf, manifest_text, needs_grip
+from .leaves import foreign, is_file, leaf, manifest_text, needs_grip
 from .plan import ORDER, Plan, asks_for_codes
 from .refusals import refuse_unknown
 
@@ -81,6 +81,8 @@ def _nodes(resolved: Resolved, plan: Plan) -> str:
         inner = plan.identifiers.take(name, f"{parent}_{name}")
         if isinstance(part.node, model.Leaf):
             made = leaf(part, plan, builtin)
+        elif isinstance(part.node, model.Foreign):
+            made = foreign(part, plan)
         else:
             made = container(part, [names[child.path] for child in part.children], plan)
         rows = wrapped(part, made, inner, plan)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import inspect
 import keyword
 import os
+from importlib import import_module
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 from grip_bt.catalog import Catalog, Manifest, load_implementation
+from grip_bt.compilers.foreign import adopt
 from grip_bt.compilers.resolve import Part, Resolved
 from grip_bt.errors import NotExpressibleError
 from grip_bt.graph import model
@@ -53,6 +56,26 @@ def leaf(part: Part, plan: Plan, builtin: Catalog) -> Items:
     return call(_imported(manifest, plan), part.name, **parameters)
 
 
+def foreign(part: Part, plan: Plan) -> Items:
+    """Return the expression that makes somebody's own behaviour, in a node that has the part's name.
+
+    Raises:
+        InvalidTaskError: it can't be made.
+    """
+    node = cast(model.Foreign, part.node)
+    adopt(part.path, part.name, node)  # made once, to see that it can be
+    module, _, name = node.behaviour.partition(":")
+    make: Any = import_module(module)
+    for attribute in name.split("."):
+        make = getattr(make, attribute)
+    first, *rest = name.split(".")
+    own = {"name": part.name} if "name" in inspect.signature(make).parameters else {}
+    made = call(".".join((_class_name(module, first, plan), *rest)), **{**own, **node.args})
+    if plan.codes:
+        plan.parts.add("foreign")
+    return call("Foreign" if plan.codes else "py_trees.decorators.PassThrough", part.name, made)
+
+
 def _equal(part: Part, plan: Plan, parameters: dict[str, object]) -> Items:
     node = cast(model.Leaf, part.node)
     match node.node:
@@ -92,9 +115,13 @@ def _imported(manifest: Manifest, plan: Plan) -> str:
     where, _, name = manifest.implementation.rpartition(":")
     if is_file(manifest):
         return f"load_implementation({plan.manifests[manifest.id]})"
-    classes = plan.imports.setdefault(where, {})
+    return _class_name(where, name, plan)
+
+
+def _class_name(module: str, name: str, plan: Plan) -> str:
+    classes = plan.imports.setdefault(module, {})
     if name not in classes:
-        classes[name] = plan.identifiers.take(name, f"{name}Of{where.rsplit('.', 1)[-1].title()}")
+        classes[name] = plan.identifiers.take(name, f"{name}Of{module.rsplit('.', 1)[-1].title()}")
     return classes[name]
 
 

@@ -12,12 +12,13 @@ from .identifiers import Identifiers
 ORDER = (
     *("variable", "bind", "labels", "scope", "precondition", "guard", "timeout"),
     *("chooser", "switch", "loop", "for_each", "cooldown", "exits", "exits_classes"),
-    *("parallel", "ruled_parallel", "dispatch", "fail", "log"),
+    *("parallel", "ruled_parallel", "dispatch", "fail", "log", "foreign"),
 )
 """Supporting parts, in the order in which the file has them."""
 _OWN_NAMES = (
     *("py_trees", "Status", "Any", "Callable", "Iterator", "Mapping", "copy", "time", "logging"),
     *("Variable", "Scope", "Precondition", "Guard", "Timeout", "WithExits", "Parallel", "Dispatch", "Fail", "Log"),
+    "Foreign",
     *("RuledParallel", "Chooser", "Switch", "Loop", "ForEach", "Cooldown", "Real", "is_truth", "same"),
     *("bind", "outcome_of", "code_of", "carried_code", "look_up", "create_root", "end_of", "run", "ENDS"),
     *("Leaf", "Context", "RunContext", "Catalog", "Manifest", "load_implementation", "NODES", "Path", "HERE"),

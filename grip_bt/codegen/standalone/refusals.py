@@ -24,6 +24,7 @@ _KNOWN: dict[type[Any], set[str]] = {
     model.Repeat: {*_CONTAINER, "child", "exits", "times"},
     model.Timeout: {*_CONTAINER, "child", "exits", "seconds"},
     model.Guard: {*_CONTAINER, "child", "exits", "if_"},
+    model.Foreign: {*_COMMON, "kind", "behaviour", "args"},
     model.Invert: {*_CONTAINER, "child", "exits"},
     model.Force: {*_CONTAINER, "child", "exits", "as_"},
 }

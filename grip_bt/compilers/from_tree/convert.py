@@ -12,9 +12,10 @@ from grip_bt.nodes import control
 from grip_bt.nodes.node import Node
 
 from ..to_tree import CompiledTree
-from .kinds import ENDS, Equal, NoEqual, equal_of
+from .kinds import ENDS, Equal, NoEqual, equal_of, is_known
 from .naming import distinct, node_name
 from .own import edges_of, from_document, from_face
+from .rebuild import foreign_of
 from .result import Imported, RefusedTreeError, Remark
 
 _COMPOSITES = {
@@ -68,6 +69,8 @@ class _Reader:
         keys = dict(equal.settings)
         if equal.remark:
             self.remarks.append(Remark(path, equal.remark))
+        if keys.get("kind") == "foreign":
+            return keys
         children = self.children(behaviour, path)
         if equal.failures:
             keys["exits"] = {
@@ -88,6 +91,9 @@ class _Reader:
                 return Equal(from_document(behaviour, document))
             if isinstance(behaviour, Node):
                 return Equal(from_face(behaviour))
+            if not is_known(behaviour):
+                name = path.rsplit("/", 1)[-1] if path != "/" else behaviour.name
+                return Equal(foreign_of(behaviour, name), remark="kept as it is, as a foreign behaviour")
             return equal_of(behaviour)
         except NoEqual as why:
             self.refused.append(Remark(path, str(why)))

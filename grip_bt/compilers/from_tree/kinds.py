@@ -42,6 +42,11 @@ def equal_of(behaviour: Behaviour) -> Equal:
     raise NoEqual(why_not(type(behaviour)))
 
 
+def is_known(behaviour: Behaviour) -> bool:
+    """Tell whether its class has an equal, or is known to have none."""
+    return type(behaviour) in _KNOWN or type(behaviour) in _WHY
+
+
 def why_not(cls: type[Behaviour]) -> str:
     """Return why a class has no equal."""
     return _WHY.get(cls) or f"{cls.__module__}.{cls.__name__} is no class that a task has"

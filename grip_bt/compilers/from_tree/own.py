@@ -93,6 +93,8 @@ def _keys(node: Node) -> dict[str, Any]:
         return {"kind": "invert"}
     if base is control.Force:
         return {"kind": "force", "as": node.forced}
+    if base is control.Foreign:
+        raise NoEqual("what a foreign behaviour was made of only the compiled task knows; give that to `to_task`")
     raise NoEqual(f"a {base.__name__}, {_GIVE}")
 
 

@@ -113,7 +113,7 @@ def stuck() -> Behaviour:
         (lambda: decorators.Timeout("x", stuck(), 0.0), "a Timeout of 0 s is over at once"),
         (lambda: composites.Parallel("x", ParallelPolicy.SuccessOnAll(False), [stuck()]), "synchronise=False"),
         (lambda: composites.Parallel("x", ParallelPolicy.SuccessOnSelected([])), "SuccessOnSelected"),
-        (lambda: type("Mine", (composites.Sequence,), {})("x", True), "Mine is no class"),
+        (lambda: type("Mine", (composites.Sequence,), {})("x", True), "Mine can't be imported by a name"),
     ],
 )
 def test_what_has_no_equal_is_refused_with_its_path_and_the_reason(node: Any, why: str) -> None:
@@ -124,8 +124,54 @@ def test_what_has_no_equal_is_refused_with_its_path_and_the_reason(node: Any, wh
 
 def test_all_refusals_are_found_at_once() -> None:
     with pytest.raises(RefusedTreeError) as caught:
-        to_task(composites.Sequence("root", True, [stuck(), decorators.Count("count", stuck())]))
-    assert [remark.path for remark in caught.value.refused] == ["stuck", "count", "count/stuck"]
+        to_task(composites.Sequence("root", True, [Odd([]), decorators.Count("count", Odd([object()]))]))
+    assert [remark.path for remark in caught.value.refused] == ["count", "count/odd"]
+
+
+class Odd(Behaviour):
+    """Somebody's own."""
+
+    def __init__(self, words: list, name: str = "odd", factor: float = 1.0, *, twice: bool = False):
+        super().__init__(name)
+        self.words, self.factor, self.twice = words, 2 * factor if twice else factor, False
+
+    def update(self) -> Status:
+        return Status.FAILURE
+
+
+def test_a_behaviour_that_can_be_made_again_is_kept_as_it_is() -> None:
+    children = [stuck(), Odd(["a", {"b": 1}], factor=2.5), Odd([], name="its own")]
+    found = to_task(
+        composites.Sequence("root", False, [*children, composites.Sequence("its-own", True, [Odd([], "7")])])
+    )
+    nodes = found.task.root.children
+    assert nodes["stuck"].behaviour == "py_trees.behaviours:Running"
+    assert nodes["odd"].args == {"words": ["a", {"b": 1}], "factor": 2.5}
+    assert nodes["its own"].args == {"words": []}
+    assert nodes["its-own"].children["n_7"].args == {"words": [], "name": "7"}
+    again = [node for node in to_tree(found.task, Catalog.builtin()).root.iterate() if type(node) is Odd]
+    assert [(node.name, node.words, node.factor) for node in again] == [
+        ("odd", ["a", {"b": 1}], 2.5),
+        ("its own", [], 1.0),
+        ("7", [], 1.0),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("behaviour", "why"),
+    [
+        (lambda: behaviours.TickCounter("x", 3, Status.SUCCESS), "'completion_status' .* isn't known as a literal"),
+        (lambda: behaviours.SuccessEveryN("x", 3), "'n' it was made with isn't known"),
+        (lambda: Odd([], "x", 2.0, twice=True), "made again its 'later' would be another"),
+        (lambda: behaviours.UnsetBlackboardVariable("x", "key"), "works on py_trees' blackboard"),
+    ],
+)
+def test_a_behaviour_that_would_not_be_the_same_is_refused(behaviour: Any, why: str) -> None:
+    made = behaviour()
+    if isinstance(made, Odd):
+        made.later = "set after it was made"
+    with pytest.raises(RefusedTreeError, match=why):
+        to_task(composites.Sequence("root", True, [made]))
 
 
 def test_names_that_a_task_cannot_have_are_told() -> None:
