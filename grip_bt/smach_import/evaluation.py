@@ -201,10 +201,10 @@ class Evaluation:
 
     def attribute(self, value: Found | Instance, node: ast.Attribute, scope: Scope) -> Any:
         """Return an attribute of an object that the file makes."""
-        if node.attr in value.attributes:
-            return value.attributes[node.attr]
         if node.attr == "userdata" and isinstance(value, FoundContainer):
             return UserDataOf(value)
+        if node.attr in value.attributes:
+            return value.attributes[node.attr]
         cls = value.cls if isinstance(value, Instance) else value.home
         held = self.member(cls, node.attr) if isinstance(cls, Class) else None
         if held is not None and not isinstance(held, Function):

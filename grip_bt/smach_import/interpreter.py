@@ -187,6 +187,9 @@ class Interpreter(Calls):
                 self.set_userdata(owner.target, key, value, self.span(target, scope))
             elif isinstance(owner, (Found, Instance)) and isinstance(key, str):
                 owner.attributes[key] = value
+                if key == "userdata" and isinstance(owner, FoundContainer) and not _new_userdata(source):
+                    text = f"its userdata becomes `{ast.unparse(source)}`: SMACH shares that store, the task doesn't"
+                    owner.problem("partial", text, self.span(target, scope))
                 if isinstance(owner, Found) and owner.expression is not None:
                     owner.expression, owner.why = None, f"`{key}` of {owner.cls} is set after it is made"
             elif isinstance(owner, dict) and is_literal(key):
@@ -195,6 +198,10 @@ class Interpreter(Calls):
             scope.names[target.id] = Opaque(target.id, value.expression)
         else:
             bind(target, value, scope)
+            plain = isinstance(value, Found) and not isinstance(value, FoundContainer)
+            if plain and isinstance(target, ast.Name) and scope.is_module and not self.conditions:
+                value.expression = ast.Attribute(ast.Name("legacy", ast.Load()), target.id, ast.Load())
+                value.file = scope.file
 
     def _do_with(self, node: ast.With, scope: Scope) -> None:
         count = 0
@@ -345,6 +352,10 @@ class Interpreter(Calls):
             scope.names[spec.vararg.arg] = tuple(arguments[len(names) :])
         if spec.kwarg:
             scope.names[spec.kwarg.arg] = named
+
+
+def _new_userdata(source: ast.expr) -> bool:
+    return isinstance(source, ast.Call) and ast.unparse(source.func).split(".")[-1] == "UserData"
 
 
 def _is_main(test: ast.expr) -> bool:

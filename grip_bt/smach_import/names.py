@@ -179,6 +179,8 @@ class _Expressed(ast.NodeTransformer):
             return ast.Attribute(ast.Name(MODULE, ast.Load()), name, ast.Load())
         if is_literal(value):
             return literal_source(value)
+        if isinstance(value, Found):  # made here, used there: only the machine that is built has both
+            value.expression, value.why = None, f"the object of {value.cls} is used by another"
         if isinstance(value, (Opaque, Reference)) and value.expression is not None and not _makes(value.expression):
             return value.expression
         raise UnresolvedError(name)
