@@ -62,8 +62,8 @@ def follow_exits(editing: Editing, place: Place, renamed: Callable[[str], str]) 
 
 def _lists(editing: Editing, place: Place) -> tuple[list[dict[str, Any]], list[Any]]:
     """Return the rules of a parallel, and the children that it waits for where these are named."""
-    record = deep(editing.draft.mapping(place))
-    rules, awaited = record.get("rules", []), record.get("wait_for", [])
+    record = editing.draft.mapping(place)
+    rules, awaited = deep(record.get("rules", [])), deep(record.get("wait_for", []))
     return rules, awaited if isinstance(awaited, list) else []
 
 
