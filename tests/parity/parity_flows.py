@@ -63,6 +63,6 @@ def make_flow(seed: int) -> dict[str, Any]:
     case: dict[str, Any] = {"task": task, "scripts": maker.scripts}
     if maker.chance(0.4):
         case["preempt_at"] = random.randint(-1, 8)
-    if maker.chance(0.1):
+    if maker.chance(0.1) and maker.scripts:
         random.choice(random.choice(list(maker.scripts.values())))[random.choice(("raises", "stops"))] = True
     return case

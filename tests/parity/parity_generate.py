@@ -292,7 +292,7 @@ def make_case(seed: int) -> dict[str, Any]:
         case["preempt_at"] = random.randint(-1, 8)
     if maker.embed:
         case["embedded"] = True
-    if maker.chance(0.15):
+    if maker.chance(0.15) and maker.scripts:
         steps = random.choice(list(maker.scripts.values()))
         odd = ("raises",) if maker.embed else ("raises", "stops")
         random.choice(steps)[random.choice(odd)] = True
