@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from .found import FoundContainer
+
+_MACHINES = ("StateMachine", "Sequence")
 
 
 @dataclass
@@ -26,12 +28,25 @@ class Sharing:
         """Note what a leaf of the innermost container writes."""
         self.writes.append((tuple(self.chain), variables))
 
+    def wrote_outside(self, variables: set[str]) -> None:
+        """Note what the innermost container writes as a whole."""
+        self.writes.append((tuple(self.chain[:-1]), variables))
+
     def check(self, initial: set[str]) -> None:
         """Note a problem for each key whose copies make a difference.
 
         Args:
             initial: variables that have a value from the beginning.
         """
+        for found, key, text, _ in self.troubles(initial):
+            found.problem("partial", f"userdata `{key}` {text}")
+
+    def copied_out(self, initial: set[str]) -> set[tuple[FoundContainer, str]]:
+        """Return the keys of machines that need a variable of their own, copied out at the end."""
+        return {(found, key) for found, key, _, out in self.troubles(initial) if out and found.kind in _MACHINES}
+
+    def troubles(self, initial: set[str]) -> Iterator[tuple[FoundContainer, str, str, bool]]:
+        """Yield container, key, what is wrong, and whether the key goes out and not in."""
         for found, names in self.shared:
             reads, writes = _inside(found)
             for key, variable in names.items():
@@ -40,7 +55,8 @@ class Sharing:
                 if not trouble and len(twins) > 1 and writes & set(twins):
                     trouble = f"and {[k for k in twins if k != key]} are one key of the parent: SMACH keeps them apart"
                 if trouble:
-                    found.problem("partial", f"userdata `{key}` {trouble}, the task has one variable, `{variable}`")
+                    out = key in found.output_keys and key not in found.input_keys
+                    yield found, key, f"{trouble}, the task has one variable, `{variable}`", out
 
     def _trouble(
         self, found: FoundContainer, key: str, variable: str, reads: set[str], writes: set[str], initial: set[str]
@@ -59,7 +75,7 @@ class Sharing:
 
 def copied_in(found: FoundContainer) -> list[str]:
     """Return the keys of a machine that need a variable of their own: they come in and not out, and are written."""
-    if found.kind not in ("StateMachine", "Sequence"):
+    if found.kind not in _MACHINES:
         return []
     writes = _inside(found)[1]
     return [key for key in found.input_keys if key in writes and key not in found.output_keys]

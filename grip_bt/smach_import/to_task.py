@@ -32,23 +32,35 @@ class TaskMaker:
     def __init__(self, root: FoundContainer, name: str, leaves: Leaves):
         self.root, self.name, self.leaves = root, name, leaves
         self.variables, self.sharing = Variables(), Sharing()
+        self.own: set[tuple[FoundContainer, str]] = set()
 
     def make(self) -> Task | None:
         """Return the task; None when the container can't be imported, with the reason among its problems."""
-        keys = Keys(self.variables, self.name)
-        for key in self.root.input_keys:
-            keys(key)
+        specs = dict(self.leaves.specs)
         try:
-            node, ends = self.container(self.root, keys, None)
+            node, ends = self._root()
+            self.own = self.sharing.copied_out(self._initial())
+            if self.own:  # again, now that it is known which keys have to be copied
+                self.variables, self.sharing, self.leaves.specs = Variables(), Sharing(), specs
+                node, ends = self._root()
         except RefusedError as error:
             if self.root.verdict != "failed":
                 self.root.problem("failed", str(error))
             return None
-        self.sharing.check({*self.variables.values, *self.variables.first})
+        self.sharing.check(self._initial())
         outcomes = {task_name(o): meaning_of(o) for o in self.root.outcomes or ()}
         on = {here: task_name(there) for here, there in ends.items() if here != task_name(there)}
         node = node.model_copy(update={"on": FrozenDict(on)})
         return self._checked(node, outcomes)
+
+    def _root(self) -> tuple[Any, Ends]:
+        keys = Keys(self.variables, self.name)
+        for key in self.root.input_keys:
+            keys(key)
+        return self.container(self.root, keys, None)
+
+    def _initial(self) -> set[str]:
+        return {*self.variables.values, *self.variables.first}
 
     # --- nodes ---
 
@@ -141,12 +153,14 @@ class TaskMaker:
         shared = {k: keys(remapping.get(k, k)) for k in (*state.input_keys, *state.output_keys)}
         copied = {k: shared.pop(k) for k in copied_in(state) if shared[k] not in self.variables.first}
         before = dict(self.variables.names), dict(self.leaves.specs)
+        out = {k: shared.pop(k) for k in state.output_keys if (state, k) in self.own and k in shared}
         writes = list(self.sharing.writes)
         try:
             self.sharing.chain.append(state)
             inner = Keys(self.variables, task_name(added.label), shared)
             node, ends = self.container(state, inner, meaning)
             self.sharing.shared.append((state, shared))
+            node = self._left(node, out, inner) if out else node
             return (self._entered(node, copied, inner) if copied else node), ends
         except RefusedError as error:
             self.sharing.writes = writes
@@ -171,6 +185,28 @@ class TaskMaker:
             on={"done": node.initial},
         )
         return node.model_copy(update={"initial": name, "children": FrozenDict({name: step, **node.children})})
+
+    def _left(self, node: StateMachine, out: Mapping[str, str], inner: Keys) -> StateMachine:
+        """Put a state before each outcome that copies keys out, as SMACH does."""
+        self.sharing.wrote_outside(set(out.values()))
+        taken = {*node.children, *node.outcomes}
+        names: dict[str, str] = {}
+        for outcome in node.outcomes:
+            name = f"leave {outcome}"
+            while name in taken:
+                name += "_"
+            names[outcome] = name
+        children = {
+            label: child.model_copy(update={"on": FrozenDict({k: names.get(t, t) for k, t in child.on.items()})})
+            for label, child in node.children.items()
+        }
+        used = {target for child in children.values() for target in child.on.values()}
+        spec = self.leaves.copy(list(out))
+        for outcome, name in names.items():
+            if name in used:
+                bound = {"in_": {key: inner(key) for key in out}, "out": dict(out)}
+                children[name] = Leaf(node=spec.manifest.id, on={"done": outcome}, **bound)
+        return node.model_copy(update={"children": FrozenDict(children)})
 
     def _leaf(
         self,

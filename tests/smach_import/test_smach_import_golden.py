@@ -10,7 +10,7 @@ from grip_bt.nodes.smach_source import load_legacy
 
 GOLDEN = Path(__file__).parents[1] / "smach_compat" / "data" / "smach_golden.jsonl"
 CASES = [case for line in GOLDEN.read_text().splitlines() if (case := json.loads(line))["spec"]["preempt_at"] is None]
-FEWEST_EXACT = 45
+FEWEST_EXACT = 66
 
 
 def per_path(trace):
