@@ -2,8 +2,8 @@
 
 An expression is one line over the variables of a task: literals, comparisons, `and or not`, `+ - * / // %` on
 numbers, membership (`in`, `not in`), `is None`, `len min max abs`, lists of values, and attributes of values whose
-names don't begin with an underscore (`grasp.quality`). Nothing else can be said, so nothing else can happen: no calls of
-anything but the four functions, no indexing, no powers, no text arithmetic. `grip_bt.graph.evaluation` computes it.
+names don't begin with an underscore (`grasp.quality`). Nothing else can be said, so nothing else can happen: no calls
+of anything but the four functions, no indexing, no powers, no text arithmetic. `grip_bt.graph.evaluation` computes it.
 """
 
 from __future__ import annotations
