@@ -286,4 +286,4 @@ def bind(target: ast.expr, value: Any, scope: Scope) -> None:
 
 
 def _size(value: Any) -> int:
-    return abs(value) if isinstance(value, (int, float)) else len(value)
+    return int(abs(value)) if isinstance(value, (int, float)) else len(value)

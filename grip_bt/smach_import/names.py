@@ -124,7 +124,8 @@ def express(node: ast.expr, scope: Scope) -> ast.expr:
     Raises:
         UnresolvedError: it uses what only a run knows.
     """
-    return _Expressed(scope).visit(copy.deepcopy(node))
+    made: ast.expr = _Expressed(scope).visit(copy.deepcopy(node))
+    return made
 
 
 def express_or_none(node: ast.expr, scope: Scope) -> ast.expr | None:

@@ -31,7 +31,15 @@ _CONTAINERS = (
     smach_compat.Iterator,
 )
 _BUILDERS = {"StateMachine", "Sequence", "Concurrence", "Iterator"}
-_REFUSED = ("subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "os.fork", "os.remove", "os.rename")
+_REFUSED: tuple[str, ...] = (
+    "subprocess.Popen",
+    "os.system",
+    "os.exec",
+    "os.posix_spawn",
+    "os.fork",
+    "os.remove",
+    "os.rename",
+)
 _REFUSED += ("os.rmdir", "os.mkdir", "os.truncate", "os.chmod", "os.link", "os.symlink", "shutil.", "socket.connect")
 _REFUSED += ("socket.bind", "socket.sendto", "os.kill")
 _WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC
@@ -64,11 +72,11 @@ class Recording:
             self.places[id(state)] = _place(sys._getframe(1), state)
             made(state, *arguments, **named)
 
-        smach_compat.State.__init__ = noting  # type: ignore[method-assign]
+        smach_compat.State.__init__ = noting  # type: ignore[method-assign,assignment]
         for cls in _CONTAINERS:
             cls.execute = _not_executed  # type: ignore[method-assign]
             if "add" in vars(cls):
-                cls.add = staticmethod(self._adding(cls.add))  # type: ignore[method-assign,attr-defined]
+                setattr(cls, "add", staticmethod(self._adding(vars(cls)["add"].__func__)))  # noqa: B010 - no one class has it
 
     def _adding(self, add: Callable[..., Any]) -> Callable[..., Any]:
         def adding(label: str, state: Any, *arguments: Any, **named: Any) -> Any:
@@ -190,7 +198,7 @@ def _guard() -> None:
         if writes or event.startswith(_REFUSED):
             raise PermissionError(f"{event} isn't allowed while machines are recorded")
 
-    threading.Thread.start = lambda self: None  # type: ignore[method-assign,assignment]
+    threading.Thread.start = lambda self: None  # type: ignore[method-assign]
     time.sleep = lambda seconds: None
     sys.stdin = io.StringIO()
     sys.addaudithook(hook)

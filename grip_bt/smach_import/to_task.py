@@ -57,7 +57,8 @@ class TaskMaker:
         keys = Keys(self.variables, self.name)
         for key in self.root.input_keys:
             keys(key)
-        return self.container(self.root, keys, None)
+        made: tuple[Any, Ends] = self.container(self.root, keys, None)
+        return made
 
     def _initial(self) -> set[str]:
         return {*self.variables.values, *self.variables.first}
@@ -266,7 +267,7 @@ class TaskMaker:
 
     def _target(self, found: FoundContainer, added: Added, outcome: str, names: Mapping[str, str]) -> str:
         target = added.transitions.get(outcome)
-        if target in names:
+        if target is not None and target in names:
             return names[target]
         target = target or outcome
         if target not in (found.outcomes or ()):
