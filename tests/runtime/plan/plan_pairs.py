@@ -55,7 +55,7 @@ class Pair:
         self, seed: int, *, calm: bool = False, wild: bool = True, watched: bool = False, hot: bool = False, **plan: Any
     ):
         self.logs: tuple[Log, Log] = ([], [])
-        self.trees = [Maker(seed, log, calm=calm, wild=wild).tree() for log in self.logs]
+        self.trees = [Maker(seed, log, calm=calm, wild=wild).tree(3 if seed % 3 else 4) for log in self.logs]
         self.visits: tuple[Log, Log] = ([], [])
         self.watched, self.hot = watched, hot
         self.plan = Plan(self.trees[1], self._visitor(1) if watched else None, **plan)
@@ -122,7 +122,7 @@ def _tail(left: Any, right: Any) -> Any:
     return f"from item {first}: {left[first : first + 4]}"
 
 
-def compare(seed: int, ticks: int = 14, edits: float = 0.25, methods: bool = True, **options: Any) -> str | None:
+def compare(seed: int, ticks: int = 8, edits: float = 0.3, methods: bool = True, **options: Any) -> str | None:
     """Tick twin trees, with edits in between; return how they differ."""
     rng = random.Random(seed + 1)
     with quiet_world() as world:

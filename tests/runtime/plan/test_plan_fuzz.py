@@ -17,7 +17,6 @@ WAYS: list[dict[str, Any]] = [
     {"watched": True},
     {"fixed_methods": True, "methods": False},
     {"hot": True},
-    {"hot": True, "edits": 0.0},
     {"hot": True, "wild": False},
     {"hot": True, "fixed_methods": True, "methods": False},
 ]
@@ -39,7 +38,7 @@ def test_a_plan_leaves_every_tree_as_py_trees_does(chunk: int) -> None:
 
 @pytest.mark.parametrize("chunk", range(CHUNKS))
 def test_a_plan_leaves_trees_that_settle_as_py_trees_does(chunk: int) -> None:
-    size = max(1, TREES // CHUNKS // 5)
+    size = max(1, TREES // CHUNKS // 10)
     for seed in range(FIRST + chunk * size, FIRST + (chunk + 1) * size):
-        found = compare(seed, ticks=40, calm=True, **CALM[seed % len(CALM)])
+        found = compare(seed, ticks=30, calm=True, **CALM[seed % len(CALM)])
         assert found is None, found
