@@ -64,6 +64,6 @@ def _value(text: str, wanted: Type) -> Any:
         return text.strip().lower() == "true"
     if wanted.name in ("int", "float"):
         number = int(text) if wanted.name == "int" else float(text)
-        if math.isfinite(number):
+        if isinstance(number, int) or math.isfinite(number):
             return number
     raise ValueError(f"{text!r} can't be read as {wanted}")

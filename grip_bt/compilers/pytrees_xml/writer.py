@@ -19,10 +19,25 @@ _TARGET = "py_trees' XML"
 _PLAIN = {"success": "success", "failure": "failure"}
 _KINDS = (
     *(model.Leaf, model.Sequence, model.Fallback, model.Parallel, model.Retry, model.Repeat),
-    *(model.Timeout, model.Invert, model.Force),
+    *(model.Timeout, model.Guard, model.Invert, model.Force),
 )
 _KEYS = {
-    *("doc", "on", "x", "kind", "children", "child", "exits", "memory", "policy", "cancel", "times", "seconds", "as_"),
+    *(
+        "doc",
+        "on",
+        "x",
+        "kind",
+        "children",
+        "child",
+        "exits",
+        "memory",
+        "policy",
+        "cancel",
+        "times",
+        "seconds",
+        "as_",
+        "if_",
+    ),
     *("node", "with_", "in_", "out"),
 }
 
@@ -100,6 +115,10 @@ def _container(part: Part) -> tuple[str, dict[str, str]]:
             return "Repeat", {"num_success": str(-1 if times is None else times)}
         case model.Timeout(seconds=seconds):
             return "Timeout", {"duration": str(seconds)}
+        case model.Guard(if_="true"):
+            return "PassThrough", {}
+        case model.Guard():
+            raise NotExpressibleError(part.path, "a guard", _TARGET)
         case model.Invert():
             return "Inverter", {}
         case model.Force(as_=forced):
