@@ -24,6 +24,7 @@ _ODD = re.compile(
     "[^\\n\\r -~\\xa0-\\u2027\\u202a-\\ud7ff\\ue000-\\ufefe\\uff00-\\ufffd\\U00010000-\\U0010ffff]"
     r"|[|>][-+0-9]*(#| *(#.*)?\r?\n +\r?\n)"
     r"|['\"]\s*:[^\s]"
+    r"|\r(?!\n)"
 )
 """What the two parsers don't read alike: tabs, odd ends of lines, and some unusual spellings."""
 
