@@ -23,6 +23,12 @@ export const KINDS: Record<string, string> = {
   timeout: "timeout",
   invert: "invert",
   force: "force",
+  guard: "guard",
+  cooldown: "cooldown",
+  switch: "switch",
+  loop: "loop",
+  for_each: "for each",
+  foreign: "py_trees behaviour",
 };
 
 /** `success`, `none (success)`, `failure.no_plan`, `running` ... */

@@ -14,6 +14,12 @@ const KIND_SHAPES: Record<string, JSX.Element> = {
   timeout: <path d="M8 3a5.5 5.5 0 1 0 .01 0M8 5.5V9l2 1.5M6.5 1h3" />,
   invert: <path d="M5 2v11M2 10.5 5 13.5l3-3M11 14V3M8 5.5l3-3 3 3" />,
   force: <path d="M8 2v8M8 13v.5M3 2h10" />,
+  guard: <path d="M8 2 3 4v4c0 3 2 5 5 6 3-1 5-3 5-6V4z" />,
+  cooldown: <path d="M8 2v12M2.8 5l10.4 6M13.2 5 2.8 11" />,
+  switch: <path d="M2 8h4l4-4h3.5M6 8l4 4h3.5M11.5 2l2 2-2 2M11.5 10l2 2-2 2" />,
+  loop: <path d="M13 8a5 5 0 1 1-1.5-3.5M12 1.5v3.3H8.7" />,
+  for_each: <path d="M2 4h6M2 8h6M2 12h6M11 3v10M9 11l2 2 2-2" />,
+  foreign: <path d="M5 3 1.5 8 5 13M11 3l3.5 5-3.5 5" />,
 };
 
 export function KindIcon({ kind }: { kind: string }): JSX.Element {
