@@ -29,7 +29,7 @@ def run(args: argparse.Namespace) -> int:
         print("[]" if args.json else f"no runs yet in {journal}")
         return 0
     with JournalReader(journal) as reader:
-        runs = reader.runs()
+        runs = sorted(reader.runs(), key=lambda record: record.started)
     if args.json:
         print(json.dumps([asdict(r) for r in runs]))
         return 0
