@@ -62,9 +62,10 @@ gui: ## build the page into gui/grip_gui/static
 	cd gui/frontend && npm ci --no-audit --no-fund && npm run build
 
 lock: ## resolve the dependencies anew (needs uv)
-	uv pip compile pyproject.toml --extra all --group dev --override requirements/overrides.txt --universal \
-	    --python-version 3.11 --no-header --no-emit-index-url --no-emit-find-links -o requirements/lock.txt
-	printf 'hatchling\neditables\n' | uv pip compile - --universal --python-version 3.11 --no-header --no-annotate \
+	uv pip compile pyproject.toml --extra all --group dev --override requirements/overrides.txt --universal -q \
+	    --python-version 3.11 --no-header --no-annotate --no-emit-index-url --no-emit-find-links -o requirements/lock.txt
+	sed -i "/sys_platform == 'never'/d" requirements/lock.txt
+	printf 'hatchling\neditables\n' | uv pip compile - --universal -q --python-version 3.11 --no-header --no-annotate \
 	    --no-emit-index-url --no-emit-find-links -o requirements/build.txt
 
 clean: ## remove the environment and everything built
