@@ -164,6 +164,18 @@ class MissingPartError(GripError):
         super().__init__(f"{what} isn't available here. To mend it: {remedy}")
 
 
+class ProjectExistsError(GripError):
+    """A new project was asked for where something is already.
+
+    Attributes:
+        folder: the folder, or file, that was named.
+    """
+
+    def __init__(self, folder: Any):
+        self.folder = str(folder)
+        super().__init__(f"{folder} isn't an empty folder; nothing was written. Name a folder that isn't there yet")
+
+
 class ImplementationError(GripError):
     """A node's code can't be imported; `node` is its id, `implementation` what its manifest names."""
 

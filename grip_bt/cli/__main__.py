@@ -14,7 +14,20 @@ from importlib import import_module
 from grip_bt import __version__
 from grip_bt.errors import GripError, NodeError
 
-VERBS = ("demo", "check", "fmt", "run", "convert", "import_", "component", "interfaces", "edit", "runs", "doctor")
+VERBS = (
+    "demo",
+    "new",
+    "check",
+    "fmt",
+    "run",
+    "convert",
+    "import_",
+    "component",
+    "interfaces",
+    "edit",
+    "runs",
+    "doctor",
+)
 INVALID, NODE_ERROR, STOPPED = 1, 4, 130
 
 

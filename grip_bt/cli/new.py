@@ -1,0 +1,25 @@
+"""`grip new`: a project folder with a first task that runs."""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+from typing import Any
+
+
+def add_parser(subparsers: Any) -> None:
+    """Add the verb."""
+    parser = subparsers.add_parser("new", help="make a project folder with a first task that runs")
+    parser.add_argument("folder", metavar="DIR", help="a folder that isn't there yet, or is empty")
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Make the project and say how to go on."""
+    from grip_bt.app.new_project import make_project
+
+    written = make_project(args.folder)
+    print(f"{args.folder}: {', '.join(str(file) for file in written)}")
+    folder = shlex.quote(args.folder)
+    print(f"next: grip run {folder}/tasks/first.yaml --robot fake, or `grip edit {folder}`")
+    return 0
