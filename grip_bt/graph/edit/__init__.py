@@ -27,6 +27,7 @@ from .commands import (
 )
 from .documents import Edited, apply_to_document
 from .history import History, Moment
+from .rewriting import rewrite
 from .steps import path_after
 
 __all__ = [
@@ -59,5 +60,6 @@ __all__ = [
     "apply_to_document",
     "command_of",
     "path_after",
+    "rewrite",
     "title_of",
 ]

@@ -44,7 +44,7 @@ def apply_to_document(document: Document, command: AnyCommand) -> Edited:
             nothing has changed.
     """
     done = apply(document.task, command)
-    if isinstance(command, Patch) and command.restore and command.restore.digest == _digest(document.text):
+    if isinstance(command, Patch) and command.restore and command.restore.digest == digest_of(document.text):
         text, splices, sources = _restored(document.text, command.restore), command.restore.splices, {}
     else:
         draft = Text(document.text)
@@ -57,7 +57,7 @@ def apply_to_document(document: Document, command: AnyCommand) -> Edited:
     inverse = Patch(
         title=done.inverse.title,
         steps=tuple(_with_source(step, sources.get(n)) for n, step in enumerate(done.inverse.steps)),
-        restore=Restore(digest=_digest(text), splices=back),
+        restore=Restore(digest=digest_of(text), splices=back),
     )
     return Edited(after, inverse, done.steps, splices)
 
@@ -90,5 +90,6 @@ def _with_source(step: Step, source: str | None) -> Step:
     return step
 
 
-def _digest(text: str) -> str:
+def digest_of(text: str) -> str:
+    """Return what tells whether a text is still the one that an inverse was made for."""
     return blake2b(text.encode(errors="surrogatepass"), digest_size=16).hexdigest()
