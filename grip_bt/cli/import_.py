@@ -1,14 +1,17 @@
-"""`grip import`: tasks from elsewhere."""
+"""`grip import`: tasks from elsewhere; this file is the verb and SMACH, each other source has one of its own."""
 
 from __future__ import annotations
 
 import argparse
 import json
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from grip_bt.errors import GripError
+
+from . import import_pytrees
 
 if TYPE_CHECKING:
     from grip_bt.smach_import import ImportedFile
@@ -16,15 +19,20 @@ if TYPE_CHECKING:
 
 def add_parser(subparsers: Any) -> None:
     """Add the verb."""
-    parser = subparsers.add_parser("import", help="tasks from elsewhere: SMACH machines in Python files")
-    parser.add_argument("path", type=Path, metavar="PATH", help="a Python file, or a folder of them")
-    parser.add_argument("--from", dest="source", required=True, choices=("smach",), help="what it is")
+    parser = subparsers.add_parser("import", help="tasks from elsewhere: SMACH machines, py_trees trees")
+    parser.add_argument(
+        "path",
+        type=Path,
+        metavar="PATH",
+        help="smach: a Python file, or a folder of them; pytrees: an XML file, or module:factory with --execute",
+    )
+    parser.add_argument("--from", dest="source", required=True, choices=sorted(IMPORTERS), help="what it is")
     parser.add_argument(
         "-o",
         "--output",
         type=Path,
         metavar="OUT",
-        help="a .yaml file for one machine, a folder for several; without it nothing is written",
+        help="a .yaml file for one task, a folder for several; without it smach writes nothing, the others stdout",
     )
     parser.add_argument("--machine", metavar="NAME", help="only this one of several machines")
     parser.add_argument(
@@ -36,12 +44,17 @@ def add_parser(subparsers: Any) -> None:
         "--arguments",
         type=Path,
         metavar="FILE",
-        help="for --execute, JSON: class or function -> parameter -> value",
+        help="for --execute of smach, JSON: class or function -> parameter -> value",
     )
     parser.set_defaults(run=run, usage_error=parser.error)
 
 
 def run(args: argparse.Namespace) -> int:
+    """Import from one source."""
+    return IMPORTERS[args.source](args)
+
+
+def import_smach(args: argparse.Namespace) -> int:
     """Report on every container; 1 when one of them wasn't imported."""
     from grip_bt.smach_import import import_file, import_with_execution
 
@@ -126,3 +139,10 @@ def _write(imports: list[ImportedFile], args: argparse.Namespace) -> None:
 
 def _stem(imported: ImportedFile, name: str) -> str:
     return name if name == imported.file.stem else f"{imported.file.stem}_{name}"
+
+
+# Each source is one entry; what it needs is imported when it is asked for.
+IMPORTERS: dict[str, Callable[[argparse.Namespace], int]] = {
+    "smach": import_smach,
+    "pytrees": import_pytrees.run,
+}

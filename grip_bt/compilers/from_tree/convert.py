@@ -79,6 +79,8 @@ class _Reader:
                 for label, means in _ends(child, below).items()
                 if means == "failure"
             }
+        if equal.selected:
+            keys["rules"] = _rules(behaviour, children, equal.selected)
         if "node" in keys or keys["kind"] == "foreign":
             return keys
         return {**keys, "children" if keys["kind"] in _COMPOSITES else "child": children}
@@ -114,6 +116,19 @@ class _Reader:
             if on and id(child) not in self.documents:
                 result[name]["on"] = on
         return result
+
+
+def _rules(behaviour: Behaviour, children: Mapping[str, Any], selected: tuple[int, ...]) -> list[dict[str, Any]]:
+    """Return the rules of a parallel that succeeds with some of its children: any failure comes before that."""
+    when: dict[str, Any] = {}
+    for (name, below), child in zip(children.items(), behaviour.children, strict=True):
+        labels = [label for label, means in _ends(child, below).items() if means == "success"]
+        when[name] = labels[0] if len(labels) == 1 else labels
+    chosen = [name for n, name in enumerate(children) if n in selected]
+    return [
+        {"at_least": 1, "ends": "failure", "then": "failure"},
+        {"when": {name: when[name] for name in chosen}, "then": "success"},
+    ]
 
 
 def _ends(behaviour: Behaviour, keys: Mapping[str, Any]) -> Mapping[str, str]:

@@ -22,11 +22,13 @@ class Equal:
     Attributes:
         settings: keys of the node, `kind` or `node` among them.
         failures: whether a child's failure ends it at once, which its kind wouldn't.
+        selected: positions of the children of a parallel whose successes are its own; empty where all count.
         remark: what to know about it.
     """
 
     settings: dict[str, Any] = field(default_factory=dict)
     failures: bool = False
+    selected: tuple[int, ...] = ()
     remark: str = ""
 
 
@@ -67,9 +69,21 @@ def _parallel(node: Any) -> Equal:
     if type(policy) is ParallelPolicy.SuccessOnOne:
         # The first failure ends it too, and before a success is looked at: that is what an exit does.
         return Equal({"kind": "parallel", "policy": "any"}, failures=True)
-    if type(policy) is ParallelPolicy.SuccessOnAll:
+    if type(policy) in (ParallelPolicy.SuccessOnAll, ParallelPolicy.SuccessOnSelected) and not policy.synchronise:
         raise NoEqual("a Parallel with synchronise=False ticks again those that have succeeded, which no task does")
-    raise NoEqual(f"a Parallel with {type(policy).__name__} succeeds when some have, which no rule of a task says")
+    if type(policy) is ParallelPolicy.SuccessOnSelected:
+        return _selected(node)
+    raise NoEqual(f"a Parallel with {type(policy).__name__}: what that decides isn't known")
+
+
+def _selected(node: Any) -> Equal:
+    chosen = {id(child) for child in node.policy.children}
+    positions = tuple(n for n, child in enumerate(node.children) if id(child) in chosen)
+    if not chosen or len(positions) < len(chosen):
+        raise NoEqual(
+            "a Parallel with SuccessOnSelected needs a selection of its own children; py_trees refuses it too"
+        )
+    return Equal({"kind": "parallel"}, selected=positions)
 
 
 def _retry(node: Any) -> Equal:

@@ -22,7 +22,11 @@ def make_tree(random: Random, depth: int = 4) -> Behaviour:
         )()
     if random.random() < 0.55:
         children = [make_tree(random, depth - 1) for _ in range(random.choice((0, 1, 2, 2, 3, 4)))]
-        policy = random.choice((ParallelPolicy.SuccessOnAll(synchronise=True), ParallelPolicy.SuccessOnOne()))
+        policies = [ParallelPolicy.SuccessOnAll(synchronise=True), ParallelPolicy.SuccessOnOne()]
+        if children:
+            chosen = random.sample(children, random.randint(1, len(children)))
+            policies.append(ParallelPolicy.SuccessOnSelected(chosen, synchronise=True))
+        policy = random.choice(policies)
         memory = random.random() < 0.5
         return random.choice(
             (

@@ -113,6 +113,10 @@ def stuck() -> Behaviour:
         (lambda: decorators.Timeout("x", stuck(), 0.0), "a Timeout of 0 s is over at once"),
         (lambda: composites.Parallel("x", ParallelPolicy.SuccessOnAll(False), [stuck()]), "synchronise=False"),
         (lambda: composites.Parallel("x", ParallelPolicy.SuccessOnSelected([])), "SuccessOnSelected"),
+        (
+            lambda: composites.Parallel("x", ParallelPolicy.SuccessOnSelected([s := stuck()], False), [s]),
+            "synchronise=False",
+        ),
         (lambda: type("Mine", (composites.Sequence,), {})("x", True), "Mine can't be imported by a name"),
     ],
 )

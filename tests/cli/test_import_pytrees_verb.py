@@ -1,0 +1,99 @@
+"""`grip import --from pytrees`: XML is read, code is run only when somebody says so, in a process of its own."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from grip_bt.graph import loads
+
+XML = (
+    '<root main_tree_to_execute="Main"><BehaviorTree ID="Main"><Sequence>'
+    '<flow.succeed/><Retry num_failures="3"><flow.fail/></Retry></Sequence></BehaviorTree></root>'
+)
+CODE = """\
+import py_trees
+from py_trees.behaviours import Success
+from py_trees.common import OneShotPolicy, ParallelPolicy
+
+print("a word of the module")
+
+
+def build():
+    one, two = Success("one"), py_trees.timers.Timer("two", duration=0.1)
+    return py_trees.composites.Parallel("both", ParallelPolicy.SuccessOnSelected([two]), [one, two])
+
+
+def refused():
+    return py_trees.decorators.OneShot("o", Success("x"), OneShotPolicy.ON_COMPLETION)
+
+
+def leaves():
+    raise SystemExit(3)
+
+
+tree = py_trees.trees.BehaviourTree(build())
+"""
+
+
+@pytest.fixture
+def grip(tmp_path):
+    (tmp_path / "tree.xml").write_text(XML)
+    (tmp_path / "mine.py").write_text(CODE)
+
+    def call(*arguments):
+        command = [sys.executable, "-m", "grip_bt.cli.__main__", *map(str, arguments)]
+        environment = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
+        return subprocess.run(command, capture_output=True, text=True, timeout=100, cwd=tmp_path, env=environment)
+
+    return call
+
+
+def test_an_xml_file_becomes_a_task_on_stdout(grip):
+    done = grip("import", "tree.xml", "--from", "pytrees")
+    assert done.returncode == 0
+    assert loads(done.stdout).root.children["Retry"].times == 3
+    assert "flow_succeed: was called 'flow.succeed'" in done.stderr
+
+
+def test_a_factory_is_run_only_with_consent_and_its_task_runs(grip, tmp_path):
+    refused = grip("import", "mine:build", "--from", "pytrees")
+    assert refused.returncode == 1
+    assert "if you trust it, say so with --execute" in refused.stderr
+    done = grip("import", "mine:build", "--from", "pytrees", "--execute", "-o", "tasks")
+    assert (done.returncode, done.stdout) == (0, "")
+    assert "a word of the module" not in done.stderr
+    ran = grip("run", "tasks/both.yaml", "--robot", "fake")
+    assert ran.stdout.startswith("success: success")
+
+
+def test_a_tree_that_is_there_is_taken_too_and_foreign_files_are_kept(grip, tmp_path):
+    assert loads(grip("import", "mine:tree", "--from", "pytrees", "--execute").stdout).root.kind == "parallel"
+    (tmp_path / "both.yaml").write_text("mine")
+    done = grip("import", "mine:tree", "--from", "pytrees", "--execute", "-o", "both.yaml")
+    assert done.returncode == 1
+    assert "would be overwritten" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("where", "said"),
+    [
+        ("mine:refused", "OneShot: what it remembers outlives its container"),
+        ("mine:leaves", "mine:leaves: SystemExit: 3"),
+        ("mine:nothing", "has no attribute 'nothing'"),
+        ("nowhere:build", "No module named 'nowhere'"),
+        ("mine:XML:a", "has no attribute"),
+        ("mine:py_trees.common.Status.SUCCESS", "which is no py_trees behaviour"),
+    ],
+)
+def test_what_gives_no_task_is_said_in_one_line(grip, where, said):
+    done = grip("import", where, "--from", "pytrees", "--execute")
+    assert done.returncode == 1
+    assert said in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_options_of_another_source_are_a_usage_error(grip):
+    assert grip("import", "tree.xml", "--from", "pytrees", "--execute").returncode == 2
+    assert grip("import", "tree.xml", "--from", "pytrees", "--machine", "a").returncode == 2
