@@ -24,6 +24,7 @@ class Issue:
         line: 1-based, None without a document.
         column: 1-based, None without a document.
         source: the file's name as it was given.
+        key: keys within the node that lead to it, such as `("in", "cloud")`; empty for the node as a whole.
     """
 
     path: str
@@ -34,6 +35,7 @@ class Issue:
     line: int | None = None
     column: int | None = None
     source: str = ""
+    key: tuple[str | int, ...] = ()
 
     def __str__(self) -> str:
         place = self.source

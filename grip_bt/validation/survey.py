@@ -12,6 +12,7 @@ from grip_bt.graph import (
     ForEach,
     Leaf,
     StateMachine,
+    Subtask,
     Task,
     Variable,
     children_of,
@@ -25,6 +26,7 @@ from grip_bt.graph.expression import parse_expression
 
 from .codes import SEVERITY
 from .issue import Issue
+from .subtasks import Subtasks
 
 Key = str | tuple[str | int, ...] | None
 
@@ -41,6 +43,8 @@ class Declared:
     variable: Variable | str
     bit: int
     type: Type | None
+    key: str = "data"
+    """Where it is declared: `data`, or `inputs` or `outputs` of a task."""
 
     @property
     def type_text(self) -> str:
@@ -67,7 +71,7 @@ class Spot:
         parent: None for the root.
         scope: the variables that it sees; a container's own included.
         around: the variables that it sees without its own.
-        manifest: of a leaf whose type is known.
+        manifest: of a leaf whose type is known, and of a subtask whose file is.
         outcomes: its outcomes and their meanings; of a leaf of unknown type, whatever the task expects of it.
         children: by name, in order.
         reads: variables that it or anything below it reads.
@@ -89,7 +93,7 @@ class Spot:
     @property
     def codes(self) -> tuple[str, ...] | None:
         """Failure codes that it may end with; None when they aren't known."""
-        return self.manifest.codes if self.manifest is not None else None
+        return self.manifest.codes if self.manifest is not None and isinstance(self.node, Leaf) else None
 
     def scope_of(self, key: str) -> Scope:
         """Return the variables that its expression at `key` sees: of a precondition, those around the node."""
@@ -119,15 +123,21 @@ class Survey:
         catalog: the nodes that exist.
         spots: every node, parents first, in document order.
         declared: every variable, in document order.
+        subtasks: what is known of the files that it runs.
         issues: what rules have found.
+        written: output of the task -> its outcomes with which it has surely been written; the data flow says so.
     """
 
-    def __init__(self, task: Task, catalog: Catalog, document: Document | None = None):
+    def __init__(
+        self, task: Task, catalog: Catalog, document: Document | None = None, subtasks: Subtasks | None = None
+    ):
         self.task, self.catalog = task, catalog
+        self.subtasks = subtasks or Subtasks(catalog, lambda inside: ([], {}))
+        self.written: dict[str, tuple[str, ...]] = {}
         self._document = document
         self.declared: list[Declared] = []
         self.issues: list[Issue] = []
-        self.task_scope = self._scope({}, "", task.data)
+        self.task_scope = self._scope({}, "", task.variables)
         self.spots = self._spots()
         for spot in reversed(self.spots):
             self._sum_up(spot)
@@ -149,7 +159,8 @@ class Survey:
         place = self._document.position(path, key) if self._document else None
         line, column = place or (None, None)
         source = self._document.source if self._document else ""
-        self.issues.append(Issue(path, code, SEVERITY[code], message, fix, line, column, source))
+        keys = (key,) if isinstance(key, str) else key or ()
+        self.issues.append(Issue(path, code, SEVERITY[code], message, fix, line, column, source, keys))
 
     def _scope(self, outer: Scope, owner: str, data: Mapping[str, Variable | str]) -> Scope:
         if not data:
@@ -157,7 +168,8 @@ class Survey:
         scope = dict(outer)
         for name, variable in data.items():
             bit = 1 << len(self.declared)
-            scope[name] = Declared(name, owner, variable, bit, _type_of(variable))
+            key = "data" if owner or name in self.task.data else "inputs" if name in self.task.inputs else "outputs"
+            scope[name] = Declared(name, owner, variable, bit, _type_of(variable), key)
             self.declared.append(scope[name])
         return scope
 
@@ -170,6 +182,9 @@ class Survey:
             node, spot.around = spot.node, spot.scope
             if isinstance(node, Leaf):
                 self._look_up(spot, node)
+                continue
+            if isinstance(node, Subtask):
+                self._look_inside(spot, node)
                 continue
             spot.outcomes = outcomes_of(node)
             spot.scope = self._scope(spot.scope, spot.path, node.data)
@@ -194,9 +209,16 @@ class Survey:
         else:
             spot.outcomes = _expected_outcomes(spot)
 
+    def _look_inside(self, spot: Spot, node: Subtask) -> None:
+        manifest = spot.manifest = self.subtasks.look(node.task).face
+        if manifest is None:
+            spot.outcomes = _expected_outcomes(spot)
+        else:
+            spot.outcomes = with_refusal(node, manifest.outcomes_for(dict(node.meaning)))
+
     def _sum_up(self, spot: Spot) -> None:
         node = spot.node
-        if isinstance(node, Leaf):
+        if isinstance(node, Leaf | Subtask):
             for bound, is_read in ((node.in_, True), (node.out, False)):
                 for name in bound.values():
                     declared = spot.scope.get(name)
@@ -225,7 +247,7 @@ def _expected_outcomes(spot: Spot) -> dict[str, str]:
     """Return what a task expects of a leaf that isn't known, so that one wrong name isn't reported many times."""
     expected = dict.fromkeys((key.partition(".")[0] for key in spot.node.on), "failure")
     parent = spot.parent.node if spot.parent is not None else None
-    if parent is not None and not isinstance(parent, Leaf | StateMachine):
+    if parent is not None and not isinstance(parent, Leaf | Subtask | StateMachine):
         for key in parent.exits:
             child, _, label = key.partition(".")
             if child == spot.name:
@@ -236,5 +258,5 @@ def _expected_outcomes(spot: Spot) -> dict[str, str]:
         expected["failure"] = "failure"
     if "success" in expected or not spot.in_machine:
         expected["success"] = "success"
-    assert isinstance(spot.node, Leaf)
+    assert isinstance(spot.node, Leaf | Subtask)
     return {**expected, **spot.node.meaning}

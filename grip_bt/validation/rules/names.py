@@ -30,7 +30,7 @@ def check_names(survey: Survey) -> None:
             if declared.required and port not in node.in_:
                 survey.add(
                     spot.path,
-                    "in" if node.in_ else None,
+                    ("in", port),
                     "missing-input",
                     f"{manifest.id} needs the input {port!r} ({declared.type})",
                     f"bind it: `in: {{{port}: <variable>}}`",
@@ -78,7 +78,7 @@ def _parameters(survey: Survey, path: str, node: Leaf, manifest: Manifest) -> No
         elif parameter.required:
             survey.add(
                 path,
-                "with" if node.with_ else None,
+                ("with", name),
                 "missing-parameter",
                 f"{manifest.id} needs the parameter {name!r} ({parameter.type})",
                 f"give it: `with: {{{name}: ...}}`",

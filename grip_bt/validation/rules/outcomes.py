@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 
 from grip_bt.errors import listing, nearest
-from grip_bt.graph import Foreign, Leaf, Parallel, StateMachine, Switch, Task, cases_of
+from grip_bt.graph import Parallel, StateMachine, Switch, Task, cases_of
 from grip_bt.graph.evaluation import same_literal
+from grip_bt.graph.model import Childless
 
+from ..ends import root_target
 from ..possible import Possible
 from ..survey import Spot, Survey
 from ..wording import take_hint
@@ -25,11 +27,9 @@ def check_outcomes(survey: Survey, possible: Possible) -> None:
                 "a precondition that is false ends the node with `failure`, which means success here",
                 "give the outcome that means success another name",
             )
-        if isinstance(node, Leaf | Foreign):
-            pass
-        elif isinstance(node, StateMachine):
+        if isinstance(node, StateMachine):
             _machine(survey, spot, node)
-        else:
+        elif not isinstance(node, Childless):
             if not spot.children:
                 survey.add(
                     spot.path,
@@ -204,7 +204,7 @@ def _uncovered(survey: Survey, child: Spot, outcome: str) -> None:
     only = f"; {listing(codes)} covers only failures with that code" if codes else ""
     survey.add(
         child.path,
-        "on" if child.node.on else None,
+        ("on", outcome),
         "missing-target",
         f"it may end with {outcome!r}, which leads nowhere{only}",
         f"add `{outcome}: <sibling or outcome>` to its `on`",
@@ -234,17 +234,12 @@ def _root(survey: Survey, task: Task) -> None:
         if outcome not in task.root.on and root_target(task, outcome, meaning) is None:
             survey.add(
                 "/",
-                "on" if task.root.on else None,
+                ("on", outcome),
                 "missing-target",
                 f"the root may end with {outcome!r}, which leads to no outcome of the task",
                 f"add `{outcome}: <one of {listing(task.outcomes)}>` to the root's `on`",
             )
     _unused(survey, "", task.outcomes, _root_targets(task, root), "`on` of the root")
-
-
-def root_target(task: Task, outcome: str, meaning: str) -> str | None:
-    """Return the task's outcome for an end of the root that `on` doesn't map: the same word, or else its meaning."""
-    return next((target for target in (outcome, meaning) if target in task.outcomes), None)
 
 
 def _root_targets(task: Task, root: Spot) -> Iterator[str]:

@@ -1,0 +1,38 @@
+"""Fixes as commands: each one can be carried out, and the issue is gone."""
+
+import pytest
+from test_validation_rules import EXAMPLES, catalog  # noqa: F401  (a fixture)
+
+from grip_bt.graph import read_text
+from grip_bt.graph.edit import apply_to_document
+from grip_bt.validation import SEVERITY, validate
+from grip_bt.validation.fixes import MOST, Fixer
+
+NOT_FIXED = {
+    "wrong-parameter-type", "missing-parameter", "unknown-type", "wrong-initial-value", "bad-expression",
+    "wrong-expression-type", "read-before-write", "contradictory-outcome", "ambiguous-target", "ambiguous-case",
+    "endless-machine", "dead-end", "empty-container",
+}  # fmt: skip
+"""What only a person can know."""
+
+
+@pytest.mark.parametrize("code", [code for code in SEVERITY if code not in NOT_FIXED])
+def test_every_fix_removes_its_issue(code, catalog):  # noqa: F811
+    document = read_text(EXAMPLES[code][0])
+    issues = [i for i in validate(document.task, catalog, document).issues if i.code == code]
+    fixer = Fixer(document.task, catalog)
+    assert any(fixer.fixes(issue) for issue in issues)
+    for issue in issues:
+        fixes = fixer.fixes(issue)
+        assert len(fixes) <= MOST
+        for fix in fixes:
+            after = apply_to_document(document, fix.command).document
+            left = [(i.path, i.key) for i in validate(after.task, catalog).issues if i.code == code]
+            assert (issue.path, issue.key) not in left, fix.title
+
+
+def test_what_only_a_person_knows_has_no_fix(catalog):  # noqa: F811
+    for code in NOT_FIXED:
+        document = read_text(EXAMPLES[code][0])
+        fixer = Fixer(document.task, catalog)
+        assert not any(fixer.fixes(issue) for issue in validate(document.task, catalog).issues)
