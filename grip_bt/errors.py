@@ -97,6 +97,19 @@ class EditError(GripError):
         super().__init__(f"{path or 'the task'}: {message}")
 
 
+class SubtaskError(GripError):
+    """A file can't be run as a subtask.
+
+    Attributes:
+        file: its name, as `task:` of the subtask has it.
+        reason: why, and what to do.
+    """
+
+    def __init__(self, file: str, reason: str):
+        self.file, self.reason = file, reason
+        super().__init__(f"subtask {file!r}: {reason}")
+
+
 class NotExpressibleError(GripError):
     """A compiler can't express a node exactly in the target form; it refuses instead of approximating."""
 
@@ -311,6 +324,18 @@ class ServerTimeOutError(ExpectedError):
     """An external component didn't answer in time."""
 
     code = "timed_out"
+
+
+class GoalRejectedError(ExpectedError):
+    """An external action's server didn't take the goal."""
+
+    code = "rejected"
+
+
+class GoalAbortedError(ExpectedError):
+    """An external action's server gave the goal up; `data['result']` holds what it said about it, by field."""
+
+    code = "aborted"
 
 
 class BadReplyError(ExpectedError):

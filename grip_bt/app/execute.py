@@ -10,7 +10,6 @@ from typing import Any, Literal
 
 from grip_bt.compilers import to_machine, to_tree
 from grip_bt.graph import Document, read
-from grip_bt.graph.model import Leaf, walk
 from grip_bt.runtime import Journal, RunContext, Runner, RunResult
 from grip_bt.validation import Report, validate
 
@@ -80,7 +79,7 @@ def open_session(path: str | Path, options: RunOptions, progress: Progress = sil
     catalog = project.catalog()
     compile_task = to_machine if options.target == "sm" else to_tree
     compiled = compile_task(document.task, catalog, data=options.data)
-    needs = {node.node for _, node in walk(document.task.root) if isinstance(node, Leaf)}
+    needs = {leaf.manifest.id for leaf in compiled.leaves.values()}
     parts = open_resources(project, needs, options.robot, options.seed, options.pace, progress)
     with parts as resources, Journal(options.journal or project.journal) as journal:
         context = RunContext(

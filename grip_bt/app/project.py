@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
-from grip_bt.catalog import Catalog, find_manifests
+from grip_bt.catalog import Catalog, TaskFolder, find_manifests
 from grip_bt.catalog.sensors import sensor_manifest
 from grip_bt.graph.settings_file import read_model
 
@@ -89,12 +89,12 @@ class Project:
         return {p.parent.name: p.parent for p in self._files(self.file.components, "*/component.yaml")}
 
     def catalog(self) -> Catalog:
-        """Return the built-in nodes, the project's sensors, its components' nodes and its own nodes."""
+        """Return the built-in nodes, the project's sensors, components' nodes, own nodes and task files."""
         manifests = [sensor_manifest(name) for name in self.file.sensors]
         for folder in (self.file.components, self.file.nodes):
             if folder is not None and (self.folder / folder).is_dir():
                 manifests += find_manifests(self.folder / folder)
-        return Catalog.builtin().with_manifests(manifests)
+        return Catalog.builtin().with_manifests(manifests).with_tasks(TaskFolder(self.folder))
 
     def _files(self, folder: str | None, pattern: str) -> list[Path]:
         return [] if folder is None else sorted((self.folder / folder).glob(pattern))

@@ -4,17 +4,23 @@ from .catalog import Catalog
 from .implementation import load_implementation
 from .manifest import InputPort, Manifest, NodeId, OutputPort, Parameter
 from .reader import find_manifests, read_manifests
+from .subtasks import NoTaskFiles, TaskFiles, TaskFolder, TaskTexts, face_of
 from .types import Type, check_value, is_assignable, parse_type
 
 __all__ = [
     "Catalog",
     "InputPort",
     "Manifest",
+    "NoTaskFiles",
     "NodeId",
     "OutputPort",
     "Parameter",
+    "TaskFiles",
+    "TaskFolder",
+    "TaskTexts",
     "Type",
     "check_value",
+    "face_of",
     "find_manifests",
     "is_assignable",
     "load_implementation",

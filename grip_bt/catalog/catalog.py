@@ -10,6 +10,7 @@ from grip_bt.errors import DocumentError, UnknownNameError
 
 from .manifest import Manifest
 from .reader import read_manifests
+from .subtasks import NoTaskFiles, TaskFiles
 
 _BUILTIN = Path(__file__).parent / "builtin"
 
@@ -19,12 +20,17 @@ class Catalog:
 
     Args:
         manifests: no two with the same id.
+        tasks: where the files of subtasks are; without it, there are none.
+
+    Attributes:
+        tasks: likewise.
 
     Raises:
         DocumentError: two manifests have the same id.
     """
 
-    def __init__(self, manifests: Iterable[Manifest] = ()):
+    def __init__(self, manifests: Iterable[Manifest] = (), tasks: TaskFiles | None = None):
+        self.tasks: TaskFiles = NoTaskFiles() if tasks is None else tasks
         self._manifests: dict[str, Manifest] = {}
         for manifest in manifests:
             if manifest.id in self._manifests:
@@ -64,8 +70,14 @@ class Catalog:
         Raises:
             DocumentError: two of `more` have the same id.
         """
-        made = Catalog(more)
+        made = Catalog(more, self.tasks)
         made._manifests = {**self._manifests, **made._manifests}
+        return made
+
+    def with_tasks(self, tasks: TaskFiles) -> Catalog:
+        """Return a catalogue with the same nodes that looks for the files of subtasks in `tasks`."""
+        made = Catalog((), tasks)
+        made._manifests = self._manifests
         return made
 
     def __contains__(self, id: object) -> bool:

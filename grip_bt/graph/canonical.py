@@ -12,7 +12,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from . import model
-from .shape import CHILDREN, FREE, child_nodes, keys_of, model_of
+from .shape import CHILDREN, DECLARING, FREE, child_nodes, keys_of, model_of
 from .syntax import Entry, Mapping, Scalar, Value, entries_of, plain, tree_of
 from .writer import write
 
@@ -45,7 +45,7 @@ def _arrange_node(node: Mapping, blocks: set[int], whole: bool = False) -> None:
     """Arrange a node's entries, and add to `blocks` what always stands one entry a line."""
     shape = model_of(node) or model.Leaf
     _arrange(node, shape, whole)
-    if shape not in (model.Leaf, model.Foreign):
+    if shape not in (model.Leaf, model.Foreign, model.Subtask):
         blocks.add(id(node))
         blocks.update(id(node.entries[key].value) for key in CHILDREN if key in node.entries)
 
@@ -106,7 +106,7 @@ def _task_data(task: model.Task) -> dict[str, Any]:
         node, key, parent = todo.pop()
         parent[key] = mine = data_of(node, CHILDREN)
         below = model.children_of(node)
-        if not isinstance(node, model.Leaf | model.Foreign):
+        if not isinstance(node, model.Childless):
             children: dict[str, Any] = dict.fromkeys(below)
             mine["child" if hasattr(node, "child") else "children"] = children
             todo.extend((child, name, children) for name, child in below.items())
@@ -127,7 +127,9 @@ def data_of(shape: BaseModel, skipped: tuple[str, ...] = ()) -> dict[str, Any]:
             or name in shape.model_fields_set
             or value != field.get_default(call_default_factory=True)
         ):
-            data[field.alias or name] = {k: _variable(v) for k, v in value.items()} if name == "data" else _plain(value)
+            data[field.alias or name] = (
+                {k: _variable(v) for k, v in value.items()} if name in DECLARING else _plain(value)
+            )
     return data
 
 

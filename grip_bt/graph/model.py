@@ -135,11 +135,15 @@ class Parallel(_Composite):
     cancel: Literal["halt", "ask", "join"] = "halt"
     order: Literal["declared"] | None = None
     """`declared`: children may share variables, since they are ticked in their order."""
+    prompt: bool = False
+    """Decided after each child rather than after all of them: the later ones are not ticked any more."""
 
     @model_validator(mode="after")
     def _join_waits_for_all(self) -> Parallel:
         if self.cancel == "join" and self.wait_for not in (None, "all"):
             raise ValueError("`cancel: join` waits for all children; remove `wait_for`, or use `cancel: ask`")
+        if self.prompt and self.cancel != "halt":
+            raise ValueError("`prompt` halts what still runs at once; remove it, or use `cancel: halt`")
         return self
 
 
@@ -182,7 +186,11 @@ class Guard(_Decorator):
 
 
 class Switch(_Composite):
-    """The one child whose case equals the value on entry; else `default`, or a failure with the reason `no_case`."""
+    """The one child whose case equals the value on entry; else `default`, or a failure with the reason `no_case`.
+
+    With `memory: false` the value is looked at on every tick; where it leads to another child, the running one is
+    halted first.
+    """
 
     kind: Literal["switch"]
     on_value: str
@@ -191,6 +199,7 @@ class Switch(_Composite):
     """Child -> the literal, or one of the literals, for which it is taken."""
     default: str = ""
     """The child that is taken for every other value."""
+    memory: bool = True
     children: FrozenDict[Name, Node] = Field(min_length=1)
 
 
@@ -243,6 +252,29 @@ class Foreign(_Node):
     exits: ClassVar[FrozenDict[str, str]] = FrozenDict()
 
 
+class Subtask(_Node):
+    """Another task file of the project as one node: its inputs and outputs are ports, its outcomes are the node's.
+
+    It has variables of its own: inputs are copied in on entry, outputs are copied out when it ends, never after a halt.
+    """
+
+    kind: Literal["subtask"]
+    task: Annotated[str, StringConstraints(min_length=1)]
+    """The file, relative to the project's folder, such as `tasks/fetch.yaml`."""
+    with_: FrozenDict[str, Any] = Field(default=FrozenDict(), alias="with")
+    """Input -> literal."""
+    in_: FrozenDict[str, str] = Field(default=FrozenDict(), alias="in")
+    """Input -> variable."""
+    out: FrozenDict[str, str] = FrozenDict()
+    """Output -> variable."""
+    meaning: FrozenDict[str, Meaning] = FrozenDict()
+    """Outcome -> meaning, where it differs from the file's."""
+    children: ClassVar[FrozenDict[str, Node]] = FrozenDict()
+    data: ClassVar[FrozenDict[str, Variable | str]] = FrozenDict()
+    outcomes: ClassVar[FrozenDict[str, Meaning]] = FrozenDict()
+    exits: ClassVar[FrozenDict[str, str]] = FrozenDict()
+
+
 class Invert(_Decorator):
     """Success becomes failure and failure becomes success."""
 
@@ -279,15 +311,18 @@ Node = Annotated[
     | Annotated[Loop, Tag("loop")]
     | Annotated[Cooldown, Tag("cooldown")]
     | Annotated[Foreign, Tag("foreign")]
+    | Annotated[Subtask, Tag("subtask")]
     | Annotated[Invert, Tag("invert")]
     | Annotated[Force, Tag("force")],
     Discriminator(_tag),
 ]
 
 Container = (Sequence | Fallback | Parallel | Switch | StateMachine | ForEach) | (
-    Retry | Repeat | Loop | Timeout | Guard | Cooldown | Foreign | Invert | Force
+    Retry | Repeat | Loop | Timeout | Guard | Cooldown | Foreign | Subtask | Invert | Force
 )
 AnyNode = Leaf | Container
+Childless = Leaf | Foreign | Subtask
+"""Nodes that hold no children in the document."""
 KINDS = (
     "sequence",
     "fallback",
@@ -302,6 +337,7 @@ KINDS = (
     "loop",
     "cooldown",
     "foreign",
+    "subtask",
     "invert",
     "force",
 )
@@ -316,9 +352,33 @@ class Task(_Model):
     outcomes: FrozenDict[Name, Meaning] = Field(
         default=FrozenDict({"success": "success", "failure": "failure"}), min_length=1
     )
+    inputs: FrozenDict[Name, Variable | str] = FrozenDict()
+    """Variables that are given from outside; one with an initial value needn't be."""
+    outputs: FrozenDict[Name, Variable | str] = FrozenDict()
+    """Variables whose values are handed out at the end."""
     data: FrozenDict[Name, Variable | str] = FrozenDict()
     root: Node
     x: FrozenDict[str, Any] = Field(default=FrozenDict(), description="free data, preserved and never read")
+
+    @model_validator(mode="after")
+    def _variables_are_declared_once(self) -> Task:
+        for name in (*self.inputs, *self.outputs):
+            if name in self.data:
+                raise ValueError(f"{name!r} is a port and stands in `data` too; remove it from `data`")
+        for name in self.inputs:
+            if name in self.outputs and type_of(self.inputs[name]) != type_of(self.outputs[name]):
+                raise ValueError(f"{name!r} goes in and comes out as one variable; give both the same type")
+        return self
+
+    @property
+    def variables(self) -> Mapping[str, Variable | str]:
+        """The variables of the whole task: inputs, outputs and data."""
+        return {**self.outputs, **self.inputs, **self.data} if self.inputs or self.outputs else self.data
+
+
+def type_of(declared: Variable | str) -> str:
+    """Return the name of a variable's type."""
+    return declared if isinstance(declared, str) else declared.type
 
 
 def children_of(node: AnyNode) -> FrozenDict[str, AnyNode]:
@@ -331,8 +391,14 @@ def children_of(node: AnyNode) -> FrozenDict[str, AnyNode]:
 
 
 def join(parent: str, name: str) -> str:
-    """Return the path of the child `name` of the node at `parent`."""
-    return name if parent == "/" else f"{parent}/{name}"
+    """Return the path of the child `name` of the node at `parent`.
+
+    The root of a task has the path `/`, that of a subtask at `attempt/fetch` has `attempt/fetch/`, and its children
+    `attempt/fetch/look`.
+    """
+    if parent == "/":
+        return name
+    return f"{parent}{name}" if parent.endswith("/") else f"{parent}/{name}"
 
 
 def walk(node: AnyNode, path: str = "/") -> Iterator[tuple[str, AnyNode]]:
@@ -345,9 +411,11 @@ def walk(node: AnyNode, path: str = "/") -> Iterator[tuple[str, AnyNode]]:
 
 
 def outcomes_of(node: Container) -> dict[str, Meaning]:
-    """Return every outcome that a container can end with, and its meaning."""
+    """Return every outcome that a container can end with, and its meaning; those of a subtask stand in its own file."""
     if isinstance(node, StateMachine):
         return with_refusal(node, node.outcomes)
+    if isinstance(node, Subtask):
+        return with_refusal(node, node.meaning)
     return {"success": "success", "failure": "failure", **node.outcomes}
 
 

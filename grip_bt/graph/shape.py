@@ -31,10 +31,13 @@ _KINDS: dict[str, type[BaseModel]] = {
     "loop": model.Loop,
     "cooldown": model.Cooldown,
     "foreign": model.Foreign,
+    "subtask": model.Subtask,
     "invert": model.Invert,
     "force": model.Force,
 }
 CHILDREN = ("children", "child")
+DECLARING = ("inputs", "outputs", "data")
+"""Keys that hold variables."""
 
 
 def keys_of(shape: type[BaseModel]) -> tuple[str, ...]:
@@ -50,8 +53,8 @@ _ORDER = (
     *("grip", "name", "kind", "node", "type", "value", "doc"),
     *("precondition", "initial", "times", "seconds", "if", "while", "on_value", "cases", "default", "items", "item"),
     *("policy", "memory", "rules", "wait_for", "cancel", "order", "as"),
-    *("behaviour", "args", "with", "in", "out", "meaning", "outcomes", "exits", "on"),
-    *("data", "root", "children", "child"),
+    *("task", "behaviour", "args", "with", "in", "out", "meaning", "outcomes", "exits", "on"),
+    *("inputs", "outputs", "data", "root", "children", "child"),
 )
 
 
@@ -156,10 +159,8 @@ def _unknown_keys(node: Mapping, shape: type[BaseModel], name: str, free: bool =
 
 
 def _wrong_variables(node: Mapping) -> Iterator[Fault]:
-    data = node.entries.get("data")
-    if data is None or not isinstance(data.value, Mapping):
-        return
-    for name, entry in data.value.entries.items():
+    found = [node.entries[key].value for key in DECLARING if key in node.entries]
+    for name, entry in ((n, e) for value in found if isinstance(value, Mapping) for n, e in value.entries.items()):
         if isinstance(entry.value, Mapping):
             yield from _unknown_keys(entry.value, model.Variable, f"the variable {name!r}", free=False)
         elif not isinstance(plain(entry.value), str):

@@ -15,7 +15,9 @@ from .rules.names import check_names
 from .rules.outcomes import check_outcomes
 from .rules.parallel import check_parallel
 from .rules.reach import check_reach
+from .rules.subtasks import check_subtasks
 from .rules.variables import check_variables
+from .subtasks import Checked, Subtasks
 from .survey import Survey
 
 __all__ = ["SEVERITY", "Issue", "Report", "Severity", "validate"]
@@ -32,13 +34,25 @@ def validate(task: Task, catalog: Catalog, document: Document | None = None) -> 
     Returns:
         All issues, in the order of the text.
     """
-    survey = Survey(task, catalog, document)
+    return ordered(_checked(task, catalog, document, None).issues)
+
+
+def _checked(task: Task, catalog: Catalog, document: Document | None, subtasks: Subtasks | None) -> Survey:
+    """Return the survey of a task after all rules."""
+
+    def inside(task: Task) -> Checked:
+        survey = _checked(task, catalog, None, known)
+        return survey.issues, survey.written
+
+    known = subtasks or Subtasks(catalog, inside)
+    survey = Survey(task, catalog, document, known)
     possible = Possible(survey)
     check_names(survey)
+    check_subtasks(survey)
     check_variables(survey)
     check_expressions(survey)
     check_outcomes(survey, possible)
     check_reach(survey, possible)
     check_parallel(survey)
     check_dataflow(survey)
-    return ordered(survey.issues)
+    return survey

@@ -25,10 +25,12 @@ from grip_bt.graph import (
     Repeat,
     Sequence,
     StateMachine,
+    Subtask,
     Switch,
     Timeout,
 )
 
+from .ends import root_target
 from .survey import Spot, Survey
 
 States = dict[str, int]
@@ -41,6 +43,7 @@ class DataFlow:
     Attributes:
         missing: (path, keys) -> variable, for every read that may come before the write; `keys` lead to where the
             node says that it reads.
+        ends: outcome of the root -> the variables that are surely written then.
     """
 
     def __init__(self, survey: Survey):
@@ -48,8 +51,8 @@ class DataFlow:
         self._known: dict[tuple[str, int], States] = {}
         start = 0
         for declared in survey.task_scope.values():
-            start |= declared.bit if declared.has_value else 0
-        self._after(survey.root, start)
+            start |= declared.bit if declared.has_value or declared.key == "inputs" else 0
+        self.ends = self._after(survey.root, start)
 
     def _after(self, spot: Spot, state: int) -> States:
         key = (spot.path, state)
@@ -74,7 +77,7 @@ class DataFlow:
 
     def _analyse(self, spot: Spot, state: int) -> States:
         node = spot.node
-        if isinstance(node, Leaf):
+        if isinstance(node, Leaf | Subtask):
             return self._leaf(spot, node, state)
         for name in node.data:  # a scope begins anew each time its container is entered
             declared = spot.scope[name]
@@ -96,7 +99,7 @@ class DataFlow:
             return self._for_each(spot, node, state)
         return self._decorated(spot, state)
 
-    def _leaf(self, spot: Spot, node: Leaf, state: int) -> States:
+    def _leaf(self, spot: Spot, node: Leaf | Subtask, state: int) -> States:
         manifest = spot.manifest
         for port, name in node.in_.items():
             declared = spot.scope.get(name)
@@ -239,8 +242,10 @@ def _met(states: States) -> int:
 
 
 def check_dataflow(survey: Survey) -> None:
-    """Find reads of variables that some path hasn't written."""
-    for (path, keys), name in DataFlow(survey).missing.items():
+    """Find reads of variables that some path hasn't written, and note which outputs of the task are written when."""
+    flow = DataFlow(survey)
+    survey.written = _written(survey, flow.ends)
+    for (path, keys), name in flow.missing.items():
         reader = f"the port {keys[1]!r}" if keys[0] == "in" else f"`{keys[0]}`"
         survey.add(
             path,
@@ -249,3 +254,19 @@ def check_dataflow(survey: Survey) -> None:
             f"{reader} reads {name!r}, which isn't written on every path to here",
             f"write {name!r} on every path before, or give it an initial value in `data`",
         )
+
+
+def _written(survey: Survey, ends: States) -> dict[str, tuple[str, ...]]:
+    """Return output of the task -> its outcomes with which it has been written on every path."""
+    task, found = survey.task, States()
+    for outcome, state in ends.items():
+        targets = _targets(task.root.on, outcome)
+        if outcome not in task.root.on:
+            by_itself = root_target(task, outcome, survey.root.outcomes[outcome])
+            targets = targets if by_itself is None else [*targets, by_itself]
+        for target in targets:
+            _meet(found, target, state)
+    # an outcome that can't occur has nobody who misses anything
+    return {
+        name: tuple(o for o in task.outcomes if found.get(o, -1) & survey.task_scope[name].bit) for name in task.outputs
+    }

@@ -18,6 +18,7 @@ from grip_bt.graph import (
     Repeat,
     Sequence,
     StateMachine,
+    Subtask,
     Switch,
     Timeout,
 )
@@ -41,7 +42,7 @@ class Possible:
 
     def _of(self, spot: Spot) -> frozenset[str]:
         node = spot.node
-        if isinstance(node, Leaf | Foreign):
+        if isinstance(node, Leaf | Foreign | Subtask):
             return frozenset(spot.outcomes)
         if isinstance(node, StateMachine):
             return self._machine(spot, node)

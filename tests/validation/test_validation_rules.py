@@ -3,8 +3,8 @@ from pathlib import Path
 
 import pytest
 
-from grip_bt.catalog import Catalog, read_manifests
-from grip_bt.graph import read_text
+from grip_bt.catalog import Catalog, TaskTexts, read_manifests
+from grip_bt.graph import loads, read_text
 from grip_bt.validation import SEVERITY, validate
 
 DOC = (Path(__file__).parents[2] / "docs" / "validation_rules.md").read_text()
@@ -20,7 +20,8 @@ EXAMPLES = {
 def catalog(tmp_path_factory):
     file = tmp_path_factory.mktemp("catalogue") / "nodes.yaml"
     file.write_text(re.search(r"```yaml catalogue\n(.*?)```", DOC, re.DOTALL)[1])
-    return Catalog(read_manifests(file))
+    files = re.findall(r"^```yaml file (\S+)\n(.*?)^```", DOC, re.DOTALL | re.MULTILINE)
+    return Catalog(read_manifests(file), TaskTexts({name: loads(text) for name, text in files}))
 
 
 def test_every_code_is_in_the_table_with_its_severity_and_has_examples():

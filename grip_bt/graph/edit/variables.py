@@ -11,6 +11,7 @@ from grip_bt.errors import EditError, ExpressionError, listing, nearest
 
 from ..expression import parse_expression
 from ..model import AnyNode, children_of, expressions_of, join
+from ..shape import DECLARING
 from .commands import Declare, RenameVariable, Undeclare
 from .draft import deep
 from .editing import Editing
@@ -24,7 +25,8 @@ _DECLARES = ("item",)
 def declared_by(holder: Any) -> list[str]:
     """Return the variables that a task or a node declares."""
     own = [getattr(holder, key) for key in _DECLARES if hasattr(holder, key)]
-    return [*getattr(holder, "data", ()), *own]
+    ports = [*getattr(holder, "inputs", ()), *getattr(holder, "outputs", ())]
+    return list(dict.fromkeys([*ports, *getattr(holder, "data", ()), *own]))
 
 
 def declare(editing: Editing, command: Declare) -> None:
@@ -47,9 +49,12 @@ def undeclare(editing: Editing, command: Undeclare) -> None:
     if users:
         shown = listing(dict.fromkeys(users))
         raise EditError(command.path, f"the variable {command.name!r} is used by {shown}; unbind it there first")
-    if command.name not in _holder(editing, command.path).data:
+    holder, place = _holder(editing, command.path), editing.place(command.path)
+    keys = [key for key in DECLARING if command.name in getattr(holder, key, ())]
+    if not keys:
         raise EditError(command.path, f"the variable {command.name!r} belongs to the container's kind and stays")
-    editing.drop_in(editing.place(command.path), "data", command.name)
+    for key in keys:
+        editing.drop_in(place, key, command.name)
 
 
 def rename_variable(editing: Editing, command: RenameVariable) -> None:
@@ -63,8 +68,9 @@ def rename_variable(editing: Editing, command: RenameVariable) -> None:
     for seer in list(_users(editing, command.path, command.name)):
         _follow(editing, seer, command)
     place = editing.place(command.path)
-    if command.name in holder.data:
-        editing.rekey((*place, "data"), command.name, command.to)
+    for key in DECLARING:
+        if command.name in getattr(holder, key, ()):
+            editing.rekey((*place, key), command.name, command.to)
     for key in _DECLARES:
         if getattr(holder, key, None) == command.name:
             editing.set(place, key, command.to)

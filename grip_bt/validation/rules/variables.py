@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from grip_bt.catalog import InputPort, OutputPort, check_value, is_assignable, parse_type
 from grip_bt.errors import listing, nearest
-from grip_bt.graph import ForEach, Leaf, Variable
+from grip_bt.graph import ForEach, Leaf, Subtask, Variable
 
 from ..survey import Declared, Spot, Survey
 from ..wording import take_hint
@@ -16,7 +16,7 @@ def check_variables(survey: Survey) -> None:
         _declaration(survey, declared)
     _shadowed(survey)
     for spot in survey.spots:
-        if isinstance(spot.node, Leaf):
+        if isinstance(spot.node, Leaf | Subtask):
             manifest = spot.manifest
             for port, name in spot.node.in_.items():
                 reads = manifest.inputs.get(port) if manifest else None
@@ -28,13 +28,13 @@ def check_variables(survey: Survey) -> None:
             _items(survey, spot, spot.node)
     read, written = survey.root.reads, survey.root.writes
     for declared in survey.declared:
-        if not declared.bit & read:
+        if not declared.bit & read and not (declared.owner == "" and declared.name in survey.task.outputs):
             what = "written but never read" if declared.bit & written else "never used"
             survey.add(
                 declared.owner,
-                ("data", declared.name),
+                (declared.key, declared.name),
                 "never-read",
-                f"the variable {declared.name!r} is {what}",
+                f"the {'input' if declared.key == 'inputs' else 'variable'} {declared.name!r} is {what}",
                 "remove it, or bind it under `in` of the node that needs it",
             )
 
@@ -61,7 +61,7 @@ def _items(survey: Survey, spot: Spot, node: ForEach) -> None:
 
 
 def _declaration(survey: Survey, declared: Declared) -> None:
-    where = ("data", declared.name)
+    where = (declared.key, declared.name)
     try:
         type_ = parse_type(declared.type_text)
     except ValueError as error:
@@ -81,7 +81,7 @@ def _declaration(survey: Survey, declared: Declared) -> None:
 
 def _shadowed(survey: Survey) -> None:
     for spot in survey.spots:
-        if isinstance(spot.node, Leaf) or not (spot.node.data or isinstance(spot.node, ForEach)):
+        if isinstance(spot.node, Leaf | Subtask) or not (spot.node.data or isinstance(spot.node, ForEach)):
             continue
         outer = spot.parent.scope if spot.parent is not None else survey.task_scope
         item = (spot.node.item,) if isinstance(spot.node, ForEach) else ()
@@ -121,7 +121,7 @@ def _binding(
     else:
         fits, verb = is_assignable(wanted, held), "writes"
     if not fits:
-        owner = f"`data` of {declared.owner or 'the task'}"
+        owner = f"`{declared.key}` of {declared.owner or 'the task'}"
         survey.add(
             spot.path,
             where,
