@@ -12,6 +12,7 @@ from .editing import Editing
 from .fields import bind, connect, disconnect, set_key, set_meaning, unbind, unset_key
 from .kinds import change_kind
 from .nodes import add, move, remove, rename
+from .outcomes import rename_outcome
 from .steps import Step, path_after
 from .unwrapping import unwrap
 from .variables import declare, rename_variable, undeclare
@@ -35,6 +36,7 @@ _PLANS: dict[type[Any], Callable[[Editing, Any], None]] = {
     c.Declare: declare,
     c.Undeclare: undeclare,
     c.RenameVariable: rename_variable,
+    c.RenameOutcome: rename_outcome,
 }
 
 

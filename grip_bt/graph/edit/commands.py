@@ -170,6 +170,19 @@ class SetMeaning(_Command):
     meaning: Meaning | None
 
 
+class RenameOutcome(_Command):
+    """An outcome that a container declares, or (with an empty path) the task, is called `to`.
+
+    What leads to it inside and what leads on from it around the container follows: `exits`, `on` and `rules`. Nothing
+    of what the task does changes.
+    """
+
+    do: Literal["rename_outcome"] = "rename_outcome"
+    path: str
+    outcome: str
+    to: Name
+
+
 class Declare(_Command):
     """A new variable of a container, or (with an empty path) of the task."""
 
@@ -232,7 +245,7 @@ class Patch(_Command):
 
 AnyCommand = (
     Add | Remove | Move | Rename | Set | Unset | Connect | Disconnect | Wrap | Unwrap | ChangeKind | Bind | Unbind
-    | SetMeaning | Declare | Undeclare | RenameVariable | Group | Patch
+    | SetMeaning | Declare | Undeclare | RenameVariable | RenameOutcome | Group | Patch
 )  # fmt: skip
 Command = Annotated[AnyCommand, Discriminator("do")]
 

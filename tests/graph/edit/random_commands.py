@@ -16,7 +16,7 @@ FIELDS = {
     "cooldown": {"seconds": 2},
 }
 GROUPS = ["add", "remove", "move", "rename", "set", "unset", "connect", "disconnect", "wrap", "unwrap", "change_kind",
-          "bind", "unbind", "set_meaning", "declare", "undeclare", "rename_variable"]  # fmt: skip
+          "bind", "unbind", "set_meaning", "declare", "undeclare", "rename_variable", "rename_outcome"]  # fmt: skip
 
 
 def _data(node):
@@ -134,6 +134,13 @@ def _undeclare(draw, task, path, node, containers):
     return {"path": where, "name": draw(st.sampled_from(there))}
 
 
+def _rename_outcome(draw, task, path, node, containers):
+    where = draw(st.sampled_from(["", *containers]))
+    holder = task if where == "" else dict(walk(task.root))[where]
+    there = list(getattr(holder, "outcomes", ())) or ["success"]
+    return {"path": where, "outcome": draw(st.sampled_from(there)), "to": draw(names)}
+
+
 _MAKERS = {
     "add": _add,
     "remove": lambda draw, task, path, node, containers: {"path": path},
@@ -151,6 +158,7 @@ _MAKERS = {
     "set_meaning": _set_meaning,
     "declare": _declare,
     "undeclare": _undeclare,
+    "rename_outcome": _rename_outcome,
     "rename_variable": lambda draw, task, path, node, containers: {
         **_undeclare(draw, task, path, node, containers),
         "to": draw(names),
