@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
+
 from py_trees.common import Status
+
+from grip_bt.errors import DataError
+from grip_bt.graph.evaluation import Thunk, value_of
+from grip_bt.graph.expression import parse_expression
 
 from .leaf import Leaf
 
@@ -49,3 +55,38 @@ class Log(Leaf):
         self.feedback_message = text if value is None else f"{text}: {value!r}"
         self.observer.message(self.path, self.feedback_message)
         return self.end()
+
+
+class Set(Leaf):
+    """Give a variable a value."""
+
+    def update(self) -> Status:
+        """Write a copy, since the value may be a list that somebody changes."""
+        return self.end(value=deepcopy(self.params["value"]))
+
+
+class Compute(Leaf):
+    """Give a variable the value of an expression over the inputs."""
+
+    def prepare(self) -> None:
+        """Read the expression.
+
+        Raises:
+            ExpressionError: it isn't one.
+            DataError: it names something that no variable is bound to.
+        """
+        expression = parse_expression(self.params["expression"])
+        for name in expression.names:
+            if name not in self.readers:
+                allowed = ", ".join(self.manifest.inputs)
+                raise DataError(self.path, name, f"the expression names it, and no variable is bound ({allowed})")
+        self._compute = value_of(expression, self._inputs())
+
+    def update(self) -> Status:
+        """Compute."""
+        return self.end(value=self._compute())
+
+    def _inputs(self) -> dict[str, Thunk]:
+        first: dict[str, Thunk] = {"a": lambda: self.read("a"), "b": lambda: self.read("b")}
+        first |= {"c": lambda: self.read("c"), "d": lambda: self.read("d"), "e": lambda: self.read("e")}
+        return first | {"f": lambda: self.read("f"), "g": lambda: self.read("g"), "h": lambda: self.read("h")}
