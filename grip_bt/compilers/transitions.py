@@ -45,6 +45,8 @@ def interrupts(part: Part) -> bool:
             return not memory or not part.children
         case model.Parallel(cancel=cancel, order=order):
             return cancel != "join" or order is not None or not part.children
+        case model.Switch(memory=memory):
+            return not memory
         case model.Timeout() | model.Guard():
             return True
     return False
@@ -52,7 +54,7 @@ def interrupts(part: Part) -> bool:
 
 def chooses(part: Part) -> bool:
     """Tell whether a rule chooses the child that comes next."""
-    return isinstance(part.node, (model.Switch, model.Loop, model.ForEach, model.Cooldown))
+    return not interrupts(part) and isinstance(part.node, (model.Switch, model.Loop, model.ForEach, model.Cooldown))
 
 
 def counts(part: Part) -> bool:
