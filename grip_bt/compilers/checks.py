@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from grip_bt.catalog import Manifest
 from grip_bt.errors import listing, nearest
-from grip_bt.graph.model import Leaf, Parallel, Task, outcomes_of
+from grip_bt.graph.model import Leaf, Parallel, Subtask, Task, outcomes_of
 from grip_bt.nodes.control import Edges
 from grip_bt.validation import Issue
 
@@ -25,13 +25,19 @@ def check_leaf(path: str, node: Leaf, manifest: Manifest, scope: Scope, problems
             problems.append(
                 problem(path, "missing-parameter", f"{manifest.id} needs `with: {{{name}: ...}}` ({parameter.type})")
             )
+    check_ports(path, node, manifest, scope, problems)
+
+
+def check_ports(path: str, node: Leaf | Subtask, manifest: Manifest, scope: Scope, problems: list[Issue]) -> None:
+    """Ports and variables of a leaf or a subtask are there."""
+    subtask = isinstance(node, Subtask)
     for port, declared in manifest.inputs.items():
-        if declared.required and port not in node.in_:
+        if declared.required and port not in node.in_ and not (subtask and port in node.with_):
             problems.append(
                 problem(path, "missing-input", f"{manifest.id} needs `in: {{{port}: <variable>}}` ({declared.type})")
             )
     for kind, given, allowed in (
-        ("parameter", node.with_, manifest.parameters),
+        ("input" if subtask else "parameter", node.with_, manifest.inputs if subtask else manifest.parameters),
         ("input", node.in_, manifest.inputs),
         ("output", node.out, manifest.outputs),
         ("outcome", node.meaning, manifest.outcomes),
@@ -139,20 +145,27 @@ def check_rules(path: str, node: Parallel, ends: Mapping[str, Mapping[str, str]]
                     problems.append(problem(path, "unknown-outcome", f"{child!r} never ends with {label!r}"))
 
 
-def check_root(task: Task, meaning: Mapping[str, str], problems: list[Issue]) -> Edges:
-    """Return where each end of the root leads; what `on:` doesn't map keeps its label, or else goes by its meaning."""
+def check_root(task: Task, meaning: Mapping[str, str], problems: list[Issue], path: str = "/") -> dict[str, str]:
+    """Return where each end of the root leads; what `on:` doesn't map keeps its label, or else goes by its meaning.
+
+    Args:
+        task: the document.
+        meaning: each outcome of its root -> success or failure.
+        problems: what is found is added here.
+        path: the root's path.
+    """
     on = dict(task.root.on)
     for label, target in on.items():
         if label.split(".", 1)[0] not in meaning and meaning:
             problems.append(
                 problem(
-                    "/", "unknown-outcome", f"the root never ends with {label!r} (it ends with: {listing(meaning)})"
+                    path, "unknown-outcome", f"the root never ends with {label!r} (it ends with: {listing(meaning)})"
                 )
             )
         if target not in task.outcomes:
             problems.append(
                 problem(
-                    "/",
+                    path,
                     "unknown-target",
                     f"{label!r} leads to {target!r}{nearest(target, task.outcomes)}"
                     f" (the task's outcomes: {listing(task.outcomes)})",
@@ -164,7 +177,7 @@ def check_root(task: Task, meaning: Mapping[str, str], problems: list[Issue]) ->
             if found is None:
                 problems.append(
                     problem(
-                        "/",
+                        path,
                         "missing-target",
                         f"the root may end with {outcome!r}, which leads to no outcome of the task;"
                         " add it to `on:` of the root",
@@ -172,4 +185,4 @@ def check_root(task: Task, meaning: Mapping[str, str], problems: list[Issue]) ->
                 )
             else:
                 on[outcome] = found
-    return Edges.of_children({"/": on})
+    return on

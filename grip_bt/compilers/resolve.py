@@ -9,8 +9,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from grip_bt.catalog import Catalog, Manifest, check_value, parse_type
-from grip_bt.errors import GripError, InvalidTaskError
+from grip_bt.catalog import Catalog, Manifest, check_value, face_of, parse_type
+from grip_bt.errors import GripError, InvalidTaskError, SubtaskError
 from grip_bt.graph.model import (
     AnyNode,
     Container,
@@ -18,6 +18,7 @@ from grip_bt.graph.model import (
     Leaf,
     Parallel,
     StateMachine,
+    Subtask,
     Switch,
     Task,
     Variable,
@@ -29,7 +30,7 @@ from grip_bt.graph.model import (
 from grip_bt.nodes.control import Edges
 from grip_bt.validation import Issue
 
-from .checks import check_edges, check_leaf, check_root, check_rules, problem
+from .checks import check_edges, check_leaf, check_ports, check_root, check_rules, problem
 from .conditions import check_expressions
 from .scopes import Cell, Scope, Scopes
 
@@ -48,7 +49,8 @@ class Part:
         children: its children, in order.
         exits: ends of children -> its outcomes.
         edges: of a state machine: ends of children -> siblings or its outcomes.
-        manifest: of a leaf.
+        manifest: of a leaf; what a subtask looks like from outside.
+        outside: the variables around a subtask, whose own scope sees none of them.
     """
 
     name: str
@@ -61,10 +63,13 @@ class Part:
     exits: Edges = field(default_factory=Edges)
     edges: Edges = field(default_factory=Edges)
     manifest: Manifest | None = None
+    outside: Scope | None = None
 
     @property
     def around(self) -> Scope:
         """The variables around the node, without its own."""
+        if self.outside is not None:
+            return self.outside
         return self.scope.outer if self.declares and self.scope.outer is not None else self.scope
 
     def walk(self) -> Iterator[Part]:
@@ -110,7 +115,7 @@ def resolve(task: Task, catalog: Catalog, data: Mapping[str, Any] | None = None)
         InvalidTaskError: with all problems that were found.
     """
     work = _Resolver(catalog)
-    outer = work.declare(Scopes.TASK, task.data, None)
+    outer = work.declare(Scopes.TASK, task.variables, None)
     for name, value in (data or {}).items():
         if name in outer.cells:
             work.preset(outer.cells[name], value)
@@ -118,7 +123,7 @@ def resolve(task: Task, catalog: Catalog, data: Mapping[str, Any] | None = None)
             there = ", ".join(outer.cells) or "none"
             work.add("/", "undeclared-variable", f"the task declares no variable {name!r} (there are: {there})")
     root = work.part(task.name, "/", task.root, outer)
-    ends = check_root(task, root.meaning, work.problems)
+    ends = Edges.of_children({"/": check_root(task, root.meaning, work.problems)})
     if work.problems:
         raise InvalidTaskError(work.problems, task.name)
     return Resolved(task, root, work.scopes, ends)
@@ -129,6 +134,7 @@ class _Resolver:
         self.catalog = catalog
         self.scopes = Scopes()
         self.problems: list[Issue] = []
+        self.chain: list[str] = []
 
     def add(self, path: str, code: str, message: str) -> None:
         self.problems.append(problem(path, code, message))
@@ -154,6 +160,8 @@ class _Resolver:
     def part(self, name: str, path: str, node: AnyNode, outer: Scope) -> Part:
         if isinstance(node, Leaf):
             return self.leaf(name, path, node, outer)
+        if isinstance(node, Subtask):
+            return self.subtask(name, path, node, outer)
         scope = self.declare(path, self.variables(path, node, outer), outer)
         check_expressions(path, node, outer, scope, self.problems)
         self.refusal(path, node, outcomes_of(node))
@@ -214,6 +222,30 @@ class _Resolver:
         meaning = with_refusal(node, manifest.outcomes_for(dict(node.meaning)))
         self.refusal(path, node, meaning)
         return Part(name, path, node, meaning, scope, False, manifest=manifest)
+
+    def subtask(self, name: str, path: str, node: Subtask, outside: Scope) -> Part:
+        """Return a subtask with the root of its file as its child, each end of which is an exit."""
+        try:
+            if node.task in self.chain:
+                chain = " -> ".join((*self.chain[self.chain.index(node.task) :], node.task))
+                raise SubtaskError(node.task, f"a task can't run itself: {chain}")
+            task = self.catalog.tasks.read(node.task)
+        except SubtaskError as error:
+            code = "recursive-subtask" if node.task in self.chain else "unknown-subtask"
+            self.add(path, code, str(error))
+            return Part(name, path, node, {}, outside, False)
+        face = face_of(node.task, task)
+        check_ports(path, node, face, outside, self.problems)
+        check_expressions(path, node, outside, outside, self.problems)
+        meaning = with_refusal(node, face.outcomes_for(dict(node.meaning)))
+        self.refusal(path, node, meaning)
+        scope = self.declare(path, task.variables, None)
+        self.chain.append(node.task)
+        root = self.part(task.name, f"{path.removesuffix('/')}/", task.root, scope)
+        self.chain.pop()
+        ends = check_root(task, root.meaning, self.problems, root.path)
+        exits = Edges.of_children({root.name: ends})
+        return Part(name, path, node, meaning, scope, True, (root,), exits, manifest=face, outside=outside)
 
     def refusal(self, path: str, node: AnyNode, meaning: Mapping[str, str]) -> None:
         if node.precondition and meaning["failure"] == "success":

@@ -25,6 +25,7 @@ class TaskContainer(TaskState):
         refined: (outcome, code) pairs with labels of their own.
         enter: resets the container's variables, if it declares some.
         condition: the precondition, looked at before anything else.
+        hand_out: of a subtask: called when it ends, before anybody learns of it.
     """
 
     observer: Observer = SILENT
@@ -32,6 +33,7 @@ class TaskContainer(TaskState):
     meaning: Mapping[str, str]
     refined: Refined
     condition: Condition | None = None
+    hand_out: Callable[[], None] | None = None
 
     def take(self, path: str, meaning: Mapping[str, str], refined: Refined, enter: Callable[[], None] | None) -> None:
         """Become the container of the node at `path`."""
@@ -56,6 +58,8 @@ class TaskContainer(TaskState):
                 raise Halted  # smach's shutdown was asked for
             self.outcome = reached.split(".", 1)[0]
             self.failure = self.reason() if self.meaning[self.outcome] == "failure" else None
+            if self.hand_out is not None:
+                self.hand_out()
         except BaseException as error:
             self.run.fail(error)
             self.observer.interrupted(self.path)

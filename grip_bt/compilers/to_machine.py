@@ -20,6 +20,7 @@ from .behaviour_state import BehaviourState, MachineRun, Refined, TaskState
 from .choice import Choice
 from .conditions import bind_condition, bind_rule
 from .drive import Halted, Pacer, TaskEnd
+from .handing import hand_in, hand_out
 from .leaves import LeafFactory, implementation_of, release
 from .resolve import Part, Resolved, resolve
 from .scopes import Scopes
@@ -72,7 +73,12 @@ class MachineBuilder:
 
     def _machine(self, part: Part, needed: Refined) -> TaskMachine:
         table, names = table_of(part, needed), state_labels(part)
-        machine = TaskMachine(part.path, part.meaning, needed, part.scope.reset if part.declares else None)
+        enter = part.scope.reset if part.declares else None
+        if isinstance(part.node, model.Subtask):
+            enter = hand_in(part, self.tree.scopes)
+        machine = TaskMachine(part.path, part.meaning, needed, enter)
+        if isinstance(part.node, model.Subtask):
+            machine.hand_out = hand_out(part, self.tree.scopes)
         with machine:
             for child in part.children:
                 state = self.build(child, table.refined[child.name])

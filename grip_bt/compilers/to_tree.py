@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from py_trees.behaviour import Behaviour
@@ -17,6 +18,7 @@ from grip_bt.nodes.observer import Observer
 from .conditions import bind_condition, bind_rule
 from .drive import Pacer, TaskEnd, drive
 from .foreign import adopt
+from .handing import hand_in, hand_out
 from .leaves import LeafFactory, implementation_of, make_leaf, prepare, release
 from .resolve import Part, Resolved, resolve
 from .scopes import Scopes
@@ -56,9 +58,14 @@ class TreeBuilder:
     def _container(self, part: Part, face: control.Face, children: list[Behaviour]) -> Node:
         rule = bind_rule(part, self.scopes)
         if rule is not None:
-            return _CHOOSERS[type(part.node)](face, children, rule)
+            reactive = isinstance(part.node, model.Switch) and not part.node.memory
+            made = control.ReactiveSwitch if reactive else _CHOOSERS[type(part.node)]
+            return made(face, children, rule)
         if isinstance(part.node, model.Foreign):
             return control.Foreign(face, adopt(part.path, part.name, part.node))
+        if isinstance(part.node, model.Subtask):
+            face = replace(face, enter=hand_in(part, self.scopes))
+            return control.Subtask(face, children[0], hand_out(part, self.scopes))
         if isinstance(part.node, model.Guard):
             holds = bind_condition(part.path, "if", part.node.if_, part.scope, self.scopes)
             return control.Guard(face, children[0], holds)
@@ -93,8 +100,9 @@ def _container(part: Part, face: control.Face, children: list[Behaviour]) -> Nod
             return control.Sequence(face, children, memory)
         case model.Fallback(memory=memory):
             return control.Fallback(face, children, memory)
-        case model.Parallel(cancel=cancel):
-            node = control.Parallel(face, children, ruling_of(part), cancel)
+        case model.Parallel(cancel=cancel, prompt=prompt):
+            made = control.PromptParallel if prompt else control.Parallel
+            node = made(face, children, ruling_of(part), cancel)
             if cancel == "ask":
                 for below in node.iterate():
                     if isinstance(below, Leaf):

@@ -24,6 +24,7 @@ from grip_bt.graph import (
     Retry,
     Sequence,
     StateMachine,
+    Subtask,
     Switch,
     Timeout,
     cases_of,
@@ -86,6 +87,8 @@ def describe(node: AnyNode) -> str:
             return f"parallel, {_parallel(node)}"
         case Foreign():
             return node.behaviour
+        case Subtask():
+            return f"subtask {node.task}"
         case StateMachine():
             return "state machine"
         case Retry():
@@ -94,6 +97,16 @@ def describe(node: AnyNode) -> str:
             return "repeat for ever" if node.times is None else f"repeat {node.times} times"
         case Timeout():
             return f"timeout {node.seconds:g} s"
+        case Guard():
+            return f"guard: {node.if_}"
+        case Force():
+            return f"force {node.as_}"
+        case _:
+            return _chooser(node)
+
+
+def _chooser(node: Container) -> str:
+    match node:
         case Switch():
             return f"switch on {node.on_value}"
         case ForEach():
@@ -103,10 +116,6 @@ def describe(node: AnyNode) -> str:
             return (f"loop while {node.while_}" if node.while_ else "loop") + limit
         case Cooldown():
             return f"cooldown {node.seconds:g} s"
-        case Guard():
-            return f"guard: {node.if_}"
-        case Force():
-            return f"force {node.as_}"
         case _:
             return node.kind
 
@@ -114,7 +123,7 @@ def describe(node: AnyNode) -> str:
 def details(node: AnyNode) -> list[str]:
     """Return further lines about a node: literals, and where its ends lead."""
     lines = [f"only if {node.precondition}"] if node.precondition else []
-    if isinstance(node, Leaf) and node.with_:
+    if isinstance(node, Leaf | Subtask) and node.with_:
         lines.append(", ".join(f"{name}={value}" for name, value in node.with_.items()))
     if isinstance(node, Foreign) and node.args:
         lines.append(", ".join(f"{name}={value}" for name, value in node.args.items()))

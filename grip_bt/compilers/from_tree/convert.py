@@ -69,8 +69,8 @@ class _Reader:
         keys = dict(equal.settings)
         if equal.remark:
             self.remarks.append(Remark(path, equal.remark))
-        if keys.get("kind") == "foreign":
-            return keys
+        if keys.get("kind") in ("foreign", "subtask"):
+            return keys  # what is below stands elsewhere
         children = self.children(behaviour, path)
         if equal.failures:
             keys["exits"] = {

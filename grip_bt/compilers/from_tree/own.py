@@ -95,6 +95,8 @@ def _keys(node: Node) -> dict[str, Any]:
         return {"kind": "force", "as": node.forced}
     if base is control.Foreign:
         raise NoEqual("what a foreign behaviour was made of only the compiled task knows; give that to `to_task`")
+    if base is control.Subtask:
+        raise NoEqual("which file it runs only the compiled task knows; give that to `to_task`, not its root")
     raise NoEqual(f"a {base.__name__}, {_GIVE}")
 
 

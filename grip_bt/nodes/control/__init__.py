@@ -10,6 +10,8 @@ from .dispatch import MAX_TRANSITIONS, Dispatch
 from .edges import Edges
 from .guard import Guard
 from .parallel import End, Match, Parallel, Ruling, decide, first_reason
+from .prompt import PromptParallel, ReactiveSwitch
+from .subtask import Subtask
 from .turns import Cases, Items, Passes, Rest, Rule, Turn
 
 __all__ = [
@@ -36,12 +38,15 @@ __all__ = [
     "Match",
     "Parallel",
     "Passes",
+    "PromptParallel",
+    "ReactiveSwitch",
     "Repeat",
     "Rest",
     "Retry",
     "Rule",
     "Ruling",
     "Sequence",
+    "Subtask",
     "Switch",
     "Timeout",
     "Turn",
