@@ -15,8 +15,11 @@ from fastapi.staticfiles import StaticFiles
 
 from grip_bt.errors import DocumentError, GripError, MissingPartError, UnknownNameError
 
+from .edit_routes import make_edit_router
+from .editing import ChangedOnDiskError, EditDesk, StaleEditError, UnfinishedTextError
 from .journal import JournalRuns, RunSource
 from .launcher import CommandLineLauncher, Launcher, RunOptions
+from .messages import Trouble
 from .project import OutsideProjectError, ProjectFolder
 from .routes import make_router
 from .security import Gate
@@ -29,7 +32,15 @@ _STATUS: tuple[tuple[type[GripError], int], ...] = (
     (UnknownNameError, 404),
     (DocumentError, 404),
     (BusyError, 409),
+    (StaleEditError, 409),
+    (ChangedOnDiskError, 409),
+    (UnfinishedTextError, 409),
 )
+_KIND: dict[type[GripError], str] = {
+    StaleEditError: "stale",
+    ChangedOnDiskError: "disk",
+    UnfinishedTextError: "unfinished",
+}
 
 
 def create_app(
@@ -75,7 +86,9 @@ def create_app(
     app.add_middleware(Gate, token=app.state.token)
     app.add_exception_handler(GripError, _teach)
     app.add_exception_handler(RequestValidationError, _refuse_malformed)
-    app.include_router(make_router(folder, desk, runs, task))
+    edits = EditDesk(folder)
+    app.include_router(make_edit_router(edits, desk.notify))
+    app.include_router(make_router(folder, desk, runs, task, edits))
     app.mount("/", StaticFiles(directory=STATIC, html=True))
     return app
 
@@ -83,7 +96,8 @@ def create_app(
 async def _teach(request: Request, error: Exception) -> JSONResponse:
     status = next((code for kind, code in _STATUS if isinstance(error, kind)), 400)
     log.warning("%s %s: %s", request.method, request.url.path, error)
-    return JSONResponse({"detail": str(error)}, status_code=status)
+    kind = next((word for cause, word in _KIND.items() if isinstance(error, cause)), "")
+    return JSONResponse(Trouble(detail=str(error), kind=kind).model_dump(), status_code=status)
 
 
 async def _refuse_malformed(request: Request, error: Exception) -> JSONResponse:

@@ -5,12 +5,16 @@ from __future__ import annotations
 from grip_bt.app.project import project_catalog
 from grip_bt.catalog import Catalog
 from grip_bt.errors import DocumentError, GripError, UnknownNameError
-from grip_bt.graph.document import read_file, read_text
+from grip_bt.graph.document import Document, read_file, read_text
 from grip_bt.validation import Issue, validate
+from grip_bt.validation.fixes import Fixer
 
-from .messages import Problem, TaskView
+from .messages import FixView, Problem, TaskView
 from .project import ProjectFolder
 from .projection import FindManifest, project_task
+
+FIXED = 100
+"""Problems for which fixes are looked for; who has more begins with these."""
 
 
 def task_view(folder: ProjectFolder, path: str) -> TaskView:
@@ -24,7 +28,7 @@ def task_view(folder: ProjectFolder, path: str) -> TaskView:
     try:
         text = read_file(file)
     except DocumentError as error:
-        return _unreadable(path, [_trouble("document", error)])
+        return _unreadable(path, [trouble_of("document", error)])
     return view_of_text(folder, text, path)
 
 
@@ -33,14 +37,28 @@ def view_of_text(folder: ProjectFolder, text: str, path: str) -> TaskView:
     try:
         document = read_text(text, path)
     except GripError as error:
-        return _unreadable(path, [_trouble("document", error)])
-    try:
-        catalog = project_catalog(folder.folder)
-    except GripError as error:
+        return _unreadable(path, [trouble_of("document", error)])
+    return view_of_document(folder, document, path)
+
+
+def view_of_document(folder: ProjectFolder, document: Document, path: str) -> TaskView:
+    """Return the view of a task, with what is wrong with it and what can be done about that."""
+    catalog, trouble = catalog_of(folder)
+    if trouble is not None:
         # The project's other files are wrong; the task can still be drawn, with the built-in nodes' faces.
-        return project_task(document.task, path, _finder(Catalog.builtin()), [_trouble("project", error)])
-    problems = [_problem(issue) for issue in validate(document.task, catalog, document).issues]
+        return project_task(document.task, path, _finder(catalog), [trouble])
+    issues = validate(document.task, catalog, document).issues
+    fixer = Fixer(document.task, catalog) if issues else None
+    problems = [_problem(issue, fixer if number < FIXED else None) for number, issue in enumerate(issues)]
     return project_task(document.task, path, _finder(catalog), problems)
+
+
+def catalog_of(folder: ProjectFolder) -> tuple[Catalog, Problem | None]:
+    """Return the nodes that exist in the project, and why they are only the built-in ones."""
+    try:
+        return project_catalog(folder.folder), None
+    except GripError as error:
+        return Catalog.builtin(), trouble_of("project", error)
 
 
 def _finder(catalog: Catalog) -> FindManifest:
@@ -53,7 +71,8 @@ def _finder(catalog: Catalog) -> FindManifest:
     return find  # type: ignore[return-value]
 
 
-def _problem(issue: Issue) -> Problem:
+def _problem(issue: Issue, fixer: Fixer | None) -> Problem:
+    fixes = fixer.fixes(issue) if fixer else ()
     return Problem(
         path=issue.path,
         code=issue.code,
@@ -61,6 +80,9 @@ def _problem(issue: Issue) -> Problem:
         message=issue.message,
         fix=issue.fix,
         line=issue.line,
+        column=issue.column,
+        key=[str(key) for key in issue.key],
+        fixes=[FixView(title=fix.title, command=fix.command.model_dump(mode="json")) for fix in fixes],
     )
 
 
@@ -68,5 +90,7 @@ def _unreadable(path: str, problems: list[Problem]) -> TaskView:
     return TaskView(path=path, name=path.rsplit("/", 1)[-1].rsplit(".", 1)[0], problems=problems)
 
 
-def _trouble(code: str, error: GripError) -> Problem:
-    return Problem(code=code, severity="error", message=str(error))
+def trouble_of(code: str, error: GripError) -> Problem:
+    """Return an error as a problem of the whole file, with its place where it has one."""
+    line, column = getattr(error, "line", None), getattr(error, "column", None)
+    return Problem(code=code, severity="error", message=str(error), line=line, column=column)

@@ -58,6 +58,8 @@ class NodeView(Wire):
     outputs: dict[str, str] = {}
     """Output port -> variable."""
     parameters: dict[str, Any] = {}
+    fields: dict[str, Any] = {}
+    """The node's other keys, as they stand in the file."""
 
 
 class VariableView(Wire):
@@ -72,6 +74,14 @@ class VariableView(Wire):
     """Preview of the initial value, None when there is none."""
 
 
+class FixView(Wire):
+    """A way to mend a problem with one press."""
+
+    title: str
+    command: dict[str, Any]
+    """What to send as an edit."""
+
+
 class Problem(Wire):
     """Something that the validation found, or why a file can't be read."""
 
@@ -81,6 +91,10 @@ class Problem(Wire):
     message: str
     fix: str = ""
     line: int | None = None
+    column: int | None = None
+    key: list[str] = []
+    """Keys within the node that lead to it; empty for the node as a whole."""
+    fixes: list[FixView] = []
 
 
 class TaskView(Wire):
@@ -224,7 +238,14 @@ class RefusedFrame(Wire):
     reason: str
 
 
-ServerFrame = Annotated[SessionFrame | EventsFrame | RefusedFrame, Field(discriminator="type")]
+class RevisionsFrame(Wire):
+    """Server to page: the revision of each open task file."""
+
+    type: Literal["revisions"] = "revisions"
+    revisions: dict[str, int]
+
+
+ServerFrame = Annotated[SessionFrame | EventsFrame | RefusedFrame | RevisionsFrame, Field(discriminator="type")]
 ClientFrame = Subscribe
 
 
@@ -232,3 +253,5 @@ class Trouble(Wire):
     """Body of every refused request."""
 
     detail: str
+    kind: str = ""
+    """`stale`, `disk` or `unfinished` where the page can do something about it."""

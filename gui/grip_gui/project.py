@@ -61,6 +61,29 @@ class ProjectFolder:
             OutsideProjectError: the path is absolute, climbs, follows a link outwards, or isn't a YAML file.
             DocumentError: there is no such file.
         """
+        file = self._place(path)
+        if not file.is_file():
+            raise DocumentError("there is no such task file in the project", path)
+        return file
+
+    def new_task_file(self, path: str) -> Path:
+        """Return where a new task file goes, at a path that came from outside.
+
+        Args:
+            path: relative to the project folder, below `tasks/`.
+
+        Raises:
+            OutsideProjectError: the path leads elsewhere, or isn't one of a task file.
+            DocumentError: something is there.
+        """
+        file = self._place(path)
+        if PurePosixPath(path).parts[0] != "tasks" or file.name.endswith(".layout.yaml"):
+            raise OutsideProjectError(path, "isn't a place for a task")
+        if file.exists():
+            raise DocumentError("a file of this name is there already; choose another name", path)
+        return file
+
+    def _place(self, path: str) -> Path:
         pure = PurePosixPath(path)
         if "\0" in path or "\\" in path or pure.is_absolute() or ".." in pure.parts:
             raise OutsideProjectError(path, "isn't a path inside the project")
@@ -69,8 +92,6 @@ class ProjectFolder:
         file = self.folder / pure
         if not self._inside(file):
             raise OutsideProjectError(path, "leads out of the project folder")
-        if not file.is_file():
-            raise DocumentError("there is no such task file in the project", path)
         return file
 
     def relative(self, file: Path) -> str:

@@ -7,11 +7,14 @@ from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
 from grip_bt.catalog.manifest import Manifest
+from grip_bt.graph.canonical import data_of
+from grip_bt.graph.edit.draft import deep as plain_data
 from grip_bt.graph.model import AnyNode, Leaf, StateMachine, Task, Variable, children_of, join, outcomes_of, walk
 
 from .messages import Meaning, NodeView, Problem, TaskView, Transition, VariableView
 
 FindManifest: TypeAlias = Callable[[str], "Manifest | None"]
+_SHOWN = {"node", "kind", "children", "child", "with", "in", "out"}
 PREVIEW = 120
 """Longest preview of an initial value, in characters."""
 
@@ -68,6 +71,7 @@ def _node(
             inputs=dict(node.in_),
             outputs=dict(node.out),
             parameters=dict(node.with_),
+            fields=_fields(node),
         )
     return NodeView(
         **common,
@@ -76,7 +80,16 @@ def _node(
         doc=node.doc,
         children=[join(path, child) for child in children_of(node)],
         outcomes=outcomes_of(node),
+        inputs=dict(getattr(node, "in_", {})),
+        outputs=dict(getattr(node, "out", {})),
+        parameters=dict(getattr(node, "with_", {})),
+        fields=_fields(node),
     )
+
+
+def _fields(node: AnyNode) -> dict[str, Any]:
+    """Return the keys of a node that the view doesn't have elsewhere; only those that stand in the file."""
+    return {key: plain_data(value) for key, value in data_of(node).items() if key not in _SHOWN}
 
 
 def _leaf_outcomes(node: Leaf, manifest: Manifest | None) -> dict[str, Meaning]:

@@ -7,6 +7,7 @@ from fastapi import APIRouter, WebSocket
 from grip_bt.errors import GripError, UnknownNameError
 
 from .documents import task_view, view_of_text
+from .editing import EditDesk
 from .journal import RunSource
 from .launcher import RunOptions
 from .messages import Control, ProjectView, RunRecord, RunView, SessionView, StartRun, TaskView
@@ -17,7 +18,9 @@ from .stream import Viewer
 ROBOTS = ["sim", "fake"]
 
 
-def make_router(folder: ProjectFolder, desk: RunDesk, source: RunSource, selected: str | None) -> APIRouter:
+def make_router(
+    folder: ProjectFolder, desk: RunDesk, source: RunSource, selected: str | None, edits: EditDesk
+) -> APIRouter:
     """Return the routes below `/api`."""
     api = APIRouter(prefix="/api")
 
@@ -61,6 +64,6 @@ def make_router(folder: ProjectFolder, desk: RunDesk, source: RunSource, selecte
     @api.websocket("/socket")
     async def socket(websocket: WebSocket) -> None:
         await websocket.accept()
-        await Viewer(websocket, desk, source).serve()
+        await Viewer(websocket, desk, source, edits.revisions).serve()
 
     return api

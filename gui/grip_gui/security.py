@@ -17,7 +17,8 @@ log = logging.getLogger(__name__)
 
 LARGEST_BODY = 64 * 1024
 """Longest body of a request [bytes]."""
-TOO_LARGE = f"a request may have {LARGEST_BODY} bytes"
+LARGEST_DOCUMENT = 16 * 1024 * 1024
+"""Longest body of a request about a document: a task's longest text, with room for escapes [bytes]."""
 LOOPBACK = frozenset({"127.0.0.1", "localhost", "::1"})
 HEADERS = {
     "Content-Security-Policy": (
@@ -74,8 +75,8 @@ class Gate:
         if not self._knows_token(scope, headers):
             return 401, "open the address that `grip edit` printed: it carries the token of this start"
         length = headers.get("content-length", "0")
-        if not length.isdigit() or int(length) > LARGEST_BODY:
-            return 413, TOO_LARGE
+        if not length.isdigit() or int(length) > _limit(scope):
+            return 413, _too_large(scope)
         return 0, ""
 
     def _given(self, scope: Scope) -> str | None:
@@ -109,15 +110,15 @@ class Gate:
 
     async def _pass(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Let a connection in, with a limit on what it sends and headers on what it gets."""
-        seen = 0
+        seen, most = 0, _limit(scope)
 
         async def limited() -> Message:
             nonlocal seen
             message = await receive()
             seen += len(message.get("body", b"")) if message["type"] == "http.request" else 0
-            if seen > LARGEST_BODY:
-                log.warning("refused a body of more than %d bytes from %s", LARGEST_BODY, scope.get("client"))
-                raise HTTPException(413, TOO_LARGE)
+            if seen > most:
+                log.warning("refused a body of more than %d bytes from %s", most, scope.get("client"))
+                raise HTTPException(413, _too_large(scope))
             return message
 
         async def dressed(message: Message) -> None:
@@ -126,6 +127,14 @@ class Gate:
             await send(message)
 
         await self._app(scope, limited, dressed)
+
+
+def _limit(scope: Scope) -> int:
+    return LARGEST_DOCUMENT if str(scope["path"]).startswith("/api/document/") else LARGEST_BODY
+
+
+def _too_large(scope: Scope) -> str:
+    return f"a request may have {_limit(scope)} bytes"
 
 
 def cookie_name(scope: Any) -> str:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from collections.abc import Callable
 from contextlib import suppress
 
 from fastapi import WebSocket, WebSocketDisconnect
 from pydantic import BaseModel, ValidationError
 
 from .journal import RunSource
-from .messages import EventsFrame, RefusedFrame, SessionFrame, SessionView, Subscribe
+from .messages import EventsFrame, RefusedFrame, RevisionsFrame, SessionFrame, SessionView, Subscribe
 from .session import RunDesk
 
 log = logging.getLogger(__name__)
@@ -30,12 +31,19 @@ STRIKES = 20
 class Viewer:
     """Streams to one page until it leaves."""
 
-    def __init__(self, socket: WebSocket, desk: RunDesk, source: RunSource):
-        self._socket, self._desk, self._source = socket, desk, source
+    def __init__(
+        self,
+        socket: WebSocket,
+        desk: RunDesk,
+        source: RunSource,
+        revisions: Callable[[], dict[str, int]] = dict,
+    ):
+        self._socket, self._desk, self._source, self._revisions = socket, desk, source, revisions
         self._changed = desk.watch()
         self._run: str | None = None
         self._next = 0
         self._complete = False
+        self._told_revisions: dict[str, int] = {}
         self._told: SessionView | str | None = "nothing"
 
     async def serve(self) -> None:
@@ -85,10 +93,18 @@ class Viewer:
             if self._desk.view != self._told:
                 self._told = self._desk.view
                 await self._write(SessionFrame(session=self._told))
+            await self._send_revisions()
             more = await self._send_events()
             if more:
                 self._changed.set()
             await asyncio.sleep(FRAME)
+
+    async def _send_revisions(self) -> None:
+        revisions = self._revisions()
+        news = {path: number for path, number in revisions.items() if self._told_revisions.get(path) != number}
+        if news:
+            self._told_revisions = revisions
+            await self._write(RevisionsFrame(revisions=news))
 
     async def _wait(self) -> None:
         """Wait for news. A run of another process sends none, so its journal is asked now and then."""

@@ -1,8 +1,40 @@
 // Written by `python -m grip_gui.typescript` from gui/grip_gui/messages.py; don't edit.
 
+/** Everything that the palette offers. */
+export interface CatalogView {
+  nodes: NodeFace[];
+  kinds: KindFace[];
+  trouble: string;
+}
+
 /** Ask the run under way for something. */
 export interface Control {
   command: "pause" | "resume" | "step" | "stop";
+}
+
+/** Take the file's text for what is here. */
+export interface DiskWish {
+  path: string;
+}
+
+/** A task file that is open for editing. */
+export interface DocumentView {
+  path: string;
+  revision: number;
+  text: string;
+  saved: boolean;
+  draft: boolean;
+  change: "" | "changed" | "deleted";
+  history: HistoryView;
+  layout: LayoutView;
+  task: TaskView;
+}
+
+/** Carry out a command that was made on a revision. */
+export interface EditWish {
+  path: string;
+  base: number;
+  command: Record<string, unknown>;
 }
 
 /** Server to page: more of a run, in order and without gaps. */
@@ -11,6 +43,97 @@ export interface EventsFrame {
   run: string;
   events: RunEvent[];
   complete: boolean;
+}
+
+/** What is wrong with an expression; empty when nothing is. */
+export interface ExpressionView {
+  faults: string[];
+}
+
+/** Check an expression where it would stand; nothing is changed. */
+export interface ExpressionWish {
+  path: string;
+  node: string;
+  key: string[];
+  text: string;
+}
+
+/** A setting of a container. */
+export interface FieldFace {
+  key: string;
+  type: "bool" | "int" | "float" | "choice" | "text" | "expression" | "variable" | "child" | "json";
+  doc: string;
+  required: boolean;
+  default: unknown;
+  choices: string[];
+}
+
+/** A way to mend a problem with one press. */
+export interface FixView {
+  title: string;
+  command: Record<string, unknown>;
+}
+
+/** Whether a container can be edited in both forms, as a tree and as a flow chart. */
+export interface FormView {
+  path: string;
+  both: boolean;
+  reason: string;
+  edges: [string, string][];
+}
+
+/** The forms of all composites and state machines of a task; `trouble` says why they aren't known. */
+export interface FormsView {
+  revision: number;
+  forms: FormView[];
+  trouble: string;
+}
+
+/** What can be undone and redone, and the branches. */
+export interface HistoryView {
+  at: number;
+  moments: MomentView[];
+  can_undo: boolean;
+  can_redo: boolean;
+}
+
+/** A kind of container. */
+export interface KindFace {
+  kind: string;
+  doc: string;
+  children: "none" | "one" | "many";
+  fields: FieldFace[];
+  blank: Record<string, unknown>;
+}
+
+/** Pinned positions [px], by the path of the node. */
+export interface LayoutView {
+  flow: Record<string, [number, number]>;
+  tree: Record<string, [number, number]>;
+}
+
+/** One state of a document in its history. */
+export interface MomentView {
+  number: number;
+  parent: number | null;
+  title: string;
+}
+
+/** Make a task file. */
+export interface NewTask {
+  path: string;
+  text: string | null;
+}
+
+/** A leaf of the catalogue. */
+export interface NodeFace {
+  id: string;
+  doc: string;
+  parameters: ParameterFace[];
+  inputs: PortFace[];
+  outputs: PortFace[];
+  outcomes: Record<string, "success" | "failure">;
+  codes: string[];
 }
 
 /** One node of a task. */
@@ -28,6 +151,31 @@ export interface NodeView {
   inputs: Record<string, string>;
   outputs: Record<string, string>;
   parameters: Record<string, unknown>;
+  fields: Record<string, unknown>;
+}
+
+/** A literal that a leaf takes. */
+export interface ParameterFace {
+  name: string;
+  type: string;
+  doc: string;
+  required: boolean;
+  default: unknown;
+}
+
+/** Pin nodes at positions, or let them go (null). */
+export interface PinWish {
+  path: string;
+  view: "flow" | "tree";
+  positions: Record<string, [number, number] | null>;
+}
+
+/** An input or an output of a leaf. */
+export interface PortFace {
+  name: string;
+  type: string;
+  doc: string;
+  required: boolean;
 }
 
 /** Something that the validation found, or why a file can't be read. */
@@ -38,6 +186,9 @@ export interface Problem {
   message: string;
   fix: string;
   line: number | null;
+  column: number | null;
+  key: string[];
+  fixes: FixView[];
 }
 
 /** What the page knows about the project when it opens. */
@@ -53,6 +204,12 @@ export interface ProjectView {
 export interface RefusedFrame {
   type: "refused";
   reason: string;
+}
+
+/** Server to page: the revision of each open task file. */
+export interface RevisionsFrame {
+  type: "revisions";
+  revisions: Record<string, number>;
 }
 
 /** One line of the journal. */
@@ -85,7 +242,13 @@ export interface RunView {
   task: TaskView;
 }
 
-export type ServerFrame = SessionFrame | EventsFrame | RefusedFrame;
+/** Save a file. */
+export interface SaveWish {
+  path: string;
+  over: boolean;
+}
+
+export type ServerFrame = SessionFrame | EventsFrame | RefusedFrame | RevisionsFrame;
 
 /** Server to page: how the run under way is; None when none was started. */
 export interface SessionFrame {
@@ -116,6 +279,14 @@ export interface StartRun {
   pace: number | null;
 }
 
+/** Undo, redo, or go to a moment of any branch. */
+export interface StepWish {
+  path: string;
+  base: number;
+  step: "undo" | "redo" | "go";
+  number: number | null;
+}
+
 /** Page to server: send this run's events from `from_seq` on. */
 export interface Subscribe {
   type: "subscribe";
@@ -140,6 +311,14 @@ export interface TaskView {
   problems: Problem[];
 }
 
+/** Take a text that was typed on a revision. */
+export interface TextWish {
+  path: string;
+  base: number;
+  text: string;
+  over: boolean;
+}
+
 /** An edge of a state machine, or of the root: what happens after one outcome of a node. */
 export interface Transition {
   outcome: string;
@@ -150,6 +329,7 @@ export interface Transition {
 /** Body of every refused request. */
 export interface Trouble {
   detail: string;
+  kind: string;
 }
 
 /** A variable that the task declares. */

@@ -1,0 +1,214 @@
+"""What goes over the wire while tasks are edited; beside `messages`, the other source of the TypeScript types."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from .messages import Meaning, TaskView, Wire
+
+TaskPath = Annotated[str, Field(max_length=1024)]
+View = Literal["flow", "tree"]
+Change = Literal["", "changed", "deleted"]
+FieldType = Literal["bool", "int", "float", "choice", "text", "expression", "variable", "child", "json"]
+
+# --- what can be put into a task --------------------------------------------------------------------------------------
+
+
+class ParameterFace(Wire):
+    """A literal that a leaf takes."""
+
+    name: str
+    type: str
+    doc: str
+    required: bool
+    default: Any = None
+
+
+class PortFace(Wire):
+    """An input or an output of a leaf."""
+
+    name: str
+    type: str
+    doc: str
+    required: bool = False
+
+
+class NodeFace(Wire):
+    """A leaf of the catalogue."""
+
+    id: str
+    doc: str
+    parameters: list[ParameterFace]
+    inputs: list[PortFace]
+    outputs: list[PortFace]
+    outcomes: dict[str, Meaning]
+    codes: list[str]
+
+
+class FieldFace(Wire):
+    """A setting of a container."""
+
+    key: str
+    type: FieldType
+    doc: str
+    required: bool
+    default: Any = None
+    choices: list[str] = []
+
+
+class KindFace(Wire):
+    """A kind of container."""
+
+    kind: str
+    doc: str
+    children: Literal["none", "one", "many"]
+    fields: list[FieldFace]
+    blank: dict[str, Any]
+    """Settings that a new one needs."""
+
+
+class CatalogView(Wire):
+    """Everything that the palette offers."""
+
+    nodes: list[NodeFace]
+    kinds: list[KindFace]
+    trouble: str = ""
+    """Why the project's own nodes are missing."""
+
+
+# --- a document -------------------------------------------------------------------------------------------------------
+
+
+class MomentView(Wire):
+    """One state of a document in its history."""
+
+    number: int
+    parent: int | None
+    title: str
+
+
+class HistoryView(Wire):
+    """What can be undone and redone, and the branches."""
+
+    at: int
+    moments: list[MomentView]
+    """The latest; those before are reached by undo."""
+    can_undo: bool
+    can_redo: bool
+
+
+class LayoutView(Wire):
+    """Pinned positions [px], by the path of the node."""
+
+    flow: dict[str, tuple[int, int]] = {}
+    tree: dict[str, tuple[int, int]] = {}
+
+
+class DocumentView(Wire):
+    """A task file that is open for editing."""
+
+    path: str
+    revision: int
+    text: str
+    saved: bool
+    draft: bool
+    """Whether the text isn't a task; `task` is then the last one that it was."""
+    change: Change
+    """What somebody else did to the file since it was opened or saved."""
+    history: HistoryView
+    layout: LayoutView
+    task: TaskView
+
+
+class FormView(Wire):
+    """Whether a container can be edited in both forms, as a tree and as a flow chart."""
+
+    path: str
+    both: bool
+    reason: str
+    edges: list[tuple[str, str]]
+    """Which edges of it are in the way: (node, outcome)."""
+
+
+class FormsView(Wire):
+    """The forms of all composites and state machines of a task; `trouble` says why they aren't known."""
+
+    revision: int
+    forms: list[FormView]
+    trouble: str = ""
+
+
+# --- wishes -----------------------------------------------------------------------------------------------------------
+
+
+class EditWish(Wire):
+    """Carry out a command that was made on a revision."""
+
+    path: TaskPath
+    base: int
+    command: dict[str, Any]
+
+
+class TextWish(Wire):
+    """Take a text that was typed on a revision."""
+
+    path: TaskPath
+    base: int
+    text: str
+    over: bool = False
+    """Also where something has changed since; that can be undone."""
+
+
+class StepWish(Wire):
+    """Undo, redo, or go to a moment of any branch."""
+
+    path: TaskPath
+    base: int
+    step: Literal["undo", "redo", "go"]
+    number: int | None = None
+
+
+class PinWish(Wire):
+    """Pin nodes at positions, or let them go (null)."""
+
+    path: TaskPath
+    view: View
+    positions: dict[str, tuple[float, float] | None]
+
+
+class SaveWish(Wire):
+    """Save a file."""
+
+    path: TaskPath
+    over: bool = False
+    """Also over somebody else's change."""
+
+
+class DiskWish(Wire):
+    """Take the file's text for what is here."""
+
+    path: TaskPath
+
+
+class NewTask(Wire):
+    """Make a task file."""
+
+    path: TaskPath
+    text: str | None = None
+
+
+class ExpressionWish(Wire):
+    """Check an expression where it would stand; nothing is changed."""
+
+    path: TaskPath
+    node: str
+    key: list[str]
+    text: Annotated[str, Field(max_length=2000)]
+
+
+class ExpressionView(Wire):
+    """What is wrong with an expression; empty when nothing is."""
+
+    faults: list[str]

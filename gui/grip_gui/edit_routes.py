@@ -1,0 +1,138 @@
+"""Questions and wishes about task files under edit. All work is done in threads; the pages are told afterwards."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from typing import TypeVar
+
+from fastapi import APIRouter
+from pydantic import ValidationError
+
+from grip_bt.errors import EditError
+from grip_bt.graph.edit import AnyCommand, command_of
+
+from .documents import catalog_of
+from .edit_messages import (
+    CatalogView,
+    DiskWish,
+    DocumentView,
+    EditWish,
+    ExpressionView,
+    ExpressionWish,
+    FormsView,
+    NewTask,
+    PinWish,
+    SaveWish,
+    StepWish,
+    TextWish,
+)
+from .editing import EditDesk, Sheet, StaleEditError
+from .editing.forms import forms_view
+from .editing.palette import catalog_view
+from .editing.views import check_expression, document_view
+
+T = TypeVar("T")
+
+
+def make_edit_router(desk: EditDesk, notify: Callable[[], None]) -> APIRouter:
+    """Return the routes below `/api` that read and change documents.
+
+    Args:
+        desk: the open files.
+        notify: tells the pages that something has changed; called in the event loop.
+    """
+    api = APIRouter(prefix="/api")
+    folder = desk.folder
+
+    async def change(path: str, work: Callable[[Sheet], object]) -> DocumentView:
+        def changed() -> DocumentView:
+            with desk.changing(path) as sheet:
+                work(sheet)
+                return document_view(folder, sheet)
+
+        view = await asyncio.to_thread(changed)
+        notify()
+        return view
+
+    @api.get("/catalog")
+    def catalog() -> CatalogView:
+        found, trouble = catalog_of(folder)
+        return catalog_view(found, trouble.message if trouble else "")
+
+    @api.get("/document")
+    def document(path: str) -> DocumentView:
+        with desk.reading(path) as sheet:
+            return document_view(folder, sheet)
+
+    @api.get("/document/forms")
+    def forms(path: str) -> FormsView:
+        with desk.reading(path) as sheet:
+            return forms_view(sheet, catalog_of(folder)[0])
+
+    @api.post("/document/expression")
+    def expression(wish: ExpressionWish) -> ExpressionView:
+        with desk.reading(wish.path) as sheet:
+            return check_expression(folder, sheet, wish)
+
+    @api.post("/document/edit")
+    async def edit(wish: EditWish) -> DocumentView:
+        command = understood(wish.command)
+        return await change(wish.path, lambda sheet: sheet.do(command, wish.base))
+
+    @api.post("/document/text")
+    async def text(wish: TextWish) -> DocumentView:
+        return await change(wish.path, lambda sheet: sheet.write(wish.text, sheet.revision if wish.over else wish.base))
+
+    @api.post("/document/step")
+    async def step(wish: StepWish) -> DocumentView:
+        return await change(wish.path, lambda sheet: _step(sheet, wish))
+
+    @api.post("/document/pin")
+    async def pin(wish: PinWish) -> DocumentView:
+        title = f"place {next(iter(wish.positions), '')}"
+        return await change(wish.path, lambda sheet: sheet.pin(wish.view, wish.positions, title))
+
+    @api.post("/document/save")
+    async def save(wish: SaveWish) -> DocumentView:
+        return await change(wish.path, lambda sheet: sheet.save(wish.over))
+
+    @api.post("/document/disk")
+    async def disk(wish: DiskWish) -> DocumentView:
+        return await change(wish.path, Sheet.take_from_disk)
+
+    @api.post("/document/new", status_code=201)
+    async def new(wish: NewTask) -> DocumentView:
+        await asyncio.to_thread(desk.create, wish.path, wish.text)
+        return await change(wish.path, lambda _: None)
+
+    return api
+
+
+def _step(sheet: Sheet, wish: StepWish) -> None:
+    if wish.base != sheet.revision:
+        raise StaleEditError("the task has just been changed elsewhere; look at it, then undo or redo again")
+    if wish.step == "undo":
+        sheet.undo()
+    elif wish.step == "redo":
+        sheet.redo(wish.number)
+    elif wish.number is None:
+        raise EditError("", "say to which moment")
+    else:
+        sheet.go(wish.number)
+
+
+def understood(command: object) -> AnyCommand:
+    """Return the command that a page has sent.
+
+    Raises:
+        EditError: it is none.
+    """
+    try:
+        return command_of(command)
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(str(part) for part in first["loc"])
+        raise EditError("", f"not a command: {where}: {first['msg']}") from None
+    except RecursionError:
+        raise EditError("", "not a command: nested too deeply") from None

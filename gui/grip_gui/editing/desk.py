@@ -1,0 +1,106 @@
+"""All open task files of a project: one lock, and one way in."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from threading import RLock
+
+from grip_bt.errors import DocumentError
+from grip_bt.graph import Task, dumps, read_text
+from grip_bt.graph.layout import layout_path
+
+from ..project import ProjectFolder
+from .files import TextFile
+from .recovery import Recovery
+from .sheet import Sheet
+
+
+class EditDesk:
+    """The task files that pages have opened.
+
+    Args:
+        folder: the project; no path leads out of it.
+    """
+
+    def __init__(self, folder: ProjectFolder):
+        self.folder = folder
+        self._sheets: dict[str, Sheet] = {}
+        self._lock = RLock()
+
+    def revisions(self) -> dict[str, int]:
+        """Return the revision of each open file."""
+        return {path: sheet.revision for path, sheet in list(self._sheets.items())}
+
+    @contextmanager
+    def reading(self, path: str) -> Iterator[Sheet]:
+        """Hold a task file, opened where it isn't yet, while something is read from it.
+
+        Raises:
+            OutsideProjectError: the path leads elsewhere.
+            DocumentError: there is no such file, or it isn't text.
+        """
+        with self._lock:
+            yield self._open(path)
+
+    @contextmanager
+    def changing(self, path: str) -> Iterator[Sheet]:
+        """Hold a task file while it is changed; what isn't saved then is kept.
+
+        Raises:
+            OutsideProjectError: the path leads elsewhere.
+            DocumentError: there is no such file, or it isn't text.
+        """
+        with self._lock:
+            sheet = self._open(path)
+            before = sheet.revision
+            yield sheet
+            if sheet.revision != before:
+                sheet.keep_unsaved()
+
+    def _open(self, path: str) -> Sheet:
+        if path not in self._sheets:
+            file = self.folder.task_file(path)
+            layout = layout_path(file)
+            kept = Recovery(self.folder.journal.parent / "unsaved", path)
+            self._sheets[path] = Sheet(TextFile(file, path), TextFile(layout, layout.name), kept)
+        return self._sheets[path]
+
+    def create(self, path: str, text: str | None = None) -> None:
+        """Make a new task file.
+
+        Args:
+            path: relative to the project folder.
+            text: what it holds; None for a task that does nothing yet.
+
+        Raises:
+            OutsideProjectError: the path leads elsewhere, or isn't one of a task file.
+            DocumentError: a file is there, or the text isn't a task.
+        """
+        with self._lock:
+            file = self.folder.new_task_file(path)
+            name = file.stem
+            new = text if text is not None else _blank(name)
+            read_text(new, path)
+            TextFile(file, path).write(new)
+            Recovery(self.folder.journal.parent / "unsaved", path).forget()
+            self._sheets.pop(path, None)
+
+    def settled_text(self, path: str) -> str:
+        """Return the text of a task file as it is here: the open one, or the file's.
+
+        Raises:
+            OutsideProjectError: the path leads elsewhere.
+            DocumentError: there is no such file.
+        """
+        with self.reading(path) as sheet:
+            return sheet.text
+
+
+def _blank(name: str) -> str:
+    """Return the text of a task that waits for its first node."""
+    try:
+        task = Task.model_validate({"grip": 1, "name": name, "root": {"kind": "sequence", "children": {}}})
+    except ValueError as error:
+        raise DocumentError(f"{name!r} isn't a name for a task", name) from error
+    return dumps(task)

@@ -1,0 +1,35 @@
+"""Which containers can be edited in both forms, and which edges keep the others from it."""
+
+from __future__ import annotations
+
+from grip_bt.catalog import Catalog
+from grip_bt.compilers.restructure import to_state_machines, to_trees
+from grip_bt.errors import GripError, InvalidTaskError
+from grip_bt.graph import Fallback, Sequence, StateMachine, Task, walk
+
+from ..edit_messages import FormsView, FormView
+from .sheet import Sheet
+
+
+def forms_view(sheet: Sheet, catalog: Catalog) -> FormsView:
+    """Return the forms of a document's composites and state machines."""
+    if sheet.history is None or sheet.draft is not None:
+        return FormsView(revision=sheet.revision, forms=[], trouble="the text isn't a task at the moment")
+    task = sheet.history.document.task
+    try:
+        return FormsView(revision=sheet.revision, forms=_forms(task, catalog))
+    except InvalidTaskError:
+        return FormsView(revision=sheet.revision, forms=[], trouble="known once the task has no errors")
+    except GripError as error:
+        return FormsView(revision=sheet.revision, forms=[], trouble=str(error))
+
+
+def _forms(task: Task, catalog: Catalog) -> list[FormView]:
+    notes = {note.path: note for note in (*to_trees(task, catalog).notes, *to_state_machines(task, catalog).notes)}
+    forms = []
+    for path, node in walk(task.root):
+        if isinstance(node, StateMachine | Sequence | Fallback):
+            note = notes.get(path)
+            edges = list(getattr(note, "edges", ()))
+            forms.append(FormView(path=path, both=note is None, reason=note.reason if note else "", edges=edges))
+    return forms

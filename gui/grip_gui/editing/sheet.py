@@ -1,0 +1,282 @@
+"""One open task file: its history, the text that isn't a task yet, its layout, and what is on disk."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from grip_bt.errors import DocumentError, EditError
+from grip_bt.graph import History, read_text
+from grip_bt.graph.edit import AnyCommand, Edited, Group, rewrite
+from grip_bt.graph.edit.steps import Step
+from grip_bt.graph.layout import Layout, read_layout, write_layout
+
+from .errors import ChangedOnDiskError, StaleEditError, UnfinishedTextError
+from .files import TextFile
+from .rebasing import rebased
+from .recovery import Recovery, Unsaved
+
+KEPT = 1000
+"""So many edits back an edit of a page that was late is still carried over."""
+FROM_DISK = "take the file's text"
+RECOVERED = "recover unsaved changes"
+
+
+@dataclass(frozen=True)
+class _Past:
+    """What the edit that led to a revision did."""
+
+    revision: int
+    steps: tuple[Step, ...]
+
+
+class Sheet:
+    """A task file that is open.
+
+    A text that isn't a task is kept beside the last good task (`draft`) until it is one again; it is saved as it
+    is, and nothing drawn is changed meanwhile. `revision` grows with whatever changes what a page shows.
+
+    Args:
+        file: the task's file.
+        layout: the file of its layout.
+        recovery: where what isn't saved is kept.
+
+    Raises:
+        DocumentError: the file can't be read.
+    """
+
+    def __init__(self, file: TextFile, layout: TextFile, recovery: Recovery):
+        self.file, self._layout_file, self._recovery = file, layout, recovery
+        self.history: History | None = None
+        self.draft: str | None = None
+        self.revision = 1
+        self._dropped: str | None = None
+        self._past: list[_Past] = []
+        self._layouts: dict[int, Layout] = {}
+        text = file.read()
+        try:
+            self._begin(text)
+        except DocumentError:
+            self.draft = text
+        self._saved = text
+        self._saved_layout = write_layout(self.layout)
+        self._recover()
+
+    def _recover(self) -> None:
+        """Take up what a server that died has left; where the file has changed since, a save asks first."""
+        left = self._recovery.find()
+        if left is not None:
+            self._put_text(left.text, RECOVERED)
+            self.file.known = left.known
+
+    def keep_unsaved(self) -> None:
+        """Keep a copy of what isn't saved, or forget the copy of what is."""
+        if self.text == self._saved:
+            self._recovery.forget()
+        else:
+            self._recovery.keep(Unsaved(self.text, self.file.known))
+
+    def _begin(self, text: str) -> None:
+        self.history = History(read_text(text, self.file.name))
+        self._layouts = {0: self._read_layout()}
+
+    def _read_layout(self) -> Layout:
+        try:
+            return read_layout(self._layout_file.read()) if self._layout_file.path.exists() else Layout()
+        except DocumentError:
+            return Layout()
+
+    # --- how it is --------------------------------------------------------------------------------------------------
+
+    @property
+    def text(self) -> str:
+        """The text as it is now, a task or not."""
+        if self.draft is not None:
+            return self.draft
+        assert self.history is not None, "a sheet has a history or a draft"
+        return self.history.document.text
+
+    @property
+    def layout(self) -> Layout:
+        """The pinned positions at this moment."""
+        return self._layouts[self.history.at.number] if self.history else Layout()
+
+    @property
+    def saved(self) -> bool:
+        """Whether the file has what is here."""
+        return self.text == self._saved and write_layout(self.layout) == self._saved_layout
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether something can be undone; a draft can be dropped where there is a task to go back to."""
+        return self.history is not None and (self.draft is not None or self.history.can_undo)
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether something was undone here."""
+        return self.draft is None and (self._dropped is not None or bool(self.history and self.history.can_redo))
+
+    # --- edits ------------------------------------------------------------------------------------------------------
+
+    def do(self, command: AnyCommand, base: int) -> Edited:
+        """Carry out a command that was made on the state `base`.
+
+        Raises:
+            EditError: it can't be carried out.
+            StaleEditError: what it is about is gone since.
+            UnfinishedTextError: the text isn't a task.
+        """
+        history = self._settled()
+        edited = history.do(rebased(command, self._since(base)))
+        self._enter(edited.steps, self._previous().after(edited.steps))
+        return edited
+
+    def pin(self, view: str, positions: dict[str, tuple[float, float] | None], title: str) -> None:
+        """Pin nodes at positions of a view [px], or unpin them (None); it is undone like every edit.
+
+        Raises:
+            UnfinishedTextError: the text isn't a task.
+        """
+        history = self._settled()
+        layout = self.layout
+        for path, spot in positions.items():
+            layout = layout.unpin(view, path) if spot is None else layout.pin(view, path, *spot)
+        history.do(Group(title=title, commands=()))
+        self._enter((), layout)
+
+    def write(self, text: str, base: int) -> None:
+        """Take a text that a person has typed on the state `base`; it may be no task yet.
+
+        Raises:
+            StaleEditError: something else has changed since, so that the text would take it back.
+        """
+        if base != self.revision:
+            raise StaleEditError(
+                f"{self.file.name} was changed elsewhere while you were typing (revision {self.revision}, you have "
+                f"{base}); your text is still in the text view: take the new text, or put yours over it"
+            )
+        self._put_text(text)
+
+    def _put_text(self, text: str, title: str = "edit the text") -> None:
+        if text == self.text:
+            return
+        self._dropped = None
+        try:
+            if self.history is None:
+                self._begin(text)
+                self._enter((), self.layout)
+            elif text == self.history.document.text:
+                self._enter((), self.layout)
+            else:
+                edited = self.history.do(rewrite(self.history.document, text, title))
+                self._enter(edited.steps, self._previous().after(edited.steps))
+        except (DocumentError, EditError):
+            self.draft = text
+            self.revision += 1
+            return
+        self.draft = None
+
+    def undo(self) -> None:
+        """Go to the moment before; where there is a draft, drop it (redo brings it back).
+
+        Raises:
+            EditError: there is nothing to undo.
+        """
+        if self.draft is not None and self.history is not None:
+            self._dropped, self.draft = self.draft, None
+            self._enter((), self.layout)
+            return
+        edited = self._settled().undo()
+        self._enter(edited.steps)
+
+    def redo(self, number: int | None = None) -> None:
+        """Go to the moment that was left last, or to the one of this number that was made from here.
+
+        Raises:
+            EditError: there is nothing to redo.
+        """
+        history = self._settled()
+        if self._dropped is not None and number is None:
+            self.draft, self._dropped = self._dropped, None
+            self.revision += 1
+            return
+        self._enter(history.redo(number).steps)
+
+    def go(self, number: int) -> None:
+        """Go to any moment of any branch.
+
+        Raises:
+            EditError: there is no such moment.
+        """
+        done = self._settled().go(number)
+        self._enter(tuple(step for edited in done for step in edited.steps))
+
+    def _settled(self) -> History:
+        """Return the history, unless a draft is in the way."""
+        if self.draft is not None or self.history is None:
+            try:
+                read_text(self.text, self.file.name)
+                why = "it differs from what it says"
+            except DocumentError as error:
+                why = str(error)
+            raise UnfinishedTextError(self.file.name, why)
+        return self.history
+
+    def _previous(self) -> Layout:
+        assert self.history is not None
+        assert self.history.at.parent is not None
+        return self._layouts[self.history.at.parent]
+
+    def _since(self, base: int) -> Iterable[tuple[Step, ...]]:
+        if base == self.revision:
+            return ()
+        oldest = self._past[0].revision if self._past else self.revision + 1
+        if not oldest - 1 <= base < self.revision:
+            raise StaleEditError(f"{self.file.name}: revision {base} isn't known here; the page shows the newest now")
+        return [past.steps for past in self._past if past.revision > base]
+
+    def _enter(self, steps: tuple[Step, ...], layout: Layout | None = None) -> None:
+        """Note that the document has changed; a moment that is new gets its layout."""
+        assert self.history is not None
+        self.revision += 1
+        if layout is not None:
+            self._dropped = None if steps else self._dropped
+            self._layouts.setdefault(self.history.at.number, layout)
+        self._past.append(_Past(self.revision, steps))
+        del self._past[:-KEPT]
+
+    # --- the file ---------------------------------------------------------------------------------------------------
+
+    def save(self, over: bool = False) -> None:
+        """Write the file, and the layout's file.
+
+        Args:
+            over: also where somebody else has changed the file since.
+
+        Raises:
+            ChangedOnDiskError: somebody else has.
+            DocumentError: it can't be written.
+        """
+        change = self.file.change()
+        if change and not over:
+            raise ChangedOnDiskError(self.file.name, change)
+        layout = write_layout(self.layout)
+        if self.text != self._saved or change:
+            self.file.write(self.text)
+        if layout != self._saved_layout and self.history is not None:
+            self._layout_file.write(layout) if layout else self._layout_file.remove()
+        self._saved, self._saved_layout = self.text, layout
+        self.revision += 1
+
+    def take_from_disk(self) -> None:
+        """Take the file's text as an edit, so that undo brings back what was here.
+
+        Raises:
+            DocumentError: it can't be read.
+        """
+        text = self.file.read()
+        if self.draft is not None and self.history is not None:
+            self.undo()
+        self._put_text(text, FROM_DISK)
+        self._saved = text
+        self.revision += 1

@@ -1,0 +1,88 @@
+"""Open documents as the page shows them, and the checks that it asks for while a person types."""
+
+from __future__ import annotations
+
+from typing import get_args
+
+from grip_bt.errors import DocumentError, EditError, GripError
+from grip_bt.graph import read_text
+from grip_bt.graph.edit import Set, apply
+from grip_bt.validation import validate
+
+from ..documents import catalog_of, trouble_of, view_of_document
+from ..edit_messages import (
+    Change,
+    DocumentView,
+    ExpressionView,
+    ExpressionWish,
+    HistoryView,
+    LayoutView,
+    MomentView,
+)
+from ..messages import Problem, TaskView
+from ..project import ProjectFolder
+from .sheet import Sheet
+
+SHOWN = 200
+"""Moments of a history that a page gets."""
+
+
+def document_view(folder: ProjectFolder, sheet: Sheet) -> DocumentView:
+    """Return a document as it is now."""
+    change = sheet.file.change()
+    assert change in get_args(Change)
+    return DocumentView(
+        path=sheet.file.name,
+        revision=sheet.revision,
+        text=sheet.text,
+        saved=sheet.saved,
+        draft=sheet.draft is not None,
+        change=change,  # type: ignore[arg-type]
+        history=_history(sheet),
+        layout=LayoutView(**{view: dict(spots) for view, spots in sheet.layout.pinned.items()}),
+        task=_task(folder, sheet),
+    )
+
+
+def _history(sheet: Sheet) -> HistoryView:
+    history = sheet.history
+    moments = history.moments[-SHOWN:] if history else ()
+    return HistoryView(
+        at=history.at.number if history else 0,
+        moments=[MomentView(number=m.number, parent=m.parent, title=m.title) for m in moments],
+        can_undo=sheet.can_undo,
+        can_redo=sheet.can_redo,
+    )
+
+
+def _task(folder: ProjectFolder, sheet: Sheet) -> TaskView:
+    name = sheet.file.name
+    if sheet.draft is None and sheet.history is not None:
+        return view_of_document(folder, sheet.history.document, name)
+    fault = _fault(sheet)
+    if sheet.history is None:
+        return TaskView(path=name, name=name.rsplit("/", 1)[-1].rsplit(".", 1)[0], problems=[fault])
+    stale = view_of_document(folder, sheet.history.document, name)
+    return stale.model_copy(update={"problems": [fault]})
+
+
+def _fault(sheet: Sheet) -> Problem:
+    try:
+        read_text(sheet.text, sheet.file.name)
+    except DocumentError as error:
+        return trouble_of("document", error)
+    return Problem(code="document", severity="error", message="this text can't be taken over; run `grip fmt` on it")
+
+
+def check_expression(folder: ProjectFolder, sheet: Sheet, wish: ExpressionWish) -> ExpressionView:
+    """Return what the validation would say about an expression at a key of a node."""
+    if sheet.history is None:
+        return ExpressionView(faults=[])
+    task = sheet.history.document.task
+    try:
+        after = apply(task, Set(path=wish.node, key=tuple(wish.key), value=wish.text)).task
+        issues = validate(after, catalog_of(folder)[0]).issues
+    except (EditError, GripError) as error:
+        return ExpressionView(faults=[str(error)])
+    here = [i for i in issues if i.path == wish.node and i.key[:1] == tuple(wish.key)[:1] and i.severity == "error"]
+    return ExpressionView(faults=[issue.message for issue in here])

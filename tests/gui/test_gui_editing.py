@@ -1,0 +1,310 @@
+"""Editing over the server: what pages send, what they get, and what is on disk afterwards."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from conftest import BASE, TASK, PlayedLauncher
+from starlette.testclient import TestClient
+
+from grip_gui.application import create_app
+
+TINY = "tasks/tiny.yaml"
+
+
+class Pen:
+    """A page that edits one task file."""
+
+    def __init__(self, client: TestClient, path: str = TINY):
+        self.client, self.path = client, path
+        self.view: dict[str, Any] = self.open()
+
+    def open(self) -> dict[str, Any]:
+        self.view = self.client.get("/api/document", params={"path": self.path}).json()
+        return self.view
+
+    def post(self, what: str, status: int = 200, **wish: Any) -> dict[str, Any]:
+        answer = self.client.post(f"/api/document/{what}", json={"path": self.path, **wish})
+        assert answer.status_code == status, answer.text
+        if status == 200:
+            self.view = answer.json()
+        return answer.json()
+
+    def edit(self, status: int = 200, base: int | None = None, **command: Any) -> dict[str, Any]:
+        return self.post("edit", status, base=base or self.view["revision"], command=command)
+
+    def step(self, step: str, status: int = 200, number: int | None = None) -> dict[str, Any]:
+        return self.post("step", status, base=self.view["revision"], step=step, number=number)
+
+    def type(self, text: str, status: int = 200, base: int | None = None, over: bool = False) -> dict[str, Any]:
+        return self.post("text", status, base=base or self.view["revision"], text=text, over=over)
+
+    def names(self) -> list[str]:
+        return [node["path"] for node in self.view["task"]["nodes"]]
+
+
+@pytest.fixture
+def pen(page: TestClient) -> Pen:
+    return Pen(page)
+
+
+@pytest.fixture
+def file(project: Path) -> Path:
+    return project / TINY
+
+
+def test_an_edit_is_seen_at_once_and_saved_when_asked(pen: Pen, file: Path) -> None:
+    assert pen.view["saved"]
+    assert pen.view["text"] == TASK
+    pen.edit(do="rename", path="first", name="wait a bit")
+    assert pen.names() == ["/", "wait a bit", "machine", "machine/a", "machine/b"]
+    assert not pen.view["saved"]
+    assert file.read_text() == TASK
+    assert pen.post("save")["saved"]
+    assert "wait a bit: {node: flow/wait" in file.read_text()
+
+
+def test_undo_and_redo_give_the_bytes_back(pen: Pen, file: Path) -> None:
+    pen.edit(do="remove", path="first")
+    pen.edit(do="wrap", paths=["machine"], kind="retry", name="again", fields={"times": 2})
+    after = pen.view["text"]
+    pen.step("undo")
+    assert pen.step("undo")["text"] == TASK
+    assert pen.view["saved"]
+    assert not pen.view["history"]["can_undo"]
+    pen.step("redo")
+    assert pen.step("redo")["text"] == after
+    assert "nothing to redo" in pen.step("redo", status=400)["detail"]
+
+
+def test_a_branch_that_was_left_is_reached_again(pen: Pen) -> None:
+    pen.edit(do="rename", path="first", name="one")
+    one = pen.view["history"]["at"]
+    pen.step("undo")
+    pen.edit(do="rename", path="first", name="two")
+    assert pen.step("go", number=one)["task"]["nodes"][1]["name"] == "one"
+    assert [m["title"] for m in pen.view["history"]["moments"]] == ["opened", "rename first", "rename first"]
+
+
+def test_what_cannot_be_done_says_why_and_changes_nothing(pen: Pen) -> None:
+    before = pen.view["revision"]
+    assert "there is no such node" in pen.edit(400, do="remove", path="frist")["detail"]
+    assert "not a command" in pen.edit(400, do="dance")["detail"]
+    assert "not a command" in pen.edit(400, do="add", parent="/", name="a.b", node={})["detail"]
+    assert pen.open()["revision"] == before
+    assert pen.view["text"] == TASK
+
+
+def test_a_late_edit_follows_a_rename_and_is_refused_after_a_removal(page: TestClient) -> None:
+    one, two = Pen(page), Pen(page)
+    one.edit(do="rename", path="machine", name="steps")
+    two.edit(do="set", path="machine/a", key=["with", "seconds"], value=7)
+    assert two.view["text"].count("seconds: 7") == 1
+    assert "steps" in two.names()
+    one.open()
+    one.edit(do="remove", path="first")
+    refused = two.edit(409, base=two.view["revision"], do="rename", path="first", name="x")
+    assert refused["kind"] == "stale"
+    assert "removed elsewhere" in refused["detail"]
+    assert two.open()["text"] == one.view["text"]
+
+
+def test_a_late_undo_or_text_takes_nothing_of_others_back(page: TestClient) -> None:
+    one, two = Pen(page), Pen(page)
+    one.edit(do="rename", path="first", name="one")
+    assert two.step("undo", status=409)["kind"] == "stale"
+    assert two.type(TASK + "# mine\n", status=409)["kind"] == "stale"
+    assert one.open()["text"].count("one:") == 1
+    two.type(TASK + "# mine\n", over=True)
+    assert two.view["text"] == TASK + "# mine\n"
+    two.step("undo")
+    assert two.view["text"] == one.view["text"]
+
+
+def test_every_page_is_told_of_a_new_revision(page: TestClient) -> None:
+    with page.websocket_connect("ws://127.0.0.1:8765/api/socket", headers={"origin": BASE}) as socket:
+        assert socket.receive_json()["type"] == "session"
+        pen = Pen(page)
+        pen.edit(do="rename", path="first", name="one")
+        assert socket.receive_json() == {"type": "revisions", "revisions": {TINY: pen.view["revision"]}}
+
+
+def test_text_that_is_no_task_is_kept_shown_and_saved(pen: Pen, file: Path) -> None:
+    broken = TASK.replace("kind: sequence", "kind: seq")
+    pen.type(broken)
+    assert pen.view["draft"]
+    assert pen.view["text"] == broken
+    assert len(pen.view["task"]["nodes"]) == 5
+    (problem,) = pen.view["task"]["problems"]
+    assert problem["line"] == 7
+    refused = pen.edit(409, do="rename", path="first", name="x")
+    assert refused["kind"] == "unfinished"
+    pen.post("save")
+    assert file.read_text() == broken
+    pen.step("undo")
+    assert pen.view["text"] == TASK
+    pen.step("redo")
+    assert pen.view["text"] == broken
+    pen.type(TASK.replace("first:", "start:"))
+    assert not pen.view["draft"]
+    assert "start" in pen.names()
+
+
+def test_a_file_that_is_no_task_is_opened_and_mended(page: TestClient, project: Path) -> None:
+    (project / "tasks" / "odd.yaml").write_text("grip: 1\nname: odd\n")
+    pen = Pen(page, "tasks/odd.yaml")
+    assert pen.view["draft"]
+    assert pen.view["task"]["problems"]
+    pen.type("grip: 1\nname: odd\nroot: {node: flow/wait, with: {seconds: 1}}\n")
+    assert pen.names() == ["/"]
+
+
+def test_a_file_changed_by_somebody_else_is_never_lost(pen: Pen, file: Path) -> None:
+    pen.edit(do="rename", path="first", name="mine")
+    theirs = TASK.replace("first:", "theirs:")
+    file.write_text(theirs)
+    assert pen.open()["change"] == "changed"
+    refused = pen.post("save", status=409)
+    assert refused["kind"] == "disk"
+    assert file.read_text() == theirs
+    assert pen.post("disk")["text"] == theirs
+    assert pen.view["saved"]
+    assert "mine:" in pen.step("undo")["text"]
+    pen.post("save", over=True)
+    assert "mine:" in file.read_text()
+
+
+def test_a_deleted_file_is_told_and_written_again(pen: Pen, file: Path) -> None:
+    file.unlink()
+    assert pen.open()["change"] == "deleted"
+    assert "deleted outside" in pen.post("save", status=409)["detail"]
+    pen.post("save", over=True)
+    assert file.read_text() == TASK
+
+
+def test_unsaved_edits_outlive_the_server(project: Path) -> None:
+    def served() -> TestClient:
+        client = TestClient(
+            create_app(project, PlayedLauncher(), token="right"), base_url=BASE, headers={"origin": BASE}
+        )
+        client.get("/?token=right")
+        return client
+
+    first = Pen(served())
+    first.edit(do="rename", path="first", name="unsaved")
+    again = Pen(served())
+    assert again.view["text"] == first.view["text"]
+    assert not again.view["saved"]
+    assert again.view["history"]["moments"][-1]["title"] == "recover unsaved changes"
+    again.post("save")
+    assert Pen(served()).view["history"]["moments"][-1]["title"] == "opened"
+    assert not [*(project / ".grip" / "unsaved").iterdir()]
+
+
+def test_windows_line_ends_and_marks_of_byte_order_stay(page: TestClient, project: Path) -> None:
+    path = project / "tasks" / "dos.yaml"
+    path.write_bytes(b"\xef\xbb\xbf" + TASK.replace("\n", "\r\n").encode())
+    pen = Pen(page, "tasks/dos.yaml")
+    pen.edit(do="rename", path="first", name="one")
+    pen.post("save")
+    assert path.read_bytes() == b"\xef\xbb\xbf" + TASK.replace("first:", "one:").replace("\n", "\r\n").encode()
+
+
+def test_new_tasks_go_below_tasks_and_over_nothing(page: TestClient, project: Path) -> None:
+    made = page.post("/api/document/new", json={"path": "tasks/deep/new one.yaml"})
+    assert made.status_code == 201
+    assert made.json()["task"]["name"] == "new one"
+    assert (project / "tasks/deep/new one.yaml").exists()
+    for path, status in {
+        TINY: 404,
+        "../out.yaml": 403,
+        "grip2.yaml": 403,
+        "tasks/.x.yaml": 403,
+        "tasks/x.txt": 403,
+    }.items():
+        assert page.post("/api/document/new", json={"path": path}).status_code == status, path
+    assert not (project.parent / "out.yaml").exists()
+
+
+@pytest.mark.parametrize("what", ["edit", "text", "step", "pin", "save", "disk", "new", "expression"])
+def test_no_request_reaches_a_file_outside_or_breaks_the_server(page: TestClient, project: Path, what: str) -> None:
+    wishes = {
+        "edit": {"base": 1, "command": {"do": "remove", "path": "/"}},
+        "text": {"base": 1, "text": "x"},
+        "step": {"base": 1, "step": "undo"},
+        "pin": {"view": "flow", "positions": {"first": [0, 0]}},
+        "new": {"text": "grip: 1"},
+        "expression": {"node": "/", "key": ["if"], "text": "1"},
+    }
+    (project / "tasks" / "link.yaml").symlink_to(project.parent / "secret.yaml")
+    for path in [
+        "../secret.yaml",
+        "/etc/passwd",
+        "tasks/../../secret.yaml",
+        "tasks/link.yaml",
+        "grip\0.yaml",
+        ".grip/x.yaml",
+    ]:
+        answer = page.post(f"/api/document/{what}", json={"path": path, **wishes.get(what, {})})
+        assert answer.status_code == 403, (path, answer.text)
+    for junk in [{}, {"path": 3}, {"path": TINY, "extra": 1}, [], {"path": "tasks/none.yaml", "base": "x"}]:
+        assert page.post(f"/api/document/{what}", json=junk).status_code == 422
+    assert (project.parent / "secret.yaml").read_text() == "grip: 1\nname: secret\n"
+    assert page.get("/api/project").status_code == 200
+
+
+def test_pins_are_undone_and_follow_a_rename_and_lie_beside_the_task(pen: Pen, project: Path) -> None:
+    pen.post("pin", view="flow", positions={"machine/a": [101.0, 42.0]})
+    assert pen.view["layout"]["flow"] == {"machine/a": [104, 40]}
+    assert not pen.view["saved"]
+    pen.edit(do="rename", path="machine", name="m")
+    assert pen.view["layout"]["flow"] == {"m/a": [104, 40]}
+    pen.post("save")
+    assert (project / "tasks/tiny.layout.yaml").read_text() == "flow:\n  m/a: [104, 40]\n"
+    pen.step("undo")
+    pen.step("undo")
+    assert pen.view["layout"]["flow"] == {}
+    pen.post("save")
+    assert not (project / "tasks/tiny.layout.yaml").exists()
+    assert (project / TINY).read_text() == TASK
+
+
+def test_problems_bring_fixes_that_are_edits(pen: Pen) -> None:
+    pen.edit(do="set", path="first", key=["node"], value="flow/wiat")
+    (problem,) = [p for p in pen.view["task"]["problems"] if p["code"] == "unknown-node"]
+    fix = next(f for f in problem["fixes"] if f["title"] == "Use flow/wait")
+    pen.edit(**fix["command"])
+    assert pen.view["text"] == TASK
+
+
+def test_an_expression_is_checked_where_it_would_stand(pen: Pen) -> None:
+    def faults(text: str) -> list[str]:
+        return pen.post("expression", node="machine", key=["precondition"], text=text)["faults"]
+
+    pen_view = pen.view
+    assert faults("count > 2") == []
+    assert "counts" in faults("counts > 2")[0]
+    assert faults("count +")
+    pen.view = pen_view
+    assert pen.open()["text"] == TASK
+
+
+def test_the_palette_has_every_node_and_kind(page: TestClient) -> None:
+    from grip_bt.catalog import Catalog
+    from grip_bt.graph import KINDS
+
+    catalog = page.get("/api/catalog").json()
+    assert [node["id"] for node in catalog["nodes"]] == list(Catalog.builtin().ids())
+    assert [kind["kind"] for kind in catalog["kinds"]] == list(KINDS)
+    retry = next(kind for kind in catalog["kinds"] if kind["kind"] == "retry")
+    assert retry["children"] == "one"
+    assert {"key": "times", "type": "int", "required": True} == {
+        k: retry["fields"][-1][k] for k in ("key", "type", "required")
+    }
+
+
+def test_containers_say_whether_both_forms_edit_them(pen: Pen) -> None:
+    answer = pen.client.get("/api/document/forms", params={"path": TINY}).json()
+    assert {form["path"]: form["both"] for form in answer["forms"]} == {"/": True, "machine": True}
