@@ -241,7 +241,7 @@ class _Resolver:
         self.refusal(path, node, meaning)
         scope = self.declare(path, task.variables, None)
         self.chain.append(node.task)
-        root = self.part(task.name, f"{path.removesuffix('/')}/", task.root, scope)
+        root = self.part(task.name, f"{path}/", task.root, scope)
         self.chain.pop()
         ends = check_root(task, root.meaning, self.problems, root.path)
         exits = Edges.of_children({root.name: ends})

@@ -100,9 +100,9 @@ def _container(part: Part, face: control.Face, children: list[Behaviour]) -> Nod
             return control.Sequence(face, children, memory)
         case model.Fallback(memory=memory):
             return control.Fallback(face, children, memory)
-        case model.Parallel(cancel=cancel, prompt=prompt):
+        case model.Parallel(cancel=cancel, retick=retick, prompt=prompt):
             made = control.PromptParallel if prompt else control.Parallel
-            node = made(face, children, ruling_of(part), cancel)
+            node = made(face, children, ruling_of(part), cancel, retick)
             if cancel == "ask":
                 for below in node.iterate():
                     if isinstance(below, Leaf):

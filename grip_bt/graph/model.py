@@ -135,6 +135,8 @@ class Parallel(_Composite):
     cancel: Literal["halt", "ask", "join"] = "halt"
     order: Literal["declared"] | None = None
     """`declared`: children may share variables, since they are ticked in their order."""
+    retick: bool = False
+    """Children that have ended are activated again on every tick, until it is decided."""
     prompt: bool = False
     """Decided after each child rather than after all of them: the later ones are not ticked any more."""
 
@@ -144,6 +146,8 @@ class Parallel(_Composite):
             raise ValueError("`cancel: join` waits for all children; remove `wait_for`, or use `cancel: ask`")
         if self.prompt and self.cancel != "halt":
             raise ValueError("`prompt` halts what still runs at once; remove it, or use `cancel: halt`")
+        if self.retick and (self.prompt or self.cancel != "halt"):
+            raise ValueError("`retick` goes with `cancel: halt` and without `prompt`; remove it, or these")
         return self
 
 

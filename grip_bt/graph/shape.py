@@ -52,7 +52,7 @@ _FIELDS_ONLY = frozenset({"x"}).union(n for shape in _SHAPES for n, f in shape.m
 _ORDER = (
     *("grip", "name", "kind", "node", "type", "value", "doc"),
     *("precondition", "initial", "times", "seconds", "if", "while", "on_value", "cases", "default", "items", "item"),
-    *("policy", "memory", "rules", "wait_for", "cancel", "prompt", "order", "as"),
+    *("policy", "memory", "rules", "wait_for", "cancel", "retick", "prompt", "order", "as"),
     *("task", "behaviour", "args", "with", "in", "out", "meaning", "outcomes", "exits", "on"),
     *("inputs", "outputs", "data", "root", "children", "child"),
 )

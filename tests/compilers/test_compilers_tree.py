@@ -9,7 +9,7 @@ import py_trees
 import pytest
 from py_trees.common import Status
 
-from grip_bt.catalog import Catalog, Manifest
+from grip_bt.catalog import Catalog, Manifest, TaskTexts
 from grip_bt.compilers import Rushing, to_machine, to_tree
 from grip_bt.compilers.scopes import UNSET
 from grip_bt.errors import DataError, InvalidTaskError, NodeError
@@ -24,7 +24,16 @@ FACE = Manifest(
     inputs={"a": {"type": "int", "required": False}},
     outputs={"x": {"type": "Any"}},
 )
-CATALOG = Catalog([FACE])
+INNER = Task.model_validate(
+    {
+        "grip": 1,
+        "name": "inner",
+        "inputs": {"i": {"type": "int", "value": 7}},
+        "outputs": {"o": "Any"},
+        "root": {"node": "test/copy", "with": {"label": "l"}, "in": {"a": "i"}, "out": {"x": "o"}},
+    }
+)
+CATALOG = Catalog([FACE], TaskTexts({"inner.yaml": INNER}))
 
 
 class Copy(Leaf):
@@ -76,6 +85,7 @@ def every_kind() -> dict[str, Any]:
             },
             "loop": {"kind": "loop", "times": 2, "child": {"c": leaf()}},
             "foreign": {"kind": "foreign", "behaviour": "py_trees.behaviours:Success"},
+            "subtask": {"kind": "subtask", "task": "inner.yaml"},
             "cooldown": {"kind": "cooldown", "seconds": 1, "child": {"c": leaf()}},
             "invert": {"kind": "invert", "child": {"c": leaf()}},
             "force": {"kind": "force", "as": "success", "child": {"c": leaf()}},
@@ -98,6 +108,7 @@ def test_every_kind_becomes_the_class_of_py_trees_that_it_is() -> None:
         "Loop",
         "Cooldown",
         "Foreign",
+        "Subtask",
         "Invert",
         "Force",
     }
@@ -112,7 +123,7 @@ def test_every_kind_becomes_the_class_of_py_trees_that_it_is() -> None:
 def test_the_tree_has_the_documents_names_and_order_and_py_trees_draws_it() -> None:
     tree = compiled(every_kind())
     assert [child.name for child in tree.root.children] == list(every_kind()["children"])
-    assert list(tree.leaves) == [path for path in tree.by_path if path.endswith(("/c", "/s"))]
+    assert list(tree.leaves) == [path for path in tree.by_path if path.endswith(("/c", "/s", "subtask/"))]
     drawn = py_trees.display.unicode_tree(tree.root)
     assert drawn.splitlines()[0].strip().endswith("tested")
     assert len(drawn.splitlines()) == len(tree.by_path) + 1  # what the foreign node holds

@@ -64,26 +64,26 @@ def _selector(node: Any) -> Equal:
 
 def _parallel(node: Any) -> Equal:
     policy = node.policy
-    if type(policy) is ParallelPolicy.SuccessOnAll and policy.synchronise:
-        return Equal({"kind": "parallel"})
+    # A child that has failed ends it: none but those that have succeeded could be ticked again.
+    again = {} if policy.synchronise else {"retick": True}
+    if type(policy) is ParallelPolicy.SuccessOnAll:
+        return Equal({"kind": "parallel", **again})
     if type(policy) is ParallelPolicy.SuccessOnOne:
         # The first failure ends it too, and before a success is looked at: that is what an exit does.
         return Equal({"kind": "parallel", "policy": "any"}, failures=True)
-    if type(policy) in (ParallelPolicy.SuccessOnAll, ParallelPolicy.SuccessOnSelected) and not policy.synchronise:
-        raise NoEqual("a Parallel with synchronise=False ticks again those that have succeeded, which no task does")
     if type(policy) is ParallelPolicy.SuccessOnSelected:
-        return _selected(node)
+        return _selected(node, again)
     raise NoEqual(f"a Parallel with {type(policy).__name__}: what that decides isn't known")
 
 
-def _selected(node: Any) -> Equal:
+def _selected(node: Any, again: dict[str, Any]) -> Equal:
     chosen = {id(child) for child in node.policy.children}
     positions = tuple(n for n, child in enumerate(node.children) if id(child) in chosen)
     if not chosen or len(positions) < len(chosen):
         raise NoEqual(
             "a Parallel with SuccessOnSelected needs a selection of its own children; py_trees refuses it too"
         )
-    return Equal({"kind": "parallel"}, selected=positions)
+    return Equal({"kind": "parallel", **again}, selected=positions)
 
 
 def _retry(node: Any) -> Equal:

@@ -64,6 +64,11 @@ def from_face(behaviour: Node) -> dict[str, Any]:
 
 _GIVE = "and which variables those are only the compiled task knows; give that to `to_task`, not its root"
 
+_SECRETS: dict[type, str] = {
+    control.Foreign: "what a foreign behaviour was made of only the compiled task knows; give that to `to_task`",
+    control.Subtask: "which file it runs only the compiled task knows; give that to `to_task`, not its root",
+}
+
 
 def _keys(node: Node) -> dict[str, Any]:
     base = type(node).__mro__[2] if isinstance(node, control.Conditional) else type(node)
@@ -73,8 +78,14 @@ def _keys(node: Node) -> dict[str, Any]:
         return {"kind": "sequence", "memory": node.memory}
     if base is control.Fallback:
         return {"kind": "fallback", "memory": node.memory}
-    if base is control.Parallel:
-        return {"kind": "parallel", "cancel": node.cancel, **_ruling(node.ruling)}
+    if base in (control.Parallel, control.PromptParallel):
+        return {
+            "kind": "parallel",
+            "prompt": base is control.PromptParallel,
+            "cancel": node.cancel,
+            "retick": node.retick,
+            **_ruling(node.ruling),
+        }
     if base is control.Dispatch:
         if node.run_to_completion:
             raise NoEqual("it runs to completion, which no task says")
@@ -93,11 +104,7 @@ def _keys(node: Node) -> dict[str, Any]:
         return {"kind": "invert"}
     if base is control.Force:
         return {"kind": "force", "as": node.forced}
-    if base is control.Foreign:
-        raise NoEqual("what a foreign behaviour was made of only the compiled task knows; give that to `to_task`")
-    if base is control.Subtask:
-        raise NoEqual("which file it runs only the compiled task knows; give that to `to_task`, not its root")
-    raise NoEqual(f"a {base.__name__}, {_GIVE}")
+    raise NoEqual(_SECRETS.get(base, f"a {base.__name__}, {_GIVE}"))
 
 
 def _ruling(ruling: control.Ruling) -> dict[str, Any]:

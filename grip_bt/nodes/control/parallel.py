@@ -154,8 +154,10 @@ def first_reason(ends: Sequence[End | None], exits: Edges, outcome: str) -> Fail
 class _Rounds(composites.Parallel):
     """How the children are ticked; the rule itself is `settle`."""
 
+    retick = False
+
     def tick(self) -> Iterator[Behaviour]:
-        """Tick every unfinished child, in order; then read the rule."""
+        """Tick every unfinished child, in order, or every child; then read the rule."""
         if self.status != Status.RUNNING:
             for child in self.children:
                 if child.status != Status.INVALID:
@@ -163,7 +165,7 @@ class _Rounds(composites.Parallel):
             self.current_child = None
             self.initialise()
         for child in self.children:
-            if child.status not in LABEL:
+            if self.retick or child.status not in LABEL:
                 yield from child.tick()
         status = self.settle()
         if status != Status.RUNNING:
@@ -177,7 +179,7 @@ class _Rounds(composites.Parallel):
 
 
 class Parallel(Container, _Rounds):
-    """Ticks every unfinished child once a tick, in order, and a finished one not again."""
+    """Ticks every unfinished child once a tick, in order, and a finished one again only with `retick`."""
 
     exits_at_once = False
 
@@ -187,11 +189,12 @@ class Parallel(Container, _Rounds):
         children: Iterable[Behaviour],
         ruling: Ruling,
         cancel: Cancel = "halt",
+        retick: bool = False,
     ):
         shown = ParallelPolicy.SuccessOnAll() if ruling.policy == "all" else ParallelPolicy.SuccessOnOne()
         composites.Parallel.__init__(self, face.name, shown, list(children))
         self.take(face)
-        self.ruling, self.cancel = ruling, cancel
+        self.ruling, self.cancel, self.retick = ruling, cancel, retick
         self.asked = False
         self.decided: tuple[str, Failure | None] | None = None
 

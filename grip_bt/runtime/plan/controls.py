@@ -44,7 +44,7 @@ def decorator(node: Any, part: Part, stop: Stop, visit: Visit | None, ended: End
 
 
 def rounds(node: Any, parts: Sequence[Part], stop: Stop, visit: Visit | None, ended: Ended) -> Tick:
-    """The tick of our parallel: every unfinished child, then the rule."""
+    """The tick of our parallel: every unfinished child, or with `retick` every child, then the rule."""
     pairs = [(part.node, part.halt) for part in parts]
     steps = [(part.node, part.tick) for part in parts]
     initialises = overrides(node, "initialise")
@@ -56,7 +56,7 @@ def rounds(node: Any, parts: Sequence[Part], stop: Stop, visit: Visit | None, en
             if initialises:
                 node.initialise()
         for kid, advance in steps:
-            if kid.status is not S and kid.status is not F:
+            if node.retick or (kid.status is not S and kid.status is not F):
                 advance()
                 ended(kid)
         status = node.settle()

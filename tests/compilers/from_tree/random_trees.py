@@ -9,8 +9,8 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import ParallelPolicy
 
 
-def make_tree(random: Random, depth: int = 4) -> Behaviour:
-    """Return a tree; names repeat and hold what a task doesn't allow."""
+def make_tree(random: Random, depth: int = 4, written: bool = False) -> Behaviour:
+    """Return a tree; names repeat and hold what a task doesn't allow. `written`: only what py_trees' XML can say."""
     name = random.choice(("look", "look", "a.b/c", "take it", "1st", "größe", ""))
     if depth == 0 or random.random() < 0.15:
         return random.choice(
@@ -21,11 +21,14 @@ def make_tree(random: Random, depth: int = 4) -> Behaviour:
             )
         )()
     if random.random() < 0.55:
-        children = [make_tree(random, depth - 1) for _ in range(random.choice((0, 1, 2, 2, 3, 4)))]
-        policies = [ParallelPolicy.SuccessOnAll(synchronise=True), ParallelPolicy.SuccessOnOne()]
-        if children:
+        children = [make_tree(random, depth - 1, written) for _ in range(random.choice((0, 1, 2, 2, 3, 4)))]
+        policies = [
+            ParallelPolicy.SuccessOnAll(synchronise=written or random.random() < 0.5),
+            ParallelPolicy.SuccessOnOne(),
+        ]
+        if children and not written:
             chosen = random.sample(children, random.randint(1, len(children)))
-            policies.append(ParallelPolicy.SuccessOnSelected(chosen, synchronise=True))
+            policies.append(ParallelPolicy.SuccessOnSelected(chosen, synchronise=random.random() < 0.5))
         policy = random.choice(policies)
         memory = random.random() < 0.5
         return random.choice(
@@ -35,7 +38,7 @@ def make_tree(random: Random, depth: int = 4) -> Behaviour:
                 lambda: composites.Parallel(name, policy, children),
             )
         )()
-    child = make_tree(random, depth - 1)
+    child = make_tree(random, depth - 1, written)
     times = random.choice((-1, 0, 1, 2, 3))
     return random.choice(
         (

@@ -111,12 +111,7 @@ def stuck() -> Behaviour:
         (lambda: decorators.OneShot("x", stuck(), OneShotPolicy.ON_COMPLETION), "OneShot: what it remembers"),
         (lambda: decorators.EternalGuard("x", stuck(), lambda: True), "EternalGuard: its condition is a Python"),
         (lambda: decorators.Timeout("x", stuck(), 0.0), "a Timeout of 0 s is over at once"),
-        (lambda: composites.Parallel("x", ParallelPolicy.SuccessOnAll(False), [stuck()]), "synchronise=False"),
         (lambda: composites.Parallel("x", ParallelPolicy.SuccessOnSelected([])), "SuccessOnSelected"),
-        (
-            lambda: composites.Parallel("x", ParallelPolicy.SuccessOnSelected([s := stuck()], False), [s]),
-            "synchronise=False",
-        ),
         (lambda: type("Mine", (composites.Sequence,), {})("x", True), "Mine can't be imported by a name"),
     ],
 )

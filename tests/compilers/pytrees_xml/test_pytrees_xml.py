@@ -90,7 +90,7 @@ def statuses(root: py_trees.behaviour.Behaviour) -> list[str]:
 
 def test_a_task_comes_back_as_it_was() -> None:
     for seed in range(FIRST, FIRST + TASKS):
-        task = to_task(make_tree(Random(seed)), "t").task
+        task = to_task(make_tree(Random(seed), written=True), "t").task
         assert from_xml(to_xml(task, BUILTIN), BUILTIN).task == task, f"seed {seed}"
 
 
@@ -99,7 +99,7 @@ def test_py_trees_builds_the_same_tree_of_it(tmp_path: Path, monkeypatch: pytest
     for name in ("time", "monotonic"):
         monkeypatch.setattr(time, name, lambda: clock.now() + next(readings) * 1e-9)
     for seed in range(FIRST, FIRST + TASKS):
-        tree = make_tree(Random(seed))
+        tree = make_tree(Random(seed), written=True)
         file.write_text(to_xml(to_task(tree, "t").task, BUILTIN))
         built = parse_behaviour_tree_xml(str(file), node_registry=REGISTRY)
         for tick in range(10):
@@ -237,7 +237,7 @@ def test_a_mutated_file_is_a_task_or_a_typed_error() -> None:
     tasks = errors = 0
     for seed in range(FIRST, FIRST + 3 * TASKS):
         random = Random(seed)
-        text = to_xml(to_task(make_tree(random, 3), "t").task, BUILTIN)
+        text = to_xml(to_task(make_tree(random, 3, written=True), "t").task, BUILTIN)
         for _ in range(random.randint(1, 3)):
             at = random.randrange(len(text))
             text = text[:at] + random.choice(words) + text[at + random.choice((0, 0, 1, 3)) :]
