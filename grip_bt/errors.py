@@ -153,6 +153,17 @@ class NodeError(GripError):
         super().__init__(f"{path}: {type(cause).__name__}: {cause}")
 
 
+class HungError(GripError):
+    """A node's code doesn't return. `where` is the function, `seconds` how long it was waited for."""
+
+    def __init__(self, where: str, seconds: float):
+        self.where, self.seconds = where, seconds
+        super().__init__(
+            f"{where} hasn't returned for {seconds:g} s; a leaf's update() never blocks: "
+            "return self.running() and come back, or do the work with self.context.run_in_worker(...)"
+        )
+
+
 class LivelockError(GripError):
     """A task changed state too often within one tick."""
 

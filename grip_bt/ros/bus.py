@@ -15,11 +15,13 @@ import atexit
 import logging
 import os
 import threading
+import time
 import warnings
 import weakref
+from collections import deque
 from collections.abc import Callable
 from types import TracebackType
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import rclpy
 from rclpy.context import Context
@@ -30,13 +32,18 @@ from rclpy.signals import SignalHandlerOptions
 from grip_bt.errors import CanceledError, GripError
 from grip_bt.operation import Operation
 
+from .action import ActionClient
 from .client import ServiceClient
 from .environment import require
 from .types import load_type, type_name
 
 T = TypeVar("T")
+C = TypeVar("C", ServiceClient, ActionClient)
 POLL = 0.05
 """How often calls under way are looked at [s]; nothing is looked at while there are none."""
+
+LETTING_GO = 1.0
+"""How long closing waits for action servers to hear that their goals are canceled [s]."""
 
 _log = logging.getLogger("grip.ros")
 
@@ -58,9 +65,11 @@ class Bus:
             self.node = Node(name, context=self._context, start_parameter_services=False, enable_rosout=False)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
-        self._clients: dict[str, ServiceClient] = {}
+        self._clients: dict[tuple[type, str], ServiceClient | ActionClient] = {}
         self._posted: set[Operation[Any]] = set()
-        self._closing = False
+        self._queue: deque[Callable[[], None]] = deque()
+        self._closing, self._stopped = False, False
+        self._ended_all = threading.Event()
         self._lock = threading.Lock()
         self._process = os.getpid()
         self._timer = self.node.create_timer(POLL, self._poll)
@@ -85,17 +94,35 @@ class Bus:
             UnknownNameError, MissingPartError: there is no such type.
             GripError: a client of the name exists with another type.
         """
+        return self._client(ServiceClient, interface, name, timeout, wait)
+
+    def action(self, interface: str | Any, name: str, timeout: float = 30.0, wait: float = 5.0) -> ActionClient:
+        """Return the client of an action; there is one per name.
+
+        Args:
+            interface: the action's type, or its name.
+            name: the action's full name, such as `/plan_grasp`.
+            timeout: how long a goal may take in all [s]; `math.inf` for ever.
+            wait: how long a goal waits for the server to appear [s].
+
+        Raises:
+            UnknownNameError, MissingPartError: there is no such type.
+            GripError: a client of the name exists with another type.
+        """
+        return self._client(ActionClient, interface, name, timeout, wait)
+
+    def _client(self, kind: type[C], interface: str | Any, name: str, timeout: float, wait: float) -> C:
         type_ = load_type(interface) if isinstance(interface, str) else interface
         with self._lock:
-            client = self._clients.get(name)
+            client = self._clients.get((kind, name))
             if client is None or (client.type is not type_ and client.idle):
-                client = self._clients[name] = ServiceClient(self, type_, name, timeout, wait)
+                client = self._clients[kind, name] = kind(self, type_, name, timeout, wait)
             elif client.type is not type_:
                 raise GripError(f"{name} is used as {type_name(client.type)} already, not as {type_name(type_)}")
-        return client
+        return cast(C, client)
 
     def post(self, work: Callable[[], T]) -> Operation[T]:
-        """Run `work` on the bus's thread; at once when called from there."""
+        """Run `work` on the bus's thread, in the order of the calls; at once when called from there."""
         operation: Operation[T] = Operation()
 
         def run() -> None:
@@ -117,9 +144,13 @@ class Bus:
         with self._lock:
             if not self._closing:
                 self._posted.add(operation)
-                self._executor.create_task(run)
+                self._queue.append(run)
+                self._executor.create_task(self._run_next)  # the executor takes its newest task first
                 return
         operation.fail(CanceledError("the connection to ROS was closed"))
+
+    def _run_next(self) -> None:
+        self._queue.popleft()()
 
     def close(self, timeout: float = 5.0) -> None:
         """End all calls, join the thread, leave the ROS graph. Harmless when repeated, and in a forked child."""
@@ -128,6 +159,9 @@ class Bus:
                 return
             self._closing = True
         self._executor.create_task(self._end_all)
+        self._executor.wake()
+        self._let_goals_go()
+        self._stopped = True
         self._executor.wake()
         if threading.current_thread() is not self._thread:
             self._thread.join(timeout)
@@ -168,9 +202,19 @@ class Bus:
     def _end_all(self) -> None:
         for client in list(self._clients.values()):
             client.end(CanceledError("the connection to ROS was closed"))
+        self._ended_all.set()
+
+    def _let_goals_go(self) -> None:
+        """Wait, not long, until servers know that nobody waits for their goals any more."""
+        if threading.current_thread() is self._thread or not self._thread.is_alive():
+            return
+        deadline = time.monotonic() + LETTING_GO
+        self._ended_all.wait(LETTING_GO)
+        while time.monotonic() < deadline and any(client.busy for client in list(self._clients.values())):
+            time.sleep(0.005)
 
     def _spin(self) -> None:
-        while not self._closing and self._context.ok():
+        while not self._stopped and self._context.ok():
             try:
                 self._executor.spin_once(timeout_sec=1.0)
             except ExternalShutdownException:

@@ -74,6 +74,11 @@ class ServiceClient:
         """Whether it was never connected to a server and nobody waits for one; such a client may be replaced."""
         return self._client is None and not self._waiting
 
+    @property
+    def busy(self) -> bool:
+        """Whether a server has to hear something before the connection may be closed: never, of a service."""
+        return False
+
     # --- from any thread ---
 
     def call(self, request: Any, timeout: float | None = None, wait: float | None = None) -> Operation[Any]:

@@ -78,6 +78,42 @@ def serve(domain):
         process.stdout.close()
 
 
+@pytest.fixture(scope="session")
+def trial(interface_cache) -> Path:
+    """Return the prefix of `trial_interfaces`, built and active in this process."""
+    from grip_bt.ros.interfaces import build_interfaces
+    from grip_bt.ros.overlay import activate
+
+    (built,) = build_interfaces(DATA / "trial_interfaces", interface_cache)
+    activate(built.prefix)
+    return built.prefix
+
+
+@pytest.fixture
+def act(domain, trial):
+    """Return a function that starts `data/action_server.py` in a process that isn't ours to watch."""
+    from grip_bt.ros.process import child_environment
+
+    started = []
+
+    def start(name: str = "/work") -> subprocess.Popen:
+        process = subprocess.Popen(
+            [sys.executable, str(DATA / "action_server.py"), name],
+            env=child_environment([trial], domain),
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        started.append(process)
+        assert process.stdout.readline() == "serving\n"
+        return process
+
+    yield start
+    for process in started:
+        process.kill()
+        process.wait()
+        process.stdout.close()
+
+
 @pytest.fixture
 def project(tmp_path, interface_cache, antipodal) -> Path:
     """Return a project with the example component and an odd one; its interfaces are built already."""

@@ -205,3 +205,10 @@ def test_the_domain_keeps_buses_apart(bus, serve, domain):
     with Bus("other", domain_id=domain + 1) as other, pytest.raises(ServerLostError):
         ended(other.service(SET, "/set", wait=0.5).call(request()))
     assert os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE") == "LOCALHOST"
+
+
+def test_what_is_posted_is_done_in_order(bus):
+    done = []
+    last = [bus.post(lambda n=n: done.append(n)) for n in range(200)][-1]
+    ended(last)
+    assert done == list(range(200))

@@ -1,0 +1,302 @@
+"""Goals of one action over rclpy: checked before they are sent, watched until they end, never left behind.
+
+What happens when is decided by `grip_bt.ros.goal`, one pure machine per goal; here its commands become rclpy's calls
+and rclpy's answers its events, all on the bus's thread.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import rclpy.action
+from rclpy.logging import LoggingSeverity, set_logger_level
+
+from grip_bt.errors import CanceledError, ServerLostError, UnfitServerError
+from grip_bt.operation import Operation
+
+from .goal import LIVE, AskCancel, AskResult, Command, Goal, GoalEnd, Patience, Phase, Send, Tell
+from .preflight import action_servers, check_action_servers, gids_of
+
+if TYPE_CHECKING:
+    from .bus import Bus
+
+IN_FLIGHT = 8
+"""Goals sent and not yet answered at once: a server keeps the last 10 requests and drops others without a word."""
+TRUST = 0.5
+"""How long a check of the server holds [s]."""
+GRACE = 1.0
+"""How long to wait for the exit of a process of ours whose server has gone [s]: it says more than DDS does."""
+STALE = 3.5
+"""How long a second server may be a dead one whose lease is running out [s]."""
+CANCEL = 3.0
+"""How long a server may take to end a goal that was canceled [s]."""
+
+
+class _Entry:
+    """A goal with what rclpy gave for it; without a message, somebody who only waits for the server."""
+
+    def __init__(
+        self, machine: Goal, message: Any, operation: Operation[Any], on_feedback: Callable[[Any], None] | None
+    ):
+        self.machine, self.message, self.operation, self.on_feedback = machine, message, operation, on_feedback
+        self.began = time.monotonic()
+        self.servers: frozenset[bytes] = frozenset()
+        self.handle: Any = None
+        self.result: Any = None
+        self.futures: list[Any] = []
+
+
+class ActionClient:
+    """The client of one action; made by `Bus.action`.
+
+    Attributes:
+        type: the action's class.
+        name: its full name.
+    """
+
+    def __init__(self, bus: Bus, type_: Any, name: str, timeout: float, wait: float):
+        self.type, self.name = type_, name
+        self._bus, self._timeout, self._wait = bus, timeout, wait
+        self._client: Any = None
+        self._entries: list[_Entry] = []
+        self._servers: frozenset[bytes] = frozenset()
+        self._checked = -math.inf
+        self._server_ended: str | None = None
+        self._supervised = False
+
+    @property
+    def idle(self) -> bool:
+        """Whether it was never connected to a server and nobody waits for one; such a client may be replaced."""
+        return self._client is None and not self._entries
+
+    @property
+    def busy(self) -> bool:
+        """Whether a server still has a goal of ours that nobody waits for, and hasn't answered that it stops."""
+        return any(e.machine.phase in (Phase.LOOSE, Phase.LOOSE_SENT) for e in list(self._entries))
+
+    # --- from any thread ---
+
+    def send(
+        self,
+        goal: Any,
+        timeout: float | None = None,
+        wait: float | None = None,
+        on_feedback: Callable[[Any], None] | None = None,
+        cancel_within: float = CANCEL,
+    ) -> Operation[GoalEnd]:
+        """Send a goal; the result says how it ended: `succeeded`, `aborted` or `canceled`, with the result message.
+
+        Cancelling the operation asks the server to cancel the goal; it then ends with what the server says, or with
+        CanceledError when the server says nothing. Without a word of the server it ends with ServerLostError,
+        UnfitServerError, ServerTimeOutError or GoalRejectedError. A goal that its owner no longer waits for is
+        cancelled, also when that becomes possible only later.
+
+        Args:
+            goal: a message of `type.Goal`.
+            timeout: how long it may take in all [s]; `math.inf` for ever.
+            wait: how long to wait for the server to appear [s].
+            on_feedback: called on the bus's thread with each feedback message; feedback sent just before the result is
+                often lost.
+            cancel_within: how long the server may take to end the goal after a cancel [s].
+        """
+        limit = timeout if timeout is not None else self._timeout
+        return self._begin(goal, limit, self._wait if wait is None else wait, on_feedback, cancel_within)
+
+    def wait_ready(self, timeout: float) -> Operation[None]:
+        """End when there is a server that fits; with ServerLostError after `timeout` [s]."""
+        return self._begin(None, timeout + 1.0, timeout, None, CANCEL)
+
+    def server_ended(self, reason: str) -> None:
+        """Say that the server's process is known to have ended: every goal fails at once, now and until it is back."""
+
+        def end() -> None:
+            self._server_ended, self._servers = reason, frozenset()
+            for entry in list(self._entries):
+                self._do(entry, entry.machine.server_ended(reason))
+
+        self._bus.post(end)
+
+    def server_started(self) -> None:
+        """Say that the server's process was started by us, so that `server_ended` will tell its end."""
+
+        def start() -> None:
+            self._server_ended, self._supervised = None, True
+
+        self._bus.post(start)
+
+    def _begin(
+        self,
+        message: Any,
+        timeout: float,
+        wait: float,
+        on_feedback: Callable[[Any], None] | None,
+        cancel_within: float,
+    ) -> Operation[Any]:
+        def cancel() -> None:
+            self._bus.post(lambda: self._do(entry, entry.machine.cancel(time.monotonic())))
+
+        def pass_error() -> None:
+            try:
+                posted.result()
+            except BaseException as error:  # noqa: BLE001 - handed to the owner of the operation
+                operation.fail(error)
+
+        operation: Operation[Any] = Operation(on_cancel=cancel)
+        patience = Patience(wait, timeout, cancel_within, GRACE if self._supervised else 0.0)
+        entry = _Entry(Goal(self.name, patience, time.monotonic()), message, operation, on_feedback)
+        posted = self._bus.post(lambda: self._submit(entry))
+        posted.add_done_callback(pass_error)
+        return operation
+
+    # --- on the bus's thread ---
+
+    def poll(self) -> bool:
+        """Look at the goals under way; False when there are none."""
+        now = time.monotonic()
+        if any(e.machine.phase is not Phase.WAITING for e in self._entries):
+            present = gids_of(action_servers(self._bus.node, self.name))
+            if present != self._servers:
+                self._servers = frozenset()
+            for entry in list(self._entries):
+                if entry.servers:
+                    self._do(entry, entry.machine.server_seen(bool(entry.servers & present), now))
+                if entry.handle is not None:
+                    self._do(entry, entry.machine.status(entry.handle.status, now))
+        self._advance(now)
+        for entry in list(self._entries):
+            self._do(entry, entry.machine.tick(now))
+        return bool(self._entries)
+
+    def end(self, error: Exception) -> None:
+        """Tell every owner that the connection is being closed, and servers that their goals are canceled."""
+        for entry in list(self._entries):
+            self._do(entry, entry.machine.close(time.monotonic()))
+
+    def _submit(self, entry: _Entry) -> None:
+        if self._bus.closed:
+            entry.operation.fail(CanceledError("the connection to ROS was closed"))
+        elif self._server_ended is not None:
+            entry.operation.fail(ServerLostError(f"{self.name}: {self._server_ended}", server=self.name))
+        else:
+            self._entries.append(entry)
+            self._bus.watch()
+            self._advance(time.monotonic())
+
+    def _advance(self, now: float) -> None:
+        """Send what can be sent."""
+        waiting = [e for e in self._entries if e.machine.phase is Phase.WAITING]
+        if not waiting:
+            return
+        try:
+            ready = self._server_fits(now)
+        except UnfitServerError as error:
+            stale_possible = len(action_servers(self._bus.node, self.name)) > 1
+            for entry in waiting:
+                if not stale_possible or now > entry.began + min(entry.machine.patience.server, STALE):
+                    self._do(entry, entry.machine.server_unfit(error))
+            return
+        if ready:
+            for entry in waiting:
+                if entry.message is None:
+                    self._drop(entry)
+                    entry.operation.succeed(None)
+                elif sum(e.machine.phase is Phase.SENT for e in self._entries) < IN_FLIGHT:
+                    self._do(entry, entry.machine.server_fits(now))
+
+    def _server_fits(self, now: float) -> bool:
+        """Tell whether there is one fitting server that our client is connected to.
+
+        Raises:
+            UnfitServerError: who is there doesn't fit.
+        """
+        if self._servers and now - self._checked < TRUST:
+            return bool(self._client.server_is_ready())
+        self._servers = frozenset()
+        servers = action_servers(self._bus.node, self.name)
+        if not servers:
+            return False
+        check_action_servers(self._bus.node, self.type, self.name, servers)
+        if self._client is None:  # not before: a client of the wrong type would spoil the name for this process
+            self._client = rclpy.action.ActionClient(self._bus.node, self.type, self.name)
+            # It warns of a second server at every answer to a goal that was given up here.
+            set_logger_level(f"{self._bus.node.get_logger().name}.action_client", LoggingSeverity.ERROR)
+        if not self._client.server_is_ready():
+            return False
+        self._servers, self._checked = gids_of(servers), now
+        return True
+
+    def _do(self, entry: _Entry, commands: list[Command]) -> None:
+        """Carry out what the machine of a goal says; forget the goal when it is over."""
+        for command in commands:
+            match command:
+                case Send():
+                    self._send(entry)
+                case AskResult():
+                    if entry.result is not None:
+                        entry.result.cancel()  # that request, or its answer, was dropped on the way
+                    entry.result = entry.handle.get_result_async()
+                    self._later(entry, entry.result, self._resulted)
+                case AskCancel():
+                    self._later(entry, entry.handle.cancel_goal_async(), self._cancel_answered)
+                case Tell(end):
+                    entry.on_feedback = None
+                    if isinstance(end, GoalEnd):
+                        entry.operation.succeed(end)
+                    else:
+                        entry.operation.fail(end)
+        if entry.machine.phase is Phase.OVER:
+            self._drop(entry)
+
+    def _drop(self, entry: _Entry) -> None:
+        if entry in self._entries:
+            self._entries.remove(entry)
+            for future in entry.futures:
+                future.cancel()  # which takes it out of rclpy's lists; nobody else would, and they would grow for ever
+            entry.futures.clear()
+
+    def _send(self, entry: _Entry) -> None:
+        def feedback(message: Any) -> None:
+            if entry.on_feedback is not None and entry.machine.phase in LIVE:
+                entry.on_feedback(message.feedback)
+
+        wanted = feedback if entry.on_feedback is not None else None
+        entry.servers = self._servers
+        try:
+            future = self._client.send_goal_async(entry.message, feedback_callback=wanted)
+        except Exception as error:  # noqa: BLE001 - rclpy's own errors and TypeErrors of a wrong goal
+            self._do(entry, entry.machine.send_failed(error))
+            return
+        self._later(entry, future, self._goal_answered)
+
+    def _later(self, entry: _Entry, future: Any, then: Callable[[_Entry, Any], None]) -> None:
+        """Call `then` with the future's result; futures that are given up are cancelled, and say nothing."""
+        entry.futures.append(future)
+
+        def ended(_: Any) -> None:
+            if future in entry.futures:
+                entry.futures.remove(future)
+            if future.cancelled():
+                return
+            error = future.exception()
+            if error is not None:
+                self._do(entry, entry.machine.server_ended(f"the client broke: {error}"))
+            else:
+                then(entry, future.result())
+
+        future.add_done_callback(ended)
+
+    def _goal_answered(self, entry: _Entry, handle: Any) -> None:
+        entry.handle = handle
+        now = time.monotonic()
+        self._do(entry, entry.machine.accepted(now) if handle.accepted else entry.machine.rejected())
+        self._advance(now)
+
+    def _resulted(self, entry: _Entry, response: Any) -> None:
+        self._do(entry, entry.machine.result(response.status, response.result))
+
+    def _cancel_answered(self, entry: _Entry, response: Any) -> None:
+        # Its return code is 0 also for a goal that the server refused to cancel; the list is what counts.
+        self._do(entry, entry.machine.cancel_answered(bool(response.goals_canceling)))

@@ -1,0 +1,238 @@
+"""The life of a goal, without ROS: whatever happens, its owner is told once, in time, and no goal is left behind."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections import Counter
+
+import pytest
+from goal_world import race
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from grip_bt.errors import CanceledError, GoalRejectedError, ServerLostError, ServerTimeOutError
+from grip_bt.ros.goal import LIVE, AskCancel, AskResult, Goal, GoalEnd, Patience, Phase, Send, Tell
+
+RACES = int(os.environ.get("GRIP_FUZZ_RACES", "200"))
+PATIENCE = Patience(server=5.0, result=10.0, cancel=2.0)
+
+
+def goal(phase=Phase.WAITING, patience=PATIENCE) -> Goal:
+    made = Goal("/act", patience, 0.0)
+    if phase is not Phase.WAITING:
+        assert made.server_fits(0.1) == [Send()]
+    if phase in (Phase.RUNNING, Phase.CANCELING):
+        assert made.accepted(0.2) == [AskResult()]
+    if phase is Phase.CANCELING:
+        assert made.cancel(0.3) == [AskCancel()]
+    assert made.phase is phase
+    return made
+
+
+def told(commands):
+    ends = [c.end for c in commands if isinstance(c, Tell)]
+    assert len(ends) == 1, commands
+    return ends[0]
+
+
+def test_a_goal_goes_from_waiting_to_its_result():
+    made = goal(Phase.RUNNING)
+    assert told(made.result(4, "r")) == GoalEnd("succeeded", "r")
+    assert made.phase is Phase.OVER
+
+
+@pytest.mark.parametrize(("number", "status"), [(4, "succeeded"), (5, "canceled"), (6, "aborted")])
+def test_the_end_is_what_the_server_says(number, status):
+    assert told(goal(Phase.RUNNING).result(number, None)).status == status
+
+
+def test_a_server_that_does_not_know_the_goal_has_lost_it():
+    error = told(goal(Phase.RUNNING).result(0, None))
+    assert isinstance(error, ServerLostError)
+    assert "doesn't know the goal" in str(error)
+
+
+def test_a_rejected_goal_is_named():
+    error = told(goal(Phase.SENT).rejected())
+    assert isinstance(error, GoalRejectedError)
+    assert error.code == "rejected"
+
+
+def test_a_cancel_before_sending_sends_nothing():
+    made = goal()
+    assert isinstance(told(made.cancel(0.1)), CanceledError)
+    assert made.server_fits(0.2) == []
+
+
+def test_a_cancel_before_the_acceptance_is_sent_with_it():
+    made = goal(Phase.SENT)
+    assert made.cancel(0.2) == []
+    assert made.accepted(0.3) == [AskResult(), AskCancel()]
+    assert told(made.result(5, None)).status == "canceled"
+
+
+def test_a_result_that_was_quicker_than_the_cancel_counts():
+    assert told(goal(Phase.CANCELING).result(4, "r")) == GoalEnd("succeeded", "r")
+
+
+def test_a_cancel_after_the_result_does_nothing():
+    made = goal(Phase.RUNNING)
+    made.result(4, None)
+    assert made.cancel(1.0) == []
+    assert made.cancel_answered(True) == []
+
+
+def test_a_cancel_that_nobody_answers_is_sent_again():
+    made = goal(Phase.CANCELING)
+    assert made.tick(0.4) == []
+    assert made.tick(0.9) == [AskCancel()]
+
+
+def test_a_refused_cancel_ends_for_the_owner_and_says_so():
+    made = goal(Phase.CANCELING)
+    made.cancel_answered(False)
+    assert made.refused
+    assert "refused to stop" in str(told(made.tick(2.4)))
+    assert made.phase is Phase.OVER
+
+
+def test_a_goal_whose_time_is_over_is_cancelled():
+    made = goal(Phase.RUNNING)
+    end, cancel = made.tick(10.0)
+    assert isinstance(end.end, ServerTimeOutError)
+    assert "no result after 10.0 s" in str(end.end)
+    assert cancel == AskCancel()
+    assert made.cancel_answered(True) == []
+    assert made.phase is Phase.OVER
+
+
+def test_a_goal_taken_after_its_time_is_cancelled_then():
+    made = goal(Phase.SENT)
+    assert "didn't take the goal after 10.0 s" in str(told(made.tick(10.0)))
+    assert made.phase is Phase.LOOSE_SENT
+    assert made.accepted(30.0) == [AskCancel()]
+
+
+@pytest.mark.parametrize("phase", [Phase.SENT, Phase.RUNNING, Phase.CANCELING])
+def test_a_server_that_is_gone_is_lost(phase):
+    made = goal(phase, Patience(gone=0.5))
+    assert made.server_seen(False, 1.0) == []
+    assert isinstance(told(made.server_seen(False, 1.5)), ServerLostError)
+
+
+def test_a_server_that_was_only_out_of_sight_is_told_to_stop_when_it_is_back():
+    made = goal(Phase.RUNNING)
+    assert told(made.server_seen(False, 1.0)).code == "server_lost"
+    assert made.server_seen(True, 2.0) == []
+    assert made.tick(2.0) == [AskCancel()]
+
+
+def test_a_goal_of_a_server_that_stays_away_is_forgotten():
+    made = goal(Phase.RUNNING)
+    made.server_seen(False, 1.0)
+    made.server_seen(False, 12.0)
+    assert made.phase is Phase.OVER
+
+
+@pytest.mark.parametrize("phase", [Phase.WAITING, *sorted(LIVE, key=str)])
+def test_the_end_of_the_servers_process_ends_every_goal_with_its_reason(phase):
+    made = goal(phase)
+    assert "status 137" in str(told(made.server_ended("the process ended with status 137")))
+    assert made.phase is Phase.OVER
+
+
+def test_a_server_that_never_comes_is_lost():
+    assert "no server within 5.0 s" in str(told(goal().tick(5.0)))
+
+
+def test_a_result_that_does_not_come_is_asked_for_again():
+    made = goal(Phase.RUNNING)
+    assert made.status(2, 1.0) == []
+    assert made.status(4, 1.1) == []
+    assert made.status(4, 1.5) == []
+    assert made.status(4, 1.6) == [AskResult()]
+    assert told(made.result(4, "r")) == GoalEnd("succeeded", "r")
+    assert made.status(4, 9.0) == []
+
+
+def test_closing_cancels_what_runs():
+    end, cancel = goal(Phase.RUNNING).close(1.0)
+    assert isinstance(end.end, CanceledError)
+    assert cancel == AskCancel()
+
+
+def test_a_stale_answer_of_any_kind_changes_nothing():
+    made = goal(Phase.RUNNING)
+    made.result(4, None)
+    for late in (made.accepted(1.0), made.rejected(), made.result(6, None), made.cancel_answered(True)):
+        assert late == []
+    assert made.server_ended("x") == []
+    assert made.tick(99.0) == []
+    assert made.close(1.0) == []
+
+
+EVENTS = st.sampled_from(
+    [
+        "fits",
+        "unfit",
+        "seen",
+        "unseen",
+        "ended",
+        "failed",
+        "accepted",
+        "rejected",
+        "result",
+        "unknown",
+        "published",
+        "yes",
+        "no",
+    ]
+    + ["cancel", "close", "tick"]
+)
+
+
+def happen(made, name, now):
+    answers = {
+        "fits": lambda: made.server_fits(now),
+        "unfit": lambda: made.server_unfit(ServerLostError("unfit")),
+        "seen": lambda: made.server_seen(True, now),
+        "unseen": lambda: made.server_seen(False, now),
+        "ended": lambda: made.server_ended("died"),
+        "failed": lambda: made.send_failed(TypeError("wrong")),
+        "accepted": lambda: made.accepted(now),
+        "rejected": made.rejected,
+        "result": lambda: made.result(4, None),
+        "unknown": lambda: made.result(0, None),
+        "published": lambda: made.status(4, now),
+        "yes": lambda: made.cancel_answered(True),
+        "no": lambda: made.cancel_answered(False),
+        "cancel": lambda: made.cancel(now),
+        "close": lambda: made.close(now),
+        "tick": lambda: made.tick(now),
+    }
+    return answers[name]()
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.lists(st.tuples(EVENTS, st.floats(0, 3)), max_size=30))
+def test_any_order_of_events_tells_the_owner_at_most_once_and_surely_in_the_end(events):
+    """Also orders that no server would produce: nothing may be sent twice, nor after the end."""
+    made, now, commands = Goal("/act", PATIENCE, 0.0), 0.0, []
+    for name, pause in events:
+        now += pause
+        commands += happen(made, name, now)
+    tells = sum(isinstance(c, Tell) for c in commands)
+    assert tells == (made.phase not in (*LIVE, Phase.WAITING))
+    assert sum(isinstance(c, Send) for c in commands) <= 1
+    later = made.tick(now + 100.0)
+    assert tells + sum(isinstance(c, Tell) for c in later) == 1
+
+
+def test_in_random_races_every_owner_is_told_in_time_and_no_goal_is_left_behind():
+    ends = Counter()
+    for seed in range(RACES):
+        end = race(seed).told[0]
+        ends[end.status if isinstance(end, GoalEnd) else end.code] += 1
+    sys.stdout.write(f"{RACES} races of goals: {dict(ends.most_common())}\n")
+    assert {"succeeded", "aborted", "canceled", "server_lost", "timed_out", "rejected"} <= set(ends)

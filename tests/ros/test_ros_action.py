@@ -1,0 +1,252 @@
+"""Goals over the bus end: with what the server says, or with the name of what went wrong; none is left behind."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import math
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from collections import Counter
+
+import pytest
+from conftest import ended
+
+from grip_bt.errors import (
+    CanceledError,
+    GoalRejectedError,
+    GripError,
+    ServerLostError,
+    ServerTimeOutError,
+    UnfitServerError,
+)
+from grip_bt.ros.goal import GoalEnd
+
+pytestmark = pytest.mark.ros
+WORK = "trial_interfaces/action/Work"
+RACES = int(os.environ.get("GRIP_FUZZ_GOALS", "200"))
+
+
+def work(how="finish", seconds=0.05):
+    from trial_interfaces.action import Work
+
+    return Work.Goal(input=how, seconds=seconds)
+
+
+def counts(bus, name="/work"):
+    from std_srvs.srv import Trigger
+
+    client = bus.service("std_srvs/srv/Trigger", f"{name}/counts")
+    return json.loads(ended(client.call(Trigger.Request())).message)
+
+
+def no_active_goal(bus, within=5.0):
+    deadline = time.monotonic() + within
+    while time.monotonic() < deadline:
+        with contextlib.suppress(ServerLostError):  # the one before it, killed a moment ago
+            if counts(bus)["active"] == 0:
+                return True
+        time.sleep(0.05)
+    return False
+
+
+def test_a_goal_ends_with_its_result_and_tells_of_its_progress(bus, act):
+    act()
+    seen = []
+    operation = bus.action(WORK, "/work").send(work(seconds=0.2), on_feedback=lambda f: seen.append(f.progress))
+    end = ended(operation)
+    assert (end.status, end.result.returned_object) == ("succeeded", "did finish")
+    assert seen == sorted(seen)
+    assert len(seen) > 3
+
+
+def test_an_aborted_goal_says_so_with_its_result(bus, act):
+    act()
+    end = ended(bus.action(WORK, "/work").send(work("abort")))
+    assert (end.status, end.result.returned_object) == ("aborted", "too heavy")
+
+
+def test_a_rejected_goal_is_named(bus, act):
+    act()
+    with pytest.raises(GoalRejectedError, match="/work: the server rejected the goal"):
+        ended(bus.action(WORK, "/work").send(work("reject")))
+
+
+@pytest.mark.parametrize("after", [0.0, 0.1])
+def test_a_canceled_goal_ends_at_the_server_too(bus, act, after):
+    act()
+    ended(bus.action(WORK, "/work").wait_ready(10))
+    operation = bus.action(WORK, "/work").send(work(seconds=30.0))
+    time.sleep(after)
+    operation.cancel()
+    assert ended(operation).status == "canceled"
+    assert counts(bus)["active"] == 0
+
+
+def test_a_goal_whose_time_is_over_is_cancelled_at_the_server(bus, act):
+    act()
+    ended(bus.action(WORK, "/work").wait_ready(10))
+    with pytest.raises(ServerTimeOutError, match=r"/work: no result after 0\.3 s"):
+        ended(bus.action(WORK, "/work").send(work(seconds=30.0), timeout=0.3))
+    assert no_active_goal(bus)
+
+
+def test_a_goal_taken_after_its_time_is_cancelled_when_it_is_taken(bus, act):
+    act()
+    ended(bus.action(WORK, "/work").send(work(seconds=0.0)))
+    with pytest.raises(ServerTimeOutError, match="the server didn't take the goal"):
+        ended(bus.action(WORK, "/work").send(work("slow_accept", 1.0), timeout=0.3))
+    time.sleep(1.0)
+    assert no_active_goal(bus)
+    assert counts(bus)["canceled"] == 1
+
+
+def test_a_server_that_refuses_to_stop_ends_for_the_owner_and_says_so(bus, act):
+    act()
+    ended(bus.action(WORK, "/work").wait_ready(10))
+    operation = bus.action(WORK, "/work").send(work("stubborn", 1.0), cancel_within=0.3)
+    time.sleep(0.1)
+    operation.cancel()
+    with pytest.raises(CanceledError, match="refused to stop"):
+        ended(operation)
+
+
+def test_a_server_that_is_not_there_is_lost(bus, trial):
+    with pytest.raises(ServerLostError, match=r"/nobody: no server within 0\.3 s"):
+        ended(bus.action(WORK, "/nobody", wait=0.3).send(work()))
+
+
+def test_a_server_that_dies_is_noticed_long_before_the_deadline_and_its_successor_serves(bus, act):
+    act()
+    client = bus.action(WORK, "/work", wait=20.0)
+    ended(client.wait_ready(10))
+    operation = client.send(work("die", 0.0))
+    started = time.monotonic()
+    with pytest.raises(ServerLostError, match="the server that had the goal is gone"):
+        ended(operation)
+    assert time.monotonic() - started < 8.0  # 20 s with the settings that DDS has by itself
+    act()
+    assert ended(client.send(work())).status == "succeeded"
+
+
+def test_two_action_servers_on_one_name_are_refused(bus, act):
+    act()
+    act()
+    client = bus.action(WORK, "/work", wait=5)
+    deadline = time.monotonic() + 10
+    while len(ended(bus.post(lambda: _servers(bus)))) < 2 and time.monotonic() < deadline:
+        time.sleep(0.02)
+    with pytest.raises(UnfitServerError, match="2 action servers .*each of which would execute a goal"):
+        ended(client.send(work()))
+
+
+def _servers(bus):
+    from grip_bt.ros.preflight import action_servers
+
+    return action_servers(bus.node, "/work")
+
+
+def test_a_name_has_one_type(bus, act):
+    act()
+    ended(bus.action(WORK, "/work").send(work()))
+    with pytest.raises(GripError, match="is used as trial_interfaces/action/Work already"):
+        bus.action("std_srvs/srv/Trigger", "/work")
+
+
+def test_more_goals_than_a_server_remembers_all_end(bus, act):
+    act()
+    client = bus.action(WORK, "/work", timeout=60.0)
+    operations = [client.send(work(seconds=0.02)) for _ in range(60)]
+    assert {ended(o, 60).status for o in operations} == {"succeeded"}
+
+
+def test_a_goal_that_is_not_one_fails_at_once(bus, act):
+    act()
+    with pytest.raises(TypeError):
+        ended(bus.action(WORK, "/work").send("a text"))
+
+
+def test_closing_the_bus_cancels_what_runs(domain, act):
+    from grip_bt.ros.bus import Bus
+
+    act()
+    with Bus("closes", domain_id=domain) as first:
+        operation = first.action(WORK, "/work").send(work(seconds=60.0))
+        seen = time.monotonic() + 10
+        with Bus("looks", domain_id=domain) as other:
+            while counts(other)["active"] == 0 and time.monotonic() < seen:
+                time.sleep(0.02)
+            first.close()
+            with pytest.raises(CanceledError, match="closed"):
+                ended(operation, 1)
+            assert no_active_goal(other)
+
+
+def test_the_end_of_an_interpreter_cancels_what_runs(domain, act, trial, bus):
+    act()
+    script = (
+        "from grip_bt.ros.bus import Bus; from trial_interfaces.action import Work; import time, sys\n"
+        "bus = Bus('leaves')\n"
+        "client = bus.action('trial_interfaces/action/Work', '/work')\n"
+        "client.wait_ready(10).wait(10)\n"
+        "client.send(Work.Goal(input='finish', seconds=60.0)); time.sleep(0.3); sys.exit(3)\n"
+    )
+    from grip_bt.ros.process import child_environment
+
+    done = subprocess.run([sys.executable, "-c", script], env=child_environment([trial], domain), timeout=60)
+    assert done.returncode == 3
+    assert counts(bus)["accepted"] == 1
+    assert no_active_goal(bus)
+
+
+def test_random_races_leave_no_goal_and_name_every_failure(bus, act, monkeypatch):
+    """Owners that cancel, time-outs, refusals and aborts at random moments, against a real server that is killed."""
+    monkeypatch.setattr("grip_bt.ros.goal.FORGET", 2.0)
+    drawn = random.Random(int(os.environ.get("GRIP_FUZZ_SEED", "0")))
+    server, kills, ends = act(), 0, Counter()
+    client = bus.action(WORK, "/work", timeout=20.0, wait=30.0)
+    for start in range(0, RACES, 20):
+        operations = [_race(client, drawn) for _ in range(min(20, RACES - start))]
+        if start % 100 == 80:
+            time.sleep(drawn.random() * 0.1)
+            server.send_signal(signal.SIGKILL)
+            server.wait()
+            server, kills = act(), kills + 1
+        for operation in operations:
+            assert operation.wait(40), "a goal hangs"
+            ends[_named(operation)] += 1
+    assert no_active_goal(bus, 10)
+    forgotten = time.monotonic() + 15
+    while client._entries and time.monotonic() < forgotten:
+        time.sleep(0.05)
+    assert not client._entries, [e.machine.phase for e in client._entries]
+    sys.stdout.write(f"{RACES} goals against a real server, killed {kills} times: {dict(ends.most_common())}\n")
+    assert set(ends) <= {"succeeded", "aborted", "canceled", "rejected", "timed_out", "server_lost"}
+
+
+def _race(client, drawn):
+    how = drawn.choice(("finish", "finish", "abort", "reject"))
+    timeout = drawn.choice((20.0, 20.0, 0.02, 0.1))
+    operation = client.send(work(how, drawn.choice((0.0, 0.01, 0.1))), timeout=timeout)
+    if drawn.random() < 0.5:
+        time.sleep(drawn.choice((0.0, 0.001, 0.01)))
+        operation.cancel()
+    return operation
+
+
+def _named(operation):
+    try:
+        end = operation.result()
+    except GripError as error:
+        return error.code
+    assert isinstance(end, GoalEnd)
+    return end.status
+
+
+def test_a_goal_may_take_for_ever(bus, act):
+    act()
+    assert ended(bus.action(WORK, "/work").send(work(), timeout=math.inf)).status == "succeeded"
