@@ -24,6 +24,7 @@ BUILTINS = ("bool", "int", "float", "str", "bytes")
 _ROS = re.compile(r"[a-z][a-z0-9_]*/(msg|srv|action)/[A-Z][A-Za-z0-9_]*")
 _TOKEN = re.compile(r"\s*([A-Za-z_][A-Za-z0-9_/]*|[\[\],|])")
 _DEEPEST = 20
+_LONGEST = 200
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +57,8 @@ def parse_type(text: str) -> Type:
     Raises:
         ValueError: it isn't one; the message names the nearest type.
     """
+    if len(text) > _LONGEST:
+        raise ValueError(f"{text[:40]!r}... is longer than {_LONGEST} characters, which no type is")
     tokens, at = [], 0
     while text[at:].strip():
         match = _TOKEN.match(text, at)

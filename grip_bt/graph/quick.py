@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 from .scalars import read_plain
-from .syntax import LONGEST_KEY, MAX_CHARACTERS, MAX_DEPTH, is_usual
+from .syntax import LONGEST_KEY, MAX_CHARACTERS, MAX_DEPTH, MAX_VALUES, is_usual
 
 _NO_KEY = object()
 
@@ -57,10 +57,12 @@ def _built(parser: Any) -> Any | None:
     key: Any = None
     meanings = _Meanings()
     next_event = parser.get_event
-    while True:
+    left = MAX_VALUES
+    while left >= 0:
         event = next_event()
         kind = type(event)
         if kind is ScalarEvent:
+            left -= 1
             if event.anchor or (event.tag and not (event.tag == "!" and event.style)):
                 return None
             value = event.value if event.style else meanings[event.value]
@@ -74,6 +76,7 @@ def _built(parser: Any) -> Any | None:
                 into[key] = value
                 key = _NO_KEY
         elif kind is MappingStartEvent or kind is SequenceStartEvent:
+            left -= 1
             if event.anchor or event.tag or key is _NO_KEY or len(open_) >= MAX_DEPTH:
                 return None
             inner: Any = {} if kind is MappingStartEvent else []
@@ -91,3 +94,4 @@ def _built(parser: Any) -> Any | None:
             into, key = open_.pop()
             if type(into) is dict:
                 key = _NO_KEY
+    return None

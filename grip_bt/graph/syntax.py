@@ -18,7 +18,13 @@ from .scalars import read_plain
 MAX_DEPTH = 120
 """Levels of mappings and lists in a file; a container of a task takes two."""
 LONGEST_KEY = 200
-MAX_CHARACTERS = 4_000_000
+MAX_CHARACTERS = 1_000_000
+"""Of a file; some 5,000 nodes with a comment each."""
+MAX_VALUES = 60_000
+"""Scalars, mappings and lists in a file, keys included."""
+PATIENCE = 100_000
+"""Characters of a text that is read by the slow parser, which is exact about odd spellings; larger ones are refused."""
+PATIENT_VALUES = 15_000
 _DIRECTIVE = re.compile(r"([ \t]*(#.*)?\r?\n)*%")
 _ODD = re.compile(
     "[^\\n\\r -~\\xa0-\\u2027\\u202a-\\ud7ff\\ue000-\\ufefe\\uff00-\\ufffd\\U00010000-\\U0010ffff]"
@@ -134,27 +140,57 @@ def parse(text: str, source: str = "") -> Value:
     if len(text) > MAX_CHARACTERS:
         raise DocumentError(f"larger than {MAX_CHARACTERS} characters", source)
     if is_usual(text):
-        root = _quickly(text)
+        root = _quickly(text, source)
         if root is not None:
             return root
+    elif len(text) > PATIENCE:
+        raise _too_odd(text, source)
     return _patiently(text, source)
 
 
-def _quickly(text: str) -> Value | None:
-    """Read by libyaml; None where the patient way is needed, if only to say what is wrong."""
+def _quickly(text: str, source: str = "") -> Value | None:
+    """Read by libyaml; None where the patient way is needed, if only to say what is wrong.
+
+    Raises:
+        DocumentError: it is wrong, and too large for the patient way.
+    """
     try:
         from yaml import YAMLError  # type: ignore[import-untyped]
         from yaml.cyaml import CParser  # type: ignore[import-untyped]
     except ImportError:
         return None
-    builder = _Builder("")
+    large = len(text) > PATIENCE
+    builder = _Builder(source)
     parser = CParser(text)
     try:
         while parser.check_event():
             builder.take(parser.get_event())
-    except (YAMLError, DocumentError, ValueError):
+    except DocumentError:
+        if large:
+            raise
         return None
-    return builder.root if isinstance(builder.root, Mapping) else None
+    except (YAMLError, ValueError) as error:
+        if not large:
+            return None
+        marked = hasattr(error, "problem_mark")
+        raise (_syntax_error(error, source) if marked else _unreadable(error, text, source)) from None
+    return builder.root if isinstance(builder.root, Mapping) or large else None
+
+
+def _too_odd(text: str, source: str) -> DocumentError:
+    found = _ODD.search(text) or _DIRECTIVE.match(text)
+    assert found is not None, "only odd texts are asked for"
+    line, column = _place(text, found.start())
+    odd = {"\t": "a tab", "\r": "a carriage return alone"}.get(found.group()[:1], f"the spelling {found.group()[:9]!r}")
+    message = (
+        f"{odd} is read only in files of up to {PATIENCE} characters, and this has {len(text)}; write it another way"
+    )
+    return DocumentError(message, source, line, column)
+
+
+def _place(text: str, at: int) -> tuple[int, int]:
+    """Return the 1-based line and column of an offset."""
+    return text.count("\n", 0, at) + 1, at - text.rfind("\n", 0, at)
 
 
 def _patiently(text: str, source: str) -> Value:
@@ -166,7 +202,7 @@ def _patiently(text: str, source: str) -> Value:
     if directive:
         line = text.count("\n", 0, directive.end()) + 1
         raise DocumentError("a directive: tasks have none; remove the line", source, line, 1)
-    builder = _Builder(source)
+    builder = _Builder(source, PATIENT_VALUES)
     try:
         for event in _events(YAML(typ="safe", pure=True), text):
             builder.take(event)
@@ -202,16 +238,16 @@ def _syntax_error(error: Any, source: str) -> DocumentError:
 
 
 def _unreadable(error: Any, text: str, source: str) -> DocumentError:
-    before = text[: getattr(error, "position", 0)]
     message = f"not valid YAML: {str(error).splitlines()[0]}"
-    return DocumentError(message, source, before.count("\n") + 1, len(before) - before.rfind("\n"))
+    return DocumentError(message, source, *_place(text, getattr(error, "position", 0)))
 
 
 class _Builder:
     """Takes parser events one by one; `root` is the finished tree."""
 
-    def __init__(self, source: str):
+    def __init__(self, source: str, most: int = MAX_VALUES):
         self.source = source
+        self.left = self.most = most
         self.root: Value | None = None
         self.open: list[Mapping | Listing] = []
         self.keys: list[Scalar | None] = []
@@ -269,6 +305,10 @@ class _Builder:
         self.keys.append(None)
 
     def _add(self, value: Value) -> None:
+        self.left -= 1
+        if self.left < 0:
+            message = f"more than {self.most} values in a file; let parts of the task be subtasks"
+            raise DocumentError(message, self.source, value.line, value.column)
         if not self.open:
             self.root = value
             return

@@ -1,0 +1,90 @@
+"""The child process of the mutated files: reads each as a task, and tells what came of it, one line of JSON a file.
+
+Run as `python mutated_worker.py FOLDER FIRST COUNT`; FOLDER holds the files that are mutated. It ends at the first
+file that raises anything but a `GripError`, that takes too long, or with which the process has grown too large.
+"""
+
+import json
+import resource
+import signal
+import sys
+import time
+import traceback
+from pathlib import Path
+
+from mutations import mutant
+
+from grip_bt.catalog import Catalog
+from grip_bt.errors import GripError
+from grip_bt.graph import dumps, fmt, loads, read
+from grip_bt.validation import validate
+
+SECONDS = 1.0
+"""CPU time that reading and checking a file may take."""
+MEGABYTES = 200
+"""How large the whole process may become."""
+
+
+class TooLongError(BaseException):
+    """A file takes more than its time."""
+
+
+def late(number, frame):
+    raise TooLongError
+
+
+def read_and_check(path, catalog):
+    """Return what a file is, after making sure that a task that was read is one."""
+    document = read(path)
+    report = validate(document.task, catalog, document)
+    return document, "invalid" if any(issue.severity == "error" for issue in report.issues) else "valid"
+
+
+def told(path, catalog):
+    begin = time.process_time()
+    signal.setitimer(signal.ITIMER_VIRTUAL, 3 * SECONDS)
+    try:
+        document, result = read_and_check(path, catalog)
+        words = ""
+    except GripError as error:
+        document, result, words = None, "refused", str(error)
+    except TooLongError:
+        return "too long", 3 * SECONDS, traceback.format_exc()[-2000:]
+    except BaseException as error:  # noqa: BLE001 - that nothing else is raised is the question
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0)
+        return "broken", time.process_time() - begin, traceback.format_exc()[-2000:] or repr(error)
+    signal.setitimer(signal.ITIMER_VIRTUAL, 0)
+    seconds = time.process_time() - begin
+    if document is not None and len(document.text) < 100_000:
+        assert loads(dumps(document.task)) == document.task or "nan" in document.text
+        assert loads(fmt(document.text)) == document.task or "nan" in document.text
+    return result, seconds, words
+
+
+def main(folder, first, count):
+    resource.setrlimit(resource.RLIMIT_AS, (2**30, 2**30))
+    signal.signal(signal.SIGVTALRM, late)
+    bases = [path.read_text() for path in sorted(folder.glob("*.base"))]
+    catalog, path = Catalog.builtin(), folder / "mutant.yaml"
+    validate(loads(bases[0]), catalog)
+    for seed in range(first, first + count):
+        kind, data = mutant(seed, bases)
+        path.write_bytes(data)
+        try:
+            result, seconds, words = told(path, catalog)
+        except BaseException:  # noqa: BLE001 - as above
+            result, seconds, words = "broken", 0.0, traceback.format_exc()[-2000:]
+        megabytes = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+        if result in ("valid", "invalid", "refused") and seconds > SECONDS:
+            result = "too long"
+        if megabytes > MEGABYTES:
+            result = "too large"
+        fact = {"seed": seed, "kind": kind, "result": result, "seconds": seconds, "megabytes": megabytes}
+        sys.stdout.write(json.dumps({**fact, "size": len(data), "words": words[:2000]}) + "\n")
+        sys.stdout.flush()
+        if result == "too large":
+            return  # it never shrinks again
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3]))

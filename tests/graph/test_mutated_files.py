@@ -1,0 +1,79 @@
+"""Whatever a file holds: reading and checking it gives a task or a typed error, in bounded time and memory.
+
+A sample is in the suite. `GRIP_FUZZ_FILES` says how many files, `GRIP_FUZZ_SEED` where to begin; 10,000 take five
+minutes.
+"""
+
+import json
+import os
+import subprocess
+import sys
+from collections import Counter
+from pathlib import Path
+
+import pytest
+from mutations import KINDS, mutant
+from ruamel.yaml import YAML
+
+from grip_bt.errors import DocumentError
+from grip_bt.graph import Task, dumps, read_text
+from grip_bt.graph.syntax import MAX_VALUES, PATIENCE
+
+FILES = int(os.environ.get("GRIP_FUZZ_FILES", "200"))
+FIRST = int(os.environ.get("GRIP_FUZZ_SEED", "0"))
+REPO = Path(__file__).parents[2]
+HEAD = "grip: 1\nname: a\n"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Return a folder with the files that are mutated: the tasks of the project and of its tests."""
+    folder = tmp_path_factory.mktemp("mutants")
+    tasks = [*(REPO / "examples" / "tasks").glob("*.yaml"), *(REPO / "tests" / "golden" / "standalone").glob("*.yaml")]
+    texts = [path.read_text() for path in sorted(tasks)]
+    for path in sorted((REPO / "tests" / "parity" / "cases").glob("*.yaml")):
+        texts.append(dumps(Task.model_validate(YAML(typ="safe").load(path)["task"])))
+    for number, text in enumerate(texts):
+        (folder / f"{number:03}.base").write_text(text)
+    return folder
+
+
+def test_every_mutated_file_gives_a_task_or_a_typed_error_in_time(folder):
+    command = [sys.executable, str(Path(__file__).with_name("mutated_worker.py")), str(folder), str(FIRST), str(FILES)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60 + FILES)
+    facts = [json.loads(line) for line in done.stdout.splitlines()]
+    wrong = [fact for fact in facts if fact["result"] not in ("valid", "invalid", "refused")]
+    assert not wrong, wrong[:3]
+    assert len(facts) == FILES, done.stderr[-2000:]
+    results = Counter(fact["result"] for fact in facts)
+    slowest, largest = max(fact["seconds"] for fact in facts), max(fact["megabytes"] for fact in facts)
+    sys.stdout.write(f"\n{FILES} files: {dict(results)}; at most {slowest:.2f} s, {largest:.0f} MB in all\n")
+    assert {fact["kind"] for fact in facts} == set(KINDS)
+    assert results["refused"] > results["invalid"] > 0
+
+
+def test_a_seed_gives_one_file():
+    assert mutant(7, [HEAD]) == mutant(7, [HEAD])
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("x-a: [" + "1, " * MAX_VALUES + "1]\n", f"more than {MAX_VALUES} values in a file; let parts of the task be"),
+        ("x-a: [" + "1, " * 20_000 + "1\n", "more than 15000 values"),
+        ("#" + " c" * PATIENCE + "\nx-a:\tb\n", r":4:5: a tab is read only in files of up to 100000 characters"),
+        ("#" + " c" * PATIENCE + "\nx-a: [\n", r":\d+:1: not valid YAML: .*did not find expected ',' or ']'"),
+        ("#" + " c" * PATIENCE + "\nx-a: *b\n", r":4:6: the alias \*b"),
+        ("#" + " c" * 600_000 + "\n", "larger than 1000000 characters"),
+    ],
+)
+def test_what_is_too_large_for_the_slow_parser_is_refused_with_its_place(text, words):
+    with pytest.raises(DocumentError, match=words):
+        read_text(f"{HEAD}{text}root: {{node: a/b}}\n", "t.yaml")
+
+
+def test_a_type_longer_than_any_is_refused_at_once():
+    from grip_bt.catalog.types import parse_type
+
+    with pytest.raises(ValueError, match="is longer than 200 characters, which no type is"):
+        parse_type("list[" * 100_000)
