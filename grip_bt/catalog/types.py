@@ -24,7 +24,7 @@ BUILTINS = ("bool", "int", "float", "str", "bytes")
 _ROS = re.compile(r"[a-z][a-z0-9_]*/(msg|srv|action)/[A-Z][A-Za-z0-9_]*")
 _TOKEN = re.compile(r"\s*([A-Za-z_][A-Za-z0-9_/]*|[\[\],|])")
 _DEEPEST = 20
-_LONGEST = 500
+_LONGEST = 10_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +60,8 @@ def parse_type(text: str) -> Type:
     if len(text) > _LONGEST:
         raise ValueError(f"{text[:40]!r}... is longer than {_LONGEST} characters, which no type is")
     tokens, at = [], 0
-    while text[at:].strip():
+    end = len(text.rstrip())
+    while at < end:
         match = _TOKEN.match(text, at)
         if match is None:
             raise ValueError(f"{text!r} isn't a type: {text[at:].strip()[0]!r} can't stand in one")
