@@ -24,7 +24,7 @@ BUILTINS = ("bool", "int", "float", "str", "bytes")
 _ROS = re.compile(r"[a-z][a-z0-9_]*/(msg|srv|action)/[A-Z][A-Za-z0-9_]*")
 _TOKEN = re.compile(r"\s*([A-Za-z_][A-Za-z0-9_/]*|[\[\],|])")
 _DEEPEST = 20
-_LONGEST = 10_000
+_LONGEST = 30_000
 
 
 @dataclass(frozen=True, slots=True)
