@@ -20,6 +20,9 @@ U = TypeVar("U")
 class Operation(Generic[T]):
     """Something that will have a result.
 
+    Attributes:
+        busy: whether code that can't be interrupted works for it, also after its end; set by whoever runs that code.
+
     Args:
         on_cancel: called once, by the first `cancel()` before the end; it asks the work to stop and returns at once.
             Without it, cancelling ends the operation at once.
@@ -33,6 +36,7 @@ class Operation(Generic[T]):
         self._error: BaseException | None = None
         self._callbacks: list[Callable[[], None]] = []
         self._cancel_asked = False
+        self.busy = False
 
     @classmethod
     def finished(cls, result: T) -> Operation[T]:
@@ -80,6 +84,11 @@ class Operation(Generic[T]):
             self.fail(CanceledError("canceled"))
         else:
             self._on_cancel()
+
+    @property
+    def lingers(self) -> bool:
+        """Whether something still works for it although it was asked to stop."""
+        return self._cancel_asked and (self.busy or not self.done())
 
     @property
     def cancel_asked(self) -> bool:

@@ -28,6 +28,19 @@ class Clock(Protocol):
 
 
 @runtime_checkable
+class Pausable(Protocol):
+    """A clock, or a part of a robot, that can stand still in the middle of what it does and go on afterwards."""
+
+    def pause(self) -> None:
+        """Hold what moves where it is and keep what is left of it; harmless when it is paused."""
+        ...
+
+    def resume(self) -> None:
+        """Go on with what is left; harmless when it isn't paused."""
+        ...
+
+
+@runtime_checkable
 class Executor(Protocol):
     """Moves the joints of one group along a trajectory."""
 

@@ -120,6 +120,11 @@ class Leaf(Node):
         self.feedback_message = str(self.failure)
         return self.end(outcome, **(outputs or {}))
 
+    @property
+    def zombie(self) -> bool:
+        """Whether work of an interrupted activation is still under way although it was asked to stop."""
+        return False
+
     # --- py_trees' side ---
 
     def setup(self, **kwargs: Any) -> None:
@@ -173,6 +178,7 @@ class OperationLeaf(Leaf):
     """
 
     operation: Operation[Any] | None = None
+    _left: Operation[Any] | None = None
     _preempted_before: bool = False
 
     def start(self) -> Operation[Any]:
@@ -204,6 +210,12 @@ class OperationLeaf(Leaf):
         operation, self.operation = self.operation, None
         if operation is not None and not operation.done():
             operation.cancel()
+            self._left = operation
+
+    @property
+    def zombie(self) -> bool:
+        """Whether a cancelled operation, or the code that worked for it, hasn't ended."""
+        return self._left is not None and self._left.lingers
 
     def _preempted_now(self) -> bool:
         return self.context.preempt_requested and not self._preempted_before

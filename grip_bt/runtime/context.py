@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
 
 from grip_bt.errors import MissingPartError, UnknownNameError
 from grip_bt.operation import Operation
-from grip_bt.ports import Arm, Camera, Clock, Component, Hand, Scene
+from grip_bt.ports import Arm, Camera, Clock, Component, Hand, Pausable, Scene
 
 from .clock import WallClock
 from .waker import Waker
@@ -27,6 +27,7 @@ class RunContext:
         components: external components, by name.
         scene: the planning scene, where there is one.
         workers: how many threads run blocking code at most.
+        pausable: what stands still while the run is paused, besides its clock: a simulator, an arm, a hand.
     """
 
     def __init__(
@@ -39,6 +40,7 @@ class RunContext:
         components: Mapping[str, Component] | None = None,
         scene: Scene | None = None,
         workers: int = 4,
+        pausable: Sequence[Pausable] = (),
     ):
         self._clock: Clock = clock if clock is not None else WallClock()
         self._arms, self._hands = dict(arms or {}), dict(hands or {})
@@ -46,6 +48,8 @@ class RunContext:
         self._scene = scene
         self._workers = Workers(workers)
         self._preempt_requested = False
+        self._pausable = [part for part in (*pausable, self._clock) if isinstance(part, Pausable)]
+        self._used: dict[int, Arm | Hand] = {}
         self.waker = Waker(self._clock)
 
     @property
@@ -81,11 +85,15 @@ class RunContext:
         Raises:
             UnknownNameError: there is no such arm; it lists those that exist.
         """
-        return _named("arm", self._arms, name)
+        arm: Arm = _named("arm", self._arms, name)
+        self._used[id(arm)] = arm
+        return arm
 
     def hand(self, name: str) -> Hand:
         """Return a hand, likewise."""
-        return _named("hand", self._hands, name)
+        hand: Hand = _named("hand", self._hands, name)
+        self._used[id(hand)] = hand
+        return hand
 
     def camera(self, name: str) -> Camera:
         """Return a sensor's camera, likewise."""
@@ -104,6 +112,22 @@ class RunContext:
         if self._scene is None:
             raise MissingPartError("a planning scene", "run with a robot: `grip run TASK --robot sim`")
         return self._scene
+
+    # --- for the runner ---
+
+    def pause(self) -> None:
+        """Have the clock, and whatever moves and can, stand still."""
+        for part in self._pausable:
+            part.pause()
+
+    def resume(self) -> None:
+        """Have all that go on."""
+        for part in reversed(self._pausable):
+            part.resume()
+
+    def moving(self) -> list[Arm | Hand]:
+        """Return the arms and hands that leaves have asked for: what has to hold when the run is stopped."""
+        return list(self._used.values())
 
 
 def _named(kind: str, parts: Mapping[str, Any], name: str) -> Any:

@@ -1,8 +1,9 @@
-"""When a run ticks: on a wake, at a time somebody asked for, by polling, and as run / pause / step / stop say."""
+"""When a run ticks: on a wake, at a time somebody asked for, by polling or at a rate, and as its controls say."""
 
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable
 from typing import Literal
 
@@ -18,15 +19,21 @@ class Pacing:
 
     Attributes:
         poll: how long [s] to wait at most before the next tick, for leaves that wake nobody; None waits for a wake.
+        rate: ticks a second of the run's clock, however many wakes there are; None ticks on wakes.
         ticks: how many there were; a machine's concurrent states count each of theirs.
+        begun: thread -> when [s, monotonic] the tick that it is in has begun; for the watch-dog.
     """
 
-    def __init__(self, waker: Waker, poll: float | None = 0.05):
-        self.poll, self.ticks = poll, 0
+    def __init__(self, waker: Waker, poll: float | None = 0.05, rate: float | None = None):
+        if rate is not None and not rate > 0:
+            raise ValueError(f"a rate is a number of ticks a second, more than 0: {rate}")
+        self.poll, self.rate, self.ticks = poll, rate, 0
+        self.begun: dict[int, float] = {}
         self._waker = waker
+        self._next = 0.0
         self._gate = threading.Condition()
         self._paused = self._stopped = False
-        self._steps = 0
+        self._steps = self._holding = self._releases = 0
         self._listeners: list[Callable[[State], None]] = []
 
     @property
@@ -38,6 +45,11 @@ class Pacing:
     def stopped(self) -> bool:
         """Whether a stop was asked for."""
         return self._stopped
+
+    @property
+    def holding(self) -> bool:
+        """Whether somebody holds in the middle of a tick."""
+        return self._holding > 0
 
     def on_state(self, listener: Callable[[State], None]) -> None:
         """Call `listener(state)` at each change, in the thread that asked for it."""
@@ -59,12 +71,52 @@ class Pacing:
             if self._paused:
                 self._steps -= 1
             self.ticks += 1
+        self.begun[threading.get_ident()] = time.monotonic()
         return self._waker.wakes
 
     def rest(self, seen: int) -> None:
         """Return when there may be something to look at."""
-        if not self._paused and not self._stopped:
+        self.begun.pop(threading.get_ident(), None)
+        if self._paused or self._stopped:
+            return
+        if self.rate is None:
             self._waker.wait(seen, self.poll)
+        else:
+            self._keep_time(self.rate)
+
+    def _keep_time(self, rate: float) -> None:
+        """Wait for the next multiple of the period; ticks that came too late are left out, not made up for."""
+        now = self._waker.now()
+        self._next = max(self._next + 1.0 / rate, now) if self._next else now + 1.0 / rate
+        while not self._paused and not self._stopped:
+            seen = self._waker.wakes
+            if self._waker.now() >= self._next:
+                return
+            self._waker.wake_at(self._next)
+            self._waker.wait(seen, None)
+
+    def hold(self) -> None:
+        """Pause here, in the middle of a tick, until the next command.
+
+        Raises:
+            Halted: the command is a stop.
+        """
+        me = threading.get_ident()
+        self.begun.pop(me, None)
+        with self._gate:
+            seen = self._releases
+            self._holding += 1
+        try:
+            self._change(paused=True)
+            with self._gate:
+                while self._releases == seen and not self._stopped:
+                    self._gate.wait()
+                if self._stopped:
+                    raise Halted
+        finally:
+            with self._gate:
+                self._holding -= 1
+        self.begun[me] = time.monotonic()
 
     def wake(self) -> None:
         """Have every `rest` return."""
@@ -81,7 +133,7 @@ class Pacing:
         self._change(paused=False)
 
     def step(self) -> None:
-        """Pause, and let one tick through."""
+        """Pause, and let one tick through; where one is held in its middle, let that one end."""
         self._change(paused=True, steps=1)
 
     def stop(self) -> None:
@@ -93,7 +145,9 @@ class Pacing:
             before = self.state
             if paused is not None:
                 self._paused = paused
-            self._steps = self._steps + steps if self._paused else 0
+            if steps or paused is False:
+                self._releases += 1
+            self._steps = 0 if not self._paused or self._holding else self._steps + steps
             self._stopped = self._stopped or stopped
             after = self.state
             self._gate.notify_all()

@@ -2,29 +2,43 @@
 
 from __future__ import annotations
 
-import logging
 import threading
+import time
 import traceback
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Literal
 
-from py_trees.common import Status
-
 from grip_bt.compilers import CompiledMachine, CompiledTree, Halted, TaskEnd
-from grip_bt.nodes.observer import Observer, Observers
+from grip_bt.errors import NodeError
+from grip_bt.nodes.observer import SILENT, Observer, Observers
 from grip_bt.ports import Clock
 from grip_bt.values import Failure
 
 from .context import RunContext
+from .debugger import Debugger
 from .journal import Journal
-from .pacing import Pacing
+from .pacing import Pacing, State
 from .plan import Plan
 from .recorder import Recorder
+from .stopping import (
+    Gone,
+    Zombie,
+    code_running,
+    in_background,
+    join_all,
+    left_working,
+    lock_out,
+    terminate_outside,
+)
+from .watchdog import Watchdog
 
-_log = logging.getLogger(__name__)
-
-ACKNOWLEDGE = 0.05
-"""How long [s] a run may take to acknowledge a stop before its leaves are terminated from another thread."""
+INSIST = 0.03
+"""How long [s] after a stop the run may take to end by itself before leaves are terminated from another thread."""
+ABANDON = 0.08
+"""How long [s] after a stop what hangs is left behind; the robot holds, all of it, within 0.1 s."""
+LAST_MOMENT = 0.05
+"""How long [s] cancelled operations may take to end when a run was stopped, before they are called zombies."""
 
 RunStatus = Literal["success", "failure", "error", "stopped"]
 
@@ -41,6 +55,7 @@ class RunResult:
         ticks: how often the task was ticked.
         duration: on the run's clock [s].
         error: what a leaf raised, in a NodeError that names it; the journal has the traceback.
+        zombies: leaves whose code hadn't returned at the end; it was left behind.
     """
 
     outcome: str | None
@@ -49,14 +64,19 @@ class RunResult:
     failure: Failure | None
     ticks: int
     duration: float
-    error: Exception | None = None
+    error: BaseException | None = None
+    zombies: tuple[Zombie, ...] = ()
 
 
 class Runner:
     """Runs one compiled task once. `run` blocks; everything else may be called from any thread, before and during it.
 
+    The task is ticked in a thread of its own, so that code that hangs in a leaf keeps nobody waiting: `run` returns
+    when the task has ended or, after a stop, when everything was terminated that can be.
+
     Attributes:
         run_id: the run's id in the journal; None without one.
+        debugger: breakpoints and steps.
 
     Args:
         compiled: what `to_tree` or `to_machine` made.
@@ -67,6 +87,8 @@ class Runner:
         task_text: the document, for the journal.
         seed: of the simulation, for the journal.
         poll: how often leaves that wake nobody are looked at [s]; None for never.
+        rate: ticks a second of the run's clock, instead of on wakes; None for on wakes.
+        watchdog: how long one tick may take [s] before the run ends as an error; None for ever.
     """
 
     def __init__(
@@ -80,57 +102,60 @@ class Runner:
         task_text: str = "",
         seed: int | None = None,
         poll: float | None = 0.05,
+        rate: float | None = None,
+        watchdog: float | None = None,
     ):
         if clock is not None and clock is not context.clock:
             raise ValueError("a run has one clock: make the context with it, RunContext(clock, ...)")
         self.compiled, self.context, self.journal = compiled, context, journal
-        self.pacing = Pacing(context.waker, poll)
+        self.pacing = Pacing(context.waker, poll, rate)
+        self.debugger = Debugger(compiled, self.pacing, self._observe_debugger)
         self.run_id: str | None = None
         self._recorder: Recorder | None = None
         if journal is not None:
             log = journal.begin(compiled.task.name, task_path, task_text, compiled.target, seed)
             self.run_id, self._recorder = log.id, Recorder(log, context.clock)
         self._observers: list[Observer] = [] if self._recorder is None else [self._recorder]
-        self._begun, self._ended = threading.Lock(), threading.Event()
+        self._debugged = self._stale = False
+        self._plan: Plan | None = None
+        self._watchdog = Watchdog(self.pacing, compiled.leaves, watchdog, self._hung) if watchdog else None
+        self._begun, self._settling, self._ended = threading.Lock(), threading.Lock(), threading.Event()
+        self._thread: int | None = None
+        self._start = 0.0
+        self._result: RunResult | None = None
         if self._recorder is not None:
             self.pacing.on_state(self._recorder.state)
+        self.pacing.on_state(self._hold_parts)
 
     def observe(self, observer: Observer) -> None:
         """Have `observer` told of what the nodes do, after the journal; before `run`."""
         self._observers.append(observer)
 
+    # --- control ---
+
     def pause(self) -> None:
-        """Tick no more until `resume` or `step`."""
+        """Tick no more until `resume` or `step`; the run's clock stands still, and motions are held, where they can."""
+        self.debugger.forget_step()
         self.pacing.pause()
 
     def resume(self) -> None:
-        """Go on."""
+        """Go on, with the motions that were held too."""
+        self.debugger.forget_step()
         self.pacing.resume()
 
-    def step(self) -> None:
-        """Pause, and let one tick through."""
-        self.pacing.step()
+    def step(self, how: str = "tick") -> None:
+        """Pause, and go a little further; see `Debugger.step`."""
+        self.debugger.step(how)
 
     def stop(self) -> None:
-        """Halt: every running leaf is terminated at once, and the run ends as `stopped`.
+        """Halt: every running leaf is terminated at once, the robot holds, and the run ends as `stopped`.
 
-        Where a leaf's `update` hangs, so that the run can't look, all active leaves are terminated from here after
-        `ACKNOWLEDGE`; the run ends when that `update` returns. May be called from a signal handler.
+        Where a leaf hangs, so that the run can't look, all active leaves are terminated from here after `INSIST`; after
+        `ABANDON`, what still hangs is left behind as a zombie. May be called from a signal handler.
         """
+        called = time.monotonic()
         self.pacing.stop()
-        threading.Thread(target=self._insist, name="grip_stop", daemon=True).start()
-
-    def _insist(self) -> None:
-        if self._ended.wait(ACKNOWLEDGE):
-            return
-        for path, leaf in self.compiled.leaves.items():
-            if leaf.active:
-                try:
-                    leaf.terminate(Status.INVALID)
-                except Exception:  # noqa: BLE001 - the other leaves must be terminated all the same
-                    _log.exception("terminate of %s", path)
-                if self._recorder is not None:
-                    self._recorder.message(path, "terminated from outside: the run doesn't acknowledge the stop")
+        in_background("stop", lambda: self._insist(called))
 
     def request_preempt(self) -> None:
         """Ask the task to come to an end on its own terms; leaves that care end soon, and recovery still runs."""
@@ -138,58 +163,153 @@ class Runner:
             self.compiled.request_preempt()
         self.context.request_preempt()
 
+    def _hold_parts(self, state: State) -> None:
+        if state == "paused":
+            self.context.pause()
+        else:
+            self.context.resume()
+
+    # --- the run ---
+
     def run(self) -> RunResult:
-        """Prepare every leaf, then run to the end. Returns in every case; nothing is left running.
+        """Prepare every leaf, then run to the end. Returns in every case; nothing is left running but zombies.
 
         Raises:
             RuntimeError: it was run before.
         """
         if not self._begun.acquire(blocking=False):
             raise RuntimeError("a runner runs once; compile the task again for another run")
-        if self._observers:
-            self.compiled.observe(Observers(*self._observers) if len(self._observers) > 1 else self._observers[0])
+        self._install()
         if self._recorder is not None:
             self._recorder.started()
-        start = self.context.clock.now()
-        try:
-            result = self._attempt(start)
-        finally:
-            self._ended.set()
-        if self._recorder is not None:
-            self._recorder.finished(result.outcome, result.status)
-        return result
+        self._start = self.context.clock.now()
+        threading.Thread(target=self._work, name="grip_run", daemon=True).start()
+        while not self._ended.is_set():
+            try:
+                self._ended.wait()
+            except KeyboardInterrupt:
+                self.stop()
+        assert self._result is not None, "a run that has ended has a result"
+        return self._result
 
-    def _attempt(self, start: float) -> RunResult:
+    def _work(self) -> None:
+        self._thread = threading.get_ident()
+        if self._watchdog is not None:
+            self._watchdog.start()
+        result = self._attempt()
+        with self._settling:
+            if self._result is None:
+                self._settle(result)
+
+    def _attempt(self) -> RunResult:
         try:
             self.compiled.prepare(self.context)
             end = self._execute()
         except Halted:
-            return self._result(None, "stopped", start)
-        except KeyboardInterrupt:
-            self.stop()
-            return self._result(None, "stopped", start)
-        except Exception as error:  # noqa: BLE001 - a bug of a leaf is the run's result, not the runner's end
-            if self._recorder is not None:
+            return self._made(None, "stopped")
+        except BaseException as error:  # noqa: BLE001 - a bug of a leaf is the run's result, not the runner's end
+            if self._recorder is not None and self._result is None:
                 self._recorder.error(error, "".join(traceback.format_exception(error)))
-            return self._result(None, "error", start, error)
+            return self._made(None, "error", error)
         finally:
             self.compiled.release()
-        return self._result(end, "success" if end.meaning == "success" else "failure", start)
+        return self._made(end, "success" if end.meaning == "success" else "failure")
 
     def _execute(self) -> TaskEnd:
         if isinstance(self.compiled, CompiledTree):
-            return self.compiled.execute(self.pacing, Plan(self.compiled.root).tick)
+            return self.compiled.execute(self.pacing, self._tick)
         return self.compiled.execute(self.pacing)
 
-    def _result(
-        self, end: TaskEnd | None, status: RunStatus, start: float, error: Exception | None = None
-    ) -> RunResult:
+    def _tick(self) -> None:
+        if self._stale or self._plan is None:
+            self._stale = False
+            self._install()
+            self._plan = Plan(self.compiled.root)  # type: ignore[union-attr]
+        self._plan.tick()
+
+    def _install(self) -> None:
+        observers = [*self._observers, *([self.debugger] if self._debugged else [])]
+        if observers:
+            self.compiled.observe(Observers(*observers) if len(observers) > 1 else observers[0])
+        else:
+            self.compiled.observe(SILENT)
+
+    def _observe_debugger(self, needed: bool) -> None:
+        """Have the debugger told of the nodes, or not; a tree is asked between ticks, where its plan is made anew."""
+        if needed != self._debugged:
+            self._debugged = needed
+            if isinstance(self.compiled, CompiledTree):
+                self._stale = True
+            else:
+                self._install()
+
+    # --- the end ---
+
+    def _insist(self, called: float) -> None:
+        if self._ended.wait(called + INSIST - time.monotonic()):
+            return
+        if self._thread is None:
+            return  # not begun; it ends when it begins
+        threads = terminate_outside(self.compiled.leaves) + self._hold_robot()
+        if self._recorder is not None:
+            for path in [path for path, leaf in self.compiled.leaves.items() if leaf.active]:
+                self._recorder.message(path, "terminated from outside: the run doesn't acknowledge the stop")
+        join_all(threads, called + ABANDON)
+        if not self._ended.wait(called + ABANDON - time.monotonic()):
+            self._abandon(self._made(None, "stopped"))
+
+    def _hung(self, error: NodeError, trace: str) -> None:
+        """End a run whose tick doesn't; called by the watch-dog."""
+        barked = time.monotonic()
+        self.pacing.stop()
+        join_all(terminate_outside(self.compiled.leaves) + self._hold_robot(), barked + ABANDON)
+        if self._recorder is not None:
+            self._recorder.error(error, trace)
+        self._abandon(self._made(None, "error", error))
+
+    def _abandon(self, result: RunResult) -> None:
+        """End the run without its thread: what comes back from there is held off everything."""
+        with self._settling:
+            if self._result is not None:
+                return
+            leaves = self.compiled.leaves
+            hanging = code_running(leaves) or ({"/": "the run itself"} if not left_working(leaves) else {})
+            self.compiled.observe(Gone())
+            lock_out(leaves)
+            self._settle(result, [Zombie(path, where) for path, where in hanging.items()])
+
+    def _settle(self, result: RunResult, zombies: Sequence[Zombie] = ()) -> None:
+        """Enter the result; with the lock held."""
+        if self._watchdog is not None:
+            self._watchdog.stop()
+        if result.outcome is None and not zombies:
+            self._see_off()
+        named = {zombie.path for zombie in zombies}
+        workers = [zombie for zombie in left_working(self.compiled.leaves) if zombie.path not in named]
+        self._result = replace(result, zombies=(*zombies, *workers))
+        if self._recorder is not None:
+            for zombie in self._result.zombies:
+                self._recorder.zombie(zombie.path, zombie.where)
+            self._recorder.finished(result.outcome, result.status)
+        self._ended.set()
+
+    def _see_off(self) -> None:
+        """After a stop or an error: hold the robot, and give cancelled operations a moment to end."""
+        deadline = time.monotonic() + LAST_MOMENT
+        join_all(self._hold_robot(), deadline)
+        while left_working(self.compiled.leaves) and time.monotonic() < deadline:
+            time.sleep(0.001)
+
+    def _hold_robot(self) -> list[threading.Thread]:
+        return [in_background(f"hold of {part.name}", part.stop) for part in self.context.moving()]
+
+    def _made(self, end: TaskEnd | None, status: RunStatus, error: BaseException | None = None) -> RunResult:
         return RunResult(
             outcome=end.outcome if end else None,
             meaning=end.meaning if end else None,
             status=status,
             failure=end.failure if end else None,
             ticks=self.pacing.ticks,
-            duration=self.context.clock.now() - start,
+            duration=self.context.clock.now() - self._start,
             error=error,
         )

@@ -29,6 +29,10 @@ class Waker:
         """How many there were."""
         return self._wakes
 
+    def now(self) -> float:
+        """Return the run's time [s]."""
+        return self._clock.now()
+
     def wake(self) -> None:
         """Have whoever waits look; from any thread."""
         with self._condition:

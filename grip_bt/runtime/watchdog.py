@@ -1,0 +1,74 @@
+"""Notices that a tick doesn't come to its end, and says in whose code."""
+
+from __future__ import annotations
+
+import sys
+import threading
+import time
+import traceback
+from collections.abc import Callable, Mapping
+
+from grip_bt.compilers import drive
+from grip_bt.errors import HungError, NodeError
+from grip_bt.nodes.leaf import Leaf
+
+from .pacing import Pacing
+from .stopping import code_running
+
+LIMIT = 10.0
+"""How long [s] one tick may take by default; `update` never blocks, so that this is far more than any needs."""
+
+
+class Watchdog:
+    """Looks at a run's ticks from a thread of its own, a few times within the limit.
+
+    Args:
+        pacing: knows which ticks are under way.
+        leaves: by path.
+        limit: how long a tick may take [s].
+        bark: called once with the error, a `NodeError` of a `HungError`, and where the code is, as a traceback.
+    """
+
+    def __init__(
+        self, pacing: Pacing, leaves: Mapping[str, Leaf], limit: float, bark: Callable[[NodeError, str], None]
+    ):
+        self._pacing, self._leaves, self._limit, self._bark = pacing, leaves, limit, bark
+        self._over = threading.Event()
+
+    def start(self) -> None:
+        """Begin to look."""
+        threading.Thread(target=self._watch, name="grip_watchdog", daemon=True).start()
+
+    def stop(self) -> None:
+        """Look no more."""
+        self._over.set()
+
+    def _watch(self) -> None:
+        while not self._over.wait(self._limit / 4):
+            late = time.monotonic() - self._limit
+            for thread, began in list(self._pacing.begun.items()):
+                if began < late and _ticks(thread) and self._pacing.begun.get(thread) == began:
+                    self._bark(*self._finding(thread))
+                    return
+
+    def _finding(self, thread: int) -> tuple[NodeError, str]:
+        inside = code_running(self._leaves, [thread])
+        path, where = next(iter(inside.items()), ("/", "a tick"))
+        frame = sys._current_frames().get(thread)
+        trace = "".join(traceback.format_stack(frame)) if frame is not None else ""
+        return NodeError(path, HungError(where, self._limit)), trace
+
+
+def _ticks(thread: int) -> bool:
+    """Tell whether a thread is inside a tick: in the loop that drives a behaviour, and not waiting for its turn.
+
+    Entries of threads that wait for others, or that have ended, are old and mean nothing.
+    """
+    frame, codes = sys._current_frames().get(thread), set()
+    while frame is not None:
+        codes.add(frame.f_code)
+        frame = frame.f_back
+    return drive.__code__ in codes and not codes & _WAITING
+
+
+_WAITING = {Pacing.turn.__code__, Pacing.rest.__code__, Pacing.hold.__code__}

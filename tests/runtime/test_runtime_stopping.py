@@ -1,0 +1,236 @@
+"""The certain end of a run: what hangs is left behind by name, and comes back to nothing."""
+
+from __future__ import annotations
+
+import threading
+import time
+from typing import Any
+
+import pytest
+from py_trees.common import Status
+from runtime_world import KINDS, TARGETS, Ending, Hanging, Started, Waiting, leaf
+
+from grip_bt.errors import HungError, NodeError
+from grip_bt.nodes.leaf import OperationLeaf
+from grip_bt.operation import Operation
+from grip_bt.runtime import Journal, JournalReader, RunContext, Runner
+
+both = pytest.mark.parametrize("target", TARGETS)
+
+
+class HangingEnd(Waiting):
+    """Its terminate doesn't return before it is released."""
+
+    def __init__(self, *args: Any):
+        super().__init__(*args)
+        self.released = threading.Event()
+
+    def terminate(self, new_status: Status) -> None:
+        super().terminate(new_status)
+        self.released.wait(20)
+
+
+class HangingStart(Waiting):
+    """Its prepare doesn't return before it is released."""
+
+    released = threading.Event()
+    inside = threading.Event()
+
+    def prepare(self) -> None:
+        self.inside.set()
+        self.released.wait(20)
+
+
+class HangingWorker(OperationLeaf):
+    """Its blocking function doesn't return before it is released."""
+
+    def __init__(self, *args: Any):
+        super().__init__(*args)
+        self.inside, self.released = threading.Event(), threading.Event()
+
+    def start(self) -> Operation[Any]:
+        return self.context.run_in_worker(self._block)
+
+    def _block(self) -> None:
+        self.inside.set()
+        self.released.wait(20)
+
+
+class Succeeding(Hanging):
+    """Hangs in its update, and succeeds when it is released."""
+
+    def update(self) -> Status:
+        super().update()
+        return self.end()
+
+
+@pytest.fixture(autouse=True)
+def more_kinds(monkeypatch: pytest.MonkeyPatch) -> None:
+    more = {"wait": HangingEnd, "obey": HangingWorker, "unready": HangingStart, "hang": Succeeding}
+    for kind, made in more.items():
+        monkeypatch.setitem(KINDS, kind, made)
+    monkeypatch.setitem(KINDS, "break", Waiting)
+
+
+@both
+def test_a_leaf_that_hangs_in_its_update_is_left_behind_by_name(target: Any, tmp_path: Any) -> None:
+    with Journal(tmp_path / "runs.sqlite") as journal:
+        run = Started(target, {"kind": "sequence", "children": {"h": leaf("hang"), "e": leaf("end")}}, journal=journal)
+        run.start()
+        assert run.leaves["h"].inside.wait(20)
+        run.runner.stop()
+        result = run.join()
+        run.leaves["h"].released.set()
+        assert (result.status, [str(z) for z in result.zombies]) == ("stopped", ["h (update)"])
+    with JournalReader(journal.file) as reader:
+        (zombie,) = (e for e in reader.events(run.runner.run_id or "") if e.event == "zombie")
+    assert (zombie.path, zombie.data) == ("h", {"where": "update"})
+
+
+@both
+def test_what_comes_back_after_a_stop_starts_nothing_more(target: Any) -> None:
+    begun = []
+
+    class Beginning(Ending):
+        def update(self) -> Status:
+            begun.append(self.path)
+            return super().update()
+
+    KINDS["end"], before = Beginning, KINDS["end"]
+    try:
+        run = Started(target, {"kind": "sequence", "children": {"h": leaf("hang"), "e": leaf("end")}}).start()
+    finally:
+        KINDS["end"] = before
+    assert run.leaves["h"].inside.wait(20)
+    working = next(t for t in threading.enumerate() if t.name == "grip_run" and t.ident == run.runner._thread)
+    run.runner.stop()
+    run.join()
+    run.leaves["h"].released.set()
+    working.join(20)
+    assert not working.is_alive()
+    assert begun == []
+
+
+@both
+@pytest.mark.parametrize("cancel", ["halt", "join"])
+def test_one_terminate_that_hangs_keeps_no_other_leaf_running(target: Any, cancel: str) -> None:
+    children = {"h": leaf("wait"), "w": leaf("break")}
+    run = Started(target, {"kind": "parallel", "cancel": cancel, "children": children}).start()
+    run.wait_tick("h")
+    run.wait_tick("w")
+    run.runner.stop()
+    result = run.join()
+    assert run.leaves["w"].was_terminated.is_set()
+    assert [str(z) for z in result.zombies] == ["h (terminate)"]
+    run.leaves["h"].released.set()
+
+
+@both
+def test_blocking_code_in_a_worker_is_left_behind_by_name(target: Any) -> None:
+    run = Started(target, leaf("obey")).start()
+    assert run.leaves["/"].inside.wait(20)
+    run.runner.stop()
+    result = run.join()
+    assert [str(z) for z in result.zombies] == ["/ (worker)"]
+    run.leaves["/"].released.set()
+
+
+@both
+def test_a_leaf_that_hangs_while_it_is_prepared_does_not_keep_a_stop_waiting(target: Any) -> None:
+    HangingStart.inside.clear()
+    HangingStart.released.clear()
+    run = Started(target, leaf("unready")).start()
+    assert HangingStart.inside.wait(20)
+    run.runner.stop()
+    assert [str(z) for z in run.join().zombies] == ["/ (prepare)"]
+    HangingStart.released.set()
+
+
+@both
+def test_a_stop_takes_less_than_a_tenth_of_a_second_whatever_hangs(target: Any) -> None:
+    taken = []
+    for _ in range(3):
+        children = {"t": leaf("wait"), "o": leaf("obey"), "h": leaf("hang")}
+        run = Started(target, {"kind": "parallel", "cancel": "join", "children": children}).start()
+        assert run.leaves["h"].inside.wait(20)
+        began = time.monotonic()
+        run.runner.stop()
+        run.join()
+        taken.append(time.monotonic() - began)
+        for node in run.leaves.values():
+            node.released.set()
+    assert min(taken) < 0.1
+
+
+@both
+def test_the_robot_holds_at_a_stop_even_if_no_leaf_says_so(target: Any) -> None:
+    class Part:
+        name = "right"
+
+        def __init__(self) -> None:
+            self.held = threading.Event()
+
+        def stop(self) -> None:
+            self.held.set()
+
+    class Using(Waiting):
+        def update(self) -> Status:
+            self.context.arm("right")
+            return super().update()
+
+    used, unused = Part(), Part()
+    KINDS["break"] = Using
+    arms: Any = {"right": used, "left": unused}
+    run = Started(target, leaf("break"), RunContext(arms=arms)).start()
+    run.wait_tick("/")
+    run.runner.stop()
+    run.join()
+    assert used.held.is_set()
+    assert not unused.held.is_set()
+
+
+@both
+def test_an_endless_update_ends_the_run_as_an_error_with_its_path_and_place(target: Any, tmp_path: Any) -> None:
+    with Journal(tmp_path / "runs.sqlite") as journal:
+        run = Started(target, {"kind": "sequence", "children": {"h": leaf("hang")}}, journal=journal)
+        run.runner = Runner(run.compiled, run.context, journal=journal, poll=None, watchdog=0.05)
+        result = run.start().join()
+        run.leaves["h"].released.set()
+    assert result.status == "error"
+    assert isinstance(result.error, NodeError)
+    assert result.error.path == "h"
+    assert isinstance(result.error.cause, HungError)
+    assert "update hasn't returned for 0.05 s" in str(result.error)
+    with JournalReader(journal.file) as reader:
+        (entered,) = (e for e in reader.events(run.runner.run_id or "") if e.event == "error")
+    assert entered.path == "h"
+    assert "self.released.wait(20)" in entered.data["traceback"]
+
+
+@both
+def test_waiting_is_no_hanging(target: Any) -> None:
+    root = {"kind": "parallel", "cancel": "join", "children": {"w": leaf("break"), "v": leaf("break")}}
+    run = Started(target, root)
+    run.runner = Runner(run.compiled, run.context, poll=None, watchdog=0.02)
+    run.start()
+    run.wait_tick("w")
+    run.wait_tick("v")
+    run.leaves["w"].told.set()
+    run.context.wake()
+    assert not run.runner._ended.wait(0.2)  # ten times the limit; what would be wrong here is an end
+    run.leaves["v"].told.set()
+    run.context.wake()
+    assert run.join().status == "success"
+
+
+def test_work_that_hangs_takes_no_place_in_the_pool() -> None:
+    context, block = RunContext(workers=1), threading.Event()
+    hanging = context.run_in_worker(lambda: block.wait(20))
+    while not hanging.busy:
+        time.sleep(0.001)
+    waiting = context.run_in_worker(lambda: 7)
+    hanging.cancel()
+    assert waiting.wait(20)
+    assert waiting.result() == 7
+    assert hanging.lingers
+    block.set()
