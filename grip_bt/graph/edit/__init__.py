@@ -28,6 +28,7 @@ from .commands import (
 )
 from .documents import Edited, apply_to_document
 from .history import History, Moment
+from .history_file import history_path, load_history, save_history
 from .rewriting import rewrite
 from .steps import path_after
 
@@ -61,7 +62,10 @@ __all__ = [
     "apply",
     "apply_to_document",
     "command_of",
+    "history_path",
+    "load_history",
     "path_after",
     "rewrite",
+    "save_history",
     "title_of",
 ]

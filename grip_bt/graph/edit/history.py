@@ -1,8 +1,13 @@
-"""Undo and redo over commands, with branches: what was undone and then overwritten stays reachable."""
+"""Undo and redo over commands, with branches: what was undone and then overwritten stays reachable.
+
+A history holds a bounded number of moments. What is forgotten first are the oldest ends of branches on which the
+document isn't; then its own beginning.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
 
 from grip_bt.errors import EditError
 
@@ -27,9 +32,13 @@ class Moment:
     title: str
 
 
+LIMIT = 1000
+"""Moments that a history holds, unless it is told otherwise."""
+
+
 @dataclass
-class _Kept:
-    """A moment with the way from and to its parent."""
+class Kept:
+    """A moment with the way from and to its parent, and the moments made from it, the one left last at the end."""
 
     moment: Moment
     back: Patch | None
@@ -43,10 +52,21 @@ class History:
     A command after an undo begins a new branch; `redo` takes the youngest, `go` leads to any moment of any branch.
     """
 
-    def __init__(self, document: Document):
-        self._kept = [_Kept(Moment(0, None, "opened"), None)]
+    def __init__(self, document: Document, limit: int = LIMIT):
+        self._kept = {0: Kept(Moment(0, None, "opened"), None)}
         self._at = 0
+        self._next = 1
+        self._limit = max(limit, 1)
         self._document = document
+
+    @classmethod
+    def restored(cls, document: Document, kept: Iterable[Kept], at: int, limit: int = LIMIT) -> History:
+        """Return a history as it was: its document, its moments, and the number of the one at which it is."""
+        history = cls(document, limit)
+        history._kept = {each.moment.number: each for each in kept}
+        history._at, history._next = at, max(history._kept) + 1
+        history._forget()
+        return history
 
     @property
     def document(self) -> Document:
@@ -61,7 +81,12 @@ class History:
     @property
     def moments(self) -> tuple[Moment, ...]:
         """All moments, in the order in which they were made."""
-        return tuple(kept.moment for kept in self._kept)
+        return tuple(kept.moment for kept in self._kept.values())
+
+    @property
+    def kept(self) -> tuple[Kept, ...]:
+        """All moments with the ways between them, for whoever stores them."""
+        return tuple(self._kept.values())
 
     @property
     def can_undo(self) -> bool:
@@ -80,10 +105,11 @@ class History:
             EditError: it can't be carried out; nothing has changed.
         """
         edited = apply_to_document(self._document, command)
-        number = len(self._kept)
-        self._kept.append(_Kept(Moment(number, self._at, title_of(command)), edited.inverse))
+        number, self._next = self._next, self._next + 1
+        self._kept[number] = Kept(Moment(number, self._at, title_of(command)), edited.inverse)
         self._kept[self._at].children.append(number)
         self._at, self._document = number, edited.document
+        self._forget()
         return edited
 
     def undo(self) -> Edited:
@@ -124,8 +150,9 @@ class History:
         Raises:
             EditError: there is no such moment.
         """
-        if not 0 <= number < len(self._kept):
-            raise EditError("", f"there is no moment {number}; the last is {len(self._kept) - 1}")
+        if number not in self._kept:
+            forgotten = " any more" if 0 <= number < self._next else ""
+            raise EditError("", f"there is no moment {number}{forgotten}; the last is {max(self._kept)}")
         up = self._line(self._at)
         down = []
         at: int = number
@@ -143,6 +170,24 @@ class History:
         What was done before can still be undone: the text then changes where the commands had changed it.
         """
         self._document = text
+
+    def _forget(self) -> None:
+        """Keep no more moments than the limit; numbers stay."""
+        while len(self._kept) > self._limit:
+            line = set(self._line(self._at))
+            loose = next((n for n, kept in self._kept.items() if n not in line and not kept.children), None)
+            self._forget_end(loose) if loose is not None else self._forget_beginning()
+
+    def _forget_end(self, number: int) -> None:
+        parent = self._kept.pop(number).moment.parent
+        assert parent is not None, "the beginning is on every line"
+        self._kept[parent].children.remove(number)
+
+    def _forget_beginning(self) -> None:
+        first = next(iter(self._kept))
+        begin = self._kept[self._kept.pop(first).children[0]]
+        begin.moment = replace(begin.moment, parent=None)
+        begin.back = begin.forth = None
 
     def _line(self, number: int) -> list[int]:
         line: list[int] = []
