@@ -261,7 +261,7 @@ def _written(survey: Survey, ends: States) -> dict[str, tuple[str, ...]]:
     task, found = survey.task, States()
     for outcome, state in ends.items():
         targets = _targets(task.root.on, outcome)
-        if outcome not in task.root.on:
+        if outcome not in task.root.on and outcome in survey.root.outcomes:
             by_itself = root_target(task, outcome, survey.root.outcomes[outcome])
             targets = targets if by_itself is None else [*targets, by_itself]
         for target in targets:

@@ -62,7 +62,10 @@ class Possible:
             key = f"{child.name}.{label}"
             if key in refined:
                 yield refined[key], True
-            yield (exits[key], True) if key in exits else (child.outcomes[label], False)
+            if key in exits:
+                yield exits[key], True
+            elif label in child.outcomes:  # what an exit leads to needn't be there
+                yield child.outcomes[label], False
 
     def _in_order(self, spot: Spot, goes_on: str) -> frozenset[str]:
         found: set[str] = set()
