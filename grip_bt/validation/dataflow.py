@@ -132,7 +132,7 @@ class DataFlow:
                 yield refined[key], True, state
             if key in exits:
                 yield exits[key], True, state
-            else:
+            elif label in child.outcomes:  # what an exit leads to needn't be there
                 yield child.outcomes[label], False, state
 
     def _in_order(self, spot: Spot, state: int, goes_on: str) -> States:

@@ -137,7 +137,10 @@ def restored(text: str, source: str, limit: int = LIMIT, where: str = "") -> His
         words = str(error).splitlines()[0]
         raise DocumentError(f"the history is damaged ({words}); delete it to begin anew", where) from None
     except DocumentError as error:
-        raise error if where == error.source else DocumentError(f"the history is damaged ({error})", where) from None
+        if where == error.source:
+            raise
+        words = error.message.splitlines()[0]
+        raise DocumentError(f"the history is damaged ({words}); delete it to begin anew", where) from None
     moments = [Kept(Moment(m.number, m.parent, m.title), m.back, m.forth, list(m.children)) for m in kept.moments]
     return History.restored(document, moments, kept.at, limit)
 
