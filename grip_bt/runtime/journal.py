@@ -1,35 +1,36 @@
 """The event log of runs: append-only, in SQLite with a write-ahead log, readable while it is written.
 
-The thread that ticks only appends to a queue; a writer thread commits whatever has gathered, in one transaction. What
+The thread that ticks only extends a list; a writer thread packs what has gathered into a block and commits it. What
 was committed survives the death of the process and of the machine. Whoever shows events waits for `on_commit` first, so
-that nothing is seen that could be lost.
+that nothing is seen that could be lost. The tables are described in `docs/journal.md`.
 """
 
 from __future__ import annotations
 
-import json
+import logging
 import secrets
 import sqlite3
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
-from queue import SimpleQueue
+from queue import Empty, SimpleQueue
 from typing import Any
 
 from grip_bt.errors import GripError
 
-SCHEMA = """
-CREATE TABLE IF NOT EXISTS runs(
-  id TEXT PRIMARY KEY, task_name TEXT, task_path TEXT, task_text TEXT, target TEXT, seed INTEGER,
-  started REAL, ended REAL, status TEXT, outcome TEXT);
-CREATE TABLE IF NOT EXISTS events(
-  run TEXT, seq INTEGER, t REAL, wall REAL, path TEXT, event TEXT, outcome TEXT, code TEXT, data TEXT,
-  PRIMARY KEY(run, seq)) WITHOUT ROWID;
-"""
-_GATHER = 0.01
+from .journal_schema import prepare_to_write
+from .journal_writer import RunWriter
+from .run_log import RunLog
+
+_log = logging.getLogger(__name__)
+
+GATHER = 0.01
 """How long [s] events gather before they are committed together; nobody waits for it who calls `flush`."""
-_INSERT = "INSERT INTO events VALUES(?,?,?,?,?,?,?,?,?)"
+IDLE = 0.04
+"""How long [s] at most between two looks at runs in which nothing happens."""
+LARGEST = 16 * 2**20
+"""Values of more bytes aren't kept unless the journal is told to."""
 _Job = tuple[str, tuple[Any, ...]]
 
 
@@ -40,17 +41,22 @@ class JournalError(GripError):
 class Journal:
     """Writes runs to a file; one process at a time writes a run, several may write the file.
 
+    Attributes:
+        writing: whether the writer is there and well.
+
     Args:
         file: created with its folder when it isn't there.
+        largest_value: what nodes write is kept up to so many bytes each, and beyond that only previewed.
     """
 
-    def __init__(self, file: Path | str):
-        self.file = Path(file)
+    def __init__(self, file: Path | str, *, largest_value: int = LARGEST):
+        self.file, self._largest = Path(file), largest_value
         self.file.parent.mkdir(parents=True, exist_ok=True)
         # Its put() is re-entrant, so that a signal handler may stop a run, which is an event too.
         self._jobs: SimpleQueue[_Job | threading.Event] = SimpleQueue()
-        self._hurry = threading.Event()
-        self._closing = False
+        self._logs: dict[str, RunLog] = {}
+        self._lock = threading.RLock()
+        self._closing, self.writing = False, True
         self._error: BaseException | None = None
         self._listeners: list[Callable[[str, int], None]] = []
         opened: list[BaseException | None] = []
@@ -62,13 +68,35 @@ class Journal:
             raise JournalError(f"{self.file}: can't be opened as a journal: {opened[0]}") from opened[0]
 
     def begin(
-        self, task_name: str, task_path: str = "", task_text: str = "", target: str = "bt", seed: int | None = None
+        self,
+        task_name: str,
+        task_path: str = "",
+        task_text: str = "",
+        target: str = "bt",
+        seed: int | None = None,
     ) -> RunLog:
-        """Enter a new run and return its log."""
+        """Enter a new run and return its log.
+
+        Args:
+            task_name: name of the task.
+            task_path: the file that it came from.
+            task_text: the document as it is run.
+            target: `bt` or `sm`.
+            seed: of the simulation, if any.
+        """
         run = time.strftime("%Y%m%d-%H%M%S-") + secrets.token_hex(3)
         row = (run, task_name, task_path, task_text, target, seed, time.time(), None, "running", None)
-        self._put(("INSERT INTO runs VALUES(?,?,?,?,?,?,?,?,?,?)", row))
+        self.execute("INSERT INTO runs VALUES(?,?,?,?,?,?,?,?,?,?)", row)
         return RunLog(self, run)
+
+    def follow(self, log: RunLog) -> None:
+        """Have the writer empty this log; called by it."""
+        with self._lock:
+            self._logs = {**self._logs, log.id: log}
+
+    def execute(self, statement: str, values: tuple[Any, ...]) -> None:
+        """Have a statement executed with the events appended so far, in one transaction."""
+        self._jobs.put((statement, values))
 
     def on_commit(self, listener: Callable[[str, int], None]) -> None:
         """Call `listener(run, seq)`, in the writer's thread, once the events of a run up to `seq` can't be lost."""
@@ -81,19 +109,19 @@ class Journal:
             JournalError: it couldn't be written.
         """
         mark = threading.Event()
-        self._hurry.set()
-        self._put(mark)
-        while not mark.wait(0.2) and self._thread.is_alive():
+        self._jobs.put(mark)
+        while not mark.wait(0.2) and self.writing:
             pass
-        if self._error is not None:
-            raise JournalError(f"{self.file}: couldn't be written: {self._error}") from self._error
+        self._complain()
 
     def close(self) -> None:
         """Commit the rest and end the writer; harmless when it was closed before."""
         self._closing = True
-        self._hurry.set()
         self._jobs.put(threading.Event())
         self._thread.join()
+        self._complain()
+
+    def _complain(self) -> None:
         if self._error is not None:
             raise JournalError(f"{self.file}: couldn't be written: {self._error}") from self._error
 
@@ -103,93 +131,94 @@ class Journal:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _put(self, job: _Job | threading.Event) -> None:
-        self._jobs.put(job)  # the order in this queue is the order of the log
-
     # --- the writer's thread ---
 
     def _write(self, opened: list[BaseException | None], started: threading.Event) -> None:
         try:
             database = sqlite3.connect(self.file, timeout=30, isolation_level=None)
-            database.execute("PRAGMA journal_mode=WAL")
-            database.execute("PRAGMA synchronous=FULL")  # a power cut loses nothing that was acknowledged
-            database.executescript(SCHEMA)
+            prepare_to_write(database)
         except sqlite3.Error as error:
             opened.append(error)
-            started.set()
             return
-        started.set()
-        last: dict[str, int] = {}
-        try:
-            while not (self._closing and self._jobs.empty()):
-                first = self._jobs.get()
-                self._hurry.wait(_GATHER)
-                self._hurry.clear()
-                self._commit(database, [first, *self._gathered()], last)
-        except sqlite3.Error as error:
-            self._error = error
         finally:
+            started.set()
+        try:
+            self._serve(database)
+        except Exception as error:  # noqa: BLE001 - whoever flushes or closes is told
+            self._error = error
+            _log.error("%s: couldn't be written, the run goes on without: %s", self.file, error)
+        finally:
+            self.writing = False
             database.close()
+        if self._error is not None:
+            self._discard()
 
-    def _gathered(self) -> Iterator[_Job | threading.Event]:
+    def _serve(self, database: sqlite3.Connection) -> None:
+        writers: dict[str, RunWriter] = {}
+        wait = GATHER
+        while True:
+            closing = self._closing
+            jobs = self._gather(wait)
+            logs = self._logs
+            busy = bool(jobs) or any(log.buffer for log in logs.values())
+            if busy:
+                self._commit(database, jobs, logs, writers)
+                self._part_with(writers)
+            elif closing:
+                return
+            wait = GATHER if busy else min(IDLE, wait * 1.2)
+
+    def _part_with(self, writers: dict[str, RunWriter]) -> None:
+        """Follow logs no longer that have ended."""
+        with self._lock:
+            over = {run for run, log in self._logs.items() if log.ended and not log.buffer}
+            if over:
+                self._logs = {run: log for run, log in self._logs.items() if run not in over}
+        for run in over:
+            writers.pop(run, None)
+
+    def _gather(self, wait: float) -> list[_Job | threading.Event]:
+        """Return the jobs there are; where none comes, after `wait` [s] at most. Without a run, wait for one."""
+        timeout = 0.0 if self._closing else wait if self._logs else None
+        try:
+            jobs = [self._jobs.get(timeout=timeout)]
+        except Empty:
+            return []
         for _ in range(self._jobs.qsize()):
-            yield self._jobs.get()
+            jobs.append(self._jobs.get())
+        return jobs
 
-    def _commit(self, database: sqlite3.Connection, jobs: list[_Job | threading.Event], last: dict[str, int]) -> None:
-        marks: list[threading.Event] = []
-        grown: dict[str, int] = {}
+    def _commit(
+        self,
+        database: sqlite3.Connection,
+        jobs: list[_Job | threading.Event],
+        logs: dict[str, RunLog],
+        writers: dict[str, RunWriter],
+    ) -> None:
         database.execute("BEGIN IMMEDIATE")
         for job in jobs:
-            if isinstance(job, threading.Event):
-                marks.append(job)
-                continue
-            statement, values = job
-            if statement is _INSERT:
-                run, data = values[0], values[-1]
-                grown[run] = last[run] = last.get(run, 0) + 1
-                text = json.dumps(data, default=str) if data else None
-                values = (run, last[run], *values[1:-1], text)
-            database.execute(statement, values)
+            if not isinstance(job, threading.Event):
+                database.execute(*job)
+        grown: dict[str, int] = {}
+        for run, log in logs.items():
+            if log.buffer:
+                if run not in writers:
+                    writers[run] = RunWriter(database, log, self._largest)
+                if writers[run].write():
+                    grown[run] = writers[run].last
         database.execute("COMMIT")
         for run, seq in grown.items():
             for listener in list(self._listeners):
                 listener(run, seq)
-        for mark in marks:
-            mark.set()
+        for job in jobs:
+            if isinstance(job, threading.Event):
+                job.set()
 
-
-class RunLog:
-    """The log of one run.
-
-    Attributes:
-        id: the run's id.
-    """
-
-    def __init__(self, journal: Journal, run: str):
-        self.journal, self.id = journal, run
-
-    def append(
-        self,
-        t: float,
-        path: str,
-        event: str,
-        outcome: str | None = None,
-        code: str | None = None,
-        data: dict[str, Any] | None = None,
-    ) -> None:
-        """Add an event; returns before it is committed.
-
-        Args:
-            t: time on the run's clock [s].
-            path: the node; `/` for the root and for the run itself.
-            event: its kind.
-            outcome: of an end.
-            code: of a failure.
-            data: anything else, as JSON.
-        """
-        self.journal._put((_INSERT, (self.id, t, time.time(), path, event, outcome, code, data)))
-
-    def end(self, status: str, outcome: str | None) -> None:
-        """Enter how the run has ended."""
-        statement = "UPDATE runs SET ended=?, status=?, outcome=? WHERE id=?"
-        self.journal._put((statement, (time.time(), status, outcome, self.id)))
+    def _discard(self) -> None:
+        """The journal can't be written: keep what waits from growing until it is closed."""
+        while not self._closing:
+            for log in self._logs.values():
+                del log.buffer[: len(log.buffer) // log.stride * log.stride]
+            for job in self._gather(IDLE):
+                if isinstance(job, threading.Event):
+                    job.set()

@@ -2,30 +2,38 @@
 
 from __future__ import annotations
 
-import reprlib
+import time
+from collections.abc import Callable
 from typing import Any
 
 from grip_bt.errors import NodeError
 from grip_bt.ports import Clock
 from grip_bt.values import Failure
 
-from .journal import RunLog
+from .journal_writer import preview
+from .run_log import ENTER, INTERRUPTED, LIMIT, Noted, RunLog
+from .value_codec import snapshot
 
-_repr = reprlib.Repr()
-_repr.maxstring, _repr.maxother, _repr.maxlist, _repr.maxtuple = 60, 100, 3, 4
-
-
-def preview(value: Any) -> str:
-    """Return a value in at most 120 characters, for people; big values are cut before they are formatted."""
-    text = _repr.repr(value)
-    return text if len(text) <= 120 else text[:117] + "..."
+__all__ = ["Recorder", "preview"]
 
 
 class Recorder:
-    """The observer that writes a journal. Called in the threads that tick; it never blocks."""
+    """The observer that writes a journal. Called in the threads that tick; blocks only where the writer is far behind.
+
+    Attributes:
+        entered: `entered(path)`: an activation begins.
+        ended: `ended(path, outcome, failure)`: an activation ended.
+        interrupted: `interrupted(path)`: an activation was halted.
+    """
 
     def __init__(self, log: RunLog, clock: Clock):
-        self._append, self._now, self._log = log.append, clock.now, log
+        self._append, self._note, self._now, self._log = log.append, log.note, clock.now, log
+        self.entered: Callable[[str], None]
+        self.ended: Callable[[str, str, Failure | None], None]
+        self.interrupted: Callable[[str], None]
+        log.follow(clock)
+        make = _transitions if log.turns is None else _transitions_by_the_wall
+        self.entered, self.ended, self.interrupted = make(log, clock.now, self._failed)
 
     # --- the run ---
 
@@ -37,11 +45,15 @@ class Recorder:
         """It runs, pauses or is being stopped."""
         self._append(self._now(), "/", "state", data={"state": state})
 
-    def error(self, error: Exception, trace: str) -> None:
+    def error(self, error: BaseException, trace: str) -> None:
         """A node raised."""
         path, cause = (error.path, error.cause) if isinstance(error, NodeError) else ("/", error)
         data = {"type": type(cause).__name__, "message": str(cause), "traceback": trace}
         self._append(self._now(), path, "error", data=data)
+
+    def zombie(self, path: str, where: str) -> None:
+        """A node's code hasn't returned and was left behind."""
+        self._append(self._now(), path, "zombie", data={"where": where})
 
     def finished(self, outcome: str | None, status: str) -> None:
         """The run has ended."""
@@ -50,26 +62,59 @@ class Recorder:
 
     # --- its nodes ---
 
-    def entered(self, path: str) -> None:
-        """An activation begins."""
-        self._append(self._now(), path, "enter")
-
-    def ended(self, path: str, outcome: str, failure: Failure | None) -> None:
-        """An activation ended."""
-        if failure is None:
-            self._append(self._now(), path, "exit", outcome)
-        else:
-            self._append(self._now(), path, "exit", outcome, failure.code, {"message": failure.message})
-
-    def interrupted(self, path: str) -> None:
-        """An activation was halted."""
-        self._append(self._now(), path, "interrupted")
-
     def message(self, path: str, text: str) -> None:
         """A running node says how it goes."""
         self._append(self._now(), path, "message", data={"text": text})
 
     def wrote(self, path: str, variable: str, type_name: str, value: Any) -> None:
-        """A node wrote a variable."""
-        data = {"variable": variable, "type": type_name, "preview": preview(value)}
-        self._append(self._now(), path, "write", data=data)
+        """A node wrote a variable; its value is kept as it is now."""
+        data = {"variable": variable, "type": type_name}
+        self._note(self._now(), path, Noted("write", data=data, written=(snapshot(value),)))
+
+    def _failed(self, path: str, outcome: str, failure: Failure) -> None:
+        data: dict[str, Any] = {"message": failure.message}
+        if failure.data:
+            data["data"] = dict(failure.data)
+        self._append(self._now(), path, "exit", outcome, failure.code, data)
+
+
+def _transitions(log: RunLog, now: Callable[[], float], failed: Callable[[str, str, Failure], None]) -> Any:
+    """Return `entered`, `ended` and `interrupted`: functions without attributes to look up, of one C call each."""
+    buffer, extend, monotonic, limit = log.buffer, log.buffer.extend, time.monotonic, log.stride * LIMIT
+
+    def entered(path: str) -> None:
+        extend((path, ENTER, monotonic(), now()))
+
+    def ended(path: str, outcome: str, failure: Failure | None) -> None:
+        if failure is None:
+            extend((path, outcome, monotonic(), now()))
+        else:
+            failed(path, outcome, failure)
+        if len(buffer) > limit:
+            log.wait_for_room()
+
+    def interrupted(path: str) -> None:
+        extend((path, INTERRUPTED, monotonic(), now()))
+
+    return entered, ended, interrupted
+
+
+def _transitions_by_the_wall(log: RunLog, _: Callable[[], float], failed: Callable[[str, str, Failure], None]) -> Any:
+    """Likewise where the run's clock is the wall's."""
+    buffer, extend, monotonic, limit = log.buffer, log.buffer.extend, time.monotonic, log.stride * LIMIT
+
+    def entered(path: str) -> None:
+        extend((path, ENTER, monotonic()))
+
+    def ended(path: str, outcome: str, failure: Failure | None) -> None:
+        if failure is None:
+            extend((path, outcome, monotonic()))
+        else:
+            failed(path, outcome, failure)
+        if len(buffer) > limit:
+            log.wait_for_room()
+
+    def interrupted(path: str) -> None:
+        extend((path, INTERRUPTED, monotonic()))
+
+    return entered, ended, interrupted

@@ -72,8 +72,8 @@ class JournalRuns:
     def events(self, run: str, from_seq: int, limit: int) -> list[RunEvent]:
         """Return at most `limit` events from `from_seq` on, in order."""
         reader = self._reader()
-        found = [] if reader is None else reader.events(run, from_seq - 1)
-        return [_wire_event(event) for event in found[:limit]]
+        found = [] if reader is None else reader.events(run, from_seq - 1, limit)
+        return [_wire_event(event) for event in found]
 
     def end_run(self, run: str, status: Literal["stopped", "error"]) -> None:
         """Enter that a run has ended whose process could not do so itself."""

@@ -131,7 +131,7 @@ def test_a_journal_that_cannot_be_written_says_so(file: Path) -> None:
     log = journal.begin("pick")
     journal.flush()
     with sqlite3.connect(file) as database:
-        database.execute("DROP TABLE events")
+        database.execute("DROP TABLE blocks")
     database.close()
     log.append(0, "/", "enter")
     with pytest.raises(JournalError, match="couldn't be written"):
@@ -162,7 +162,7 @@ def test_a_run_writes_every_activation_and_every_write(target: Any, file: Path) 
         ("/", "exit", "success"),
         ("/", "run_ended", "success"),
     ]
-    assert write.data == {"variable": "list", "type": "list[int]", "preview": "[1, 2, 3]"}
+    assert write.data == {"variable": "list", "type": "list[int]", "preview": "[1, 2, 3]", "value": [1, 2, 3]}
 
 
 @pytest.mark.parametrize("target", TARGETS)

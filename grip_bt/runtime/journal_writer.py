@@ -1,0 +1,142 @@
+"""From the logs of runs to rows: what the journal's thread does with a database."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import reprlib
+import sqlite3
+import time
+import zlib
+from itertools import repeat
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .blocks import pack_numbers, pack_times
+from .run_log import ENTER, INTERRUPTED, Noted, RunLog
+from .value_codec import encode
+
+BLOCK = 65536
+"""Most events in one block."""
+INLINE = 512
+"""Values of at most so many bytes stand in the event itself."""
+
+_Key = tuple[str, str, str | None, str | None]
+_repr = reprlib.Repr()
+_repr.maxstring, _repr.maxother, _repr.maxlist, _repr.maxtuple = 60, 100, 3, 4
+
+
+def preview(value: Any) -> str:
+    """Return a value in at most 120 characters, for people; big values are cut before they are formatted."""
+    text = _repr.repr(value)
+    return text if len(text) <= 120 else text[:117] + "..."
+
+
+class RunWriter:
+    """Writes the blocks of one run; goes on where another process has stopped.
+
+    Args:
+        database: in a transaction whenever `write` is called.
+        log: what to write.
+        largest: values of more bytes aren't kept.
+    """
+
+    def __init__(self, database: sqlite3.Connection, log: RunLog, largest: int):
+        self._database, self._log, self._largest = database, log, largest
+        self._ids: dict[tuple[str, Any], int] = {}
+        self._keys: dict[_Key, int] = {}
+        self.last = 0
+        rows = database.execute("SELECT id, path, event, outcome, code FROM names WHERE run=?", (log.id,))
+        for number, *key in rows.fetchall():
+            self._keys[tuple(key)] = number
+        (last,) = database.execute("SELECT max(last) FROM blocks WHERE run=?", (log.id,)).fetchone()
+        self.last = last or 0
+
+    def write(self) -> int:
+        """Take what has gathered and write it; return how many events that were."""
+        log = self._log
+        stride, buffer = log.stride, log.buffer
+        total = len(buffer) // stride
+        for _ in range(0, total, BLOCK):
+            taken = buffer[: stride * BLOCK]
+            del buffer[: len(taken)]
+            self._write_block(taken, stride)
+        return total
+
+    def _write_block(self, taken: list[Any], stride: int) -> None:
+        paths, whats = taken[0::stride], taken[1::stride]
+        monotonic = np.array(taken[2::stride], float)
+        count = len(paths)
+        names = np.fromiter(map(self._ids.get, zip(paths, whats, strict=True), repeat(-1)), np.int64, count)
+        data: dict[int, Any] = {}
+        writes = 0
+        for i in np.flatnonzero(names < 0).tolist():
+            names[i] = self._name(paths[i], whats[i])
+            if isinstance(whats[i], Noted) and (more := self._data(whats[i])):
+                data[i] = more
+                writes += whats[i].written is not None
+        since_epoch = time.time() - time.monotonic()
+        wall, offset = None, None
+        if self._log.turns is None:
+            t = np.array(taken[3::stride], float)
+        else:
+            t = _on_clock(self._log.turns, monotonic)
+            offset = float(monotonic[0] - t[0]) + since_epoch
+            if monotonic[-1] - t[-1] != monotonic[0] - t[0] and len(self._log.turns) > 1:
+                offset = None  # the clock stood still meanwhile
+        if offset is None:
+            wall = pack_times(monotonic + since_epoch)
+        text = json.dumps(data, default=str) if data else None
+        row = (self._log.id, self.last + 1, self.last + count, pack_numbers(names), pack_times(t), wall, offset)
+        self._database.execute("INSERT INTO blocks VALUES(?,?,?,?,?,?,?,?,?)", (*row, text, writes))
+        self.last += count
+
+    def _name(self, path: str, what: Any) -> int:
+        """Return the number of a kind of event at a node; the first time it is entered in the table of names."""
+        if isinstance(what, Noted):
+            key: _Key = (path, what.event, what.outcome, what.code)
+        elif what == ENTER and type(what) is int:
+            key = (path, "enter", None, None)
+        elif what == INTERRUPTED and type(what) is int:
+            key = (path, "interrupted", None, None)
+        else:
+            key = (path, "exit", what, None)
+        number = self._keys.get(key)
+        if number is None:
+            number = self._keys[key] = len(self._keys)
+            self._database.execute("INSERT INTO names VALUES(?,?,?,?,?,?)", (self._log.id, number, *key))
+        if not isinstance(what, Noted):
+            self._ids[path, what] = number
+        return number
+
+    def _data(self, noted: Noted) -> dict[str, Any] | None:
+        if noted.written is None:
+            return noted.data
+        (value,) = noted.written
+        content = encode(value)
+        more: dict[str, Any] = {**(noted.data or {}), "preview": preview(value)}
+        if len(content) <= INLINE and content.index(b"\n") == len(content) - 1:
+            return {**more, "value": json.loads(content)}
+        return {**more, **self._keep(content, noted)}
+
+    def _keep(self, content: bytes, noted: Noted) -> dict[str, Any]:
+        """Keep a big value under the hash of its content, once."""
+        if len(content) > self._largest:
+            return {"size": len(content), "dropped": f"larger than {self._largest} bytes"}
+        digest = hashlib.blake2b(content, digest_size=16).hexdigest()
+        known = self._database.execute("SELECT 1 FROM big_values WHERE hash=?", (digest,)).fetchone()
+        if known is None:
+            type_name = (noted.data or {}).get("type")
+            row = (digest, type_name, len(content), zlib.compress(content, 1))
+            self._database.execute("INSERT INTO big_values VALUES(?,?,?,?)", row)
+        return {"hash": digest, "size": len(content)}
+
+
+def _on_clock(turns: list[tuple[float, float, int]], moments: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the times [s] of a `WallClock` at moments [s, monotonic]."""
+    starts, times, going = (np.array(column, float) for column in zip(*turns, strict=True))
+    turn = np.maximum(np.searchsorted(starts, moments, "right") - 1, 0)
+    found: NDArray[np.float64] = times[turn] + going[turn] * (moments - starts[turn])
+    return found
