@@ -1,4 +1,4 @@
-"""`grip runs`: what was run in a project, newest last."""
+"""`grip runs`: what was run in a project, newest last; one run as a file for other tools, or what it has written."""
 
 from __future__ import annotations
 
@@ -7,31 +7,89 @@ import json
 import time
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+from grip_bt.errors import UnknownNameError
+
+if TYPE_CHECKING:
+    from grip_bt.runtime import JournalReader
 
 
 def add_parser(subparsers: Any) -> None:
     """Add the verb."""
-    parser = subparsers.add_parser("runs", help="list the runs of a project")
-    parser.add_argument("path", nargs="?", type=Path, default=Path(), help="the project or a file in it")
+    parser = subparsers.add_parser("runs", help="list the runs of a project, or export one of them")
+    parser.add_argument("what", nargs="?", default=".", help="the project or a file in it; or a run's id, or `last`")
     parser.add_argument("--journal", type=Path, metavar="FILE", help="another journal")
-    parser.add_argument("--json", action="store_true", help="print one JSON list")
-    parser.set_defaults(run=run)
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.add_argument("--to", choices=("jsonl", "csv", "mcap"), help="export the run; mcap opens in Foxglove")
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="where to, with --to")
+    parser.add_argument("--data", action="store_true", help="the last value of each variable that the run wrote")
+    parser.set_defaults(run=run, parser=parser)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print a line per run."""
+    """Print a line per run, or do what is asked with one run."""
     from grip_bt.app import find_project
     from grip_bt.runtime import JournalReader
 
-    journal = args.journal or find_project(args.path).folder / ".grip" / "runs.sqlite"
+    if (args.to is None) != (args.output is None):
+        args.parser.error("--to and -o go together: grip runs RUN --to mcap -o FILE")
+    place = Path(args.what)
+    one = args.to is not None or args.data or not place.exists()
+    journal = (
+        args.journal or find_project(Path() if one and not place.exists() else place).folder / ".grip" / "runs.sqlite"
+    )
     if not journal.is_file():
+        if one:
+            raise UnknownNameError("run", args.what, [], f"{journal}: there are no runs yet")
         print("[]" if args.json else f"no runs yet in {journal}")
         return 0
     with JournalReader(journal) as reader:
-        runs = sorted(reader.runs(), key=lambda record: record.started)
-    if args.json:
-        print(json.dumps([asdict(r) for r in runs]))
+        if not one:
+            return _list(reader, args.json)
+        name = "last" if place.exists() else args.what
+        found = _find(reader, name)
+        if args.to is not None:
+            return _export(reader, found, args.output, args.to)
+        return _data(reader, found, args.json) if args.data else _list(reader, args.json, found)
+
+
+def _find(reader: JournalReader, name: str) -> str:
+    """Return the id that is meant: an id, its beginning, or `last`."""
+    ids = [record.id for record in reader.runs()]
+    if name == "last" and ids:
+        return ids[0]
+    fitting = [id for id in ids if id.startswith(name)]
+    if name in ids or len(fitting) == 1:
+        return name if name in ids else fitting[0]
+    raise UnknownNameError("run", name, (fitting or ids)[:20], str(reader.file))
+
+
+def _export(reader: JournalReader, run: str, file: Path, to: str) -> int:
+    from grip_bt.app.export_run import export_run
+
+    count = export_run(reader, run, file, to)
+    print(f"{file}: {count} events of run {run}")
+    return 0
+
+
+def _data(reader: JournalReader, run: str, as_json: bool) -> int:
+    written = reader.variables(run)
+    if as_json:
+        print(json.dumps({name: asdict(event) for name, event in written.items()}))
+        return 0
+    for name, event in written.items():
+        print(
+            f"{name:<20} {event.data.get('type', ''):<16} {event.data['preview']}  (by {event.path}, {event.t:.3f} s)"
+        )
+    return 0
+
+
+def _list(reader: JournalReader, as_json: bool, only: str | None = None) -> int:
+    runs = sorted(reader.runs(), key=lambda record: record.started)
+    runs = [record for record in runs if only in (None, record.id)]
+    if as_json:
+        print(json.dumps([asdict(record) for record in runs]))
         return 0
     for record in runs:
         began = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(record.started))
