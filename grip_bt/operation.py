@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 from .errors import CanceledError
 
@@ -36,6 +36,7 @@ class Operation(Generic[T]):
         self._error: BaseException | None = None
         self._callbacks: list[Callable[[], None]] = []
         self._cancel_asked = False
+        self._progress: Callable[[], Any] = lambda: None
         self.busy = False
 
     @classmethod
@@ -95,6 +96,11 @@ class Operation(Generic[T]):
         """Whether `cancel` was called."""
         return self._cancel_asked
 
+    @property
+    def progress(self) -> Any:
+        """What the work last said of how far it is; None when it said nothing."""
+        return self._progress()
+
     def add_done_callback(self, callback: Callable[[], None]) -> None:
         """Call `callback()` when it ends, from the thread that ended it; at once if it has ended."""
         with self._lock:
@@ -104,6 +110,10 @@ class Operation(Generic[T]):
         callback()
 
     # --- for whoever does the work ---
+
+    def report(self, progress: Any) -> None:
+        """Say how far it is, for who looks at `progress`; nobody is woken."""
+        self._progress = lambda: progress
 
     def succeed(self, result: T) -> bool:
         """End it with a result; False when it had ended already."""
@@ -134,10 +144,12 @@ class Operation(Generic[T]):
         """Return an operation that goes on with `step(result)` when this one succeeds.
 
         `step` runs in the thread that ended this one and must not block. An error of either part, or one raised by
-        `step`, ends the whole; cancelling the whole cancels the part that is under way.
+        `step`, ends the whole; cancelling the whole cancels the part that is under way. The whole's progress is that
+        of this one.
         """
         part: list[Operation[U]] = []
         whole: Operation[U] = Operation(on_cancel=lambda: (part[0] if part else self).cancel())
+        whole._progress = lambda: self.progress
 
         def first_ended() -> None:
             if self._error is not None:

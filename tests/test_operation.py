@@ -115,3 +115,13 @@ def test_whoever_waits_in_another_thread_is_released():
     assert operation.wait(10)
     assert operation.result() == 5
     thread.join()
+
+
+def test_work_says_how_far_it_is_also_through_what_follows_it():
+    first: Operation[int] = Operation()
+    whole = first.then(lambda result: Operation.finished(result + 1))
+    assert whole.progress is None
+    first.report(0.5)
+    assert (first.progress, whole.progress) == (0.5, 0.5)
+    first.succeed(1)
+    assert (whole.result(), whole.progress) == (2, 0.5)

@@ -5,71 +5,78 @@ The user writes it beside the software; `grip component add` makes a node packag
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints, field_validator, model_validator
+from pydantic import Field, StringConstraints, field_validator, model_validator
 
+from grip_bt.errors import ExpressionError
+from grip_bt.graph.expression import parse_expression
 from grip_bt.graph.frozen import FrozenDict
 from grip_bt.graph.model import Meaning
 from grip_bt.graph.settings_file import read_model
 
+from .component_parts import Part, PortType, Start, Timeouts
+from .interface_spec import Kind
+
 FILE_NAME = "component.yaml"
+FEEDBACK = "feedback"
+"""The output that holds the last feedback of an action."""
 
 Identifier = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*$")]
 Label = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]
-InterfaceName = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*/srv/[A-Z][A-Za-z0-9]*$")]
+InterfaceName = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*/(srv|action|msg)/[A-Z][A-Za-z0-9]*$")]
 ServerName = Annotated[str, StringConstraints(pattern=r"^(/[A-Za-z_][A-Za-z0-9_]*)+$")]
 FieldName = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*$")]
 
-
-class _Part(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
+__all__ = ["FILE_NAME", "ComponentFile", "PortType", "Start", "Timeouts", "load_component"]
 
 
-class PortType(_Part):
-    """A field of the interface as a port of the node."""
-
-    type: str = Field(min_length=1)
-    """Name of a value (`PointCloud`, `list[Grasp]`), a builtin, or a ROS type, which leaves the message as it is."""
-    doc: str = ""
-
-
-class Start(_Part):
-    """How to start the software. Without this part it is expected to be running already."""
-
-    command: tuple[str, ...] = Field(min_length=1)
-    """Program and arguments, run in the component's folder; `{python}` is the Python that runs GRIP."""
-    env: FrozenDict[str, str] = FrozenDict()
-    """More environment variables."""
-
-
-class Timeouts(_Part):
-    """How long to wait [s]."""
-
-    call: float = Field(default=30.0, gt=0)
-    """For the answer of one call."""
-    ready: float = Field(default=15.0, gt=0)
-    """For the server to appear, after its start or before a call."""
-
-
-class ComponentFile(_Part):
+class ComponentFile(Part):
     """One external component."""
 
     name: Identifier
     doc: str = ""
     interface: InterfaceName
-    """Type of the service or action, such as `antipodal_interfaces/srv/ProposeGrasps`."""
+    """Type of the service, action or message, such as `antipodal_interfaces/srv/ProposeGrasps`."""
     server: ServerName
-    """Name under which it is served, such as `/propose_grasps`."""
+    """Name under which it is served, such as `/propose_grasps`; of a message, the topic."""
+    use: Literal["receive", "publish"] = "receive"
+    """Of a topic: whether the node waits for the next message or publishes one."""
     outcomes: tuple[Label, ...] = Field(min_length=1)
-    """Names of the outcome numbers 0, 1, 2 ...; or how many there are, which then are named `outcome_0` and so on."""
+    """Names of the outcome numbers 0, 1, 2 ...; or how many there are, which then are named `outcome_0` and so on; or
+    label -> rule, for an interface that doesn't keep the contract."""
+    rules: FrozenDict[Label, str] = FrozenDict()
+    """Filled from `outcomes` where they are given by rule: label -> expression over the outputs; the first that holds
+    is the outcome."""
     meaning: FrozenDict[Label, Meaning] = FrozenDict()
     """What an outcome means; `success` where nothing is said."""
     ports: FrozenDict[FieldName, PortType] = FrozenDict()
     """Types of the fields as values; a field that isn't named here keeps its message type."""
+    fixed: FrozenDict[FieldName, Any] = FrozenDict()
+    """Fields of the request that are always sent with one value, and are no ports."""
     start: Start | None = None
     timeouts: Timeouts = Timeouts()
+
+    @property
+    def kind(self) -> Kind:
+        """What it is: a service (`srv`), an `action` or a topic (`msg`)."""
+        kind: Any = self.interface.split("/")[1]
+        return kind  # type: ignore[no-any-return]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _outcomes_by_rule(cls, data: Any) -> Any:
+        if not isinstance(data, dict):
+            return data
+        given = data.get("outcomes")
+        if given is None and "/msg/" in str(data.get("interface")):
+            given = {"published" if data.get("use") == "publish" else "received": "true"}
+        if isinstance(given, dict):
+            rules = {label: "true" if rule is True else rule for label, rule in given.items()}
+            return {**data, "outcomes": tuple(given), "rules": rules}
+        return data
 
     @field_validator("outcomes", mode="before")
     @classmethod
@@ -85,6 +92,16 @@ class ComponentFile(_Part):
             return {k: {"type": v} if isinstance(v, str) else v for k, v in value.items()}
         return value
 
+    @field_validator("rules")
+    @classmethod
+    def _rules_are_expressions(cls, value: FrozenDict[str, str]) -> FrozenDict[str, str]:
+        for label, rule in value.items():
+            try:
+                parse_expression(rule)
+            except ExpressionError as error:
+                raise ValueError(f"the rule of the outcome {label!r}: {error}") from None
+        return value
+
     @model_validator(mode="after")
     def _outcomes_are_consistent(self) -> ComponentFile:
         if twice := sorted({label for label in self.outcomes if self.outcomes.count(label) > 1}):
@@ -92,6 +109,11 @@ class ComponentFile(_Part):
         if unknown := sorted(set(self.meaning) - set(self.outcomes)):
             there_are = ", ".join(self.outcomes)
             raise ValueError(f"meaning of undeclared outcomes: {', '.join(unknown)} (there are: {there_are})")
+        if self.kind == "msg" and not self.rules:
+            raise ValueError(
+                "the interface is a message, which numbers no outcome: give outcomes by rule, such as "
+                '`outcomes: {found: "count > 0", none: "true"}`'
+            )
         return self
 
     def meanings(self) -> dict[str, Meaning]:
@@ -101,6 +123,24 @@ class ComponentFile(_Part):
     def port_type(self, field: str, otherwise: str) -> str:
         """Return the declared type of a field's port, or `otherwise`."""
         return self.ports[field].type if field in self.ports else otherwise
+
+    def port_fields(self, fields: Iterable[str]) -> dict[str, str]:
+        """Return the ports that one side of the interface has, and where each is in its message.
+
+        Args:
+            fields: names of the fields of the request or of the response.
+
+        Returns:
+            port -> dotted path; a field that ports take parts of, or that is fixed, is no port itself.
+        """
+        found: dict[str, str] = {}
+        for field in fields:
+            inside = {p: t.field for p, t in self.ports.items() if t.field and t.field.split(".")[0] == field}
+            if inside:
+                found |= inside
+            elif field not in self.fixed and not (field in self.ports and self.ports[field].field):
+                found[field] = field
+        return found
 
 
 def load_component(path: str | Path) -> ComponentFile:

@@ -1,13 +1,18 @@
-"""The component contract, checked field by field: request with `input`, response with `outcome`, `returned_object`."""
+"""The component contract, checked field by field: request with `input`, response with `outcome`, `returned_object`.
+
+An interface that somebody else defined needs no such fields when the component file gives its outcomes by rule; its
+rules, ports and fixed fields are checked instead. Of an action, request and response are its goal and its result.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from grip_bt.catalog.component_file import ComponentFile
+from grip_bt.catalog.component_file import FEEDBACK, ComponentFile
 from grip_bt.catalog.interface_spec import FieldSpec, InterfaceSpec
 from grip_bt.catalog.types import parse_type
 from grip_bt.errors import ContractError, listing, nearest
+from grip_bt.graph.expression import parse_expression
 
 INPUT, OUTCOME, RETURNED = "input", "outcome", "returned_object"
 
@@ -26,24 +31,74 @@ def check_contract(component: ComponentFile, interface: InterfaceSpec) -> None:
 def _problems(component: ComponentFile, interface: InterfaceSpec) -> Iterator[str]:
     if component.interface != interface.type_name:
         yield f"interface: the component file says {component.interface}, this is {interface.type_name}"
+    if component.rules:
+        yield from _rule_problems(component, interface)
+    else:
+        yield from _contract_problems(interface)
+    yield from _port_problems(component, interface)
+    if component.meanings().get("failure") == "success":
+        yield "meaning: the outcome 'failure' can't mean success; calls that fail end with it"
+
+
+def _contract_problems(interface: InterfaceSpec) -> Iterator[str]:
     sides = {"request": interface.request, "response": interface.response}
+    words = {"request": "goal", "response": "result"} if interface.kind == "action" else {}
+    missing = False
     for side, name in (("request", INPUT), ("response", OUTCOME), ("response", RETURNED)):
         if _named(sides[side], name) is None:
-            yield _missing(side, name, sides[side])
+            missing = True
+            yield _missing(words.get(side, side), name, sides[side])
     outcome = _named(interface.response, OUTCOME)
     if outcome is not None and not outcome.is_integer:
-        yield f"response: the field {OUTCOME!r} is {outcome.spelling}; it must be one integer, such as int32"
-    known = {f.name for fields in sides.values() for f in fields} - {OUTCOME}
+        side = words.get("response", "response")
+        yield f"{side}: the field {OUTCOME!r} is {outcome.spelling}; it must be one integer, such as int32"
+    if missing and interface.response:
+        field = interface.response[0].name
+        yield f"(for an interface as it is, give outcomes by rule: `outcomes: {{found: '{field} ...'}}`)"
+
+
+def _rule_problems(component: ComponentFile, interface: InterfaceSpec) -> Iterator[str]:
+    ports = set(output_ports(component, interface))
+    for label, rule in component.rules.items():
+        for name in parse_expression(rule).names:
+            if name not in ports:
+                there_are = listing(sorted(ports))
+                yield f"outcomes: the rule of {label!r} reads {name!r}{nearest(name, ports)} (outputs: {there_are})"
+
+
+def _port_problems(component: ComponentFile, interface: InterfaceSpec) -> Iterator[str]:
+    known = {f.name for f in (*interface.request, *interface.response)}
+    known |= {FEEDBACK} if interface.kind == "action" else set()
+    known -= set() if component.rules else {OUTCOME}
     for name, port in component.ports.items():
-        if name not in known:
+        field = port.field.split(".")[0] if port.field else name
+        if field not in known:
             fields = listing(sorted(known))
-            yield f"ports: {name!r} is no field of the interface{nearest(name, known)} (there are: {fields})"
+            yield f"ports: {field!r} is no field of the interface{nearest(field, known)} (there are: {fields})"
         try:
             parse_type(port.type)
         except ValueError as error:
             yield f"ports: {name}: {error}"
-    if component.meanings().get("failure") == "success":
-        yield "meaning: the outcome 'failure' can't mean success; calls that fail end with it"
+    requests = {f.name for f in interface.request}
+    for name in component.fixed:
+        if name not in requests:
+            there_are = listing(sorted(requests))
+            yield f"fixed: {name!r} is no field of the request{nearest(name, requests)} (there are: {there_are})"
+
+
+def output_ports(component: ComponentFile, interface: InterfaceSpec) -> dict[str, str]:
+    """Return the output ports, and where each is in the response; a contract's `outcome` is none."""
+    received = interface.request if component.kind == "msg" else interface.response
+    if component.kind == "msg" and component.use == "publish":
+        return {}
+    return component.port_fields(f.name for f in received if component.rules or f.name != OUTCOME)
+
+
+def input_ports(component: ComponentFile, interface: InterfaceSpec) -> dict[str, str]:
+    """Return the input ports, and where each is in the request."""
+    if component.kind == "msg" and component.use == "receive":
+        return {}
+    return component.port_fields(f.name for f in interface.request)
 
 
 def _named(fields: Sequence[FieldSpec], name: str) -> FieldSpec | None:

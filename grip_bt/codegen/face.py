@@ -2,28 +2,38 @@
 
 from __future__ import annotations
 
-from grip_bt.catalog.component_file import ComponentFile
+from collections.abc import Mapping
+
+from grip_bt.catalog.component_file import FEEDBACK, ComponentFile
 from grip_bt.catalog.interface_spec import INTEGER_TYPES, FieldSpec, InterfaceSpec
 from grip_bt.catalog.manifest import InputPort, Manifest, OutputPort
 from grip_bt.graph.frozen import FrozenDict
 from grip_bt.graph.model import Meaning
 
-from .contract import INPUT, OUTCOME
+from .contract import INPUT, input_ports, output_ports
 
-CODES = ("server_lost", "timed_out", "bad_reply")
+CODES: dict[str, tuple[str, ...]] = {
+    "srv": ("server_lost", "timed_out", "bad_reply"),
+    "action": ("server_lost", "timed_out", "bad_reply", "rejected", "aborted", "canceled"),
+    "msg": ("timed_out", "bad_reply"),
+}
+"""Why a node of each kind may fail."""
 _BUILTINS = {"bool": "bool", "string": "str", "wstring": "str", "float32": "float", "float64": "float"}
 
 
 def class_name(component: ComponentFile) -> str:
     """Return the name of a component's leaf, such as `AntipodalGrasps`."""
-    return "".join(part.capitalize() for part in component.name.split("_"))
+    return "".join(part[:1].upper() + part[1:] for part in component.name.split("_"))
 
 
 def face(component: ComponentFile, interface: InterfaceSpec) -> Manifest:
     """Return the manifest of a component's node."""
     outcomes: dict[str, Meaning] = {**component.meanings(), "failure": "failure"}
-    inputs = {f.name: _input(component, f) for f in interface.request}
-    outputs = {f.name: _output(component, f) for f in interface.response if f.name != OUTCOME}
+    fields = {f.name: f for f in interface.request}
+    inputs = {port: _input(component, fields, port, at) for port, at in input_ports(component, interface).items()}
+    outputs = {port: _output(component, interface, port, at) for port, at in output_ports(component, interface).items()}
+    if component.kind == "action":
+        outputs[FEEDBACK] = _feedback(component, interface, tuple(outcomes))
     return Manifest(
         id=f"component/{component.name}",
         doc=component.doc or interface.doc or f"Calls {component.server}.",
@@ -31,7 +41,7 @@ def face(component: ComponentFile, interface: InterfaceSpec) -> Manifest:
         inputs=FrozenDict(inputs),
         outputs=FrozenDict(outputs),
         outcomes=FrozenDict(outcomes),
-        codes=CODES,
+        codes=CODES[component.kind],
     )
 
 
@@ -41,17 +51,31 @@ def port_type(field: FieldSpec) -> str:
     return f"list[{item}]" if field.array else item
 
 
-def _input(component: ComponentFile, field: FieldSpec) -> InputPort:
+def _input(component: ComponentFile, fields: Mapping[str, FieldSpec], port: str, at: str) -> InputPort:
     return InputPort(
-        type=component.port_type(field.name, port_type(field)),
-        doc=_doc(component, field),
-        required=field.name == INPUT,
+        type=_type(component, fields, port, at),
+        doc=_doc(component, fields, port, at),
+        required=port == INPUT and not component.rules,
     )
 
 
-def _output(component: ComponentFile, field: FieldSpec) -> OutputPort:
-    return OutputPort(type=component.port_type(field.name, port_type(field)), doc=_doc(component, field))
+def _output(component: ComponentFile, interface: InterfaceSpec, port: str, at: str) -> OutputPort:
+    fields = {f.name: f for f in (interface.request if component.kind == "msg" else interface.response)}
+    return OutputPort(type=_type(component, fields, port, at), doc=_doc(component, fields, port, at))
 
 
-def _doc(component: ComponentFile, field: FieldSpec) -> str:
-    return (component.ports[field.name].doc if field.name in component.ports else "") or field.doc
+def _feedback(component: ComponentFile, interface: InterfaceSpec, outcomes: tuple[str, ...]) -> OutputPort:
+    """Return the port of the last feedback; it is written however the goal ends, None where there was no feedback."""
+    type_ = component.port_type(FEEDBACK, f"{interface.type_name}_Feedback")
+    said = component.ports[FEEDBACK].doc if FEEDBACK in component.ports else ""
+    optional = type_ if "| None" in type_ or type_ == "Any" else f"{type_} | None"
+    return OutputPort(type=optional, doc=said or "the last feedback", on=outcomes)
+
+
+def _type(component: ComponentFile, fields: Mapping[str, FieldSpec], port: str, at: str) -> str:
+    return component.port_type(port, port_type(fields[at]) if at in fields else "Any")
+
+
+def _doc(component: ComponentFile, fields: Mapping[str, FieldSpec], port: str, at: str) -> str:
+    said = component.ports[port].doc if port in component.ports else ""
+    return said or (fields[at].doc if at in fields else "")

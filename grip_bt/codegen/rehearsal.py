@@ -38,13 +38,16 @@ class _Scripted:
 
     preempt_requested = False
 
-    def __init__(self, reply: Mapping[str, Any]):
-        self.reply = reply
+    def __init__(self, reply: Mapping[str, Any], feedback: Any):
+        self.reply, self.feedback = reply, feedback
         self.request: dict[str, Any] = {}
 
     def call(self, request: Mapping[str, Any]) -> Operation[Mapping[str, Any]]:
         self.request = dict(request)
-        return Operation.finished(self.reply)
+        operation: Operation[Mapping[str, Any]] = Operation()
+        operation.report(self.feedback)
+        operation.succeed(self.reply)
+        return operation
 
     def component(self, name: str) -> _Scripted:
         return self
@@ -53,18 +56,21 @@ class _Scripted:
         """Nobody waits: the answer is there at once."""
 
 
-def rehearse(package: Path, reply: Mapping[str, Any], inputs: Mapping[str, Any] | None = None) -> Ending:
+def rehearse(
+    package: Path, reply: Mapping[str, Any], inputs: Mapping[str, Any] | None = None, feedback: Any = None
+) -> Ending:
     """Tick the node of a package until it ends.
 
     Args:
         package: folder with the node's manifest.yaml.
         reply: the answer's fields as values, with `outcome`.
         inputs: values of the inputs; by default an object for each.
+        feedback: the last feedback, of an action.
     """
     (manifest,) = read_manifests(package / "manifest.yaml")
     given = {port: object() for port in manifest.inputs} if inputs is None else inputs
     written: dict[str, Any] = {}
-    scripted = _Scripted(reply)
+    scripted = _Scripted(reply, feedback)
     leaf = load_implementation(manifest)(manifest.id, manifest.id, manifest, {}, {})
     leaf.readers = {port: (lambda value=value: value) for port, value in given.items()}
     leaf.writers = {port: (lambda value, port=port: written.update({port: value})) for port in manifest.outputs}

@@ -8,11 +8,13 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from grip_bt.catalog.component_file import ComponentFile
 from grip_bt.catalog.interface_spec import InterfaceSpec
+from grip_bt.graph.expression import parse_expression
 
 from .contract import check_contract
 from .face import class_name, face
 from .manifest_text import manifest_text
 from .quoting import py
+from .trial import default_outcome
 
 MARK = "Generated from component.yaml by `grip component add`"
 """In the first lines of every generated file; a file without it is somebody's own and never overwritten."""
@@ -28,6 +30,9 @@ def render(component: ComponentFile, interface: InterfaceSpec) -> dict[str, str]
     check_contract(component, interface)
     manifest = face(component, interface)
     meaning = {
+        "words": _words(component),
+        "tried": default_outcome(component, interface) if component.rules else None,
+        "rule_names": sorted({n for rule in component.rules.values() for n in parse_expression(rule).names}),
         "component": component,
         "interface": interface,
         "manifest": manifest,
@@ -43,6 +48,21 @@ def render(component: ComponentFile, interface: InterfaceSpec) -> dict[str, str]
     files = {"manifest.yaml": manifest_text(manifest, _HEADER)}
     files |= {path: _environment().get_template(template).render(meaning) for path, template in templates.items()}
     return files
+
+
+def _words(component: ComponentFile) -> dict[str, str]:
+    """Return the phrases that differ by kind."""
+    by = "whose rule holds" if component.rules else "that the response numbers"
+    if component.kind == "action":
+        by = by.replace("response", "result")
+        does = f"Sends the inputs as the goal and ends with the outcome {by}."
+        return {"does": does, "calls": "Sends a goal to the action", "answer": "the result"}
+    if component.kind == "srv":
+        does = f"Sends the inputs as the request and ends with the outcome {by}."
+        return {"does": does, "calls": "Calls the service", "answer": "an answer"}
+    if component.use == "publish":
+        return {"does": "Publishes the inputs as a message.", "calls": "Publishes to", "answer": "a subscriber"}
+    return {"does": "Waits for the next message.", "calls": "Waits for a message on", "answer": "it"}
 
 
 @cache

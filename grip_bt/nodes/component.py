@@ -1,7 +1,8 @@
-"""The base of the leaves that call somebody else's software by the component contract.
+"""The base of the leaves that call somebody else's software: a service, an action or a topic.
 
-The contract: a request with a field `input`, a reply with an integer `outcome` and a field `returned_object`. More
-fields on either side become ports of their own.
+The component contract: a request with a field `input`, a reply with an integer `outcome` and a field `returned_object`.
+More fields on either side become ports of their own. An interface that keeps no contract has rules instead: the first
+outcome whose rule holds over the reply's fields is the node's.
 """
 
 from __future__ import annotations
@@ -9,7 +10,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
-from grip_bt.errors import BadReplyError
+from grip_bt.catalog.component_file import FEEDBACK
+from grip_bt.errors import BadReplyError, EvaluationError
+from grip_bt.graph.evaluation import condition_of
+from grip_bt.graph.expression import parse_expression
 from grip_bt.operation import Operation
 from grip_bt.ports import Component
 
@@ -26,16 +30,20 @@ class ComponentLeaf(OperationLeaf):
     Attributes:
         component: the component's name in the project.
         labels: the outcome of each number, from 0.
+        rules: instead of numbers, the rule of each outcome, over the fields of the reply, in the language of guards.
     """
 
     component: ClassVar[str] = ""
     labels: ClassVar[tuple[str, ...]] = ()
+    rules: ClassVar[Mapping[str, str]] = {}
     _remote: Component
 
     def prepare(self) -> None:
         """Look the component up."""
         settings = self.manifest.settings
-        self._labels: tuple[str, ...] = tuple(self.labels or settings.get("labels", ()))
+        rules = self.rules or settings.get("rules", {})
+        self._rules = {label: parse_expression(rule) for label, rule in rules.items()}
+        self._labels: tuple[str, ...] = tuple(self.labels or settings.get("labels", ()) or self._rules)
         name = self.component or str(settings.get("component", ""))
         if not self._labels:
             raise TypeError(f"{self.path}: {type(self).__name__} names no outcomes: set `labels`, on it or in settings")
@@ -50,14 +58,38 @@ class ComponentLeaf(OperationLeaf):
 
     def finish(self, result: Mapping[str, Any]) -> Status:
         """Name the outcome and hand out the reply's fields."""
-        label = self._label(result)
-        outputs = {}
+        label = self._label_by_rule(result) if self._rules else self._label(result)
+        outputs = self.outputs_of_failure()
         for port, face in self.manifest.outputs.items():
+            if port in outputs:
+                continue
             if label in face.on or (not face.on and self.meaning[label] == "success"):
                 if port not in result:
                     raise BadReplyError(f"the reply has no field {port!r}; it has {sorted(result)}")
                 outputs[port] = result[port]
         return self.end(label, **outputs)
+
+    def outputs_of_failure(self) -> dict[str, Any]:
+        """Hand out the last feedback, however the call ends."""
+        if FEEDBACK not in self.manifest.outputs or self.operation is None:
+            return {}
+        return {FEEDBACK: self.operation.progress}
+
+    def waiting(self, operation: Operation[Any]) -> str:
+        """Show the last feedback to people."""
+        return "" if operation.progress is None else f"feedback: {shown(operation.progress)}"
+
+    def _label_by_rule(self, reply: Mapping[str, Any]) -> str:
+        for label, rule in self._rules.items():
+            readers = {name: (lambda name=name: reply[name]) for name in rule.names if name in reply}
+            if missing := [name for name in rule.names if name not in reply]:
+                raise BadReplyError(f"the rule of {label!r} reads {missing[0]!r}; the reply has {sorted(reply)}")
+            try:
+                if condition_of(rule, readers)():
+                    return label
+            except EvaluationError as error:
+                raise BadReplyError(f"the rule of {label!r} can't be computed: {error}") from None
+        raise BadReplyError(f"none of the rules holds: {', '.join(f'{k}: {r.text}' for k, r in self._rules.items())}")
 
     def _label(self, reply: Mapping[str, Any]) -> str:
         number = reply.get("outcome")
@@ -71,3 +103,10 @@ class ComponentLeaf(OperationLeaf):
                 outcome=index,
             )
         return self._labels[index]
+
+
+def shown(progress: Any) -> str:
+    """Return feedback on one short line: a message's fields, or the value."""
+    fields = getattr(progress, "get_fields_and_field_types", None)
+    text = repr(progress) if fields is None else ", ".join(f"{f}={getattr(progress, f)!r}" for f in fields())
+    return text if len(text) <= 120 else text[:117] + "..."

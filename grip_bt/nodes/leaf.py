@@ -189,6 +189,14 @@ class OperationLeaf(Leaf):
         """Turn the operation's result into an outcome."""
         return self.end()
 
+    def waiting(self, operation: Operation[Any]) -> str:
+        """Say how far the work is, for people; called at each tick while it is under way."""
+        return ""
+
+    def outputs_of_failure(self) -> dict[str, Any]:
+        """Return outputs to be written when the operation ends with an error."""
+        return {}
+
     def update(self) -> Status:
         """Start, wait, finish; an `ExpectedError` becomes a failure with its code."""
         try:
@@ -222,11 +230,11 @@ class OperationLeaf(Leaf):
 
     def _wait(self, operation: Operation[Any]) -> Status:
         if not self._preempted_now():
-            return self.running()
+            return self.running(self.waiting(operation))
         operation.cancel()
         return self.running("stopping, since the task was asked to end")
 
     def _fail_for(self, code: str, error: ExpectedError) -> Status:
         self.failure = Failure(code, error.message, dict(error.data))
         self.feedback_message = str(self.failure)
-        return self.end("failure")
+        return self.end("failure", **self.outputs_of_failure())

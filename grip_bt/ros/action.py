@@ -98,8 +98,8 @@ class ActionClient:
             goal: a message of `type.Goal`.
             timeout: how long it may take in all [s]; `math.inf` for ever.
             wait: how long to wait for the server to appear [s].
-            on_feedback: called on the bus's thread with each feedback message; feedback sent just before the result is
-                often lost.
+            on_feedback: called on the bus's thread with each feedback message; the last one is the operation's
+                `progress`. What a server sends just before the result is often lost.
             cancel_within: how long the server may take to end the goal after a cancel [s].
         """
         limit = timeout if timeout is not None else self._timeout
@@ -259,13 +259,14 @@ class ActionClient:
 
     def _send(self, entry: _Entry) -> None:
         def feedback(message: Any) -> None:
-            if entry.on_feedback is not None and entry.machine.phase in LIVE:
-                entry.on_feedback(message.feedback)
+            if entry.machine.phase in LIVE:
+                entry.operation.report(message.feedback)
+                if entry.on_feedback is not None:
+                    entry.on_feedback(message.feedback)
 
-        wanted = feedback if entry.on_feedback is not None else None
         entry.servers = self._servers
         try:
-            future = self._client.send_goal_async(entry.message, feedback_callback=wanted)
+            future = self._client.send_goal_async(entry.message, feedback_callback=feedback)
         except Exception as error:  # noqa: BLE001 - rclpy's own errors and TypeErrors of a wrong goal
             self._do(entry, entry.machine.send_failed(error))
             return

@@ -1,0 +1,67 @@
+"""The parts of a component file: ports with their adapters, how the software is started, how long to wait."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+
+from grip_bt.graph.frozen import FrozenDict
+
+UNITS: dict[str, float] = {
+    **{"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254},
+    **{"rad": 1.0, "deg": math.pi / 180},
+    **{"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9},
+    **{"kg": 1.0, "g": 1e-3, "N": 1.0, "Nm": 1.0, "percent": 0.01},
+}
+"""Units that a component may use, in those of GRIP (m, rad, s, kg, N, N m, fractions)."""
+Unit = Literal["m", "cm", "mm", "in", "rad", "deg", "s", "ms", "us", "ns", "kg", "g", "N", "Nm", "percent"]
+FieldPath = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*(\.[a-z][a-z0-9_]*)*$")]
+
+
+class Part(BaseModel):
+    """A part of a component file: frozen, and nothing else is allowed in it."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class PortType(Part):
+    """A field of the interface as a port of the node, and how it is converted on the way."""
+
+    type: str = Field(min_length=1)
+    """Name of a value (`PointCloud`, `list[Grasp]`), a builtin, or a ROS type, which leaves the message as it is."""
+    doc: str = ""
+    field: FieldPath | None = None
+    """Where it is in the message, such as `target.pose`; the field of the port's own name by default."""
+    unit: Unit | None = None
+    """Unit that the component uses; a port's own is always m, rad, s, kg, N or a fraction."""
+    quaternion: Literal["xyzw", "wxyz"] | None = None
+    """Order in which the component writes a rotation into an array of numbers; `xyzw` by default."""
+    frame: str | None = None
+    """Frame that the component works in: what goes in is transformed into it, what comes out without a frame has it."""
+
+    @property
+    def adapts(self) -> bool:
+        """Whether the value is changed between port and field."""
+        return self.unit is not None or self.quaternion is not None or self.frame is not None
+
+
+class Start(Part):
+    """How to start the software. Without this part it is expected to be running already."""
+
+    command: tuple[str, ...] = Field(min_length=1)
+    """Program and arguments, run in the component's folder; `{python}` is the Python that runs GRIP."""
+    env: FrozenDict[str, str] = FrozenDict()
+    """More environment variables."""
+
+
+class Timeouts(Part):
+    """How long to wait [s]."""
+
+    call: float = Field(default=30.0, gt=0)
+    """For the answer of one call, or the result of one goal."""
+    ready: float = Field(default=15.0, gt=0)
+    """For the server to appear, after its start or before a call."""
+    cancel: float = Field(default=3.0, gt=0)
+    """For an action to end after it was asked to stop."""
