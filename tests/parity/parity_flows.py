@@ -61,6 +61,8 @@ def make_flow(seed: int) -> dict[str, Any]:
     if data:
         task["data"] = data
     case: dict[str, Any] = {"task": task, "scripts": maker.scripts}
+    if maker.files:
+        case["files"] = maker.files
     if maker.chance(0.4):
         case["preempt_at"] = random.randint(-1, 8)
     if maker.chance(0.1) and maker.scripts:

@@ -11,10 +11,10 @@ from parity_world import FACES
 CODES = ("no_ik", "no_plan", "time_out")
 EDGE_CODES = (*CODES, *CODES, "precondition", "guard", "no_case", "cooldown", "loop_limit")
 EXTRA = {"won": "success", "lost": "failure", "none": "success"}
-SEQUENTIAL = ("sequence", "fallback", "state_machine", "retry", "repeat", "invert", "force")
+SEQUENTIAL = ("sequence", "fallback", "state_machine", "retry", "repeat", "invert", "force", "subtask")
 CHOOSING = ("switch", "loop", "for_each", "cooldown")
 BRANCHING = ("sequence", "fallback", "state_machine")
-INTERRUPTING = ("reactive_sequence", "reactive_fallback", "timeout", "guard", "parallel")
+INTERRUPTING = ("reactive_sequence", "reactive_fallback", "reactive_switch", "timeout", "guard", "parallel", "parallel")
 
 
 class Seen(str):
@@ -40,6 +40,10 @@ class Maker:
     leaves: int = 0
     names: int = 0
     concurrent: bool = False
+    files: dict[str, dict[str, Any]] = field(default_factory=dict)
+    """The files that subtasks run."""
+    ends_of: dict[str, dict[str, str]] = field(default_factory=dict)
+    """File -> its outcomes."""
 
     def chance(self, probability: float) -> bool:
         return self.random.random() < probability
@@ -90,7 +94,7 @@ class Maker:
             kinds += 2 * INTERRUPTING
         if self.join:
             kinds += ("join",) * 6
-            kinds.remove("cooldown")  # threads share the clock
+            kinds = [kind for kind in kinds if kind not in ("cooldown", "timeout")]  # threads share the clock
         return self.container(self.random.choice(kinds), depth, seen, own, embedded)
 
     def leaf(self, seen: list[str], own: list[str], usual: str) -> tuple[dict[str, Any], dict[str, str]]:
@@ -127,6 +131,8 @@ class Maker:
     def container(
         self, kind: str, depth: int, seen: list[str], own: list[str], embedded: bool
     ) -> tuple[dict[str, Any], dict[str, str]]:
+        if kind == "subtask":
+            return self.subtask(depth, seen, own, embedded)
         data = self.variables()
         seen, own = [*seen, *seen_of(data)], [*own, *data]
         there, item = seen, self.random.choice([name for name in "uvw" if name not in data])
@@ -174,7 +180,56 @@ class Maker:
             made["wait_for"] = self.random.choice(("all", "any", self.random.randint(1, len(ends) + 1), some))
         if self.chance(0.4):
             made["cancel"] = "ask"
+        elif self.chance(0.5):
+            made[self.random.choice(("retick", "prompt"))] = True
         return made
+
+    def subtask(
+        self, depth: int, seen: list[str], own: list[str], embedded: bool
+    ) -> tuple[dict[str, Any], dict[str, str]]:
+        """Return a node that runs a file: mostly a new one, now and then one that is there already."""
+        if not self.files or self.chance(0.8):
+            self.file(depth)
+        file = self.random.choice(list(self.files))  # one that is there runs no file that runs it
+        made = self.files[file]
+        node: dict[str, Any] = {"kind": "subtask", "task": file}
+        there = [str(name) for name in {str(n): n for n in seen}.values() if getattr(name, "valued", False)]
+        for port, said in made.get("inputs", {}).items():
+            if there and self.chance(0.6):
+                node.setdefault("in", {})[port] = self.random.choice(there)
+            elif isinstance(said, str) or self.chance(0.5):
+                node.setdefault("with", {})[port] = self.random.randint(0, 9)
+        for port in made.get("outputs", {}):
+            if own and self.chance(0.7):
+                node.setdefault("out", {})[port] = str(self.random.choice(own))
+        outcomes = dict(self.ends_of[file])
+        if self.chance(0.15):
+            changed = self.random.choice(list(outcomes))
+            node["meaning"] = {changed: self.random.choice(("success", "failure"))}
+            outcomes |= node["meaning"]
+        return node, outcomes
+
+    def file(self, depth: int) -> None:
+        """Write a file with ports of its own; it may be run anywhere."""
+        ports = {
+            name: self.random.choice(("int", {"type": "int", "value": 4})) for name in ("u", "v") if self.chance(0.5)
+        }
+        handed = {name: "int" for name in ("v", "w") if self.chance(0.5)}
+        data = {k: v for k, v in self.variables().items() if k not in ports and k not in handed}
+        seen = seen_of({**data, **handed, **ports})
+        for name in seen:
+            name.valued = name.valued or name in ports
+        root, ends = self.node(depth - 1, seen, [*data, *handed, *ports], False, "success")
+        outcomes = {k: EXTRA[k] for k in self.random.sample(sorted(EXTRA), self.random.randint(0, 2))}
+        outcomes |= {"success": "success", "failure": "failure"}
+        root["on"] = {end: self.random.choice(list(outcomes)) for end in ends if self.chance(0.6)}
+        for end in ends:
+            if end in root["on"] and self.chance(0.3):
+                root["on"][f"{end}.{self.random.choice(EDGE_CODES)}"] = self.random.choice(list(outcomes))
+        task = {"grip": 1, "name": self.name(), "outcomes": outcomes, "inputs": ports, "outputs": handed, "data": data}
+        name = f"tasks/f{len(self.files)}.yaml"
+        self.files[name] = {k: v for k, v in task.items() if v} | {"root": root}
+        self.ends_of[name] = outcomes
 
     def rule(self, ends: dict[str, dict[str, str]], targets: list[str]) -> dict[str, Any]:
         rule: dict[str, Any] = {"then": self.random.choice(targets)}
@@ -211,7 +266,8 @@ class Maker:
         times = self.random.randint(1, 3)
         child = next(iter(children.items()))
         only = {"child": {child[0]: child[1]}}
-        limit = {"times": times} if self.chance(0.8) else {}
+        endless = any("script" in str(below) for below in child[1:])  # who does nothing would do so for ever
+        limit = {} if endless and self.chance(0.2) else {"times": times}
         made: dict[str, dict[str, Any]] = {
             "switch": {"kind": "switch", **self.cases(children, seen), "children": children},
             "loop": {"kind": "loop", **({"while": self.condition(seen)} if self.chance(0.6) else {}), **limit, **only},
@@ -221,6 +277,7 @@ class Maker:
             "fallback": {"kind": "fallback", "children": children},
             "reactive_sequence": {"kind": "sequence", "memory": False, "children": children},
             "reactive_fallback": {"kind": "fallback", "memory": False, "children": children},
+            "reactive_switch": {"kind": "switch", "memory": False, **self.cases(children, seen), "children": children},
             "parallel": {"kind": "parallel", "policy": self.random.choice(("all", "any")), "children": children},
             "join": {
                 "kind": "parallel",
@@ -229,7 +286,7 @@ class Maker:
                 "children": children,
             },
             "retry": {"kind": "retry", "times": times, **only},
-            "repeat": {"kind": "repeat", **({} if self.chance(0.2) else {"times": times}), **only},
+            "repeat": {"kind": "repeat", **limit, **only},
             "timeout": {"kind": "timeout", "seconds": self.random.randint(1, 6), **only},
             "guard": {"kind": "guard", "if": self.condition(seen), **only},
             "invert": {"kind": "invert", **only},
@@ -267,11 +324,11 @@ def make_case(seed: int) -> dict[str, Any]:
     """Return a random task with scripts; three in five have no part that must be embedded.
 
     One in five has concurrent parts: its leaves' own sequences are compared, so that nothing in it depends on the order
-    of siblings (no timeout, whose clock they share, and no preempt request, stop or error under way).
+    of siblings but when a request, a stop or an error reaches them (no timeout, whose clock they share).
     """
     random = Random(seed)
     flavour = seed % 5
-    maker = Maker(random, embed=flavour in (3, 4), join=flavour == 2)
+    maker = Maker(random, embed=flavour in (3, 4) or seed % 15 == 2, join=flavour == 2)
     data = maker.variables()
     root, outcomes = maker.node(random.randint(2, 5), seen_of(data), list(data), False, "success")
     task: dict[str, Any] = {"grip": 1, "name": "fuzzed", "root": root}
@@ -283,17 +340,15 @@ def make_case(seed: int) -> dict[str, Any]:
     if data:
         task["data"] = data
     case: dict[str, Any] = {"task": task, "scripts": maker.scripts}
+    if maker.files:
+        case["files"] = maker.files
     if maker.concurrent:
         case["concurrent"] = True
-        if maker.chance(0.3):
-            case["preempt_at"] = -1
-        return case
     if maker.chance(0.4):
         case["preempt_at"] = random.randint(-1, 8)
     if maker.embed:
         case["embedded"] = True
     if maker.chance(0.15) and maker.scripts:
         steps = random.choice(list(maker.scripts.values()))
-        odd = ("raises",) if maker.embed else ("raises", "stops")
-        random.choice(steps)[random.choice(odd)] = True
+        random.choice(steps)[random.choice(("raises", "stops"))] = True
     return case

@@ -33,10 +33,13 @@ def shrink(case: Case, fails: Callable[[Case], bool], limit: int = 3000) -> Case
 
 def simpler(case: Case) -> Iterator[Case]:
     """Yield cases with something left out, the big steps first."""
-    for place in list(_nodes(case["task"]["root"])):
+    for place in list(_places(case)):
         yield from _smaller_trees(case, place)
-    for place in list(_nodes(case["task"]["root"])):
+    for place in list(_places(case)):
         yield from _without_keys(case, place)
+    used = {_at(case, place).get("task") for place in _places(case)}
+    for file in set(case.get("files", {})) - used:
+        yield _edited(case, lambda c, file=file: c["files"].pop(file))
     if "data" in case["task"]:
         yield _edited(case, lambda c: c["task"].pop("data"))
     if case.get("preempt_at") is not None:
@@ -51,8 +54,15 @@ def _nodes(node: Any, place: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
             yield from _nodes(node[key][name], (*place, key, name))
 
 
+def _places(case: Case) -> Iterator[tuple[Any, ...]]:
+    """Yield where the nodes of the task and of its files are."""
+    yield from _nodes(case["task"]["root"], ("task", "root"))
+    for file, task in case.get("files", {}).items():
+        yield from _nodes(task["root"], ("files", file, "root"))
+
+
 def _at(case: Case, place: tuple[Any, ...]) -> Any:
-    node = case["task"]["root"]
+    node: Any = case
     for key in place:
         node = node[key]
     return node
@@ -74,10 +84,7 @@ def _smaller_trees(case: Case, place: tuple[Any, ...]) -> Iterator[Case]:
             new.pop("on", None)
             if "on" in node:
                 new["on"] = deepcopy(node["on"])
-            if place:
-                _at(c, place[:-1])[place[-1]] = new
-            else:
-                c["task"]["root"] = new
+            _at(c, place[:-1])[place[-1]] = new
 
         yield _edited(case, lift)
         if key == "children" and len(node["children"]) > 1:
@@ -93,7 +100,21 @@ def _smaller_trees(case: Case, place: tuple[Any, ...]) -> Iterator[Case]:
 
 def _without_keys(case: Case, place: tuple[Any, ...]) -> Iterator[Case]:
     node = _at(case, place)
-    for key in ("precondition", "rules", "wait_for", "cancel", "data", "exits", "outcomes", "in", "out", "meaning"):
+    for key in (
+        "precondition",
+        "rules",
+        "wait_for",
+        "cancel",
+        "retick",
+        "prompt",
+        "data",
+        "exits",
+        "outcomes",
+        "in",
+        "with",
+        "out",
+        "meaning",
+    ):
         if key in node:
             yield _edited(case, lambda c, key=key: _at(c, place).pop(key))
     for key in ("on", "exits"):

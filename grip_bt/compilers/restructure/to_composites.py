@@ -9,7 +9,7 @@ import networkx as nx
 from grip_bt.catalog import Catalog
 from grip_bt.errors import listing
 from grip_bt.graph.frozen import FrozenDict
-from grip_bt.graph.model import Leaf, StateMachine, Task, outcomes_of
+from grip_bt.graph.model import Leaf, StateMachine, Subtask, Task, outcomes_of
 
 from ..resolve import Part, resolve
 from ..transitions import interrupts, lead
@@ -52,7 +52,7 @@ class _Work:
 
     def convert(self, part: Part, ticker: Part | None) -> Built:
         """Return a node in its new form; `ticker` is the container above that may interrupt it, if there is one."""
-        if isinstance(part.node, Leaf):
+        if isinstance(part.node, Leaf | Subtask):
             return Built(part.node, {part.path: ()})
         machine = isinstance(part.node, StateMachine)
         found = _structure(part, ticker) if machine else None
@@ -85,7 +85,7 @@ def new_ends(part: Part, built: Built, on: Mapping[str, str]) -> dict[str, str]:
     A composite has `success` and `failure` even where nothing leads to them, and every outcome needs an edge: it goes
     where another outcome of that meaning goes, and is never taken.
     """
-    if isinstance(built.node, Leaf):
+    if isinstance(built.node, Leaf | Subtask):
         return {}
     result = {}
     for outcome, meaning in outcomes_of(built.node).items():

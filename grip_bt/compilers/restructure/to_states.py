@@ -5,7 +5,7 @@ from __future__ import annotations
 from grip_bt.catalog import Catalog
 from grip_bt.errors import listing
 from grip_bt.graph.frozen import FrozenDict
-from grip_bt.graph.model import Fallback, Leaf, Parallel, Sequence, StateMachine, Task
+from grip_bt.graph.model import Fallback, Leaf, Parallel, Sequence, StateMachine, Subtask, Task
 
 from ..resolve import Part, resolve
 from ..transitions import interrupts, lead
@@ -36,7 +36,7 @@ class _Work:
 
     def convert(self, part: Part, ticker: Part | None) -> Built:
         """Return a node in its new form; `ticker` is the container above that may interrupt it, if there is one."""
-        if isinstance(part.node, Leaf):
+        if isinstance(part.node, Leaf | Subtask):
             return Built(part.node, {part.path: ()})
         ordered = isinstance(part.node, Sequence | Fallback)
         reason = _why_not(part, ticker) if ordered else _by_kind(part)
