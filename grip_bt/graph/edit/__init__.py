@@ -6,12 +6,14 @@ from .commands import (
     AnyCommand,
     Bind,
     ChangeKind,
+    Clip,
     Command,
     Connect,
     Declare,
     Disconnect,
     Group,
     Move,
+    Paste,
     Patch,
     Remove,
     Rename,
@@ -29,6 +31,7 @@ from .commands import (
 from .documents import Edited, apply_to_document
 from .history import History, Moment
 from .history_file import history_path, load_history, save_history
+from .pasting import clip_of
 from .rewriting import rewrite
 from .steps import path_after
 
@@ -38,6 +41,7 @@ __all__ = [
     "Applied",
     "Bind",
     "ChangeKind",
+    "Clip",
     "Command",
     "Connect",
     "Declare",
@@ -47,6 +51,7 @@ __all__ = [
     "History",
     "Moment",
     "Move",
+    "Paste",
     "Patch",
     "Remove",
     "Rename",
@@ -61,6 +66,7 @@ __all__ = [
     "Wrap",
     "apply",
     "apply_to_document",
+    "clip_of",
     "command_of",
     "history_path",
     "load_history",

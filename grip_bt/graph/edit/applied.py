@@ -13,6 +13,7 @@ from .fields import bind, connect, disconnect, set_key, set_meaning, unbind, uns
 from .kinds import change_kind
 from .nodes import add, move, remove, rename
 from .outcomes import rename_outcome
+from .pasting import paste
 from .steps import Step, path_after
 from .unwrapping import unwrap
 from .variables import declare, rename_variable, undeclare
@@ -20,6 +21,7 @@ from .wrapping import wrap
 
 _PLANS: dict[type[Any], Callable[[Editing, Any], None]] = {
     c.Add: add,
+    c.Paste: paste,
     c.Remove: remove,
     c.Move: move,
     c.Rename: rename,

@@ -43,6 +43,36 @@ class Remove(_Command):
     path: str
 
 
+class Clip(BaseModel):
+    """A copy of a node: what `clip_of` returns, a clipboard holds and `paste` takes."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+
+    name: Name
+    node: FrozenDict[str, Any]
+    """The node as it stands in a file, with whatever is below it."""
+    variables: FrozenDict[Name, Any] = FrozenDict()
+    """The declarations of the variables that it uses and that are declared around it."""
+
+
+class Paste(_Command):
+    """A copy of a node goes into a container, of this task or of another one.
+
+    Its name gets a number where it is taken. A variable that it uses is the one of that name and type that is seen
+    there; where there is none, it is declared in the container, under a fresh name where the name means something
+    else. Edges that lead to nothing there are left out.
+    """
+
+    do: Literal["paste"] = "paste"
+    parent: str
+    clip: Clip
+    name: Name | None = None
+    index: int | None = Field(default=None, ge=0)
+    """Position among the children; None: after the last."""
+    variables: Literal["share", "fresh"] = "share"
+    """`fresh`: its own variables, even where there are ones of their names and types."""
+
+
 class Move(_Command):
     """A node goes elsewhere: to another position, or into another container.
 
@@ -244,8 +274,8 @@ class Patch(_Command):
 
 
 AnyCommand = (
-    Add | Remove | Move | Rename | Set | Unset | Connect | Disconnect | Wrap | Unwrap | ChangeKind | Bind | Unbind
-    | SetMeaning | Declare | Undeclare | RenameVariable | RenameOutcome | Group | Patch
+    Add | Paste | Remove | Move | Rename | Set | Unset | Connect | Disconnect | Wrap | Unwrap | ChangeKind | Bind
+    | Unbind | SetMeaning | Declare | Undeclare | RenameVariable | RenameOutcome | Group | Patch
 )  # fmt: skip
 Command = Annotated[AnyCommand, Discriminator("do")]
 

@@ -29,6 +29,11 @@ def declared_by(holder: Any) -> list[str]:
     return list(dict.fromkeys([*ports, *getattr(holder, "data", ()), *own]))
 
 
+def used_by(node: AnyNode) -> tuple[set[str], set[str]]:
+    """Return the variables that a node itself uses: of those around it, and of those that it may declare too."""
+    return _Seer("", node, True, False).uses(), _Seer("", node, False, True).uses()
+
+
 def declare(editing: Editing, command: Declare) -> None:
     """Add a variable."""
     holder = _holder(editing, command.path)

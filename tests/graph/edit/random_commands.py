@@ -4,7 +4,7 @@ from hypothesis import strategies as st
 from random_tasks import leaves, literals, names, nodes, texts
 
 from grip_bt.graph import KINDS, Leaf, children_of, dumps, loads, walk
-from grip_bt.graph.edit import command_of
+from grip_bt.graph.edit import clip_of, command_of
 
 FIELDS = {
     "retry": {"times": 2},
@@ -16,7 +16,8 @@ FIELDS = {
     "cooldown": {"seconds": 2},
 }
 GROUPS = ["add", "remove", "move", "rename", "set", "unset", "connect", "disconnect", "wrap", "unwrap", "change_kind",
-          "bind", "unbind", "set_meaning", "declare", "undeclare", "rename_variable", "rename_outcome"]  # fmt: skip
+          "bind", "unbind", "set_meaning", "declare", "undeclare", "rename_variable", "rename_outcome",
+          "paste"]  # fmt: skip
 
 
 def _data(node):
@@ -134,6 +135,15 @@ def _undeclare(draw, task, path, node, containers):
     return {"path": where, "name": draw(st.sampled_from(there))}
 
 
+def _paste(draw, task, path, node, containers):
+    return {
+        "parent": draw(st.sampled_from(containers)),
+        "clip": clip_of(task, path).model_dump(),
+        "index": draw(st.none() | st.integers(0, 4)),
+        "variables": draw(st.sampled_from(["share", "fresh"])),
+    }
+
+
 def _rename_outcome(draw, task, path, node, containers):
     where = draw(st.sampled_from(["", *containers]))
     holder = task if where == "" else dict(walk(task.root))[where]
@@ -159,6 +169,7 @@ _MAKERS = {
     "declare": _declare,
     "undeclare": _undeclare,
     "rename_outcome": _rename_outcome,
+    "paste": _paste,
     "rename_variable": lambda draw, task, path, node, containers: {
         **_undeclare(draw, task, path, node, containers),
         "to": draw(names),

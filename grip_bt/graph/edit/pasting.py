@@ -1,0 +1,135 @@
+"""Copy and paste of a node with all below it: under a fresh name, with the variables that it shares with others."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from itertools import count
+from typing import Any
+
+from ..model import AnyNode, StateMachine, Task, children_of, outcomes_of
+from .commands import Clip, Paste, RenameVariable
+from .draft import deep
+from .editing import Editing, expect_free, expect_room, slot
+from .variables import declared_by, rename_variable, used_by
+
+_ANY = "Any"
+
+
+def clip_of(task: Task, path: str) -> Clip:
+    """Return a node with all below it, and the declarations of the variables that it uses and doesn't declare itself.
+
+    Raises:
+        EditError: there is no such node.
+    """
+    node = Editing(task).node(path)
+    used = _free(node)
+    variables = {name: declared for name, declared in _seen_from(task, path).items() if name in used}
+    name = path.rpartition("/")[2] or "root"
+    return Clip(name=name, node=deep(node), variables=deep(variables))
+
+
+def paste(editing: Editing, command: Paste) -> None:
+    """Put a copy into a container."""
+    parent, clip = editing.container(command.parent), command.clip
+    expect_room(parent, command.parent)
+    if command.name is not None:
+        expect_free(parent, command.parent, command.name)
+    name = command.name or _fresh(clip.name, {*children_of(parent), *_outcomes(parent)})
+    there = _seen_from(editing.task, command.parent, itself=True)
+    names = _names(command, there)
+    node = _with_names(clip, names)
+    place = editing.place(command.parent)
+    for old, declaration in clip.variables.items():
+        if names[old] not in there:
+            editing.set_in(place, "data", names[old], deep(declaration))
+    if "on" in node:
+        kept = {k: v for k, v in node["on"].items() if v in children_of(parent) or v in _outcomes(parent)}
+        node = {k: v for k, v in node.items() if k != "on"}
+        node |= {"on": kept} if kept and isinstance(parent, StateMachine) else {}
+    editing.put((*place, slot(parent)), name, node, command.index)
+
+
+def _names(command: Paste, there: Mapping[str, Any]) -> dict[str, str]:
+    """Return the name of each variable of a copy where it is put: of one that is there, or a fresh one."""
+    names: dict[str, str] = {}
+    taken = {*there, *command.clip.variables, *_declared_within(_parsed(command.clip).root)}
+    for name, declaration in command.clip.variables.items():
+        alike = name in there and _type(there[name]) == _type(declaration)
+        if alike and command.variables == "share":
+            names[name] = name
+        else:
+            names[name] = name if name not in there else _fresh(name, taken)
+            taken.add(names[name])
+    return names
+
+
+def _with_names(clip: Clip, names: Mapping[str, str]) -> dict[str, Any]:
+    """Return the node of a copy in which variables have other names."""
+    task = _parsed(clip)
+    for old, new in names.items():
+        if new != old:
+            editing = Editing(task)
+            rename_variable(editing, RenameVariable(path="", name=old, to=new))
+            task = editing.draft.task(clip.name)
+    node = deep(children_of(task.root)[clip.name])
+    assert isinstance(node, dict)
+    return node
+
+
+def _parsed(clip: Clip) -> Task:
+    """Return a task that holds a copy alone.
+
+    Raises:
+        EditError: it isn't a node.
+    """
+    data: dict[str, Any] = {"grip": 1, "name": "clip", "data": deep(clip.variables)}
+    editing = Editing(Task.model_validate({**data, "root": {"kind": "sequence", "children": {}}}))
+    editing.put(("root", "children"), clip.name, deep(clip.node))
+    return editing.draft.task(clip.name)
+
+
+def _fresh(name: str, taken: set[str]) -> str:
+    """Return the name, or the name with the first number with which it isn't taken."""
+    if name not in taken:
+        return name
+    head, _, tail = name.rpartition("_")
+    stem = head if head and tail.isdecimal() else name
+    return next(each for number in count(2) if (each := f"{stem}_{number}") not in taken)
+
+
+def _outcomes(container: AnyNode) -> set[str]:
+    return set(outcomes_of(container)) if isinstance(container, StateMachine) else set()
+
+
+def _free(node: AnyNode) -> set[str]:
+    """Return the variables that a node or what is below it uses and none of them declares."""
+    around, inside = used_by(node)
+    below = set().union(*(_free(child) for child in children_of(node).values()))
+    return around | ((inside | below) - set(declared_by(node)))
+
+
+def _declared_within(node: AnyNode) -> Iterator[str]:
+    yield from declared_by(node)
+    for child in children_of(node).values():
+        yield from _declared_within(child)
+
+
+def _seen_from(task: Task, path: str, itself: bool = False) -> dict[str, Any]:
+    """Return name -> declaration of the variables around a node, or those that its children see."""
+    seen: dict[str, Any] = dict(task.data)
+    node, names = task.root, [] if path == "/" else path.split("/")
+    for name in names:
+        _declare(seen, node)
+        node = children_of(node)[name]
+    if itself:
+        _declare(seen, node)
+    return seen
+
+
+def _declare(seen: dict[str, Any], node: AnyNode) -> None:
+    seen.update({name: _ANY for name in declared_by(node)})
+    seen.update(getattr(node, "data", {}))
+
+
+def _type(declaration: Any) -> str:
+    return declaration if isinstance(declaration, str) else str(deep(declaration)["type"])
