@@ -91,10 +91,14 @@ def _to_python_3(text: str, name: str) -> str:
     return str(_converter().refactor_string(whole, name))
 
 
-def load_legacy(path: Path) -> ModuleType:
-    """Import a legacy file, once per process, with `smach_compat` as its `smach`.
+def load_legacy(path: Path, ros: bool = True) -> ModuleType:
+    """Import a legacy file, once per process, with `smach_compat` as its `smach` and `smach_ros`.
 
     Its folder joins the end of `sys.path`, so that it finds its neighbours.
+
+    Args:
+        path: the file.
+        ros: whether it gets a `smach_ros` that works; else it gets what the process has.
 
     Raises:
         DocumentError: see `read_source`.
@@ -106,7 +110,7 @@ def load_legacy(path: Path) -> ModuleType:
     if name in sys.modules:
         return sys.modules[name]
     source = read_source(path)
-    smach_compat.install()
+    smach_compat.install(ros=ros)
     if str(path.parent) not in sys.path:
         sys.path.append(str(path.parent))
     module = ModuleType(name)

@@ -1,7 +1,11 @@
-"""Make this package the module `smach` of the process, so that legacy code runs on it unchanged. Never by default."""
+"""Make this package the modules `smach` and `smach_ros` of the process, so that legacy code runs on it unchanged.
+
+Never by default.
+"""
 
 from __future__ import annotations
 
+import importlib
 import sys
 from types import ModuleType
 from typing import Any
@@ -25,27 +29,48 @@ SUBMODULES = (
 )
 
 
-def _modules() -> dict[str, ModuleType]:
-    return {"smach": smach, **{f"smach.{name}": getattr(smach, name) for name in SUBMODULES}}
+ROS_SUBMODULES = (
+    "action_server_wrapper",
+    "condition_state",
+    "introspection",
+    "monitor_state",
+    "node",
+    "ros_state",
+    "service_state",
+    "simple_action_state",
+    "util",
+)
 
 
-def install(**changes: Any) -> None:
-    """Let `import smach` and `import smach.<module>` find this package; harmless when it was done before.
+def _modules(ros: bool = True) -> dict[str, ModuleType]:
+    modules = {"smach": smach, **{f"smach.{name}": getattr(smach, name) for name in SUBMODULES}}
+    if ros:
+        smach_ros = importlib.import_module("grip_bt.smach_compat.smach_ros")
+        modules["smach_ros"] = smach_ros
+        modules.update({f"smach_ros.{name}": getattr(smach_ros, name) for name in ROS_SUBMODULES})
+    return modules
+
+
+def install(*, ros: bool = True, **changes: Any) -> None:
+    """Let `import smach`, `import smach_ros` and their modules find this package; harmless when it was done before.
 
     Args:
+        ros: whether `smach_ros` is meant too.
         **changes: settings, see `configure`.
 
     Raises:
-        GripError: another `smach` has been imported already; code that has it would go on with it.
+        GripError: another `smach` or `smach_ros` has been imported already; code that has it would go on with it.
     """
-    present = sys.modules.get("smach")
-    if present is not None and present is not smach:
-        raise GripError(
-            f"smach is imported already, from {getattr(present, '__file__', 'somewhere')}; "
-            "call install() before anything imports it"
-        )
+    modules = _modules(ros)
+    for name in ("smach", "smach_ros"):
+        present = sys.modules.get(name)
+        if present is not None and present is not modules.get(name, present):
+            raise GripError(
+                f"{name} is imported already, from {getattr(present, '__file__', 'somewhere')}; "
+                "call install() before anything imports it"
+            )
     configure(**changes)
-    sys.modules.update(_modules())
+    sys.modules.update(modules)
 
 
 def uninstall() -> None:

@@ -18,11 +18,16 @@ class Settings:
             `with container:` raises, as upstream does; by default both are undone.
         wrap_interrupts: turn KeyboardInterrupt and SystemExit raised in a state into InvalidUserCodeError, as
             upstream does; by default they pass through.
+        honour_preempt_timeout: give a canceled goal up after `preempt_timeout` of its SimpleActionState; noetic waits
+            for its server for ever, and so does the default. Profile `ros2` always gives up.
+        unpickle_userdata: read pickled userdata that comes from the network (introspection). It may run any code.
     """
 
     profile: str = "noetic"
     strict_upstream_construction: bool = False
     wrap_interrupts: bool = False
+    honour_preempt_timeout: bool = False
+    unpickle_userdata: bool = False
 
     def update(self, **changes: Any) -> None:
         """Change some settings.
@@ -50,7 +55,11 @@ settings = Settings()
 
 
 def configure(**changes: Any) -> None:
-    """Change settings of the process: `profile`, `strict_upstream_construction`, `wrap_interrupts`.
+    """Change settings of the process, see docs/smach.md.
+
+    Args:
+        **changes: `profile`, `strict_upstream_construction`, `wrap_interrupts`, `honour_preempt_timeout`,
+            `unpickle_userdata`.
 
     Raises:
         ValueError: the profile isn't known.

@@ -267,7 +267,7 @@ def main(arguments: list[str]) -> None:
     file = Path(arguments[0]).resolve()
     given = json.loads(arguments[1]) if len(arguments) > 1 else {}
     sys.stdout = sys.stderr  # what the module prints isn't ours
-    smach_compat.install()
+    smach_compat.install(ros=False)  # states of smach_ros have stand-ins: recording never talks to ROS
     quiet = lambda text: None  # noqa: E731
     smach_compat.set_loggers(quiet, quiet, quiet, quiet)
     finder = Finder()
@@ -277,7 +277,7 @@ def main(arguments: list[str]) -> None:
     read_source(file)  # loads the converter, where it is needed, before the guard
     _guard()
     try:
-        module = load_legacy(file)
+        module = load_legacy(file, ros=False)
     except BaseException as error:  # noqa: BLE001 - as above
         sys.stderr.write(f"import: {type(error).__name__}: {error}\n")
         module = None

@@ -1,0 +1,159 @@
+"""`ActionServerWrapper`: a container offered as an action server."""
+
+from __future__ import annotations
+
+import threading
+import traceback
+from collections.abc import Mapping
+from typing import Any
+
+from grip_bt import smach_compat as smach
+from grip_bt.smach_compat._settings import settings
+from grip_bt.smach_compat.user_data import NOTHING
+
+from ._connection import ros
+from ._messages import fields, new_feedback, new_goal, new_result
+from ._signature import with_optional_node
+
+__all__ = ["ActionServerWrapper"]
+
+
+class ActionServerWrapper:
+    """Executes a container for each goal; its outcome decides how the goal ends.
+
+    The container finds the goal, the result to fill and the feedback in its userdata under `goal_key`, `result_key` and
+    `feedback_key`, if it registers them as input keys (profile `ros2` registers them itself).
+
+    Args:
+        server_name: the action's name.
+        action_spec: its type.
+        wrapped_container: what is executed.
+        succeeded_outcomes: its outcomes that mean success.
+        aborted_outcomes: those that mean failure, as all do that aren't listed.
+        preempted_outcomes: those that mean that it stopped when it was told to.
+        goal_key: userdata for the goal.
+        feedback_key: userdata whose value is sent as feedback at each transition.
+        result_key: userdata whose value is the result.
+        goal_slots_map: field of the goal -> userdata.
+        feedback_slots_map: has no effect, as upstream.
+        result_slots_map: field of the result -> userdata.
+        expand_goal_slots: put all fields of the goal in userdata of the same names.
+        pack_result_slots: take all fields of the result from userdata of the same names, where there is some.
+    """
+
+    @with_optional_node
+    def __init__(
+        self,
+        server_name: str,
+        action_spec: Any,
+        wrapped_container: Any,
+        succeeded_outcomes: list[str] = NOTHING,
+        aborted_outcomes: list[str] = NOTHING,
+        preempted_outcomes: list[str] = NOTHING,
+        goal_key: str = "action_goal",
+        feedback_key: str = "action_feedback",
+        result_key: str = "action_result",
+        goal_slots_map: Mapping[str, str] | None = None,
+        feedback_slots_map: Mapping[str, str] | None = None,
+        result_slots_map: Mapping[str, str] | None = None,
+        expand_goal_slots: bool = False,
+        pack_result_slots: bool = False,
+    ):
+        self.wrapped_container = wrapped_container
+        wrapped_container.register_transition_cb(self.transition_cb)
+        wrapped_container.register_termination_cb(self.termination_cb)
+        self.userdata = smach.UserData()
+        self._goal_key, self._feedback_key, self._result_key = goal_key, feedback_key, result_key
+        self._goal_slots_map, self._result_slots_map = goal_slots_map or {}, result_slots_map or {}
+        self._feedback_slots_map = feedback_slots_map or {}
+        self._expand_goal_slots, self._pack_result_slots = expand_goal_slots, pack_result_slots
+        self.userdata[goal_key] = new_goal(action_spec)
+        self.userdata[result_key] = new_result(action_spec)
+        self.userdata[feedback_key] = new_feedback(action_spec)
+        self._server_name, self._action_spec = server_name, action_spec
+        self._succeeded_outcomes, self._aborted_outcomes = set(succeeded_outcomes), set(aborted_outcomes)
+        self._preempted_outcomes = set(preempted_outcomes)
+        self._check_disjoint()
+
+        name = ros().name_of(server_name, self._node)  # type: ignore[attr-defined]  # set by with_optional_node
+        self._started = False
+        self._starting = threading.Lock()
+        self._action_server = ros().action_server(name, action_spec, self.execute_cb, self.preempt_cb)
+        if settings.ros2:
+            wrapped_container.register_input_keys([goal_key, result_key, feedback_key])
+            self.run_server()
+
+    def _check_disjoint(self) -> None:
+        sets = (self._succeeded_outcomes, self._aborted_outcomes, self._preempted_outcomes)
+        if len(set().union(*sets)) != sum(map(len, sets)):
+            smach.logerr(f"The succeeded, aborted and preempted outcomes of {self._server_name!r} overlap: {sets}")
+
+    def run_server(self) -> None:
+        """Take goals from now on; doesn't block. Harmless when it does already."""
+        with self._starting:
+            if self._started:
+                return
+            self._started = True
+        self._action_server.start()
+        smach.loginfo(f"A state machine serves the action {self._server_name!r}")
+
+    # --- the container's callbacks ---
+
+    def transition_cb(self, userdata: Any, active_states: list[str]) -> None:
+        """Send feedback at a transition."""
+        self.publish_feedback(userdata)
+
+    def termination_cb(self, userdata: Any, terminal_states: Any, container_outcome: str) -> None:
+        """Note that the container has ended."""
+        smach.logdebug(f"The wrapped container ended in {terminal_states} with {container_outcome!r}")
+
+    def publish_feedback(self, userdata: Any) -> None:
+        """Send what is under `feedback_key`; nothing when the container has no such userdata."""
+        if self._feedback_key in userdata:  # upstream raises, and its container logs that at each transition
+            self._action_server.feedback(userdata[self._feedback_key])
+
+    # --- the server's callbacks ---
+
+    def execute_cb(self, goal: Any) -> None:
+        """Execute the container for one goal, and end the goal."""
+        self._take(goal)
+        container = self.wrapped_container
+        try:
+            inputs, outputs = container.get_registered_input_keys(), container.get_registered_output_keys()
+            outcome = container.execute(smach.Remapper(self.userdata, inputs, outputs, {}))
+            result = self._result()
+        except Exception:  # noqa: BLE001 - whatever it was, the client gets an end of its goal
+            smach.logerr(f"Executing the container of {self._server_name!r} raised: {traceback.format_exc()}")
+            self._action_server.end("aborted")
+            return
+        if outcome in self._succeeded_outcomes:
+            self._action_server.end("succeeded", result)
+        elif outcome in self._preempted_outcomes:
+            self._action_server.end("preempted", result)
+        else:
+            self._action_server.end("aborted", result)
+
+    def _take(self, goal: Any) -> None:
+        if self._expand_goal_slots:
+            for slot in fields(goal):
+                self.userdata[slot] = getattr(goal, slot)
+                if settings.ros2:
+                    self.wrapped_container.register_input_keys([slot])
+        self.userdata[self._goal_key] = goal
+        for slot, key in self._goal_slots_map.items():
+            self.userdata[key] = getattr(goal, slot)
+
+    def _result(self) -> Any:
+        result = self.userdata[self._result_key]
+        for slot, key in self._result_slots_map.items():
+            setattr(result, slot, self.userdata[key])
+        if self._pack_result_slots:
+            for slot in fields(result):
+                if slot in self.userdata:
+                    setattr(result, slot, self.userdata[slot])
+        return result
+
+    def preempt_cb(self) -> None:
+        """Ask the container to stop: its goal was canceled, or another one came."""
+        smach.loginfo(f"Preempt of the state machine behind {self._server_name!r} requested")
+        self.wrapped_container.request_preempt()

@@ -1,0 +1,34 @@
+"""`RosState`: a state with a node, as the ROS 2 branch has it; in ROS 1's style it has none."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from grip_bt.smach_compat import State
+
+from ._connection import ros
+from ._signature import with_optional_node
+
+__all__ = ["RosState"]
+
+
+class RosState(State):
+    """A state that may have a node.
+
+    Args:
+        node: an rclpy node, first or by name; none in ROS 1's style.
+        **kwargs: outcomes and keys, see `State`.
+    """
+
+    @with_optional_node
+    def __init__(self, *args: Any, **kwargs: Any):
+        super().__init__(*args, **kwargs)
+
+    @property
+    def node(self) -> Any:
+        """The node that it was given, or None."""
+        return self._node  # type: ignore[attr-defined]
+
+    def _full_name(self, name: str) -> str:
+        """Return a name as the node would resolve it."""
+        return ros().name_of(name, self.node)

@@ -1,0 +1,267 @@
+"""`SimpleActionState`: sends a goal to an action server and waits for its end."""
+
+from __future__ import annotations
+
+import threading
+import traceback
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from grip_bt import smach_compat as smach
+from grip_bt.smach_compat._settings import settings
+from grip_bt.smach_compat.user_data import NOTHING
+
+from ._connection import ros, seconds
+from ._messages import fields, new_goal, new_result
+from ._signature import with_optional_node
+from ._user_code import user_code
+from .ros_state import RosState
+
+__all__ = ["SimpleActionState"]
+
+SLICE = 1.0
+"""How long to wait for the server before saying so [s]."""
+WATCH = 0.1
+"""How often time-outs are looked at [s]."""
+
+
+class SimpleActionState(RosState):
+    """Sends one goal: `succeeded`, `aborted`, `preempted`, or what the result's callback returns.
+
+    The goal is `goal` (kept, and changed by what follows) or what is under `goal_key`; then its fields `goal_slots` are
+    taken from userdata; then `goal_cb(userdata, goal, ...)` may change it or return another. The result goes to
+    `result_cb(userdata, status, result)`, then under `result_key`, then its fields `result_slots` to userdata.
+
+    Args:
+        action_name: its name.
+        action_spec: its type, of ROS 1 (`TestAction`) or ROS 2.
+        goal: the goal, if it is always the same.
+        goal_key: userdata that holds the goal.
+        goal_slots: fields of the goal that are taken from userdata of the same names.
+        goal_cb: see above; with `goal_cb_args`, `goal_cb_kwargs`.
+        result_key: userdata that gets the result.
+        result_slots: fields of the result that go to userdata of the same names.
+        result_cb: see above. `result_cb_args` and `result_cb_kwargs` have no effect, as upstream.
+        input_keys: userdata that it reads besides.
+        output_keys: userdata that it writes besides.
+        outcomes: further outcomes, that `result_cb` may return.
+        exec_timeout: cancel the goal after this time (a duration or [s]); the outcome is `aborted`.
+        preempt_timeout: how long to wait for the end of a goal that was canceled; only with the setting
+            `honour_preempt_timeout` or profile `ros2`, since noetic waits for ever.
+        server_wait_timeout: how long to wait for the server; then `aborted`.
+        feedback_cb: called with feedback as `feedback_cb(userdata, feedback, ...)`.
+    """
+
+    WAITING_FOR_SERVER, INACTIVE, ACTIVE, PREEMPTING, COMPLETED = range(5)
+
+    @with_optional_node
+    def __init__(
+        self,
+        action_name: str,
+        action_spec: Any,
+        goal: Any = None,
+        goal_key: str | None = None,
+        goal_slots: list[str] = NOTHING,
+        goal_cb: Callable[..., Any] | None = None,
+        goal_cb_args: Any = NOTHING,
+        goal_cb_kwargs: Mapping[str, Any] | None = None,
+        result_key: str | None = None,
+        result_slots: list[str] = NOTHING,
+        result_cb: Callable[..., Any] | None = None,
+        result_cb_args: Any = NOTHING,
+        result_cb_kwargs: Mapping[str, Any] | None = None,
+        input_keys: list[str] = NOTHING,
+        output_keys: list[str] = NOTHING,
+        outcomes: list[str] = NOTHING,
+        exec_timeout: Any = None,
+        preempt_timeout: Any = 60.0,
+        server_wait_timeout: Any = 60.0,
+        feedback_cb: Callable[..., Any] | None = None,
+        feedback_cb_args: Any = NOTHING,
+        feedback_cb_kwargs: Mapping[str, Any] | None = None,
+    ):
+        smach.State.__init__(self, outcomes=["succeeded", "aborted", "preempted"])
+        self._action_name, self._action_spec = action_name, action_spec
+        if goal is not None and callable(goal):
+            raise smach.InvalidStateError(f"The goal of {action_name!r} is a function; give it as goal_cb")
+        _check_slots("goal", goal_slots, new_goal(action_spec))
+        _check_slots("result", result_slots, new_result(action_spec))
+        self._goal = new_goal(action_spec) if goal is None else goal
+        self._goal_key, self._goal_slots = goal_key, goal_slots
+        self._result_key, self._result_slots = result_key, result_slots
+
+        keys = (input_keys, output_keys)
+        self._goal_cb = user_code(self, "goal callback", goal_cb, goal_cb_args, goal_cb_kwargs or {}, keys)
+        self._feedback_cb = user_code(
+            self, "feedback callback", feedback_cb, feedback_cb_args, feedback_cb_kwargs or {}, keys
+        )
+        self._result_cb = user_code(self, "result callback", result_cb, (), {}, keys)
+        if smach.has_smach_interface(result_cb):
+            self.register_outcomes(result_cb.get_registered_outcomes())  # type: ignore[union-attr]
+        self.register_input_keys([*([goal_key] if goal_key is not None else []), *goal_slots, *input_keys])
+        self.register_output_keys([*([result_key] if result_key is not None else []), *result_slots, *output_keys])
+        self.register_outcomes(outcomes)
+
+        self._exec_timeout = exec_timeout
+        self._preempt_timeout = preempt_timeout
+        self._server_wait_timeout = server_wait_timeout
+        self._status = self.WAITING_FOR_SERVER
+        self._goal_status: int = 0
+        self._goal_result: Any = None
+        self._ending = ""
+        self._done_cond = threading.Condition()
+        self._action_client = ros().action_client(self._full_name(action_name), action_spec)
+        # noetic looks for the server from here on, in a thread: its time runs from the construction.
+        self._server_deadline = ros().now() + seconds(server_wait_timeout)
+
+    # --- the server ---
+
+    def execute(self, ud: Any) -> str:
+        """Send the goal and wait until it has ended.
+
+        Raises:
+            KeyError: `goal_key` or one of `goal_slots` isn't in userdata.
+        """
+        ready = self._wait_for_server()
+        if self.preempt_requested():
+            smach.loginfo(f"Preempted before sending a goal to {self._action_name!r}.")
+            self.service_preempt()
+            return "preempted"
+        if not ready:
+            smach.logerr(f"There is no server of the action {self._action_name!r}.")
+            return "aborted"
+        self._status = self.INACTIVE
+        if not self._make_goal(ud):
+            return "aborted"
+        self._run_goal(ud)
+        return self._conclude(ud)
+
+    def _wait_for_server(self) -> bool:
+        clock = ros()
+        begin, limit = clock.now(), seconds(self._server_wait_timeout)
+        deadline = begin + limit
+        if not settings.ros2 and self._status == self.WAITING_FOR_SERVER and begin < self._server_deadline:
+            deadline = self._server_deadline
+        while not self.preempt_requested() and not clock.is_shutdown():
+            if self._action_client.wait(min(WATCH, max(0.0, deadline - clock.now()))):
+                return True
+            if clock.now() >= deadline:
+                return False
+            if clock.now() - begin > SLICE:
+                smach.logwarn(f"Still waiting for the action server {self._action_name!r}; is it running?")
+                begin = clock.now()
+        return False
+
+    def _make_goal(self, ud: Any) -> bool:
+        if self._goal_key is not None:
+            self._goal = ud[self._goal_key]
+        for key in self._goal_slots:
+            setattr(self._goal, key, ud[key])
+        try:
+            changed = self._goal_cb(ud, self._goal)
+        except Exception:  # noqa: BLE001 - upstream: the state ends as aborted
+            smach.logerr(f"The goal callback of {self._action_name!r} raised: {traceback.format_exc()}")
+            return False
+        if changed is not None:
+            self._goal = changed
+        if self._goal is None:
+            smach.logerr(f"The action {self._action_name!r} has no goal: give goal, goal_key, goal_slots or goal_cb")
+            return False
+        return True
+
+    # --- the goal under way ---
+
+    def _run_goal(self, ud: Any) -> None:
+        clock = ros()
+        activated, canceled = clock.now(), None
+        self._ending, self._goal_result = "", None
+        self._status = self.ACTIVE
+        self._action_client.send(self._goal, self._goal_done_cb, lambda message: self._goal_feedback_cb(ud, message))
+        if self.preempt_requested():  # it came between the last look and the sending
+            self._action_client.cancel()
+        with self._done_cond:
+            while not self._ending:
+                self._done_cond.wait(WATCH if self._watched() else None)
+                if self._ending:
+                    break
+                if self.preempt_requested() and canceled is None:
+                    canceled = clock.now()
+                self._look_at_time(clock.now(), activated, canceled)
+        self._status = self.INACTIVE
+
+    def _watched(self) -> bool:
+        return self._exec_timeout is not None or (self._gives_up and self.preempt_requested())
+
+    @property
+    def _gives_up(self) -> bool:
+        """Whether it stops waiting for a server that doesn't obey."""
+        return settings.ros2 or settings.honour_preempt_timeout
+
+    def _look_at_time(self, now: float, activated: float, canceled: float | None) -> None:
+        if self._exec_timeout is not None and now - activated > seconds(self._exec_timeout):
+            smach.logwarn(f"Action {self._action_name!r} timed out after {seconds(self._exec_timeout)} s.")
+            self._action_client.cancel()
+        if self._gives_up and canceled is not None and now - canceled > seconds(self._preempt_timeout):
+            smach.logwarn(f"Action {self._action_name!r} didn't stop within {seconds(self._preempt_timeout)} s.")
+            self._ending = "lost"
+
+    def _goal_done_cb(self, ending: str, status: int, result: Any) -> None:
+        with self._done_cond:
+            if self._status == self.ACTIVE:
+                self._ending, self._goal_status, self._goal_result = ending, status, result
+                self._done_cond.notify_all()
+
+    def _goal_feedback_cb(self, ud: Any, message: Any) -> None:
+        self._feedback_cb(ud, message)
+
+    def request_preempt(self) -> None:
+        """Cancel the goal; the state ends when the server has."""
+        smach.loginfo(f"Preempt requested on action {self._action_name!r}")
+        super().request_preempt()
+        if self._status == self.ACTIVE:
+            self._action_client.cancel()
+            if self._gives_up:
+                with self._done_cond:
+                    self._done_cond.notify_all()  # from now on there is a time to be looked at
+
+    # --- its end ---
+
+    def _conclude(self, ud: Any) -> str:
+        try:
+            chosen = self._result_cb(ud, self._goal_status, self._goal_result)
+        except Exception:  # noqa: BLE001 - upstream: the state ends as aborted
+            smach.logerr(f"The result callback of {self._action_name!r} raised: {traceback.format_exc()}")
+            return "aborted"
+        if chosen is not None and chosen not in self.get_registered_outcomes():
+            smach.logerr(
+                f"The result callback of {self._action_name!r} returned {chosen!r}, but the outcomes are "
+                f"{list(self.get_registered_outcomes())}; declare it by outcomes=[...] of the state or of cb_interface"
+            )
+            return "aborted"
+        if self._result_key is not None:
+            ud[self._result_key] = self._goal_result
+        if self._goal_result is not None:
+            for key in self._result_slots:
+                ud[key] = getattr(self._goal_result, key)
+        outcome = self._outcome()
+        return outcome if chosen is None else chosen
+
+    def _outcome(self) -> str:
+        """Return the outcome by the goal's end alone, and answer a request to stop that it has obeyed."""
+        if settings.ros2:
+            if self.preempt_requested():
+                self.service_preempt()
+                return "preempted"
+            return {"succeeded": "succeeded", "aborted": "preempted"}.get(self._ending, "aborted")
+        if self._ending == "succeeded":
+            return "succeeded"
+        if self._ending == "preempted" and self.preempt_requested():
+            self.service_preempt()
+            return "preempted"
+        return "aborted"
+
+
+def _check_slots(what: str, slots: list[str], message: Any) -> None:
+    unknown = [slot for slot in slots if slot not in fields(message)]
+    if unknown:
+        raise smach.InvalidStateError(f"{what}_slots has {unknown}, but the {what} has {list(fields(message))}")
