@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from grip_bt.errors import GripError
 
-from . import import_pytrees
+from . import import_btcpp, import_pytrees
 
 if TYPE_CHECKING:
     from grip_bt.smach_import import ImportedFile
@@ -19,12 +19,15 @@ if TYPE_CHECKING:
 
 def add_parser(subparsers: Any) -> None:
     """Add the verb."""
-    parser = subparsers.add_parser("import", help="tasks from elsewhere: SMACH machines, py_trees trees")
+    parser = subparsers.add_parser(
+        "import", help="tasks from elsewhere: SMACH machines, py_trees and BehaviorTree.CPP trees"
+    )
     parser.add_argument(
         "path",
         type=Path,
         metavar="PATH",
-        help="smach: a Python file, or a folder of them; pytrees: an XML file, or module:factory with --execute",
+        help="smach: a Python file, or a folder of them; pytrees: an XML file, or module:factory with --execute;"
+        " btcpp: an XML file of version 4",
     )
     parser.add_argument("--from", dest="source", required=True, choices=sorted(IMPORTERS), help="what it is")
     parser.add_argument(
@@ -34,7 +37,7 @@ def add_parser(subparsers: Any) -> None:
         metavar="OUT",
         help="a .yaml file for one task, a folder for several; without it smach writes nothing, the others stdout",
     )
-    parser.add_argument("--machine", metavar="NAME", help="only this one of several machines")
+    parser.add_argument("--machine", metavar="NAME", help="only this one of several machines, or trees")
     parser.add_argument(
         "--execute",
         action="store_true",
@@ -143,6 +146,7 @@ def _stem(imported: ImportedFile, name: str) -> str:
 
 # Each source is one entry; what it needs is imported when it is asked for.
 IMPORTERS: dict[str, Callable[[argparse.Namespace], int]] = {
+    "btcpp": import_btcpp.run,
     "smach": import_smach,
     "pytrees": import_pytrees.run,
 }

@@ -7,7 +7,7 @@ from xml.parsers import expat
 
 from grip_bt.errors import DocumentError
 
-LARGEST, DEEPEST = 4_000_000, 120
+LARGEST, DEEPEST, LONGEST_TEXT = 4_000_000, 120, 10_000
 
 
 @dataclass
@@ -18,13 +18,15 @@ class Element:
         tag: its name.
         attributes: by name, in order.
         line: where it begins, from 1.
-        children: its elements; text and comments are left out.
+        children: its elements; comments are left out.
+        text: the characters in it, up to `LONGEST_TEXT`.
     """
 
     tag: str
     attributes: dict[str, str]
     line: int
     children: list[Element] = field(default_factory=list)
+    text: str = ""
 
     def error(self, message: str, source: str) -> DocumentError:
         """Return an error that names this element and its place."""
@@ -55,11 +57,16 @@ def read_elements(text: str, source: str) -> Element:
     def end(tag: str) -> None:
         stack.pop()
 
+    def characters(text: str) -> None:
+        if len(stack[-1].text) < LONGEST_TEXT:
+            stack[-1].text += text
+
     def refuse(*what: object) -> None:
         raise DocumentError("a document type (<!DOCTYPE ...>) isn't read; remove it", source, parser.CurrentLineNumber)
 
     parser.StartElementHandler, parser.EndElementHandler = start, end
     parser.StartDoctypeDeclHandler = refuse
+    parser.CharacterDataHandler, parser.buffer_text = characters, True
     try:
         parser.Parse(text, True)
     except expat.ExpatError as error:

@@ -1,0 +1,66 @@
+"""`grip import --from btcpp`: a tree of BehaviorTree.CPP 4, and manifests for the node types that it brings along."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from grip_bt.errors import GripError
+
+from .fmt import replace_text
+from .import_pytrees import write_task
+
+if TYPE_CHECKING:
+    from grip_bt.catalog import Manifest
+
+HEADER = """\
+# Made by `grip import --from btcpp` from {origin}, once; it is yours to edit.
+# The file says which ports this node has, and not what it does: write the class, a subclass of grip_bt.nodes.Leaf,
+# in leaf.py beside this file. Until then a task that uses it can be checked, but not run.
+"""
+
+
+def run(args: argparse.Namespace) -> int:
+    """Import one tree; its task goes to a file or to stdout, what to know about it to stderr."""
+    from grip_bt.app.project import find_project
+    from grip_bt.compilers.btcpp import from_xml
+    from grip_bt.graph.document import read_file
+
+    if args.execute or args.arguments is not None:
+        args.usage_error("--execute and --arguments are for Python code; an XML file is only read")
+    text = read_file(args.path)
+    around = find_project(args.path)
+    bound = around.folder if (around.folder / "grip.yaml").is_file() else args.path.resolve().parent
+    catalog = find_project(args.output or args.path).catalog()
+    imported = from_xml(text, catalog, str(args.path), args.path.resolve().parent, bound, args.machine or "")
+    for remark in imported.remarks:
+        print(remark, file=sys.stderr)
+    write_task(imported, args.output, f"{args.path}", "btcpp")
+    if imported.manifests:
+        _provide(imported.manifests, args.output, args.path.name)
+    return 0
+
+
+def _provide(manifests: tuple[Manifest, ...], output: Path | None, origin: str) -> None:
+    """Write a manifest for each node type, in a folder of its own among the project's nodes."""
+    from grip_bt.app.project import find_project
+    from grip_bt.codegen.manifest_text import manifest_text
+
+    names = ", ".join(manifest.id for manifest in manifests)
+    if output is None:
+        print(f"the catalogue doesn't have {names}; with -o, manifests for them are written too", file=sys.stderr)
+        return
+    project = find_project(output.parent if output.suffix in (".yaml", ".yml") else output)
+    for manifest in manifests:
+        file = project.folder / (project.file.nodes or "nodes") / manifest.id / "manifest.yaml"
+        try:
+            if file.exists():
+                raise GripError(f"{file} is there and isn't of {manifest.id}; move it")
+            file.parent.mkdir(parents=True, exist_ok=True)
+            replace_text(file, manifest_text(manifest, HEADER.format(origin=origin)))
+        except OSError as error:
+            raise GripError(f"{file}: can't be written: {error.strerror or error}") from error
+        print(f"wrote {file}", file=sys.stderr)
+    print(f"the code of {names} is to be provided: a leaf.py beside each manifest", file=sys.stderr)

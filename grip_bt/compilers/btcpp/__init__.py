@@ -1,0 +1,6 @@
+"""BehaviorTree.CPP 4's XML, in and out: what it can say of a task, exactly, and nothing else."""
+
+from .importer import from_xml
+from .result import ImportedFile
+
+__all__ = ["ImportedFile", "from_xml"]

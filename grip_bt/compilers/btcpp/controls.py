@@ -1,0 +1,246 @@
+"""Control nodes of BT.CPP as containers of a task."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from ..pytrees_xml.elements import Element
+from .making import FAIL, SKIPPED, SUCCEED, Keys, Made, Skipping, container, in_turn, named, set_to, skip, switch
+from .names import key_of
+from .reading import Reading, Where
+
+Reader = Callable[[Reading, Element, Where], Made]
+
+
+def _series(kind: str, memory: bool) -> Reader:
+    def read(reading: Reading, element: Element, where: Where) -> Made:
+        goes_on = "success" if kind == "sequence" else "failure"
+        children = reading.children(element, where.as_(goes_on))
+        more: Keys = {} if memory else {"memory": False}
+        if not all(child.skips for child in children):
+            return container(kind, named(children), **more)
+        if len(children) == 1:
+            only = named(children)
+            return container(kind, only, Skipping.of(where.meaning, only), **more)
+        return _all_may_skip(reading, kind, children, where, more)
+
+    return read
+
+
+def _all_may_skip(reading: Reading, kind: str, children: list[Made], where: Where, more: Keys) -> Made:
+    """Return a series that is skipped when all of its children were: a variable says whether one wasn't."""
+    ran = reading.variable("any_ran", where, "bool", False)
+    told = []
+    for child in children:
+        note = set_to(ran, True)
+        if kind == "fallback":
+            note = Made({"kind": "force", "as": "failure", "child": {"then": note.keys}}, instant=True)
+        made = container(
+            kind, {"do": child, "ran": note}, Skipping.of("success" if kind == "sequence" else "failure", {"do": child})
+        )
+        told.append(Made(made.keys, True, child.name, child.instant))
+    end = Made(dict(SUCCEED if kind == "sequence" else FAIL), instant=True)
+    last = switch(ran, {"ended": True}, {"ended": end, "skip": skip()}, where.meaning, default="skip")
+    last.name = "any_ran"
+    first = set_to(ran, False)
+    if kind == "fallback":
+        first = Made({"kind": "force", "as": "failure", "child": {"begin": first.keys}}, instant=True)
+    first.name = "begin"
+    all_of = named([first, *told, last])
+    name_of_last = list(all_of)[-1]
+    return container(kind, all_of, Skipping.of(where.meaning, {name_of_last: last}), **more)
+
+
+def _async(kind: str) -> Reader:
+    """Return the reader of a series that gives the rest of the tree a tick after each child."""
+
+    def read(reading: Reading, element: Element, where: Where) -> Made:
+        goes_on, ends = ("success", "failure") if kind == "sequence" else ("failure", "success")
+        children = reading.children(element, where.as_(goes_on))
+        if all(child.skips for child in children):
+            reading.refuse(element, where, "all of its children may be skipped; use it without `Async`, or add one")
+        for child in children:
+            child.name = f"{child.name}_" if child.name in ("success", "failure") else child.name
+        by_name = named(children)
+        names = list(by_name)
+        for name, after in zip(names, [*names[1:], goes_on], strict=True):
+            on = {goes_on: after, ends: ends, **({SKIPPED: after} if by_name[name].skips else {})}
+            by_name[name].keys = {**by_name[name].keys, "on": on}
+        keys = {"kind": "state_machine", "initial": names[0], "outcomes": {"success": "success", "failure": "failure"}}
+        return Made({**keys, "children": {name: child.keys for name, child in by_name.items()}})
+
+    return read
+
+
+def _with_memory(reading: Reading, element: Element, where: Where) -> Made:
+    """SequenceWithMemory: a variable keeps the place over a failure and over a halt."""
+    children = reading.children(element, where.as_("success"))
+    if all(child.skips for child in children):
+        reading.refuse(element, where, "all of its children may be skipped; add one that may not")
+    place = reading.variable(f"{element.attributes.get('name', 'sequence')}_at", where, "int", 0)
+    steps = []
+    for number, child in enumerate(children, 1):
+        step = container("sequence", {"do": child, "next": set_to(place, number)})
+        made = switch(
+            f"{place} < {number}",
+            {"step": True},
+            {"step": step, "done": Made(dict(SUCCEED), instant=True)},
+            "success",
+            default="done",
+        )
+        made.name = child.name
+        steps.append(made)
+    begin = set_to(place, 0)
+    begin.name = "from the beginning"
+    return in_turn([*steps, begin], element.tag) if children else Made(dict(SUCCEED))
+
+
+def _parallel(reading: Reading, element: Element, where: Where) -> Made:
+    children = _unskipped(reading, element, where)
+    count = len(children)
+    successes = _threshold(reading, element, where, "success_count", "-1", count)
+    failures = _threshold(reading, element, where, "failure_count", "1", count)
+    rules = [
+        {"at_least": successes, "then": "success"},
+        {"at_least": min(failures, count - successes + 1), "ends": "failure", "then": "failure"},
+    ]
+    return container("parallel", named(children), rules=rules, prompt=True, order="declared")
+
+
+def _parallel_all(reading: Reading, element: Element, where: Where) -> Made:
+    children = _unskipped(reading, element, where)
+    most = _threshold(reading, element, where, "max_failures", "1", len(children))
+    rules = [{"at_least": most, "ends": "failure", "then": "failure"}, {"then": "success"}]
+    return container("parallel", named(children), rules=rules, wait_for="all", order="declared")
+
+
+def _unskipped(reading: Reading, element: Element, where: Where) -> list[Made]:
+    children = reading.children(element, where)
+    for child, below in zip(children, element.children, strict=True):
+        if child.skips:
+            reading.refuse(
+                below, where, f"may be skipped inside of a {element.tag}, which would ask it again each tick"
+            )
+    return children
+
+
+def _threshold(reading: Reading, element: Element, where: Where, port: str, default: str, count: int) -> int:
+    said = reading.number(element, where, port, default)
+    number = said if said >= 0 else max(count + said + 1, 0)
+    if not 1 <= number <= count:
+        reading.refuse(
+            element,
+            where,
+            f"`{port}` is {said}, and there are {count} children; it has to be 1 to {count}, or negative",
+        )
+    return number
+
+
+def _if_then_else(reading: Reading, element: Element, where: Where) -> Made:
+    children = reading.children(element, where, 2, 3)
+    condition, then = children[0], children[1]
+    if condition.skips:
+        reading.refuse(element.children[0], where, "a condition that may be skipped is an error in BT.CPP")
+    parts = named(children)
+    names = list(parts)
+    chosen = {name: parts[name] for name in names[:2]}
+    up = Skipping.of(where.meaning, {names[1]: then})
+    if len(children) == 2:
+        return container("sequence", chosen, up)
+    inner = container("sequence", chosen, up)
+    lost = {"outcomes": {**inner.keys.get("outcomes", {}), "then_failed": "failure"}}
+    inner.keys |= {**lost, "exits": {**inner.keys.get("exits", {}), f"{names[1]}.failure": "then_failed"}}
+    up = Skipping.of(where.meaning, {"then": inner, "else": children[2]})
+    made = container("fallback", {"then": inner, "else": children[2]}, up)
+    made.keys["exits"] = {**made.keys.get("exits", {}), "then.then_failed": "failure"}
+    return made
+
+
+def _while_do_else(reading: Reading, element: Element, where: Where) -> Made:
+    children = reading.children(element, where, 2, 3)
+    condition = children[0]
+    if condition.skips:
+        reading.refuse(element.children[0], where, "a condition that may be skipped is no condition")
+    if not condition.instant:
+        reading.remark(element, where, "its condition is taken to end in the tick in which it begins")
+    if len(children) == 2:
+        parts = named(children)
+        up = Skipping.of(where.meaning, {list(parts)[1]: children[1]})
+        return container("sequence", parts, up, memory=False)
+    holds = reading.variable("holds", where, "bool", False)
+    yes = container("sequence", {"ask": condition, "yes": set_to(holds, True)})
+    asked = container("fallback", {"yes": yes, "no": set_to(holds, False)})
+    ways = {"do": children[1], "else": children[2]}
+    turn = switch(holds, {"do": True}, ways, where.meaning, default="else", memory=False)
+    return container("sequence", {"ask": asked, "then": turn}, Skipping.of(where.meaning, {"then": turn}), memory=False)
+
+
+def _switch(cases: int) -> Reader:
+    def read(reading: Reading, element: Element, where: Where) -> Made:
+        children = reading.children(element, where, cases + 1, cases + 1)
+        text = element.attributes.get("variable", "")
+        key = key_of(text, "variable")
+        if key is None:
+            reading.refuse(element, where, f"`variable` has to be a key in braces, not {text!r}")
+        variable = where.board.variable(key)
+        entry = where.board.variables.every[variable]
+        entry.read.append("Any")
+        parts = named(children)
+        literals: dict[str, Any] = {}
+        taken: list[str] = []
+        for number, name in zip(range(1, cases + 1), parts, strict=False):
+            said = reading.said(element, where, f"case_{number}")
+            if said in taken:
+                reading.refuse(element, where, f"`case_{number}` is {said!r} again")
+            taken.append(said)
+            with reading.refusing(element, where):
+                literals[name] = _case(said, entry.type)
+        return switch(variable, literals, parts, where.meaning, default=list(parts)[-1], memory=False)
+
+    return read
+
+
+def _case(text: str, kind: str) -> Any:
+    """Return the literal of a case; BT.CPP compares as texts, then as numbers."""
+    try:
+        number: int | None = int(text)
+    except ValueError:
+        number = None
+    if kind in ("bool", "float"):
+        raise ValueError(f"a Switch over a {kind} compares its text; switch over a text or a whole number")
+    if kind == "int":
+        if number is None:
+            raise ValueError(f"the case {text!r} for a whole number: an enum's word isn't known here, write its number")
+        return number
+    return text if number is None or kind == "str" else [text, number]
+
+
+def _try_catch(reading: Reading, element: Element, where: Where) -> Made:
+    if element.attributes.get("catch_on_halt", "false") not in ("false", "0"):
+        reading.refuse(element, where, "`catch_on_halt` runs a node while everything is halted; nothing here does")
+    count = len(element.children)
+    children = reading.children(element, where.as_("success"), 2)
+    tried = children[:-1]
+    if all(child.skips for child in tried):
+        reading.refuse(element, where, f"all of the first {count - 1} children may be skipped; add one that may not")
+    caught = Made({"kind": "force", "as": "failure", "child": {"do": children[-1].keys}}, instant=children[-1].instant)
+    return container("fallback", {"try": in_turn(tried, "try"), "catch": caught})
+
+
+CONTROLS: dict[str, tuple[Reader, tuple[str, ...]]] = {
+    "Sequence": (_series("sequence", True), ()),
+    "Fallback": (_series("fallback", True), ()),
+    "ReactiveSequence": (_series("sequence", False), ()),
+    "ReactiveFallback": (_series("fallback", False), ()),
+    "AsyncSequence": (_async("sequence"), ()),
+    "AsyncFallback": (_async("fallback"), ()),
+    "SequenceWithMemory": (_with_memory, ()),
+    "Parallel": (_parallel, ("success_count", "failure_count")),
+    "ParallelAll": (_parallel_all, ("max_failures",)),
+    "IfThenElse": (_if_then_else, ()),
+    "WhileDoElse": (_while_do_else, ()),
+    "TryCatch": (_try_catch, ("catch_on_halt",)),
+    **{f"Switch{n}": (_switch(n), ("variable", *(f"case_{i}" for i in range(1, n + 1)))) for n in range(2, 7)},
+}
+"""Tag -> its reader and its ports."""

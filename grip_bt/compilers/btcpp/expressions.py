@@ -1,0 +1,200 @@
+"""Scripts of BT.CPP as expressions of a task, exactly: what would come to something else is refused.
+
+BT.CPP computes in doubles and compares numbers up to a single float's epsilon; truth values are numbers there. Here
+whole numbers stay whole, which is the same up to 2**53, and truth values are no numbers.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from . import script as s
+
+EPSILON = 1.1920928955078125e-07
+"""Of a single float: numbers that are no further apart are equal to BT.CPP."""
+LARGEST = 2**53
+NUMBERS = ("int", "float")
+_OR, _AND, _NOT, _COMPARE, _SUM, _PRODUCT, _SIGN, _ATOM = range(8)
+_FLIPPED = {"==": "==", "!=": "!="}
+
+
+class Inexact(ValueError):
+    """An expression has no exact equal; the message says which part, and what to do."""
+
+
+@dataclass(frozen=True)
+class Value:
+    """An expression of a task.
+
+    Attributes:
+        text: how it is written.
+        type: `bool`, `int`, `float`, `str`, or `Any` where it isn't known.
+        level: how tightly its outermost operator binds.
+        literal: it is one.
+    """
+
+    text: str
+    type: str
+    level: int = _ATOM
+    literal: bool = False
+
+    def within(self, level: int) -> str:
+        """Return the text as an operand of an operator that binds like `level`."""
+        return self.text if self.level >= level else f"({self.text})"
+
+
+@dataclass
+class Translator:
+    """Writes scripts as expressions.
+
+    Attributes:
+        name_of: blackboard key -> how the expression calls it.
+        type_of: blackboard key -> type of its variable.
+        notes: what to know about what was written.
+    """
+
+    name_of: Callable[[str], str]
+    type_of: Callable[[str], str]
+    notes: list[str] = field(default_factory=list)
+
+    def condition(self, script: s.Script) -> Value:
+        """Return the expression that is true where BT.CPP casts the script's value to true.
+
+        Raises:
+            Inexact: there is none.
+        """
+        value = self.value(script)
+        if value.type == "bool":
+            return value
+        if value.type == "str":
+            raise Inexact(f"the text {value.text} as a condition; compare it with something")
+        return Value(f"{value.within(_SUM)} != 0", "bool", _COMPARE)
+
+    def value(self, script: s.Script) -> Value:
+        """Return the expression that comes to the script's value.
+
+        Raises:
+            Inexact: there is none.
+        """
+        match script:
+            case s.Literal(value=value):
+                return literal(value)
+            case s.Name(name=name):
+                kind = self.type_of(name)
+                return Value(self.name_of(name), kind if kind in ("bool", "int", "float", "str") else "Any")
+            case s.Unary(sign="-", operand=operand):
+                return self._negative(operand)
+            case s.Unary(sign="!", operand=operand):
+                return Value(f"not {self.condition(operand).within(_NOT)}", "bool", _NOT)
+            case s.Binary(sign="&&" | "||"):
+                return self._logic(script)
+            case s.Binary(sign="+" | "-" | "*" | "/"):
+                return self._arithmetic(script)
+            case s.Binary(sign=".."):
+                return self._joined(script)
+            case s.Comparison():
+                return self._comparison(script)
+            case s.Ternary():
+                return self._chosen(script)
+            case s.Assignment(target=target):
+                raise Inexact(f"the assignment to {target!r} inside of an expression; make it a statement of its own")
+        sign = script.sign if isinstance(script, s.Unary | s.Binary) else "?"
+        raise Inexact(f"the bit operator `{sign}`, which expressions of a task don't have; use a leaf of your own")
+
+    def _negative(self, operand: s.Script) -> Value:
+        if isinstance(operand, s.Literal) and not isinstance(operand.value, bool | str):
+            return literal(-operand.value)
+        value = self._number(operand, "-")
+        return Value(f"-{value.within(_SIGN)}", value.type, _SIGN)
+
+    def _logic(self, script: s.Binary) -> Value:
+        level, word = (_AND, "and") if script.sign == "&&" else (_OR, "or")
+        left, right = self.condition(script.left), self.condition(script.right)
+        return Value(f"{left.within(level)} {word} {right.within(level + 1)}", "bool", level)
+
+    def _arithmetic(self, script: s.Binary) -> Value:
+        if script.sign == "+" and "str" in (self.value(script.left).type, self.value(script.right).type):
+            return self._joined(script)
+        left, right = self._number(script.left, script.sign), self._number(script.right, script.sign)
+        level = _SUM if script.sign in "+-" else _PRODUCT
+        if script.sign == "/":
+            if right.literal and float(right.text) == 0:
+                raise Inexact("a division by zero, which is infinity in BT.CPP and an error here")
+            if not right.literal:
+                self.notes.append(
+                    f"a division by `{right.text}`: where that is 0 the run ends as an error, not at infinity"
+                )
+        types = {left.type, right.type}
+        kind = "float" if script.sign == "/" or "float" in types else "int" if types == {"int"} else "Any"
+        return Value(f"{left.within(level)} {script.sign} {right.within(level + 1)}", kind, level)
+
+    def _number(self, script: s.Script, sign: str) -> Value:
+        value = self.value(script)
+        if value.type in ("bool", "str"):
+            what = "truth value" if value.type == "bool" else "text"
+            raise Inexact(f"the {what} {value.text} as an operand of `{sign}`, which is for numbers here")
+        return value
+
+    def _joined(self, script: s.Binary) -> Value:
+        parts = [part.value for part in (script.left, script.right) if isinstance(part, s.Literal)]
+        if len(parts) == 2 and all(isinstance(part, str) for part in parts):
+            return literal("".join(map(str, parts)))
+        raise Inexact("joining texts, which expressions of a task don't do; use a leaf of your own")
+
+    def _comparison(self, script: s.Comparison) -> Value:
+        values = [self.value(operand) for operand in script.operands]
+        pairs = [self._pair(a, sign, b) for a, sign, b in zip(values, script.signs, values[1:], strict=False)]
+        if len(pairs) == 1 or any(pair.startswith("abs(") for pair in pairs):
+            return Value(" and ".join(pairs), "bool", _COMPARE if len(pairs) == 1 else _AND)
+        text = values[0].within(_SUM)
+        for sign, value in zip(script.signs, values[1:], strict=True):
+            text += f" {sign} {value.within(_SUM)}"
+        return Value(text, "bool", _COMPARE)
+
+    def _pair(self, left: Value, sign: str, right: Value) -> str:
+        types = {left.type, right.type}
+        if "str" in types and not types <= {"str", "Any"}:
+            raise Inexact(f"comparing {left.text} with {right.text}: one is a text, the other a number")
+        plain = f"{left.within(_SUM)} {sign} {right.within(_SUM)}"
+        if sign not in _FLIPPED or types <= {"bool", "int", "str"}:
+            return plain
+        if "float" in types:
+            if "bool" in types:
+                raise Inexact(f"comparing {left.text} with {right.text}: one is a truth value, the other a number")
+            near = "<=" if sign == "==" else ">"
+            return f"abs({left.within(_SUM)} - {right.within(_PRODUCT)}) {near} {EPSILON!r}"
+        if "str" not in types:
+            unknown = left.text if left.type == "Any" else right.text
+            self.notes.append(
+                f"`{plain}`: nothing says of which type {unknown!r} is; were it a fraction, BT.CPP would take numbers"
+                " within 1.2e-7 for the same"
+            )
+        return plain
+
+    def _chosen(self, script: s.Ternary) -> Value:
+        condition, then, other = self.condition(script.condition), self.value(script.then), self.value(script.otherwise)
+        if (then.type, other.type) != ("bool", "bool"):
+            raise Inexact("`?:` inside of an expression; assign it to a variable of its own")
+        yes = f"{condition.within(_AND)} and {then.within(_AND + 1)}"
+        return Value(f"{yes} or not {condition.within(_NOT)} and {other.within(_AND + 1)}", "bool", _OR)
+
+
+def literal(value: bool | int | float | str) -> Value:
+    """Return a literal as an expression.
+
+    Raises:
+        Inexact: expressions can't hold it.
+    """
+    if isinstance(value, bool):
+        return Value("true" if value else "false", "bool", literal=True)
+    if isinstance(value, str):
+        quote = '"' if "'" in value else "'"
+        if any(c in value for c in "\\#\n\r\0") or quote in value:
+            raise Inexact(f"the text {value!r}, which an expression can't hold")
+        return Value(f"{quote}{value}{quote}", "str", literal=True)
+    if abs(value) > LARGEST or not math.isfinite(value):
+        raise Inexact(f"the number {value}, beyond 2**53, of which BT.CPP keeps the nearest double")
+    kind = "int" if isinstance(value, int) else "float"
+    return Value(repr(value), kind, _ATOM if value >= 0 else _SIGN, literal=True)

@@ -1,0 +1,27 @@
+"""What comes out of reading a file of BT.CPP."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from grip_bt.catalog import Manifest
+from grip_bt.graph import model
+
+from ..from_tree.result import Remark
+
+
+@dataclass(frozen=True)
+class ImportedFile:
+    """A task made of a file.
+
+    Attributes:
+        task: the document.
+        names: path in the task -> what the node was called, where the task needed another name.
+        remarks: what to know about it.
+        manifests: of the node types that the catalogue doesn't have; their code is still to be written.
+    """
+
+    task: model.Task
+    names: dict[str, str]
+    remarks: tuple[Remark, ...]
+    manifests: tuple[Manifest, ...]
