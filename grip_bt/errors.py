@@ -110,6 +110,21 @@ class SubtaskError(GripError):
         super().__init__(f"subtask {file!r}: {reason}")
 
 
+class RefusedFileError(GripError):
+    """Parts of a file from elsewhere have no exact equal in a task; nothing was made of it.
+
+    Attributes:
+        source: the file.
+        refused: each of them, with its place, and what to do.
+    """
+
+    def __init__(self, source: str, refused: Sequence[Any]):
+        self.source, self.refused = source, tuple(refused)
+        parts = "part has" if len(self.refused) == 1 else "parts have"
+        listed = "".join(f"\n  {refusal}" for refusal in self.refused)
+        super().__init__(f"{source or '<text>'}: {len(self.refused)} {parts} no exact equal in a task:{listed}")
+
+
 class NotExpressibleError(GripError):
     """A compiler can't express a node exactly in the target form; it refuses instead of approximating."""
 
