@@ -132,6 +132,7 @@ class CompiledMachine:
         data: the run's variables.
         by_path: states and containers by path; inside an embedded sub-tree, behaviours.
         leaves: the leaves, by path, in document order.
+        ends: label of the root's end -> outcome of the task, as the document has it.
     """
 
     target = "sm"
@@ -139,6 +140,9 @@ class CompiledMachine:
     def __init__(self, resolved: Resolved, builder: MachineBuilder, machine: smach_compat.StateMachine):
         self._resolved, self._run = resolved, builder.run
         self._root = builder.states["/"]
+        self.ends = {
+            outcome if code is None else f"{outcome}.{code}": target for (_, outcome, code), target in resolved.ends
+        }
         self.task, self.data, self.machine = resolved.task, resolved.scopes, machine
         self._nodes: Mapping[str, Node] = builder.tree.by_path
         self.by_path: dict[str, Any] = {**builder.tree.by_path, **builder.states}
@@ -225,17 +229,13 @@ def to_machine(
     needed = {(outcome, code) for (_, outcome, code), _ in resolved.ends if code is not None}
     root = builder.build(resolved.root, needed)
     machine = smach_compat.StateMachine(list(task.outcomes))
-    row = {
-        label: target
-        for (_, outcome, code), target in resolved.ends
-        for label in [outcome if code is None else f"{outcome}.{code}"]
-    }
+    compiled = CompiledMachine(resolved, builder, machine)
     name = task.name
     while name in task.outcomes:
         name += "'"
     with machine:
-        smach_compat.StateMachine.add(name, root, row)
-    return CompiledMachine(resolved, builder, machine)
+        smach_compat.StateMachine.add(name, root, dict(compiled.ends))
+    return compiled
 
 
 _loggers_lock = threading.Lock()

@@ -39,7 +39,7 @@ def to_task(tree: CompiledTree | Behaviour, name: str = "") -> Imported:
     Raises:
         RefusedTreeError: behaviours have no equal; the error names each with its path and the reason.
     """
-    reader = _Reader(tree if isinstance(tree, CompiledTree) else None)
+    reader = Reader(_documents(tree) if isinstance(tree, CompiledTree) else {})
     root = tree.root if isinstance(tree, CompiledTree) else tree
     keys = reader.node(root, "/")
     if reader.refused:
@@ -54,11 +54,20 @@ def to_task(tree: CompiledTree | Behaviour, name: str = "") -> Imported:
     return Imported(model.Task.model_validate(task), reader.names, tuple(reader.remarks))
 
 
-class _Reader:
-    def __init__(self, compiled: CompiledTree | None):
-        documents = {} if compiled is None else dict(model.walk(compiled.task.root))
-        behaviours = {} if compiled is None else compiled.by_path
-        self.documents = {id(behaviours[path]): node for path, node in documents.items() if path in behaviours}
+def _documents(compiled: CompiledTree) -> dict[int, model.AnyNode]:
+    """Return what the document says of each behaviour, by its `id`."""
+    return {id(compiled.by_path[path]): node for path, node in model.walk(compiled.task.root)}
+
+
+class Reader:
+    """Reads behaviours, one by one.
+
+    Args:
+        documents: what the document says of behaviours that were made of one, by `id`.
+    """
+
+    def __init__(self, documents: Mapping[int, model.AnyNode]):
+        self.documents = documents
         self.names: dict[str, str] = {}
         self.remarks: list[Remark] = []
         self.refused: list[Remark] = []

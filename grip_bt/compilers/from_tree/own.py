@@ -15,11 +15,11 @@ from grip_bt.nodes.node import Node
 from .kinds import NoEqual
 
 
-def from_document(behaviour: Node, document: model.AnyNode) -> dict[str, Any]:
+def from_document(behaviour: Node | None, document: model.AnyNode) -> dict[str, Any]:
     """Return a node's keys as its document has them, without children, with what was changed on the behaviour.
 
     Args:
-        behaviour: the node of the tree.
+        behaviour: the node of the tree; None where something else was made of the document.
         document: what it was made of.
     """
     keys = document.model_dump(by_alias=True, exclude_unset=True, exclude={"children", "child"})

@@ -11,7 +11,7 @@ from typing import Any
 import py_trees
 import pytest
 from parity_generate import make_case
-from parity_world import CATALOG, ScriptedLeaf
+from parity_world import ScriptedLeaf, catalog_of
 from py_trees import behaviours, composites, decorators
 from py_trees.behaviour import Behaviour
 from py_trees.common import OneShotPolicy, ParallelPolicy, Status
@@ -50,9 +50,10 @@ def compiled(root: dict[str, Any], **task: Any) -> CompiledTree:
 def test_a_compiled_task_gives_its_document_back() -> None:
     done = 0
     for seed in range(FIRST, FIRST + TASKS):
-        task = Task.model_validate(make_case(seed)["task"])
+        case = make_case(seed)
+        task = Task.model_validate(case["task"])
         tree = to_tree(
-            task, CATALOG, leaf_factory=lambda p, n, m: ScriptedLeaf(p, p, m, dict(n.with_), dict(n.meaning))
+            task, catalog_of(case), leaf_factory=lambda p, n, m: ScriptedLeaf(p, p, m, dict(n.with_), dict(n.meaning))
         )
         again = to_task(tree)
         assert again.task == task, f"seed {seed}"
