@@ -109,6 +109,24 @@ class Loop:
 Region = State | Chain | Loop
 
 
+@dataclass(frozen=True)
+class Tangle:
+    """What is left of a machine that has no structure.
+
+    Attributes:
+        graph: entry of a region -> entries that it leads to; at least one loop in it has two entries.
+        regions: entry -> the region, which is a state where nothing could be joined to it.
+    """
+
+    graph: nx.DiGraph
+    regions: Mapping[str, Region]
+
+    @property
+    def is_partly_structured(self) -> bool:
+        """Whether some of its states could be joined."""
+        return any(not isinstance(region, State) for region in self.regions.values())
+
+
 def flow_graph(initial: str, arcs: Mapping[str, Iterable[Arc]]) -> nx.DiGraph:
     """Return which state leads to which, for the states that are reached at all."""
     graph = nx.DiGraph()
@@ -120,8 +138,8 @@ def flow_graph(initial: str, arcs: Mapping[str, Iterable[Arc]]) -> nx.DiGraph:
     return graph.subgraph({initial, *nx.descendants(graph, initial)}).copy()
 
 
-def structured(initial: str, arcs: Mapping[str, Iterable[Arc]]) -> Region | nx.DiGraph:
-    """Return a state machine's structure; or, when it has none, what is left of its graph after the reductions.
+def structured(initial: str, arcs: Mapping[str, Iterable[Arc]]) -> Region | Tangle:
+    """Return a state machine's structure; or, when it has none, what is left after the reductions.
 
     Args:
         initial: the first state.
@@ -138,14 +156,14 @@ class _Reduction:
         self.order = list(reversed(list(nx.dfs_postorder_nodes(self.graph, initial))))
         self.dominator = nx.immediate_dominators(self.graph, initial)
 
-    def run(self) -> Region | nx.DiGraph:
+    def run(self) -> Region | Tangle:
         for header in reversed(self.order):
             body = self.natural_loop(header)
             if body:
                 self.join(header, body)
                 self.close(header)
         self.join(self.initial, set(self.graph))
-        return self.regions[self.initial] if len(self.graph) == 1 else self.graph
+        return self.regions[self.initial] if len(self.graph) == 1 else Tangle(self.graph, self.regions)
 
     def natural_loop(self, header: str) -> set[str]:
         """Return what reaches the edges back to `header` without passing it, itself included; empty without any."""

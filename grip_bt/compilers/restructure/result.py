@@ -30,12 +30,14 @@ class Note:
         kind: its kind.
         reason: why it has no equal in the other form; a phrase without a full stop.
         by_design: whether its kind never changes, such as a decorator's; nothing is missing then.
+        edges: of a state machine: those without which it would have a structure.
     """
 
     path: str
     kind: str
     reason: str
     by_design: bool = False
+    edges: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         return f"{self.path}: this {self.kind} stays: {self.reason}"

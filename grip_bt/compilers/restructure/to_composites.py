@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import networkx as nx
 
@@ -15,7 +16,7 @@ from ..resolve import Part, resolve
 from ..transitions import interrupts, lead
 from .composites import PLAIN, Composer
 from .irreducible import offending_edges
-from .regions import Arc, Region, depth, flow_graph, structured
+from .regions import Arc, Chain, Loop, Region, State, Tangle, depth, flow_graph, structured
 from .result import Built, Note, Restructured, kept, paths_of, successors
 from .to_states import ticked_by
 
@@ -56,12 +57,15 @@ class _Work:
             return Built(part.node, {part.path: ()})
         machine = isinstance(part.node, StateMachine)
         found = _structure(part, ticker) if machine else None
-        if isinstance(found, str):
-            self.notes.append(Note(part.path, part.node.kind, found))
+        if isinstance(found, Stays):
+            self.notes.append(Note(part.path, part.node.kind, found.reason, edges=found.edges))
         inner = part if interrupts(part) else ticker
         children = {child.name: self.convert(child, inner) for child in part.children}
-        if found is not None and not isinstance(found, str):
+        if isinstance(found, State | Chain | Loop):
             return Composer(part, children).build(found)
+        if isinstance(found, Stays) and found.regions:
+            assert isinstance(part.node, StateMachine), "only a machine has regions"
+            return Composer(part, children).build_machine(part.node.initial, found.regions)
         return kept(part, _led_on(part, children) if machine else children)
 
 
@@ -95,25 +99,40 @@ def new_ends(part: Part, built: Built, on: Mapping[str, str]) -> dict[str, str]:
     return result
 
 
-def _structure(part: Part, ticker: Part | None) -> Region | str:
+@dataclass(frozen=True)
+class Stays:
+    """Why a machine stays one.
+
+    Attributes:
+        reason: a phrase without a full stop.
+        edges: those without which it would have a structure.
+        regions: entry -> region, where parts of it have a structure; these become composites within the machine.
+    """
+
+    reason: str
+    edges: tuple[str, ...] = ()
+    regions: Mapping[str, Region] = field(default_factory=dict)
+
+
+def _structure(part: Part, ticker: Part | None) -> Region | Stays:
     """Return the chains and loops of a machine, or why it stays."""
     odd = [name for name, meaning in part.meaning.items() if PLAIN.get(name, meaning) != meaning]
     if odd:
-        return f"its outcome {odd[0]!r} means {part.meaning[odd[0]]}, which no composite's can"
+        return Stays(f"its outcome {odd[0]!r} means {part.meaning[odd[0]]}, which no composite's can")
     if ticker is not None and successors(part):
-        return ticked_by(ticker)
+        return Stays(ticked_by(ticker))
     assert isinstance(part.node, StateMachine), "only machines are asked for"
     arcs = {child.name: _arcs(part, index) for index, child in enumerate(part.children)}
     graph = flow_graph(part.node.initial, arcs)
     never = [name for name in arcs if name not in graph]
     if never:
-        return f"states that are never reached have no place in a composite: {listing(never)}"
+        return Stays(f"states that are never reached have no place in a composite: {listing(never)}")
     found = structured(part.node.initial, arcs)
-    if isinstance(found, nx.DiGraph):
-        return _tangle(graph, part.node.initial, arcs)
+    if isinstance(found, Tangle):
+        return _tangled(found, graph, part.node.initial, arcs)
     levels = depth(found)
     if levels > MAX_DEPTH:
-        return f"its structure has {levels} levels, which nobody can follow (at most {MAX_DEPTH} are made)"
+        return Stays(f"its structure has {levels} levels, which nobody can follow (at most {MAX_DEPTH} are made)")
     return found
 
 
@@ -128,9 +147,12 @@ def _arcs(part: Part, index: int) -> list[Arc]:
     return result
 
 
-def _tangle(graph: nx.DiGraph, initial: str, arcs: Mapping[str, list[Arc]]) -> str:
-    """Return which edges keep a machine from having a structure."""
+def _tangled(found: Tangle, graph: nx.DiGraph, initial: str, arcs: Mapping[str, list[Arc]]) -> Stays:
+    """Return which edges keep a machine from having a structure, and what of it has one all the same."""
     edges, smallest = offending_edges(graph, initial)
-    labels = [str(arc) for tail, head in edges for arc in arcs[tail] if arc.target == head]
+    labels = tuple(str(arc) for tail, head in edges for arc in arcs[tail] if arc.target == head)
     only = "" if smallest else " (there may be fewer that do)"
-    return f"a loop of it is entered at more than one state; without {listing(labels)} none would be{only}"
+    reason = f"a loop of it is entered at more than one state; without {listing(labels)} none would be{only}"
+    if not found.is_partly_structured or max(map(depth, found.regions.values())) > MAX_DEPTH:
+        return Stays(reason, labels)
+    return Stays(f"{reason}; what else has a structure in it became composites", labels, found.regions)

@@ -8,7 +8,7 @@ from random import Random
 import networkx as nx
 
 from grip_bt.compilers.restructure.irreducible import offending_edges, unruly_edges
-from grip_bt.compilers.restructure.regions import Arc, Chain, Loop, Region, State, flow_graph, structured
+from grip_bt.compilers.restructure.regions import Arc, Chain, Loop, Region, State, Tangle, flow_graph, structured
 
 
 def random_arcs(seed: int) -> dict[str, list[Arc]]:
@@ -39,7 +39,7 @@ def test_the_reductions_end_in_one_region_exactly_where_each_loop_has_one_way_in
     for seed in range(1500):
         arcs = random_arcs(seed)
         found = structured("s0", arcs)
-        whole = not isinstance(found, nx.DiGraph)
+        whole = not isinstance(found, Tangle)
         assert whole == (not unruly_edges(flow_graph("s0", arcs), "s0")), seed
         reduced += whole
     assert 300 < reduced < 1450
@@ -49,10 +49,16 @@ def test_a_region_holds_each_state_once_and_lets_no_arc_to_a_state_out() -> None
     for seed in range(500):
         arcs = random_arcs(seed)
         found = structured("s0", arcs)
-        if not isinstance(found, nx.DiGraph):
+        if not isinstance(found, Tangle):
             assert sorted(states(found)) == sorted(arcs)
             assert found.entry == "s0"
             assert not found.leaving  # all targets of these arcs are states
+            continue
+        assert sorted(state for region in found.regions.values() for state in states(region)) == sorted(arcs)
+        assert set(found.regions) == set(found.graph)
+        for entry, region in found.regions.items():
+            assert region.entry == entry
+            assert {arc.target for arc in region.leaving} <= set(found.regions), "edges lead to entries only"
 
 
 def test_a_loop_holds_what_leads_back_and_no_more() -> None:
