@@ -47,8 +47,7 @@ def _set_blackboard(reading: Reading, element: Element, where: Where) -> Made:
     text = element.attributes.get("value", "")
     source = key_of(text, "value")
     if source is None:
-        if entry.type == "Any" and not entry.written:
-            entry.written.append("str")
+        entry.texts = True
         kind = entry.type if entry.type in ("int", "float", "bool") else "str"
         with reading.refusing(element, where):
             return set_to(variable, value_of_text(text, kind))

@@ -29,6 +29,7 @@ from .making import SKIPPED, SUCCEED, Keys, Made
 from .names import Board, Variables, key_of
 from .reading import MOST_NODES, Reading, Refused, Where, reads_only
 from .result import ImportedFile
+from .unwritten import with_nulls
 
 _KNOWN = {**CONTROLS, **DECORATORS, **ACTIONS}
 _EXPLICIT = ("Action", "Condition", "Control", "Decorator")
@@ -82,22 +83,23 @@ class _Importer:
 
     def state(self) -> object:
         """Return what a further reading may come to other results by."""
-        types = {name: (v.type, v.has_initial, bool(v.written)) for name, v in self.variables.every.items()}
+        types = {name: (v.type, v.has_initial, v.constant) for name, v in self.variables.every.items()}
         return types, dict(self.leaves.settled)
 
     def read(self, tree: str) -> Made:
         """Read the tree once, with what was learned before."""
         self.variables = Variables(before=self.variables.every)
-        self.leaves.settle()
         self.reading = Reading(self.node)
         self.used = {tree}
         place = self.document.trees[tree]
         where = Where(Board(self.variables), place.source, (tree,))
         self._defaults(place.element, where)
         try:
-            return self._root(place, where)
+            made = self._root(place, where)
         except Refused:
-            return Made(dict(SUCCEED))
+            made = Made(dict(SUCCEED))
+        self.leaves.settle()
+        return made
 
     def _root(self, place: Place, where: Where) -> Made:
         if len(place.element.children) != 1:
@@ -188,13 +190,15 @@ class _Importer:
             task["outcomes"] = {"success": "success", "failure": "failure", SKIPPED: "success"}
         task |= {**({"inputs": inputs} if inputs else {}), **({"data": data} if data else {}), "root": made.keys}
         try:
-            read = model.Task.model_validate(task)
+            catalog = self.leaves.catalog.with_manifests(self.leaves.settled.values())
+            read, early = with_nulls(model.Task.model_validate(task), catalog)
             loads(dumps(read))
         except (ValidationError, DocumentError, RecursionError) as error:
             raise DocumentError(f"its task can't be written as a file: {error}", self.document.source) from error
         unused = [t for t in self.document.trees if t not in self.used]
         remarks = [*self.document.remarks, *self.notes.remarks]
         remarks += [f"the tree {name!r} isn't used by {tree!r}, and isn't imported" for name in unused]
+        remarks += [f"{name!r} may be read before it is written; it is null until then" for name in early]
         remarks += [f"the input {name!r} is read and never written" for name in inputs]
         used = {node.node for _, node in model.walk(read.root) if isinstance(node, model.Leaf)}
         manifests = tuple(m for m in self.leaves.settled.values() if m.id in used)
@@ -205,7 +209,7 @@ class _Importer:
                     f"{face.name}: no TreeNodesModel says whether {listing(map(repr, unknown))} is read or"
                     " written; taken as both"
                 )
-        return ImportedFile(read, {}, tuple(Remark(self.document.source, text) for text in remarks), manifests)
+        return ImportedFile(read, tuple(Remark(self.document.source, text) for text in remarks), manifests)
 
     def _declared(self, mentioned: set[str]) -> tuple[dict[str, Any], dict[str, Any]]:
         inputs: dict[str, Any] = {}
@@ -227,7 +231,7 @@ class _Importer:
                 data[name] = {"type": kind, "value": value}
             elif not entry.known:
                 data[name] = {"type": "Any", "value": None}
-            elif entry.written:
+            elif entry.written or entry.texts:
                 data[name] = entry.type
             else:
                 inputs[name] = entry.type

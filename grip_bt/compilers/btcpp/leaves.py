@@ -210,7 +210,7 @@ class Leaves:
     def _bound(self, manifest: Manifest, port: str, variable: str, keys: Keys, board: Board) -> None:
         entry = board.variables.every[variable]
         if port not in manifest.inputs and port not in manifest.outputs:
-            if port in manifest.parameters and entry.has_initial and not entry.written:
+            if port in manifest.parameters and entry.constant:
                 keys.setdefault("with", {})[port] = value_of_text(entry.initial, manifest.parameters[port].type)
                 return
             raise ValueError(_no_port(manifest, port))

@@ -45,13 +45,20 @@ class Variable:
         written: types of what writes it.
         read: types of the ports that read it.
         initial: the text that it holds from the beginning.
+        texts: texts are written to it, which become what its readers want.
         known: every port that it is bound to says whether it is read or written.
     """
 
     written: list[str] = field(default_factory=list)
     read: list[str] = field(default_factory=list)
     initial: Any = _UNSET
+    texts: bool = False
     known: bool = True
+
+    @property
+    def constant(self) -> bool:
+        """Whether it holds one text for ever."""
+        return self.has_initial and not self.written and not self.texts
 
     @property
     def has_initial(self) -> bool:
@@ -61,7 +68,7 @@ class Variable:
     @property
     def type(self) -> str:
         """The type that all who write it agree on, or else all who read it; `Any` where they don't."""
-        for types in (self.written, self.read, ["str"] if self.has_initial else []):
+        for types in (self.written, self.read, ["str"] if self.has_initial or self.texts else []):
             said = {each for each in types if each != "Any"}
             if said == {"int", "float"}:
                 return "float"

@@ -151,7 +151,7 @@ class Reading:
         if key is None:
             return text
         entry = where.board.variables.every[where.board.variable(key)]
-        if entry.has_initial and not entry.written:
+        if entry.constant:
             return str(entry.initial)
         self.refuse(element, where, f"`{port}` comes from the blackboard ({text}); write the value itself")
 

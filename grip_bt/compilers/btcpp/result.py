@@ -16,12 +16,10 @@ class ImportedFile:
 
     Attributes:
         task: the document.
-        names: path in the task -> what the node was called, where the task needed another name.
         remarks: what to know about it.
         manifests: of the node types that the catalogue doesn't have; their code is still to be written.
     """
 
     task: model.Task
-    names: dict[str, str]
     remarks: tuple[Remark, ...]
     manifests: tuple[Manifest, ...]
