@@ -1,4 +1,4 @@
-"""`python -m grip_sim FD`: the simulator's process, started by `grip_sim.client` with an open socket."""
+"""`python -m grip_sim FD [HOLD]`: the simulator's process, started by `grip_sim.client` with open sockets."""
 
 import os
 import signal
@@ -17,7 +17,8 @@ def main() -> int:
     connection = socket.socket(fileno=int(sys.argv[1]))
     try:
         fields, _ = receive(connection)
-        server = Server(connection, WorldSpec.from_json(fields["spec"]), fields["pace"])
+        hold = socket.socket(fileno=int(sys.argv[2])) if len(sys.argv) > 2 else None
+        server = Server(connection, WorldSpec.from_json(fields["spec"]), fields["pace"], hold)
         connection.sendall(pack({"id": fields["id"], "time": 0.0}))
     except (ClosedError, BrokenPipeError):
         return 0

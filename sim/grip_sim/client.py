@@ -33,12 +33,13 @@ class SimClient:
     Args:
         spec: the world to make.
         pace: simulated seconds per second; None for as fast as it goes.
+        hold: file descriptor over which somebody else may have the robot hold; None for nobody.
 
     Raises:
         SimulatorLostError: it didn't start; the message holds what it printed.
     """
 
-    def __init__(self, spec: WorldSpec, pace: float | None = None):
+    def __init__(self, spec: WorldSpec, pace: float | None = None, hold: int | None = None):
         self.clock = SimClock()
         self._lock = threading.Lock()  # over what is pending and lost, and the order of completions
         self._sending = threading.Lock()  # apart: a full pipe must not keep the reader from emptying the other one
@@ -48,7 +49,7 @@ class SimClient:
         self._lost: SimulatorLostError | None = None
         self._connection, theirs = socket.socketpair()
         with theirs:
-            self._process = SimProcess(theirs)
+            self._process = SimProcess(theirs, hold)
         self._reader = threading.Thread(target=self._read, name="grip_sim", daemon=True)
         self._completer = threading.Thread(target=self._complete_all, name="grip_sim_done", daemon=True)
         self._reader.start()

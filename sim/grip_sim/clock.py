@@ -20,6 +20,7 @@ class SimClock:
         self._idle_since: float | None = time.monotonic()
         self._moving = 0
         self._latest = 0.0
+        self._paused = False
 
     def now(self) -> float:
         """Return the time [s]."""
@@ -46,8 +47,26 @@ class SimClock:
         """A motion has ended."""
         with self._lock:
             self._moving -= 1
-            if self._moving == 0:
-                self._idle_since = time.monotonic()
+            self._let_idle()
+
+    def pause(self) -> None:
+        """Stand still also while nothing moves; harmless when it does already."""
+        with self._lock:
+            self._paused = True
+            if self._idle_since is not None:
+                self._idle += time.monotonic() - self._idle_since
+                self._idle_since = None
+
+    def resume(self) -> None:
+        """Go on; harmless when it goes."""
+        with self._lock:
+            if self._paused:
+                self._paused = False
+                self._let_idle()
+
+    def _let_idle(self) -> None:
+        if self._moving == 0 and not self._paused:
+            self._idle_since = time.monotonic()
 
     def told(self, simulated: float) -> None:
         """Take over the simulator's time [s]."""

@@ -19,14 +19,16 @@ class SimProcess:
 
     Args:
         connection: its end of a socket pair; may be closed here afterwards.
+        hold: file descriptor over which somebody else may have the robot hold; None for nobody.
     """
 
-    def __init__(self, connection: socket.socket):
-        command = [sys.executable, "-m", "grip_sim", str(connection.fileno())]
+    def __init__(self, connection: socket.socket, hold: int | None = None):
+        descriptors = [connection.fileno(), *([] if hold is None else [hold])]
+        command = [sys.executable, "-m", "grip_sim", *map(str, descriptors)]
         # What it prints is kept from our standard output, which may carry a protocol.
         self._process = subprocess.Popen(
             command,
-            pass_fds=[connection.fileno()],
+            pass_fds=descriptors,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,

@@ -21,6 +21,8 @@ from .world import World
 
 STEPS_PER_LOOK = 4
 """Steps between two looks at the connection: 17 ms of simulated time, a few ms of ours."""
+SIGN_OF_LIFE = 10.0
+"""While it is paused, the client is told this often that we are there [s]."""
 TELL_TIME = 0.02
 """While something moves, the client is told the time this often [s of ours]."""
 
@@ -32,10 +34,14 @@ class Server:
         connection: to the client.
         spec: the world.
         pace: simulated seconds per second; None for as fast as it goes.
+        hold: over which somebody else may have the robot hold for good, by any word; None for nobody.
     """
 
-    def __init__(self, connection: socket.socket, spec: WorldSpec, pace: float | None):
-        self._connection, self._pace = connection, pace
+    def __init__(
+        self, connection: socket.socket, spec: WorldSpec, pace: float | None, hold: socket.socket | None = None
+    ):
+        self._connection, self._pace, self._hold = connection, pace, hold
+        self._frozen = self._held = False
         self.world = World(spec)
         self._motions: dict[int, Motion] = {}
         self._told = self._due = 0.0
@@ -43,6 +49,8 @@ class Server:
             "follow": self._follow,
             "move_hand": self._move_hand,
             "wait": self._wait,
+            "pause": self._pause,
+            "resume": self._resume,
             "stop": self._stop,
             "cancel": self._cancel,
             "state": self._state,
@@ -57,13 +65,36 @@ class Server:
         """Obey until the client is gone."""
         try:
             while True:
-                wait = max(0.0, self._due - time.monotonic()) if self._motions else None
-                if select.select([self._connection], [], [], wait)[0]:
+                ready = select.select(self._listened_to(), [], [], self._patience())[0]
+                if self._hold in ready:
+                    self._hold_for_good()
+                elif ready:
                     self._obey(*receive(self._connection))
+                elif self._frozen:
+                    self._send({"id": 0})
                 elif self._motions:
                     self._advance()
         except (ClosedError, BrokenPipeError, ConnectionResetError):
             return
+
+    def _listened_to(self) -> list[socket.socket]:
+        return [self._connection] if self._hold is None else [self._hold, self._connection]
+
+    def _patience(self) -> float | None:
+        if self._frozen:
+            return SIGN_OF_LIFE
+        return max(0.0, self._due - time.monotonic()) if self._motions else None
+
+    def _hold_for_good(self) -> None:
+        """End every motion, move nothing any more, and say so; a channel that was closed says nothing."""
+        assert self._hold is not None, "it has said something"
+        if not self._hold.recv(64):
+            self._hold = None
+            return
+        for number in list(self._motions):
+            self._end_early(number)
+        self._held = True
+        self._hold.sendall(b"held")
 
     def _obey(self, fields: dict[str, Any], arrays: Arrays) -> None:
         number, call = fields.pop("id"), fields.pop("call")
@@ -108,7 +139,21 @@ class Server:
 
     # --- what may be called ---
 
+    def _pause(self, number: int) -> Any:
+        """Let no time pass; what moves stays where it is, as it is."""
+        self._frozen = True
+        return {}, None
+
+    def _resume(self, number: int) -> Any:
+        self._frozen = False
+        return {}, None
+
+    def _allow_motion(self) -> None:
+        if self._held:
+            raise GripError("the robot was told to hold by whoever watches over this run; nothing moves any more")
+
     def _follow(self, number: int, names: list[str], times: Any, positions: Any, velocities: Any = None) -> None:
+        self._allow_motion()
         robot, rows = self.world.robot, self.world.robot.rows(names)
         motion = Follow(robot, rows, times, positions, velocities, self.world.time)
         self._replace(rows)
@@ -119,6 +164,7 @@ class Server:
             self._finish(number, Ended("aborted", wrong))
 
     def _move_hand(self, number: int, names: list[str], goal: Any, duration: float, limit: float | None) -> None:
+        self._allow_motion()
         robot, rows = self.world.robot, self.world.robot.rows(names)
         self._replace(rows)
         robot.limit_torque(rows, limit)

@@ -23,12 +23,12 @@ class Simulation:
         referee: the truth; for judges, never for a task.
     """
 
-    def __init__(self, spec: WorldSpec, pace: float | None = None):
+    def __init__(self, spec: WorldSpec, pace: float | None = None, hold: int | None = None):
         self.spec = spec
         if pace is not None:
             check_positive("pace", pace)
         self._robot = build_robot(spec.robot)  # first: an unknown robot is found before a process runs
-        self._client = SimClient(spec, pace)
+        self._client = SimClient(spec, pace, hold)
         self.referee = SimReferee(self._client)
 
     @property
@@ -74,6 +74,16 @@ class Simulation:
         wait.wait()
         wait.result()
 
+    def pause(self) -> None:
+        """Have the world stand still in the middle of whatever moves, and the clock with it; see `Pausable`."""
+        self._client.ask("pause")
+        self.clock.pause()
+
+    def resume(self) -> None:
+        """Have the world go on."""
+        self.clock.resume()
+        self._client.ask("resume")
+
     def close(self) -> None:
         """End the simulator's process."""
         self._client.close()
@@ -85,19 +95,20 @@ class Simulation:
         self.close()
 
 
-def start_simulation(spec: WorldSpec, pace: float | None = None) -> Simulation:
+def start_simulation(spec: WorldSpec, pace: float | None = None, hold: int | None = None) -> Simulation:
     """Start a simulator in a process of its own and let its objects come to rest.
 
     Args:
         spec: the world.
         pace: simulated seconds per second; None for as fast as it goes.
+        hold: file descriptor over which somebody else may have the robot hold; None for nobody.
 
     Raises:
         SimulatorLostError: it can't be started; the message holds what it printed.
         UnknownNameError: there is no such robot.
         ValueError: the pace isn't positive.
     """
-    simulation = Simulation(spec, pace)
+    simulation = Simulation(spec, pace, hold)
     try:
         simulation.settle()
     except BaseException:

@@ -20,7 +20,7 @@ class Played:
     pid = 4711
     spec = None
 
-    def __init__(self, connection):
+    def __init__(self, connection, hold=None):
         self.connection = connection.dup()
         self.ended = 0
         threading.Thread(target=self.make_world).start()
