@@ -98,6 +98,14 @@ class FakeArm:
         """Hold where it is now and end a motion under way."""
         self._executor.stop()
 
+    def pause(self) -> None:
+        """Hold in the middle of a motion; see `ports.Pausable`."""
+        self._executor.pause()
+
+    def resume(self) -> None:
+        """Go on with it."""
+        self._executor.resume()
+
     def _planned(self, verb: str, ends: list[NDArray[np.float64]]) -> Operation[Plan]:
         failure = next(self._scripts[verb])
         if failure is not None:

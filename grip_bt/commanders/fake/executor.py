@@ -21,6 +21,8 @@ class _Motion:
     trajectory: Trajectory
     begin: float
     operation: Operation[JointState]
+    stood_at: float | None = None
+    due: tuple[float, _Motion, Exception | None] | None = None
 
 
 class FakeExecutor:
@@ -36,6 +38,7 @@ class FakeExecutor:
         self._schedule = schedule or AtOnce()
         self._position, self._names = np.array(start.position), start.names
         self._motion: _Motion | None = None
+        self._paused = False
         self._script = steps_of(script)
         self.executed: list[Trajectory] = []
 
@@ -48,7 +51,7 @@ class FakeExecutor:
         """Return where the joints are now."""
         position = self._position
         if self._motion is not None:
-            position = self._motion.trajectory.at(self._schedule.now() - self._motion.begin)
+            position = self._motion.trajectory.at(self._progress(self._motion))
         return JointState(self._names, position, np.zeros(len(position)), time=self._schedule.now())
 
     def execute(self, trajectory: Trajectory) -> Operation[JointState]:
@@ -70,7 +73,9 @@ class FakeExecutor:
         self._motion = motion = _Motion(trajectory, self._schedule.now(), operation)
         failure = next(self._script)
         duration = trajectory.duration / 2 if failure else trajectory.duration
-        self._schedule.after(duration, lambda: self._finish(motion, failure))
+        if self._paused:
+            motion.stood_at = 0.0
+        self._finish_after(duration, motion, failure)
         return operation
 
     def stop(self) -> None:
@@ -78,6 +83,38 @@ class FakeExecutor:
         motion = self._hold()
         if motion is not None:
             motion.operation.fail(CanceledError("the motion was stopped"))
+
+    def pause(self) -> None:
+        """Hold where the joints are in the middle of a motion; see `ports.Pausable`."""
+        self._paused = True
+        if self._motion is not None and self._motion.stood_at is None:
+            self._motion.stood_at = self._progress(self._motion)
+
+    def resume(self) -> None:
+        """Go on with what is left."""
+        self._paused = False
+        motion = self._motion
+        if motion is not None and motion.stood_at is not None:
+            motion.begin, motion.stood_at = self._schedule.now() - motion.stood_at, None
+            if motion.due is not None:
+                due, motion.due = motion.due, None
+                self._finish_after(*due)
+
+    def _progress(self, motion: _Motion) -> float:
+        return self._schedule.now() - motion.begin if motion.stood_at is None else motion.stood_at
+
+    def _finish_after(self, end: float, motion: _Motion, failure: Exception | None) -> None:
+        """Finish when the motion has come to `end` [s], however long it was held in between."""
+
+        def look() -> None:
+            if motion.stood_at is not None:
+                motion.due = (end, motion, failure)
+            elif self._progress(motion) < end - 1e-9:
+                self._finish_after(end, motion, failure)
+            else:
+                self._finish(motion, failure)
+
+        self._schedule.after(max(0.0, end - self._progress(motion)), look)
 
     def _cancel(self, operation: Operation[JointState]) -> None:
         if self._motion is not None and self._motion.operation is operation:
