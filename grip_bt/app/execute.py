@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,9 +10,11 @@ from typing import Any, Literal
 
 from grip_bt.compilers import to_machine, to_tree
 from grip_bt.graph import Document, read
+from grip_bt.nodes.mock import MockLeaf
 from grip_bt.runtime import Journal, RunContext, Runner, RunResult
 from grip_bt.validation import Report, validate
 
+from .mocks import apply_mocks
 from .project import Project, find_project
 from .resources import Progress, Resources, open_resources, silent
 
@@ -31,6 +33,11 @@ class RunOptions:
         pace: simulated seconds per second for watching; None for as fast as it goes.
         data: initial values for the task's variables.
         journal: where to write; None for the project's own.
+        rate: ticks a second of the run's clock, instead of on wakes; None for on wakes.
+        watchdog: how long one tick may take [s] before the run ends as an error; None for ever.
+        breaks: breakpoints that are set before it begins: fields of the command `break`.
+        paused: whether it begins paused.
+        mocks: node -> script, as `grip_bt.app.mocks` reads them.
     """
 
     target: Target = "bt"
@@ -39,6 +46,11 @@ class RunOptions:
     pace: float | None = None
     data: Mapping[str, Any] = field(default_factory=dict)
     journal: Path | None = None
+    rate: float | None = None
+    watchdog: float | None = None
+    breaks: Sequence[Mapping[str, Any]] = ()
+    paused: bool = False
+    mocks: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass
@@ -68,19 +80,31 @@ def check_task(path: str | Path) -> tuple[Project, Document, Report]:
 
 
 @contextmanager
-def open_session(path: str | Path, options: RunOptions, progress: Progress = silent) -> Iterator[Session]:
+def open_session(
+    path: str | Path, options: RunOptions, progress: Progress = silent, hold: int | None = None
+) -> Iterator[Session]:
     """Check a task, start what it needs, and compile it; everything is stopped and closed at the end.
+
+    Args:
+        path: the task file.
+        options: how it is run.
+        progress: told of each part that came up.
+        hold: file descriptor of the channel over which somebody else may hold the robot; None for nobody.
 
     Raises:
         DocumentError, InvalidTaskError: the task or the project is wrong; nothing was started.
+        UnknownNameError: a breakpoint or a mock names what isn't in the task; nothing was started.
         GripError: a part of the robot, or a component, can't be started.
     """
     project, document, report = check_task(path)
     catalog = project.catalog()
     compile_task = to_machine if options.target == "sm" else to_tree
-    compiled = compile_task(document.task, catalog, data=options.data)
-    needs = {leaf.manifest.id for leaf in compiled.leaves.values()}
-    parts = open_resources(project, needs, options.robot, options.seed, options.pace, progress)
+    task, factory = document.task, None
+    if options.mocks:
+        task, catalog, factory = apply_mocks(task, catalog, options.mocks)
+    compiled = compile_task(task, catalog, data=options.data, leaf_factory=factory)
+    needs = {leaf.manifest.id for leaf in compiled.leaves.values() if not isinstance(leaf, MockLeaf)}
+    parts = open_resources(project, needs, options.robot, options.seed, options.pace, progress, hold)
     with parts as resources, Journal(options.journal or project.journal) as journal:
         context = RunContext(
             resources.clock,
@@ -89,6 +113,7 @@ def open_session(path: str | Path, options: RunOptions, progress: Progress = sil
             cameras=resources.cameras,
             components=resources.components,
             scene=resources.scene,
+            pausable=resources.pausable,
         )
         runner = Runner(
             compiled,
@@ -97,7 +122,13 @@ def open_session(path: str | Path, options: RunOptions, progress: Progress = sil
             task_path=str(path),
             task_text=document.text,
             seed=options.seed,
+            rate=options.rate,
+            watchdog=options.watchdog,
         )
+        for point in options.breaks:
+            runner.debugger.set(**point)
+        if options.paused:
+            runner.pause()
         yield Session(project, document, report, resources, runner, journal.file)
 
 

@@ -22,7 +22,7 @@ def open_robot(project: Project, resources: Resources) -> None:
     file = project.file
     arms = {name: FakeArm(name) for name in file.arms}
     hands = {arm.hand: arms[name] for name, arm in file.arms.items() if arm.hand is not None}
-    resources.arms = arms
+    resources.arms, resources.pausable = arms, list(arms.values())
     resources.hands = {name: _hand(name) for name in file.hands}
     resources.cameras = {name: FakeCamera(_CAMERA, [_empty_table()]) for name in file.sensors}
     resources.scene = PlanningScene({hand: arm.grasp_pose for hand, arm in hands.items()}, _CRATE)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
 from grip_bt.errors import UnknownNameError
-from grip_bt.ports import Arm, Camera, Clock, Component, Hand, Scene
+from grip_bt.ports import Arm, Camera, Clock, Component, Hand, Pausable, Scene
 
 from .domain import own_domain
 from .project import Project
@@ -32,11 +32,18 @@ class Resources:
     components: Mapping[str, Component] = field(default_factory=dict)
     scene: Scene | None = None
     referee: Any = None
+    pausable: Sequence[Pausable] = ()
 
 
 @contextmanager
 def open_resources(
-    project: Project, needs: Collection[str], robot: str, seed: int, pace: float | None, progress: Progress
+    project: Project,
+    needs: Collection[str],
+    robot: str,
+    seed: int,
+    pace: float | None,
+    progress: Progress,
+    hold: int | None = None,
 ) -> Iterator[Resources]:
     """Start what the nodes in `needs` ask for; everything is closed again at the end, in reverse order.
 
@@ -47,6 +54,7 @@ def open_resources(
         seed: of the simulated world.
         pace: simulated seconds per second; None for as fast as it goes.
         progress: told of each part that came up.
+        hold: file descriptor over which somebody else may have the robot hold; None for nobody.
     """
     from . import fake_parts, simulated_parts
 
@@ -56,7 +64,7 @@ def open_resources(
             if robot == "fake":
                 fake_parts.open_robot(project, resources)
             elif robot == "sim":
-                simulated_parts.open_robot(project, resources, seed, pace, stack, progress)
+                simulated_parts.open_robot(project, resources, seed, pace, stack, progress, hold)
             else:
                 raise UnknownNameError("robot", robot, ("sim", "fake"))
         names = sorted(node.partition("/")[2] for node in needs if node.startswith("component/"))

@@ -14,7 +14,13 @@ WORLDS = ("table",)
 
 
 def open_robot(
-    project: Project, resources: Resources, seed: int, pace: float | None, stack: ExitStack, progress: Progress
+    project: Project,
+    resources: Resources,
+    seed: int,
+    pace: float | None,
+    stack: ExitStack,
+    progress: Progress,
+    hold: int | None = None,
 ) -> None:
     """Start the project's world and put its arms, hands, cameras, scene, clock and referee into `resources`.
 
@@ -25,6 +31,7 @@ def open_robot(
         pace: simulated seconds per second; None for as fast as it goes.
         stack: closes what was started.
         progress: told of each part that came up.
+        hold: file descriptor over which somebody else may have the robot hold; None for nobody.
 
     Raises:
         MissingPartError: the simulator or the motion libraries aren't installed.
@@ -48,7 +55,7 @@ def open_robot(
     description = build_robot(str(file.robot))
     planner = stack.enter_context(PlanningProcess(description))  # builds its model while the simulator starts
     spec = table_world(seed)
-    simulation = stack.enter_context(start_simulation(spec, pace))
+    simulation = stack.enter_context(start_simulation(spec, pace, hold))
     progress("simulator", f"SAPIEN in process {simulation.pid}: {', '.join(o.name for o in spec.objects)} on the table")
     model = RobotModel(description)
 
@@ -84,6 +91,7 @@ def open_robot(
         for hand, arm in carried.items()
     }
     resources.cameras = {name: simulation.camera(sensor.camera) for name, sensor in file.sensors.items()}
+    resources.pausable = [simulation]
     resources.scene, resources.clock, resources.referee = scene, simulation.clock, simulation.referee
     if not planner.wait_until_ready():
         raise GripError("the planning process doesn't come up; run `grip doctor`")

@@ -1,4 +1,4 @@
-"""`grip run`: run a task of a project."""
+"""`grip run`: run a task of a project, in a process of its own that is watched over."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ import argparse
 import json
 import signal
 import sys
-from dataclasses import replace
+import threading
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +17,8 @@ if TYPE_CHECKING:  # the verbs are listed without loading what they run
     from grip_bt.runtime import Runner, RunResult
 
 EXIT_STATUS = {"success": 0, "failure": 3, "error": 4, "stopped": 130}
+INVALID = 1
+WATCHDOG = 10.0
 
 
 def add_parser(subparsers: Any) -> None:
@@ -25,7 +29,34 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--set", dest="data", action="append", default=[], metavar="VAR=VALUE", type=_assignment)
     parser.add_argument("--journal", type=Path, metavar="FILE", help="where to write (default: the project's own)")
     parser.add_argument("--json", action="store_true", help="print the result as one JSON object")
-    parser.add_argument("--control", action="store_true", help="JSON commands on stdin, JSON events on stdout")
+    parser.add_argument("--rate", type=_positive, metavar="HZ", help="tick so often a second (default: on wakes)")
+    parser.add_argument(
+        "--watchdog",
+        type=_not_negative,
+        default=WATCHDOG,
+        metavar="S",
+        help=f"end a run whose node doesn't return for S seconds (default: {WATCHDOG:g}; 0: never)",
+    )
+    mocked = parser.add_argument_group("in place of nodes")
+    mocked.add_argument(
+        "--mock", action="append", default=[], metavar="NODE=SCRIPT", help="script such as failure.no_ik,success"
+    )
+    mocked.add_argument("--mocks", type=Path, metavar="FILE", help="scripts of several nodes (YAML)")
+    way = parser.add_argument_group("control").add_mutually_exclusive_group()
+    way.add_argument("--control", action="store_true", help="JSON commands on stdin, JSON events on stdout")
+    way.add_argument("--debug", action="store_true", help="a prompt: begin paused, step, set breakpoints, look at data")
+    parser.add_argument(
+        "--break",
+        dest="breaks",
+        action="append",
+        default=[],
+        type=breakpoint_of,
+        metavar="PLACE",
+        help="hold there: 'NODE', 'NODE:OUTCOME', 'NODE if EXPRESSION' (implies --debug, unless --control)",
+    )
+    parser.add_argument(
+        "--in-process", action="store_true", help="run in this process, for debuggers and profilers of Python"
+    )
     parser.set_defaults(run=run)
 
 
@@ -48,18 +79,101 @@ def options_of(args: argparse.Namespace) -> RunOptions:
 
 def run(args: argparse.Namespace) -> int:
     """Run the task; the exit status tells how it ended."""
+    from grip_bt.app.mocks import read_mocks
+
+    debug = args.debug or (bool(args.breaks) and not args.control)
+    options = replace(
+        options_of(args),
+        data=dict(args.data),
+        journal=args.journal,
+        rate=args.rate,
+        watchdog=args.watchdog or None,
+        breaks=args.breaks,
+        paused=debug and not args.breaks,
+        mocks=read_mocks(args.mocks, args.mock),
+    )
+    if args.in_process:
+        return _run_here(args, options)
+    return _supervise(args, options, debug)
+
+
+def _run_here(args: argparse.Namespace, options: RunOptions) -> int:
     from grip_bt.app import open_session
     from grip_bt.runtime import serve_control
+    from grip_bt.runtime.control import result_facts
 
-    options = replace(options_of(args), data=dict(args.data), journal=args.journal)
-    with open_session(args.task, options, progress=_tell_progress if args.control else _progress) as session:
+    with open_session(args.task, options, progress=tell_progress if args.control else progress) as session:
         stop_on_signals(session.runner)
         if args.control:
             result = serve_control(session.runner, sys.stdin, sys.stdout)
         else:
             result = session.runner.run()
-            _tell(result, session.runner, args.json)
+            _tell({**result_facts(result), "run": session.runner.run_id}, args.json)
     return EXIT_STATUS[result.status]
+
+
+def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> int:
+    """Run in a child process; pass on what goes either way."""
+    from grip_bt.app.supervisor import Supervisor
+
+    run_id: list[str] = []
+    prompt: Any = None
+
+    def told(event: Mapping[str, Any]) -> None:
+        if event["event"] == "started":
+            run_id.append(event["run"])
+        if event["event"] == "progress":
+            (tell_progress if args.control else progress)(event["part"], event["detail"])
+        elif args.control and event["event"] != "failed":
+            _print_line(json.dumps(event), supervisor.stop)
+        elif prompt is not None:
+            prompt.told(event)
+
+    given = {**asdict(options), "journal": str(options.journal) if options.journal else None}
+    supervisor = Supervisor(str(args.task), given, told, options.watchdog, own_input=not (args.control or debug))
+    if debug:
+        from .debug_prompt import Prompt
+
+        prompt = Prompt(supervisor.send, lambda text: print(text, flush=True), patient=not sys.stdin.isatty())
+    supervisor.start()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: supervisor.stop())
+    if args.control:
+        _in_background(lambda: _pass_on(supervisor.send))
+    elif prompt is not None:
+        _in_background(lambda: prompt.listen(sys.stdin))
+    end = supervisor.wait()
+    if end["event"] == "failed":
+        print(end["message"], file=sys.stderr)
+        return INVALID
+    if not args.control:
+        _tell({**end, "run": run_id[0] if run_id else None}, args.json)
+    return EXIT_STATUS[end["status"]]
+
+
+def _pass_on(send: Callable[[Mapping[str, Any]], None]) -> None:
+    """Pass commands on, line by line; the end of input is a stop."""
+    try:
+        for line in sys.stdin:
+            try:
+                command = json.loads(line)
+            except ValueError:
+                command = {"command": line.strip()}  # the run refuses it, with the words for that
+            send(command if isinstance(command, dict) else {"command": command})
+    except (OSError, ValueError):
+        pass  # closed under our feet, which is an end too
+    send({"command": "stop"})
+
+
+def _print_line(line: str, gone: Callable[[], None]) -> None:
+    try:
+        print(line, flush=True)
+    except (OSError, ValueError):
+        gone()
+
+
+def _in_background(action: Callable[[], None]) -> None:
+    threading.Thread(target=action, name="grip_input", daemon=True).start()
 
 
 def stop_on_signals(runner: Runner) -> None:
@@ -70,37 +184,49 @@ def stop_on_signals(runner: Runner) -> None:
 
 def describe(result: RunResult) -> str:
     """Return how a run ended, in a line."""
-    if result.error is not None:
-        return f"error: {result.error}"
-    if result.outcome is None:
-        return result.status
-    reason = f" ({result.failure})" if result.failure is not None else ""
-    return f"{result.status}: {result.outcome}{reason}"
+    from grip_bt.runtime.control import result_facts
+
+    return sentence(result_facts(result))
 
 
-def _tell(result: RunResult, runner: Runner, as_json: bool) -> None:
+def sentence(end: Mapping[str, Any]) -> str:
+    """Return how a run ended, in a line, from the facts of the event `ended`."""
+    left = f"; left behind: {', '.join(end['zombies'])}" if end.get("zombies") else ""
+    if end["outcome"] is None:
+        return end["status"] + (f": {end['message']}" if end["message"] else "") + left
+    reason = f" ({end['message']})" if end["message"] else ""
+    return f"{end['status']}: {end['outcome']}{reason}{left}"
+
+
+def _tell(end: Mapping[str, Any], as_json: bool) -> None:
     if as_json:
-        facts = {
-            "run": runner.run_id,
-            "status": result.status,
-            "outcome": result.outcome,
-            "code": result.failure.code if result.failure else None,
-            "message": str(result.error or result.failure or ""),
-            "duration": result.duration,
-            "ticks": result.ticks,
-        }
-        print(json.dumps(facts))
+        keys = ("run", "status", "outcome", "code", "message", "duration", "ticks", "zombies")
+        print(json.dumps({key: end.get(key) for key in keys}))
     else:
-        print(f"{describe(result)}; {result.duration:.1f} s, {result.ticks} ticks, run {runner.run_id}")
+        took = f"{end['duration']:.1f} s, " if end.get("duration") is not None else ""
+        ticks = f"{end['ticks']} ticks, " if end.get("ticks") is not None else ""
+        print(f"{sentence(end)}; {took}{ticks}run {end['run']}")
 
 
-def _progress(part: str, detail: str) -> None:
+def progress(part: str, detail: str) -> None:
+    """Say that a part came up, where somebody watches."""
     if sys.stderr.isatty():
-        _tell_progress(part, detail)
+        tell_progress(part, detail)
 
 
-def _tell_progress(part: str, detail: str) -> None:
+def tell_progress(part: str, detail: str) -> None:
+    """Say that a part came up."""
     print(f"  {part:<11} {detail}", file=sys.stderr, flush=True)
+
+
+def breakpoint_of(text: str) -> dict[str, Any]:
+    """Return `NODE`, `NODE:OUTCOME`, either with ` if EXPRESSION`, as what `Debugger.set` takes."""
+    place, _, condition = text.partition(" if ")
+    node, _, outcome = place.strip().partition(":")
+    if not node:
+        raise argparse.ArgumentTypeError(f"{text!r} isn't NODE, NODE:OUTCOME or NODE if EXPRESSION")
+    when = outcome if outcome in ("before", "after") else ""
+    return {"node": node, "when": when, "outcome": None if when else outcome or None, "condition": condition.strip()}
 
 
 def _assignment(text: str) -> tuple[str, Any]:
@@ -111,3 +237,17 @@ def _assignment(text: str) -> tuple[str, Any]:
         return name, json.loads(value)
     except ValueError:
         return name, value
+
+
+def _not_negative(text: str) -> float:
+    value = float(text)
+    if not value >= 0:
+        raise argparse.ArgumentTypeError(f"{text!r} isn't a number of seconds, 0 or more")
+    return value
+
+
+def _positive(text: str) -> float:
+    value = float(text)
+    if not value > 0:
+        raise argparse.ArgumentTypeError(f"{text!r} isn't a number more than 0")
+    return value

@@ -1,70 +1,208 @@
-"""Control of a run over two streams: one JSON object a line, commands in, events out; the end of input is a stop."""
+"""Control of a run over two streams: one JSON object a line, commands in, events out; the end of input is a stop.
+
+`docs/running.md` has the protocol. Commands are obeyed as soon as there are streams: a stop that comes before there is
+a run interrupts whatever starts it, everything else waits for the run.
+"""
 
 from __future__ import annotations
 
 import json
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, TextIO
 
+from grip_bt.errors import ExpressionError, GripError, UnknownNameError
+
+from .debugger import facts_of
+from .journal_writer import preview
 from .runner import Runner, RunResult
 
+COMMANDS = ("pause", "resume", "step", "run_to", "break", "clear", "breakpoints", "inspect", "preempt", "stop")
 
-class _Out:
-    """Writes lines from any thread, and from a signal handler; a reader that has gone away is a reason to stop."""
 
-    def __init__(self, stream: TextIO, gone: Callable[[], None]):
-        self._stream, self._gone, self._lock = stream, gone, threading.RLock()
+class Control:
+    """One end of the protocol.
+
+    Args:
+        commands: what to obey, such as `sys.stdin`.
+        events: where to tell, such as `sys.stdout`.
+        interrupt: called by a stop that comes before there is a run; it has whatever starts the run end.
+    """
+
+    def __init__(self, commands: TextIO, events: TextIO, interrupt: Callable[[], None] = lambda: None):
+        self._commands, self._events, self._interrupt = commands, events, interrupt
+        self._writing, self._lock = threading.RLock(), threading.RLock()
+        self._runner: Runner | None = None
+        self._early: list[Mapping[str, Any]] = []
+        self._stopped = False
+
+    def start(self) -> None:
+        """Begin to obey, in a thread of its own."""
+        threading.Thread(target=self._obey, name="grip_control", daemon=True).start()
 
     def send(self, event: str, **fields: Any) -> None:
-        """Write one event."""
+        """Write one event, from any thread and from signal handlers; a reader that went away is a reason to stop."""
         try:
-            with self._lock:
-                self._stream.write(json.dumps({"event": event, **fields}) + "\n")
-                self._stream.flush()
+            with self._writing:
+                self._events.write(json.dumps({"event": event, **fields}, default=str) + "\n")
+                self._events.flush()
         except (OSError, ValueError, RuntimeError):
-            self._gone()
+            self.stop()
+
+    def stop(self) -> None:
+        """Stop the run, or the start of one."""
+        with self._lock:
+            first, self._stopped, runner = not self._stopped, True, self._runner
+            if runner is None and first:
+                self._interrupt()
+        if runner is not None:
+            runner.stop()
+        elif first:
+            self.send("state", state="stopping")
+
+    def attach(self, runner: Runner) -> None:
+        """Control this run from now on; obey what came before it."""
+        journal = runner.journal
+        if journal is not None:
+            journal.on_commit(lambda run, seq: self.send("committed", seq=seq) if run == runner.run_id else None)
+        runner.pacing.on_state(lambda state: self.send("state", state=state))
+
+        def held(place: Any) -> None:
+            if journal is not None:
+                journal.flush()
+            self.send("held", **facts_of(place))
+
+        runner.debugger.on_held(held)
+        self.send("started", run=runner.run_id, journal=str(journal.file) if journal is not None else None)
+        if runner.pacing.state == "paused":
+            self.send("state", state="paused")
+        with self._lock:
+            self._runner = runner
+            early, self._early = self._early, []
+        if self._stopped:
+            runner.stop()
+        for command in early:
+            self._do(runner, command)
+
+    def run(self) -> RunResult:
+        """Run to the end in this thread, and tell of it; after `attach`."""
+        assert self._runner is not None, "attach a runner first"
+        result = self._runner.run()
+        if self._runner.journal is not None:
+            self._runner.journal.flush()
+        self.send("ended", **result_facts(result))
+        return result
+
+    def _obey(self) -> None:
+        for line in _lines(self._commands):
+            try:
+                command = json.loads(line)
+                if command["command"] not in COMMANDS:
+                    raise KeyError(command["command"])
+            except (ValueError, KeyError, TypeError):
+                allowed = ", ".join(COMMANDS)
+                self.send("refused", message=f"not a command: {line.strip()[:80]!r} (there are: {allowed})")
+                continue
+            with self._lock:
+                runner = self._runner
+                if runner is None and command["command"] != "stop":
+                    self._early.append(command)
+                    continue
+            if command["command"] == "stop":
+                self.stop()
+            elif runner is not None:
+                self._do(runner, command)
+        self.stop()
+
+    def _do(self, runner: Runner, command: Mapping[str, Any]) -> None:
+        try:
+            _ACTIONS[command["command"]](self, runner, command)
+        except (GripError, LookupError, TypeError, ValueError, AttributeError) as error:
+            said = str(error) if isinstance(error, GripError) else f"{command['command']}: {error!r}"
+            self.send("refused", message=said, command=command["command"])
+
+    def _break(self, runner: Runner, command: Mapping[str, Any]) -> None:
+        point = runner.debugger.set(
+            _text(command, "node"),
+            command.get("when") or "",
+            command.get("outcome"),
+            command.get("if") or "",
+        )
+        self.send("breakpoint", **point.facts())
+
+    def _clear(self, runner: Runner, command: Mapping[str, Any]) -> None:
+        self.send("cleared", ids=list(runner.debugger.clear(command.get("id"))))
+
+    def _breakpoints(self, runner: Runner, command: Mapping[str, Any]) -> None:
+        held = runner.debugger.at
+        self.send(
+            "breakpoints",
+            breakpoints=[point.facts() for point in runner.debugger.breakpoints],
+            at=None if held is None else facts_of(held),
+        )
+
+    def _inspect(self, runner: Runner, command: Mapping[str, Any]) -> None:
+        wanted = command.get("variable")
+        data = runner.compiled.data.snapshot()
+        if wanted is not None and all(name != wanted for _, name in data):
+            raise UnknownNameError("written variable", wanted, {name for _, name in data})
+        found = [
+            {"scope": scope or "/", "name": name, "value": preview(value)}
+            for (scope, name), value in data.items()
+            if wanted in (None, name)
+        ]
+        self.send("data", variables=found)
+
+
+def _text(command: Mapping[str, Any], key: str) -> str:
+    value = command.get(key)
+    if not isinstance(value, str):
+        raise ExpressionError(json.dumps(dict(command)), f"{command['command']!r} needs {key!r}, a text")
+    return value
+
+
+_ACTIONS: dict[str, Callable[[Control, Runner, Mapping[str, Any]], None]] = {
+    "pause": lambda control, runner, command: runner.pause(),
+    "resume": lambda control, runner, command: runner.resume(),
+    "step": lambda control, runner, command: runner.step(command.get("how") or "tick"),
+    "run_to": lambda control, runner, command: _run_to(runner, command),
+    "break": Control._break,
+    "clear": Control._clear,
+    "breakpoints": Control._breakpoints,
+    "inspect": Control._inspect,
+    "preempt": lambda control, runner, command: runner.request_preempt(),
+}
+
+
+def _run_to(runner: Runner, command: Mapping[str, Any]) -> None:
+    runner.debugger.run_to(_text(command, "node"), command.get("when") or "")
+
+
+def result_facts(result: RunResult) -> dict[str, Any]:
+    """Return how a run has ended as the control protocol says it."""
+    return {
+        "status": result.status,
+        "outcome": result.outcome,
+        "code": result.failure.code if result.failure else None,
+        "message": str(result.error or result.failure or ""),
+        "duration": result.duration,
+        "ticks": result.ticks,
+        "zombies": [str(zombie) for zombie in result.zombies],
+    }
 
 
 def serve_control(runner: Runner, commands: TextIO, events: TextIO) -> RunResult:
-    """Run to the end in this thread, obeying `{"command": "pause" | "resume" | "step" | "stop"}` meanwhile.
-
-    Events: `started`, `committed` (the journal's events up to `seq` can be read), `state`, `refused` (a line that isn't
-    a command), `ended`.
+    """Run to the end in this thread, obeying commands meanwhile.
 
     Args:
         runner: not run yet.
         commands: what to obey, such as `sys.stdin`.
         events: where to tell, such as `sys.stdout`.
     """
-    out = _Out(events, runner.stop)
-    journal = runner.journal
-    if journal is not None:
-        journal.on_commit(lambda run, seq: out.send("committed", seq=seq) if run == runner.run_id else None)
-    runner.pacing.on_state(lambda state: out.send("state", state=state))
-    out.send("started", run=runner.run_id, journal=str(journal.file) if journal is not None else None)
-    threading.Thread(target=_obey, args=(runner, commands, out), name="grip_control", daemon=True).start()
-    result = runner.run()
-    if journal is not None:
-        journal.flush()
-    out.send("ended", status=result.status, outcome=result.outcome)
-    return result
-
-
-def _obey(runner: Runner, commands: TextIO, out: _Out) -> None:
-    allowed: dict[str, Callable[[], None]] = {
-        "pause": runner.pause,
-        "resume": runner.resume,
-        "step": runner.step,
-        "stop": runner.stop,
-    }
-    for line in _lines(commands):
-        try:
-            command = json.loads(line)["command"]
-            allowed[command]()
-        except (ValueError, KeyError, TypeError):
-            out.send("refused", message=f"not a command: {line.strip()[:80]!r} (there are: {', '.join(allowed)})")
-    runner.stop()
+    control = Control(commands, events)
+    control.attach(runner)
+    control.start()
+    return control.run()
 
 
 def _lines(stream: TextIO) -> Iterator[str]:

@@ -1,0 +1,147 @@
+"""Scripts in place of nodes, from a file or the command line: a task is tried without the parts that it would need."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from grip_bt.catalog import Catalog, Manifest
+from grip_bt.compilers.leaves import LeafFactory, implementation_of
+from grip_bt.compilers.resolve import Part, resolve
+from grip_bt.errors import DocumentError, UnknownNameError
+from grip_bt.graph.frozen import FrozenDict
+from grip_bt.graph.model import AnyNode, Leaf, Task, children_of, join
+from grip_bt.graph.settings_file import read_model
+from grip_bt.nodes.mock import MockLeaf, MockStep
+from grip_bt.runtime.breakpoints import node_path
+
+
+class Step(BaseModel):
+    """How activations go, as a file says it; see `MockStep`."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+    outcome: str = "success"
+    code: str = ""
+    message: str = ""
+    outputs: dict[str, Any] = {}
+    seconds: Annotated[float, Field(ge=0)] = 0.0
+    times: Annotated[int, Field(ge=1)] = 1
+
+
+Script = str | Step | list[str | Step]
+
+
+class MocksFile(BaseModel):
+    """What a file of mocks holds: node -> script."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+    mocks: dict[str, Script]
+
+
+def read_mocks(file: Path | None, given: Sequence[str] = ()) -> dict[str, list[dict[str, Any]]]:
+    """Return node -> steps, as JSON data, of a file and of what the command line adds to it.
+
+    Args:
+        file: YAML, `mocks: {node: script}`; None for none. A script is `outcome`, `outcome.code`, a mapping with
+            `outcome`, `code`, `message`, `outputs`, `seconds`, `times`, or a list of these.
+        given: texts such as `attempt/grasp=failure.no_ik,success`, which replace what the file says of a node.
+
+    Raises:
+        DocumentError: a script can't be read.
+    """
+    scripts: dict[str, Script] = dict(read_model(file, MocksFile).mocks) if file is not None else {}
+    for text in given:
+        node, found, script = text.partition("=")
+        if not found or not node.strip() or not script.strip():
+            raise DocumentError(f"{text!r} isn't NODE=SCRIPT, such as attempt/grasp=failure.no_ik,success", "--mock")
+        scripts[node] = script
+    return {node_path(node): [step.model_dump() for step in _steps(script)] for node, script in scripts.items()}
+
+
+def _steps(script: Script) -> list[Step]:
+    if isinstance(script, Step):
+        return [script]
+    if isinstance(script, list):
+        return [step for part in script for step in _steps(part)] or [Step()]
+    steps = []
+    for word in script.split(","):
+        outcome, _, code = word.strip().partition(".")
+        steps.append(Step(outcome=outcome, code=code))
+    return steps
+
+
+def apply_mocks(task: Task, catalog: Catalog, mocks: Mapping[str, Any]) -> tuple[Task, Catalog, LeafFactory]:
+    """Return what to compile in place of a task so that its mocked nodes play their scripts.
+
+    A leaf is replaced as it is, ports and all. A container or subtask becomes one leaf with its outcomes; the outputs
+    of its script are variables around it.
+
+    Args:
+        task: valid.
+        catalog: its nodes.
+        mocks: node -> steps, as `read_mocks` returns them.
+
+    Raises:
+        UnknownNameError: there is no such node, outcome, output or variable; it lists those that there are.
+        DocumentError: a step isn't one.
+    """
+    parts = {part.path: part for part in resolve(task, catalog).root.walk()}
+    steps = {path: _checked(path, parts, script) for path, script in mocks.items()}
+    faces: list[Manifest] = []
+    root = _replaced("/", task.root, parts, steps, faces)
+
+    def make(path: str, node: Leaf, manifest: Manifest) -> Any:
+        if path not in steps:
+            return implementation_of(path, node, manifest)
+        name = path.rsplit("/", 1)[-1] or manifest.id
+        return MockLeaf(name, path, manifest, dict(node.meaning), steps[path])
+
+    return task.model_copy(update={"root": root}), catalog.with_manifests(faces), make
+
+
+def _checked(path: str, parts: Mapping[str, Part], script: Sequence[Mapping[str, Any]]) -> list[MockStep]:
+    if path not in parts:
+        raise UnknownNameError("node", path, parts, "a mock")
+    part = parts[path]
+    ports = part.manifest.outputs if part.manifest is not None else part.around.visible()
+    steps = []
+    for given in script:
+        try:
+            step = Step.model_validate(given)
+        except ValidationError as error:
+            raise DocumentError(str(error), f"mock of {path}") from None
+        if step.outcome not in part.meaning:
+            raise UnknownNameError("outcome", step.outcome, part.meaning, f"mock of {path}")
+        for port in step.outputs:
+            if port not in ports:
+                raise UnknownNameError("output", port, ports, f"mock of {path}")
+        steps.append(MockStep(**step.model_dump()))
+    return steps
+
+
+def _replaced(
+    path: str, node: AnyNode, parts: Mapping[str, Part], steps: Mapping[str, list[MockStep]], faces: list[Manifest]
+) -> AnyNode:
+    """Return a node in which mocked containers are leaves."""
+    if isinstance(node, Leaf):
+        return node
+    if path in steps:
+        written = sorted({variable for step in steps[path] for variable in step.outputs})
+        face = Manifest(
+            id=f"mock/node_{len(faces)}",
+            doc=f"A script in place of {path}.",
+            implementation="grip_bt.nodes.mock:MockLeaf",
+            outputs=FrozenDict({name: {"type": "Any"} for name in written}),
+            outcomes=FrozenDict(parts[path].meaning),
+        )
+        faces.append(face)
+        out = FrozenDict({name: name for name in written})
+        return Leaf(node=face.id, doc=node.doc, precondition=node.precondition, on=node.on, out=out)
+    children = children_of(node)
+    new = {name: _replaced(join(path, name), child, parts, steps, faces) for name, child in children.items()}
+    if all(new[name] is child for name, child in children.items()):
+        return node
+    return node.model_copy(update={"children" if hasattr(node, "children") else "child": FrozenDict(new)})

@@ -1,0 +1,86 @@
+"""`python -m grip_bt.app.run_process`: the process in which a run executes, under `grip_bt.app.supervisor`."""
+
+from __future__ import annotations
+
+import faulthandler
+import json
+import os
+import signal
+import sys
+import threading
+import traceback
+from pathlib import Path
+from typing import Any
+
+from grip_bt.errors import GripError
+
+PROGRESS = "progress"
+
+
+class StoppedEarlyError(BaseException):
+    """A stop has come while the run was being started."""
+
+
+def main() -> int:
+    """Run what the first line of commands says; the parent tells of it."""
+    channels = json.loads(sys.argv[1])
+    # Ctrl-C reaches the whole process group; what to do about it is the parent's decision.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    faulthandler.enable(os.fdopen(channels["trace"], "w"))
+    commands, events = os.fdopen(channels["commands"]), os.fdopen(channels["events"], "w")
+    order = json.loads(commands.readline())
+    from grip_bt.runtime.control import Control  # after the signals: importing takes a moment
+
+    main_thread = threading.get_ident()
+    signal.signal(signal.SIGUSR1, _interrupted)
+    control = Control(commands, events, lambda: signal.pthread_kill(main_thread, signal.SIGUSR1))
+    control.start()
+    signal.signal(signal.SIGTERM, lambda *_: control.stop())
+    try:
+        return _run(order, channels, control)
+    except StoppedEarlyError:
+        control.send("ended", status="stopped", outcome=None, code=None, message="before the task began", zombies=[])
+        return 130
+    except GripError as error:
+        text = str(error) if getattr(error, "issues", None) else f"grip: {error}"
+        control.send("failed", message=text)
+        return 1
+    except BaseException:  # noqa: BLE001 - the parent has to know that it isn't a node's fault
+        control.send("failed", message=traceback.format_exc())
+        return 1
+
+
+def _interrupted(*_: Any) -> None:
+    raise StoppedEarlyError
+
+
+def _run(order: dict[str, Any], channels: dict[str, int], control: Any) -> int:
+    from grip_bt.compilers.probe import parts_of
+    from grip_bt.runtime.pulse import Pulse
+
+    from .execute import RunOptions, open_session
+
+    given = order["options"]
+    options = RunOptions(**{**given, "journal": Path(given["journal"]) if given["journal"] else None})
+
+    def progress(part: str, detail: str) -> None:
+        control.send(PROGRESS, part=part, detail=detail)
+
+    with open_session(order["task"], options, progress, hold=channels.get("hold")) as session:
+        paths = list(parts_of(session.runner.compiled))
+        pulse = Pulse(channels["pulse"], paths)
+        session.runner.observe(pulse)
+        control.send("nodes", paths=paths)
+        control.attach(session.runner)
+        signal.signal(signal.SIGUSR1, signal.SIG_IGN)
+        pulse.start()
+        control.run()
+        pulse.stop()
+    return 0
+
+
+if __name__ == "__main__":
+    status = main()
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(status)  # what hangs in a thread keeps the process no longer than its journal needed

@@ -1,0 +1,281 @@
+"""A run in a process of its own, and its certain end.
+
+The parent passes commands on and events back. It knows, through shared memory, which node its run was in last; when
+the process dies, or stands still, it says so in the journal. When the process doesn't acknowledge a stop in time, the
+parent holds the robot over a channel of its own and ends the process.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from grip_bt.errors import GripError
+from grip_bt.runtime.pulse import LARGEST, PulseReader
+
+ACKNOWLEDGE = 0.05
+"""How long [s] the run's process may take to acknowledge a stop."""
+WIND_DOWN = 5.0
+"""How long [s] it may take after that to close its parts."""
+HOLD = 0.04
+"""How long [s] a simulator may take to say that the robot holds."""
+LOOK = 0.25
+"""How often [s] the parent looks whether the run's process is alive."""
+
+Told = Callable[[Mapping[str, Any]], None]
+
+
+class Supervisor:
+    """Runs one task in a child process.
+
+    Args:
+        task: the task's file.
+        options: fields of `RunOptions`, as JSON data.
+        told: called with each event of the run, in a thread of the supervisor.
+        silence: how long [s] the process may stand still before it is ended; None for ever.
+        own_input: whether the child may read our standard input.
+    """
+
+    def __init__(
+        self, task: str, options: Mapping[str, Any], told: Told, silence: float | None = None, own_input: bool = True
+    ):
+        self._told, self._silence = told, silence
+        self._order = {"task": task, "options": dict(options)}
+        self._own_input = own_input
+        self._lock = threading.RLock()
+        self._acknowledged, self._over = threading.Event(), threading.Event()
+        self._stopping = False
+        self._why = ""
+        self._begun = time.monotonic()
+        self._paths: list[str] = []
+        self._run: Mapping[str, Any] | None = None
+        self._ended: Mapping[str, Any] | None = None
+        self._stood_still = False
+
+    # --- for whoever controls the run ---
+
+    def start(self) -> None:
+        """Start the process.
+
+        Raises:
+            OSError: it can't be started.
+        """
+        commands, self._command_end = os.pipe()
+        self._event_end, events = os.pipe()
+        self._hold_end, hold = socket.socketpair()
+        self._memory, self._trace = tempfile.TemporaryFile(), tempfile.TemporaryFile()
+        self._memory.truncate(LARGEST)
+        self._pulse = PulseReader(self._memory.fileno())
+        channels = {
+            "commands": commands,
+            "events": events,
+            "hold": hold.fileno(),
+            "pulse": self._memory.fileno(),
+            "trace": self._trace.fileno(),
+        }
+        try:
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", "grip_bt.app.run_process", json.dumps(channels)],
+                pass_fds=list(channels.values()),
+                stdin=None if self._own_input else subprocess.DEVNULL,
+            )
+        finally:
+            os.close(commands)
+            os.close(events)
+            hold.close()
+        self._send(self._order)
+        self._reader = threading.Thread(target=self._read, name="grip_events", daemon=True)
+        self._reader.start()
+
+    @property
+    def pid(self) -> int:
+        """The child's process id."""
+        return self._process.pid
+
+    def send(self, command: Mapping[str, Any]) -> None:
+        """Pass a command on; `stop` is seen to. From any thread."""
+        if command.get("command") == "stop":
+            self.stop()
+        else:
+            self._send(command)
+
+    def stop(self) -> None:
+        """Stop the run, or its start; whatever the process does. May be called from a signal handler."""
+        with self._lock:
+            if self._stopping:
+                return
+            self._stopping = True
+        threading.Thread(target=self._stop, args=(time.monotonic(),), name="grip_stop", daemon=True).start()
+
+    def wait(self) -> Mapping[str, Any]:
+        """Wait for the end of the process, and return the event `ended`, or `failed` when nothing could be run."""
+        try:
+            status = self._watch()
+        finally:
+            self._over.set()
+        self._reader.join(2.0)
+        if self._ended is None:
+            self._ended = self._obituary(status)
+            self._told(self._ended)
+        os.close(self._command_end)
+        self._hold_end.close()
+        self._memory.close()
+        self._trace.close()
+        return self._ended
+
+    # --- its threads ---
+
+    def _send(self, command: Mapping[str, Any]) -> None:
+        line = json.dumps(command, default=str).encode() + b"\n"
+        try:
+            with self._lock:
+                os.write(self._command_end, line)
+        except OSError:
+            return  # it has ended, which is noticed elsewhere
+
+    def _stop(self, called: float) -> None:
+        self._send({"command": "stop"})
+        if not self._acknowledged.wait(called + ACKNOWLEDGE - time.monotonic()):
+            held = self._hold()
+            self._kill(f"did not acknowledge the stop within {1000 * ACKNOWLEDGE:.0f} ms{held}")
+        elif not self._over.wait(WIND_DOWN):
+            self._kill(f"did not end within {WIND_DOWN:g} s of the stop")
+
+    def _hold(self) -> str:
+        """Have the simulator hold the robot; return what came of it."""
+        try:
+            self._hold_end.settimeout(HOLD)
+            self._hold_end.sendall(b"hold")
+            if self._hold_end.recv(4) == b"held":
+                return "; the robot holds"
+        except OSError:
+            pass
+        return ""
+
+    def _kill(self, why: str) -> None:
+        self._why = why
+        try:
+            self._process.send_signal(signal.SIGKILL)
+        except OSError:
+            return  # it has ended meanwhile
+
+    def _watch(self) -> int:
+        """Wait for the process; end it when it stands still."""
+        count, still, looked = -1, 0.0, time.monotonic()
+        while True:
+            try:
+                return self._process.wait(LOOK)
+            except subprocess.TimeoutExpired:
+                pass
+            step, looked = min(time.monotonic() - looked, 2 * LOOK), time.monotonic()  # not while we stood still
+            now = self._pulse.count
+            still = 0.0 if now != count or self._run is None or self._ended is not None else still + step
+            count = now
+            if self._silence is not None and still > self._silence and not self._why:
+                self._stood_still = True
+                held = self._hold()
+                self._kill(f"stood still for {self._silence:g} s, with code that lets no other run{held}")
+
+    def _read(self) -> None:
+        with os.fdopen(self._event_end) as events:
+            for line in events:
+                event = json.loads(line)
+                match event["event"]:
+                    case "nodes":
+                        self._paths = event["paths"]
+                        continue
+                    case "started":
+                        self._run, self._begun = event, time.monotonic()
+                    case "state" if event["state"] == "stopping":
+                        self._acknowledged.set()
+                    case "ended" | "failed":
+                        self._acknowledged.set()
+                        self._ended = event
+                self._told(event)
+
+    # --- a death ---
+
+    def _obituary(self, status: int) -> dict[str, Any]:
+        """Return the event `ended` of a process that couldn't send it, and enter it into the journal."""
+        stopped = self._stopping and not self._stood_still
+        last, active = self._pulse.where(self._paths)
+        path = last if last in active or not active else active[-1]
+        how = self._why or _how(status)
+        message = f"the run's process {how}"
+        trace = self._traceback()
+        if self._run is None:
+            message = "before the task began" if stopped else f"{message}, and before it began"
+        elif not stopped:
+            others = [p for p in active if p != path]
+            message = f"{path}: {message}; last node entered: {last}"
+            message += f"; also active: {', '.join(others)}" if others else ""
+            message += f"; {_place(trace)}" if trace else ""
+        end = "stopped" if stopped else "error"
+        if self._run is not None:
+            self._enter(path if self._paths else "/", end, message, trace)
+        return {
+            "event": "ended",
+            "status": end,
+            "outcome": None,
+            "code": None,
+            "message": message,
+            "path": path,
+            "duration": time.monotonic() - self._begun,
+            "ticks": None,
+            "zombies": active if stopped else [],
+        }
+
+    def _traceback(self) -> str:
+        self._trace.seek(0)
+        return self._trace.read(1 << 16).decode(errors="replace")
+
+    def _enter(self, path: str, status: str, message: str, trace: str) -> None:
+        from grip_bt.runtime import Journal, RunLog
+
+        assert self._run is not None, "there is a run to end"
+        run, file, t = self._run["run"], self._run["journal"], time.monotonic() - self._begun
+        if file is None:
+            return
+        try:
+            with Journal(Path(file)) as journal:
+                log = RunLog(journal, run)
+                if status == "error":
+                    log.append(t, path, "error", data={"type": "ProcessDied", "message": message, "traceback": trace})
+                log.append(t, "/", "run_ended", data={"status": status, "message": message})
+                log.end(status, None)
+        except GripError as error:
+            sys.stderr.write(f"grip: {error}\n")
+
+
+def _how(status: int) -> str:
+    if status >= 0:
+        return f"ended with exit status {status} before the task had ended"
+    try:
+        name = signal.Signals(-status).name
+    except ValueError:
+        name = str(-status)
+    return f"was ended by {name} ({signal.strsignal(-status)})"
+
+
+def _place(trace: str) -> str:
+    """Return where the thread that died was, from a dump of faulthandler: innermost, outside Python's library."""
+    frames: list[str] = []
+    inside = False
+    for line in trace.splitlines():
+        if line.startswith(("Current thread", "Thread", "Extension modules")):
+            inside = line.startswith("Current thread")
+        elif inside and line.strip().startswith("File "):
+            frames.append(line.strip())
+    library = f'File "{os.path.dirname(os.__file__)}/'
+    ours = [f for f in frames if not f.startswith(library) or "site-packages" in f] or frames
+    return f"at {ours[0]}" if ours else ""

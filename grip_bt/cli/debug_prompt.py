@@ -1,0 +1,136 @@
+"""The prompt of `grip run --debug`: short words in, sentences out, over the control protocol."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+HELP = """\
+  s, in            go on to the next node that begins
+  n, over          likewise, not below this one
+  o, out           likewise, not below its parent
+  t, tick          let one tick through
+  c, continue      go on                        p, pause   hold after this tick
+  b NODE           hold before a node           b NODE:OUTCOME, b NODE:after, b NODE if EXPRESSION
+  d [NUMBER]       clear a breakpoint, or all   l, list    list them
+  r NODE           go on as far as a node
+  i [VARIABLE]     look at the variables        q, stop    stop the run"""
+
+
+class Prompt:
+    """Turns words of a user into commands, and events into words.
+
+    Args:
+        send: passes a command on.
+        say: prints a line.
+        patient: whether lines wait for the run to hold, as a script wants; a user may pause what runs.
+    """
+
+    def __init__(self, send: Callable[[Mapping[str, Any]], None], say: Callable[[str], object], patient: bool = False):
+        self._send, self._say = send, say
+        self._held = False
+        self._holds = threading.Event() if patient else None
+
+    def listen(self, lines: Iterable[str]) -> None:
+        """Obey lines until they end, which stops the run; an empty line repeats the last step."""
+        last = "s"
+        self._say("h for help")
+        try:
+            for line in lines:
+                self._wait()
+                text = line.strip() or last
+                last = text if text in _STEPS else last
+                self.obey(text)
+        except (OSError, ValueError):
+            pass  # the terminal is gone
+        self._wait()
+        self._send({"command": "stop"})
+
+    def _wait(self) -> None:
+        if self._holds is not None:
+            self._holds.wait()
+
+    def _go(self, command: str, **fields: Any) -> None:
+        if self._holds is not None:
+            self._holds.clear()
+        self._send({"command": command, **fields})
+
+    def obey(self, text: str) -> None:
+        """Obey one line."""
+        word, _, rest = text.partition(" ")
+        rest = rest.strip()
+        if text in _STEPS:
+            self._go("step", how=_STEPS[text])
+        elif text in ("c", "continue"):
+            self._go("resume")
+        elif text in _PLAIN:
+            self._send({"command": _PLAIN[text]})
+        elif word in ("b", "break") and rest:
+            self._set(rest)
+        elif word in ("d", "clear", "delete") and (not rest or rest.isdigit()):
+            self._send({"command": "clear", **({"id": int(rest)} if rest else {})})
+        elif word in ("r", "to") and rest:
+            self._go("run_to", node=rest)
+        elif word in ("i", "data"):
+            self._send({"command": "inspect", **({"variable": rest} if rest else {})})
+        else:
+            self._say(HELP if text in ("h", "help", "?") else f"{text!r} isn't a command:\n{HELP}")
+
+    def _set(self, text: str) -> None:
+        from .run import breakpoint_of
+
+        point = breakpoint_of(text)
+        self._send({"command": "break", "if": point.pop("condition"), **point})
+
+    def told(self, event: Mapping[str, Any]) -> None:
+        """Say what has happened."""
+        paused = event["event"] == "state" and event["state"] == "paused"
+        refused = event["event"] == "refused" and event.get("command") in ("step", "run_to")
+        if paused and not self._held:
+            self._say("paused")
+        try:
+            self._tell(event)
+        finally:
+            self._held = event["event"] == "held"
+            if self._holds is not None and (paused or event["event"] in ("ended", "failed") or refused):
+                self._holds.set()
+
+    def _tell(self, event: Mapping[str, Any]) -> None:
+        match event["event"]:
+            case "held":
+                end = f" -> {event['outcome']}" if event["outcome"] else ""
+                end += f".{event['code']}" if event["code"] else ""
+                number = f" (breakpoint {event['breakpoint']})" if event["breakpoint"] else ""
+                said = f": {event['message']}" if event["message"] else ""
+                self._say(f"{event['when']} {event['path']}{end}{number}{said}")
+            case "breakpoint":
+                self._say(f"breakpoint {_point(event)}")
+            case "cleared":
+                self._say(f"cleared: {', '.join(map(str, event['ids'])) or 'nothing'}")
+            case "breakpoints":
+                self._say("\n".join(map(_point, event["breakpoints"])) or "no breakpoints")
+            case "data":
+                for one in event["variables"]:
+                    self._say(f"  {one['name']} = {one['value']}")
+                if not event["variables"]:
+                    self._say("  no variable has been written")
+            case "refused":
+                self._say(event["message"])
+
+
+def _point(facts: Mapping[str, Any]) -> str:
+    outcome = f" {facts['outcome']}" if facts["outcome"] else ""
+    condition = f" if {facts['if']}" if facts["if"] else ""
+    return f"{facts['id']}: {facts['when']} {facts['node']}{outcome}{condition}"
+
+
+_STEPS = {"s": "in", "in": "in", "n": "over", "over": "over", "o": "out", "out": "out", "t": "tick", "tick": "tick"}
+_PLAIN = {
+    "p": "pause",
+    "pause": "pause",
+    "l": "breakpoints",
+    "list": "breakpoints",
+    "q": "stop",
+    "stop": "stop",
+}

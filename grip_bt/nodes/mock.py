@@ -1,0 +1,77 @@
+"""A leaf that plays a script in place of a node: outcomes, reasons, outputs and durations, activation by activation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from py_trees.common import Status
+
+from grip_bt.catalog.manifest import Manifest
+from grip_bt.values import Failure
+
+from .leaf import Leaf
+
+
+@dataclass(frozen=True)
+class MockStep:
+    """How activations of a mocked node go.
+
+    Attributes:
+        outcome: what it ends with.
+        code: of the failure; empty for none.
+        message: of the failure.
+        outputs: port -> value, written at the end.
+        seconds: how long it takes on the run's clock [s].
+        times: how many activations go like this.
+    """
+
+    outcome: str = "success"
+    code: str = ""
+    message: str = ""
+    outputs: Mapping[str, Any] = field(default_factory=dict)
+    seconds: float = 0.0
+    times: int = 1
+
+
+class MockLeaf(Leaf):
+    """Plays the steps one after the other; the last one goes on for ever.
+
+    Args:
+        name: the node's name.
+        path: its path.
+        manifest: the face of the node that it stands for.
+        meaning: the outcomes' meanings, where they differ.
+        steps: at least one.
+    """
+
+    _until = 0.0
+
+    def __init__(self, name: str, path: str, manifest: Manifest, meaning: Mapping[str, str], steps: Sequence[MockStep]):
+        super().__init__(name, path, manifest, {}, meaning)
+        self.steps, self.activations = tuple(steps), 0
+        self._step = self.steps[0]
+
+    def initialise(self) -> None:
+        """Take the step whose turn it is."""
+        self._step, number = self.steps[-1], self.activations
+        for step in self.steps:
+            if number < step.times:
+                self._step = step
+                break
+            number -= step.times
+        self.activations += 1
+        self._until = self.context.clock.now() + self._step.seconds
+        if self._step.seconds:
+            self.context.wake_at(self._until)
+
+    def update(self) -> Status:
+        """Take as long as the script says, then end."""
+        if self._step.seconds and self.context.clock.now() < self._until:
+            return self.running("mock")
+        step = self._step
+        self.observer.message(self.path, f"mock: {step.outcome}" + (f".{step.code}" if step.code else ""))
+        if self.meaning[step.outcome] == "failure" and (step.code or step.message):
+            self.failure = Failure(step.code or "failed", step.message or "mocked", {})
+        return self.end(step.outcome, **step.outputs)

@@ -1,0 +1,250 @@
+"""Runs in a process of their own: whatever user code does to it, the parent knows where, and is well."""
+
+from __future__ import annotations
+
+import json
+import os
+import queue
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from grip_bt.app.supervisor import Supervisor
+from grip_bt.runtime import JournalReader
+
+NODES = """
+import ctypes, os, signal, time
+from grip_bt.nodes import Leaf
+
+class Bad(Leaf):
+    def update(self):
+        how = self.params["how"]
+        print("inside", flush=True)
+        if how == "deref": ctypes.string_at(0)
+        if how == "kill": os.kill(os.getpid(), signal.SIGSEGV)
+        if how == "exit": os._exit(0)
+        if how == "loop":
+            while True: pass
+        if how == "hold": ctypes.PyDLL(None).usleep(60_000_000)  # holds the interpreter's lock
+        return self.running()
+"""
+MANIFEST = """
+id: bad/node
+doc: Does what no node should.
+implementation: bad.py:Bad
+parameters: {how: {type: str}}
+"""
+TASK = """
+grip: 1
+name: bad
+root:
+  kind: sequence
+  children:
+    fine: {node: flow/succeed}
+    inner:
+      kind: sequence
+      children:
+        worse: {node: bad/node, with: {how: %s}}
+"""
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    (tmp_path / "grip.yaml").write_text("grip: 1\n")
+    folder = tmp_path / "nodes" / "bad"
+    folder.mkdir(parents=True)
+    (folder / "bad.py").write_text(NODES)
+    (folder / "manifest.yaml").write_text(MANIFEST)
+    return tmp_path
+
+
+def task(project: Path, how: str) -> Path:
+    file = project / f"{how}.yaml"
+    file.write_text(TASK % how)
+    return file
+
+
+def grip(*arguments: Any, **more: Any) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "grip_bt.cli", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=60, **more)
+
+
+class Supervised:
+    """A supervised run whose events can be waited for."""
+
+    def __init__(self, file: Path, **options: Any):
+        self.events: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        given = {"robot": "fake", "journal": None, **options}
+        self.supervisor = Supervisor(str(file), given, self.events.put, silence=options.get("watchdog"))
+        self.supervisor.start()
+
+    def until(self, event: str) -> Any:
+        while (told := self.events.get(timeout=30))["event"] != event:
+            pass
+        return told
+
+
+def last_run(project: Path) -> Any:
+    with JournalReader(project / ".grip" / "runs.sqlite") as reader:
+        (record,) = reader.runs()
+        return record, reader.events(record.id)
+
+
+@pytest.mark.parametrize(
+    ("how", "said"),
+    [("deref", "was ended by SIGSEGV"), ("kill", "was ended by SIGSEGV"), ("exit", "ended with exit status 0 before")],
+)
+def test_a_process_that_dies_is_reported_with_the_nodes_path(project: Path, how: str, said: str) -> None:
+    done = grip("run", task(project, how))
+    assert done.returncode == 4
+    assert "error: inner/worse: the run's process " + said in done.stdout
+    assert "last node entered: inner/worse" in done.stdout
+    record, events = last_run(project)
+    assert (record.status, record.ended is not None) == ("error", True)
+    (error,) = (e for e in events if e.event == "error")
+    assert error.path == "inner/worse"
+    assert said in error.data["message"]
+    if how == "deref":
+        assert 'bad.py", line 9 in update' in done.stdout
+
+
+@pytest.mark.parametrize(("how", "said"), [("loop", "update hasn't returned for 0.5 s"), ("hold", "stood still for")])
+def test_a_node_that_does_not_return_is_ended_and_named(project: Path, how: str, said: str) -> None:
+    done = grip("run", task(project, how), "--watchdog", "0.5")
+    assert done.returncode == 4
+    assert "error: inner/worse: " in done.stdout
+    assert said in done.stdout
+    record, events = last_run(project)
+    assert record.status == "error"
+    assert [e.path for e in events if e.event == "error"] == ["inner/worse"]
+
+
+def test_a_stop_that_is_not_acknowledged_ends_the_process_at_once(project: Path) -> None:
+    run = Supervised(task(project, "hold"))
+    run.until("started")
+    while not run.supervisor._pulse.where(run.supervisor._paths)[1] == ["inner/worse"]:
+        time.sleep(0.001)
+    began = time.monotonic()
+    run.supervisor.stop()
+    end = run.supervisor.wait()
+    assert time.monotonic() - began < 1.0  # most of it is the journal's, after the process has ended
+    assert (end["status"], end["zombies"]) == ("stopped", ["inner/worse"])
+    assert "did not acknowledge the stop within 50 ms" in end["message"]
+    record, _ = last_run(project)
+    assert record.status == "stopped"
+
+
+def test_a_stop_while_it_starts_ends_it(project: Path) -> None:
+    run = Supervised(task(project, "loop"))
+    began = time.monotonic()
+    run.supervisor.stop()
+    end = run.supervisor.wait()
+    assert (end["status"], end["outcome"]) == ("stopped", None)
+    assert time.monotonic() - began < 5.0
+    with pytest.raises(ProcessLookupError):
+        os.kill(run.supervisor.pid, 0)
+
+
+def test_a_run_whose_parent_is_killed_stops(project: Path) -> None:
+    file = project / "wait.yaml"
+    file.write_text("grip: 1\nname: w\nroot: {node: flow/wait, with: {seconds: 60}}\n")
+    parent = subprocess.Popen(
+        [sys.executable, "-m", "grip_bt.cli", "run", str(file), "--control"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    assert parent.stdout is not None
+    while json.loads(parent.stdout.readline())["event"] != "started":
+        pass
+    parent.kill()
+    parent.communicate()
+    for _ in range(3000):
+        record, _ = last_run(project)
+        if record.status == "stopped":
+            return
+        time.sleep(0.01)
+    raise AssertionError(f"the run goes on: {record}")
+
+
+def test_ctrl_c_stops_the_run_and_says_so(project: Path) -> None:
+    file = project / "wait.yaml"
+    file.write_text("grip: 1\nname: w\nroot: {node: flow/wait, with: {seconds: 60}}\n")
+    command = [sys.executable, "-m", "grip_bt.cli", "run", str(file), "--set", "x=1"][:-2]
+    run = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    journal = project / ".grip" / "runs.sqlite"
+    while not journal.is_file() or not _running(journal):
+        time.sleep(0.01)
+    os.killpg(run.pid, signal.SIGINT)
+    out, err = run.communicate(timeout=30)
+    assert run.returncode == 130
+    assert out.startswith("stopped; ")
+    assert err == ""
+
+
+def _running(journal: Path) -> bool:
+    try:
+        with JournalReader(journal) as reader:
+            return any(e.event == "enter" for r in reader.runs() for e in reader.events(r.id))
+    except Exception:  # noqa: BLE001 - its tables are being made
+        return False
+
+
+def test_an_invalid_task_is_said_as_before(project: Path) -> None:
+    done = grip("run", task(project, "[]"))
+    assert done.returncode == 1
+    assert "wrong-type" in done.stderr or "str" in done.stderr
+    assert done.stdout == ""
+
+
+def test_the_prompt_steps_breaks_and_shows(project: Path) -> None:
+    file = project / "steps.yaml"
+    file.write_text(
+        "grip: 1\nname: s\ndata: {n: {type: int, value: 3}}\n"
+        "root:\n  kind: sequence\n  children:\n"
+        "    a: {node: flow/succeed}\n    b: {node: flow/fail, with: {code: tired, message: no more}}\n"
+    )
+    typed = "s\ns\ni n\nb q\nb b:failure.tired\nl\nc\nwhat\nc\n"
+    done = grip("run", file, "--debug", input=typed)
+    assert done.returncode == 3, done.stderr
+    lines = done.stdout.splitlines()
+    for said in (
+        "paused",
+        "before /",
+        "before a",
+        "  n = 3",
+        "unknown node 'q' (there are: /, a, b)",
+        "breakpoint 1: after b failure.tired",
+        "after b -> failure.tired (breakpoint 1): no more",
+        "'what' isn't a command:",
+    ):
+        assert said in lines
+    assert lines[-1].startswith("failure: failure (tired: no more); ")
+
+
+def test_breakpoints_of_the_command_line_hold_under_control(project: Path) -> None:
+    file = project / "steps.yaml"
+    file.write_text("grip: 1\nname: s\nroot: {kind: sequence, children: {a: {node: flow/succeed}}}\n")
+    run = subprocess.Popen(
+        [sys.executable, "-m", "grip_bt.cli", "run", str(file), "--control", "--break", "a:success"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    assert run.stdout is not None
+    assert run.stdin is not None
+    while (told := json.loads(run.stdout.readline()))["event"] != "held":
+        pass
+    assert (told["path"], told["when"], told["outcome"], told["breakpoint"]) == ("a", "after", "success", 1)
+    run.stdin.write('{"command": "resume"}\n')
+    run.stdin.flush()
+    while (told := json.loads(run.stdout.readline()))["event"] != "ended":
+        pass
+    assert told["status"] == "success"
+    run.communicate()
+    assert run.returncode == 0
