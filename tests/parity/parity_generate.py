@@ -42,6 +42,8 @@ class Maker:
     concurrent: bool = False
     files: dict[str, dict[str, Any]] = field(default_factory=dict)
     """The files that subtasks run."""
+    without: tuple[str, ...] = ()
+    """Kinds and settings that aren't made."""
     ends_of: dict[str, dict[str, str]] = field(default_factory=dict)
     """File -> its outcomes."""
 
@@ -95,6 +97,7 @@ class Maker:
         if self.join:
             kinds += ("join",) * 6
             kinds = [kind for kind in kinds if kind not in ("cooldown", "timeout")]  # threads share the clock
+        kinds = [kind for kind in kinds if kind not in self.without]
         return self.container(self.random.choice(kinds), depth, seen, own, embedded)
 
     def leaf(self, seen: list[str], own: list[str], usual: str) -> tuple[dict[str, Any], dict[str, str]]:
@@ -180,7 +183,7 @@ class Maker:
             made["wait_for"] = self.random.choice(("all", "any", self.random.randint(1, len(ends) + 1), some))
         if self.chance(0.4):
             made["cancel"] = "ask"
-        elif self.chance(0.5):
+        elif self.chance(0.5) and "retick" not in self.without:
             made[self.random.choice(("retick", "prompt"))] = True
         return made
 
@@ -320,15 +323,19 @@ class Maker:
         return {"kind": "state_machine", "initial": initial, "outcomes": outcomes, "children": children}, outcomes
 
 
-def make_case(seed: int) -> dict[str, Any]:
+def make_case(seed: int, without: tuple[str, ...] = ()) -> dict[str, Any]:
     """Return a random task with scripts; three in five have no part that must be embedded.
 
     One in five has concurrent parts: its leaves' own sequences are compared, so that nothing in it depends on the order
     of siblings but when a request, a stop or an error reaches them (no timeout, whose clock they share).
+
+    Args:
+        seed: of everything.
+        without: kinds and settings that it hasn't.
     """
     random = Random(seed)
     flavour = seed % 5
-    maker = Maker(random, embed=flavour in (3, 4) or seed % 15 == 2, join=flavour == 2)
+    maker = Maker(random, embed=flavour in (3, 4) or seed % 15 == 2, join=flavour == 2, without=without)
     data = maker.variables()
     root, outcomes = maker.node(random.randint(2, 5), seen_of(data), list(data), False, "success")
     task: dict[str, Any] = {"grip": 1, "name": "fuzzed", "root": root}
