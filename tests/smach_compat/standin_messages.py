@@ -95,7 +95,7 @@ def modules():
     raw = {"ActionServer": actionlib.ActionServer}
 
     def by_type(type_):
-        return [p.name for p in rospy.master.publishers if p.type._type == type_]
+        return sorted({p.name for p in rospy.master.publishers if p.type._type == type_})
 
     return {
         "rospy": rospy,

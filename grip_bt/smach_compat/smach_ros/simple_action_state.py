@@ -109,6 +109,7 @@ class SimpleActionState(RosState):
         self._goal_status: int = 0
         self._goal_result: Any = None
         self._ending = ""
+        self._feedback: list[Any] = []
         self._done_cond = threading.Condition()
         self._action_client = ros().action_client(self._full_name(action_name), action_spec)
         # noetic looks for the server from here on, in a thread: its time runs from the construction.
@@ -174,16 +175,19 @@ class SimpleActionState(RosState):
     def _run_goal(self, ud: Any) -> None:
         clock = ros()
         activated, canceled = clock.now(), None
-        self._ending, self._goal_result = "", None
+        self._ending, self._goal_result, self._feedback = "", None, []
         self._status = self.ACTIVE
-        self._action_client.send(self._goal, self._goal_done_cb, lambda message: self._goal_feedback_cb(ud, message))
+        self._action_client.send(self._goal, self._goal_done_cb, self._goal_feedback_cb)
         if self.preempt_requested():  # it came between the last look and the sending
             self._action_client.cancel()
-        with self._done_cond:
-            while not self._ending:
-                self._done_cond.wait(WATCH if self._watched() else None)
-                if self._ending:
-                    break
+        while not self._ending:
+            with self._done_cond:
+                if not self._ending and not self._feedback:
+                    self._done_cond.wait(WATCH if self._watched() else None)
+                feedback, self._feedback = self._feedback, []
+            for message in feedback:  # on this thread, so that the callback may take its time
+                self._feedback_cb(ud, message)
+            if not self._ending:
                 if self.preempt_requested() and canceled is None:
                     canceled = clock.now()
                 self._look_at_time(clock.now(), activated, canceled)
@@ -211,8 +215,11 @@ class SimpleActionState(RosState):
                 self._ending, self._goal_status, self._goal_result = ending, status, result
                 self._done_cond.notify_all()
 
-    def _goal_feedback_cb(self, ud: Any, message: Any) -> None:
-        self._feedback_cb(ud, message)
+    def _goal_feedback_cb(self, message: Any) -> None:
+        if self._feedback_cb.cb is not None:
+            with self._done_cond:
+                self._feedback.append(message)
+                self._done_cond.notify_all()
 
     def request_preempt(self) -> None:
         """Cancel the goal; the state ends when the server has."""

@@ -217,7 +217,7 @@ class TestProgram(unittest.TestCase):
         server = IntrospectionServer("watched", sm, "/SM_ROOT")
         server.start()
         client = IntrospectionClient()
-        assert client.get_servers() == ["/watched", "/watched"]
+        assert client.get_servers() == ["/watched"]
         userdata = UserData()
         userdata.given = [1, 2]
         ten = rospy.Duration(10.0)

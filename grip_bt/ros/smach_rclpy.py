@@ -1,0 +1,233 @@
+"""`smach_ros` on ROS 2: everything goes over one bus, so that states need no node and nobody has to spin one."""
+
+from __future__ import annotations
+
+import array
+import importlib
+import math
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+from action_msgs.msg import GoalStatus
+from std_msgs.msg import Header
+
+from grip_bt.errors import GoalRejectedError, GripError, ServerLostError
+from grip_bt.operation import Operation
+from grip_bt.smach_compat.smach_ros._port import ServiceFailedError
+
+from .bus import Bus
+from .interfaces import build_interfaces
+from .overlay import activate
+from .smach_server import SimpleServer, ended
+from .smach_shutdown import Shutdown
+from .types import type_name
+
+INTERFACES = Path(__file__).with_name("interface_packages")
+"""smach_msgs, for where no ROS installation has it."""
+SLICE = 0.1
+"""How often a wait looks whether ROS was shut down [s]."""
+_STATUS = {
+    "succeeded": GoalStatus.STATUS_SUCCEEDED,
+    "aborted": GoalStatus.STATUS_ABORTED,
+    "preempted": GoalStatus.STATUS_CANCELED,
+}
+
+
+def connect(domain_id: int | None = None, interface_cache: Path | None = None) -> RclpyConnection:
+    """Return a connection with a bus of its own.
+
+    Args:
+        domain_id: the DDS domain; ROS_DOMAIN_ID by default.
+        interface_cache: where smach_msgs is built, if it has to be; the user's cache by default.
+
+    Raises:
+        MissingPartError: there is no ROS 2.
+    """
+    return RclpyConnection(Bus("smach", domain_id=domain_id), interface_cache)
+
+
+class RclpyConnection:
+    """The port of `smach_ros` over rclpy; see `grip_bt.smach_compat.smach_ros._port.Ros`.
+
+    A node that a state was given says how names are resolved, and isn't used otherwise.
+    """
+
+    def __init__(self, bus: Bus, interface_cache: Path | None = None):
+        self._bus, self._cache = bus, interface_cache
+        self._shutdown = Shutdown()
+        self._messages: Any = None
+        logger = bus.node.get_logger()
+        self.loggers = (
+            lambda text: logger.info(str(text)),
+            lambda text: logger.warning(str(text)),
+            lambda text: logger.debug(str(text)),
+            lambda text: logger.error(str(text)),
+        )
+
+    def close(self) -> None:
+        """Leave ROS."""
+        self._bus.close()
+
+    def is_shutdown(self) -> bool:
+        """Tell whether the program or the connection is over."""
+        return self._bus.closed or self._shutdown.over()
+
+    def on_shutdown(self, hook: Callable[[], None]) -> None:
+        """Call `hook()` when a shutdown was asked for."""
+        self._shutdown.add(hook)
+
+    def now(self) -> float:
+        """Return ROS's time [s]."""
+        return float(self._bus.node.get_clock().now().nanoseconds) / 1e9
+
+    def sleep(self, seconds: float) -> None:
+        """Wait; a shutdown ends it."""
+        end = self.now() + seconds
+        while (left := end - self.now()) > 0 and not self.is_shutdown():
+            self._shutdown.wait(min(left, SLICE))
+
+    def subscribe(self, topic: str, type_: Any, callback: Callable[[Any], None]) -> _Topic:
+        """Call `callback(message)` on the bus's thread for each message."""
+        node = self._bus.node
+        name = self.name_of(topic, None)
+        made = ended(self._bus.post(lambda: node.create_subscription(type_, name, callback, 10)))
+        return _Topic(self._bus, made, node.destroy_subscription)
+
+    def advertise(self, topic: str, type_: Any) -> _Topic:
+        """Return a publisher."""
+        node = self._bus.node
+        name = self.name_of(topic, None)
+        made = ended(self._bus.post(lambda: node.create_publisher(type_, name, 10)))
+        return _Topic(self._bus, made, node.destroy_publisher)
+
+    def topics_of(self, type_: Any) -> list[str]:
+        """Return the topics that somebody sends messages of a type on."""
+        node, wanted = self._bus.node, type_name(type_)
+
+        def look() -> list[str]:
+            topics = node.get_topic_names_and_types()
+            return [name for name, types in topics if wanted in types and node.count_publishers(name)]
+
+        return ended(self._bus.post(look))
+
+    def service(self, name: str, type_: Any) -> _Service:
+        """Return a client."""
+        return _Service(self._bus, self.name_of(name, None), type_)
+
+    def action_client(self, name: str, type_: Any) -> _ActionClient:
+        """Return a client."""
+        return _ActionClient(self._bus, self.name_of(name, None), type_)
+
+    def action_server(
+        self, name: str, type_: Any, execute: Callable[[Any], None], preempt: Callable[[], None]
+    ) -> SimpleServer:
+        """Return a server, not started."""
+        return SimpleServer(self._bus, self.name_of(name, None), type_, execute, preempt)
+
+    def introspection(self) -> Any:
+        """Return smach_msgs; built once, in some 15 s, where no package of the name can be imported.
+
+        Raises:
+            MissingPartError: it has to be built and there is no compiler.
+        """
+        if self._messages is None:
+            messages, clock = self._smach_msgs(), self._bus.node.get_clock()
+            self._messages = SimpleNamespace(
+                Status=messages.SmachContainerStatus,
+                Structure=messages.SmachContainerStructure,
+                Command=messages.SmachContainerInitialStatusCmd,
+                header=lambda: Header(stamp=clock.now().to_msg()),
+                packed=lambda data: array.array("B", data),
+                unpacked=bytes,
+            )
+        return self._messages
+
+    def _smach_msgs(self) -> Any:
+        try:
+            return importlib.import_module("smach_msgs.msg")
+        except ImportError:
+            for built in build_interfaces(INTERFACES, self._cache):
+                activate(built.prefix)
+            return importlib.import_module("smach_msgs.msg")
+
+    def name_of(self, name: str, node: Any) -> str:
+        """Return the full name, by the user's node where there is one."""
+        return str((self._bus.node if node is None else node).resolve_topic_name(name))
+
+
+class _Topic:
+    """A subscription or publisher."""
+
+    def __init__(self, bus: Bus, entity: Any, destroy: Callable[[Any], Any]):
+        self._bus, self._entity, self._destroy = bus, entity, destroy
+
+    def publish(self, message: Any) -> None:
+        """Send a message; it is under way when this returns."""
+        entity = self._entity
+        if entity is not None:
+            self._bus.post(lambda: entity.publish(message))
+
+    def close(self) -> None:
+        """Leave the topic."""
+        entity, self._entity = self._entity, None
+        if entity is not None:
+            self._bus.post(lambda: self._destroy(entity))
+
+
+class _Service:
+    def __init__(self, bus: Bus, name: str, type_: Any):
+        self._client = bus.service(type_, name)
+
+    def wait(self, timeout: float) -> bool:
+        """Tell whether there is a server within `timeout` [s]."""
+        return _ready(self._client.wait_ready(timeout))
+
+    def call(self, request: Any) -> Any:
+        """Return the answer, however long it takes; the end of the server ends it."""
+        try:
+            return ended(self._client.call(request, timeout=math.inf))
+        except (GripError, TypeError, AssertionError) as error:  # rclpy's, of a request that isn't one
+            raise ServiceFailedError(str(error)) from error
+
+
+class _ActionClient:
+    def __init__(self, bus: Bus, name: str, type_: Any):
+        self._client = bus.action(type_, name)
+        self._goal: Operation[Any] | None = None
+
+    def wait(self, timeout: float) -> bool:
+        """Tell whether there is a server within `timeout` [s]."""
+        return _ready(self._client.wait_ready(timeout))
+
+    def send(self, goal: Any, done: Callable[[str, int, Any], None], feedback: Callable[[Any], None]) -> None:
+        """Send a goal; noetic gives a server all the time it wants, and so does this."""
+        operation = self._client.send(goal, timeout=math.inf, on_feedback=feedback, cancel_within=math.inf)
+        self._goal = operation
+        operation.add_done_callback(lambda: done(*_end_of(operation)))
+
+    def cancel(self) -> None:
+        """Ask the server to end the goal."""
+        if self._goal is not None:
+            self._goal.cancel()
+
+
+def _ready(operation: Operation[None]) -> bool:
+    try:
+        ended(operation)
+    except ServerLostError:
+        return False
+    return True
+
+
+def _end_of(operation: Operation[Any]) -> tuple[str, int, Any]:
+    """Return how a goal ended, as (ending, status, result)."""
+    try:
+        end = operation.result()
+    except GoalRejectedError:
+        return "rejected", GoalStatus.STATUS_UNKNOWN, None
+    except Exception:  # noqa: BLE001 - whatever it was, nobody knows what became of the goal
+        return "lost", GoalStatus.STATUS_UNKNOWN, None
+    ending = "preempted" if end.status == "canceled" else end.status
+    return ending, _STATUS[ending], end.result

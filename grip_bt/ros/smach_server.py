@@ -1,0 +1,137 @@
+"""An action server on rclpy that works as actionlib's SimpleActionServer: one goal at a time, on its own thread."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from action_msgs.msg import GoalStatus
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.task import Future
+
+from grip_bt.operation import Operation
+
+if TYPE_CHECKING:
+    from .bus import Bus
+
+
+T = TypeVar("T")
+
+
+def ended(operation: Operation[T]) -> T:
+    """Wait for an operation's end and return its result; for threads that may block, as those of SMACH do."""
+    operation.wait()
+    return operation.result()
+
+
+class _Work:
+    """A goal that was accepted."""
+
+    def __init__(self, handle: Any, future: Future):
+        self.handle, self.future = handle, future
+
+
+class SimpleServer:
+    """Serves one action; see `grip_bt.smach_compat.smach_ros._port.ActionServer`.
+
+    A goal that comes while another is being worked on preempts that one, and waits for its end.
+    """
+
+    def __init__(self, bus: Bus, name: str, type_: Any, execute: Callable[[Any], None], preempt: Callable[[], None]):
+        self._bus, self._name, self._type = bus, name, type_
+        self._execute, self._preempt = execute, preempt
+        self._queue: queue.SimpleQueue[_Work] = queue.SimpleQueue()
+        self._current: _Work | None = None
+        self._server: Any = None
+        self._lock = threading.Lock()
+
+    # --- from any thread ---
+
+    def start(self) -> None:
+        """Take goals."""
+        ended(self._bus.post(self._create))
+        threading.Thread(target=self._work, name=f"smach-server {self._name}", daemon=True).start()
+
+    def feedback(self, message: Any) -> None:
+        """Send feedback on the goal being worked on."""
+        work = self._current
+        if work is not None:
+            self._bus.post(lambda: work.handle.is_active and work.handle.publish_feedback(message))
+
+    def end(self, ending: str, result: Any = None) -> None:
+        """End the goal being worked on; `preempted` becomes `aborted` where its client hasn't canceled it."""
+        work = self._current
+        if work is not None:
+            ended(self._bus.post(lambda: self._end(work, ending, result)))
+
+    # --- the worker ---
+
+    def _work(self) -> None:
+        while not self._bus.closed:
+            work = self._queue.get()
+            with self._lock:
+                self._current = work
+                asked = work.handle.is_cancel_requested or not self._queue.empty()
+            ended(self._bus.post(work.handle.execute))
+            if asked:
+                self._ask()
+            try:
+                self._execute(work.handle.request)
+            finally:
+                self.end("aborted")  # nothing when it was ended, as it should be
+                with self._lock:
+                    self._current = None
+
+    def _ask(self) -> None:
+        """Ask for the end of the goal; not on the bus's thread, since a machine may take its time to hear it."""
+        threading.Thread(target=self._preempt, name=f"smach-preempt {self._name}", daemon=True).start()
+
+    # --- on the bus's thread ---
+
+    def _create(self) -> None:
+        self._server = ActionServer(
+            self._bus.node,
+            self._type,
+            self._name,
+            execute_callback=self._ended,
+            goal_callback=lambda goal: GoalResponse.ACCEPT,
+            handle_accepted_callback=self._accepted,
+            cancel_callback=self._canceled,
+        )
+        self._futures: dict[bytes, Future] = {}
+
+    def _accepted(self, handle: Any) -> None:
+        future = self._futures[bytes(handle.goal_id.uuid)] = Future(executor=self._bus.node.executor)
+        with self._lock:
+            self._queue.put(_Work(handle, future))
+            busy = self._current is not None
+        if busy:
+            self._ask()
+
+    def _canceled(self, handle: Any) -> CancelResponse:
+        with self._lock:
+            current = self._current is not None and self._current.handle.goal_id == handle.goal_id
+        if current:
+            self._ask()
+        return CancelResponse.ACCEPT
+
+    async def _ended(self, handle: Any) -> Any:
+        """Hand rclpy the result when there is one; awaited, so that the bus goes on meanwhile."""
+        key = bytes(handle.goal_id.uuid)
+        try:
+            return await self._futures[key]
+        finally:
+            del self._futures[key]
+
+    def _end(self, work: _Work, ending: str, result: Any) -> None:
+        if work.future.done():
+            return
+        if ending == "succeeded":
+            work.handle.succeed()
+        elif ending == "preempted" and work.handle.status == GoalStatus.STATUS_CANCELING:
+            work.handle.canceled()
+        else:
+            work.handle.abort()
+        work.future.set_result(self._type.Result() if result is None else result)
