@@ -94,16 +94,21 @@ class Leaf(Node):
             DataError: an output isn't declared.
             ValueError: the outcome isn't declared.
         """
-        if outcome not in self.meaning:
+        meaning = self.meaning.get(outcome)
+        if meaning is None:
             raise ValueError(f"{self.path}: {outcome!r} isn't an outcome of {self.manifest.id}: {list(self.meaning)}")
+        if outputs:
+            self._write(outputs)
+        self.outcome = outcome
+        return STATUS[meaning]
+
+    def _write(self, outputs: Mapping[str, Any]) -> None:
         for port in outputs:
             if port not in self.manifest.outputs:
                 raise DataError(self.path, port, f"isn't an output of {self.manifest.id}")
         for port, value in outputs.items():
             if port in self.writers:
                 self.writers[port](value)
-        self.outcome = outcome
-        return STATUS[self.meaning[outcome]]
 
     def fail(
         self,

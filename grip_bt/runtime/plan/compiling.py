@@ -9,6 +9,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from . import composites, controls, leaves
+from .emit_ours import plain
 from .hooks import entering, leaving
 from .kinds import DECORATORS, Kind, conditional, kind_of, ours, overrides, plain_validation
 from .parts import INVALID, F, Inside, Part, R, S, Verdict, Visit, foreign, halt_foreign
@@ -54,7 +55,7 @@ class Compiler:
         elif kind is Kind.LEAF:
             stop = make_stop(node, kind, (), _never)
             make = leaves.our_leaf if ours(node) else leaves.leaf
-            inside = _inside(node, kind, (), stop, Methods())
+            inside = None if ours(node) and not plain(node) else _inside(node, kind, (), stop, Methods())
             part = Part(node, self._conditional(node, make(node, stop, self.visit)), make_halt(stop), inside)
         else:
             part = self._inner(node, kind, verdict)
@@ -68,11 +69,16 @@ class Compiler:
         memory = node.memory if kind in _VERDICTS else None
         changed = watch_children(node, [kid.node for kid in kids], methods, memory)
         stop = make_stop(node, kind, kids, changed)
-        tick = self._tick(node, kind, kids, stop)
-        if ours(node):
-            tick = self._conditional(node, _entered(entering(node), tick))
+
+        def link(below: list[Part]) -> Callable[[], Status]:
+            tick = self._tick(node, kind, below, stop)
+            if ours(node):
+                tick = self._conditional(node, _entered(entering(node), tick))
+            return self._guarded(node, tick, changed, verdict)
+
         inside = _inside(node, kind, tuple(kids), stop, methods)
-        return Part(node, self._guarded(node, tick, changed, verdict), make_halt(stop), inside)
+        relink = None if _writable(node, kind) and kids else link
+        return Part(node, link(kids), make_halt(stop), inside, relink)
 
     def _tick(self, node: Any, kind: Kind, kids: list[Part], stop: Stop) -> Callable[[], Status]:
         ended = leaving(node, self.visit) if ours(node) else None
@@ -143,7 +149,7 @@ def _regular(node: Any, kind: Kind) -> bool:
 
 
 def _inside(node: Any, kind: Kind, kids: tuple[Part, ...], stop: Stop, methods: Methods) -> Inside | None:
-    if ours(node) or (kind is Kind.PARALLEL and not plain_validation(node)):
+    if kind is Kind.PARALLEL and not plain_validation(node):
         return None
     return Inside(
         kind,
@@ -154,7 +160,16 @@ def _inside(node: Any, kind: Kind, kids: tuple[Part, ...], stop: Stop, methods: 
         overrides(node, "terminate"),
         getattr(node, "memory", None),
         getattr(node, "policy", None),
+        ours(node),
+        ours(node) and bool(getattr(node, "exits", None)) and node.exits_at_once,
     )
+
+
+def _writable(node: Any, kind: Kind) -> bool:
+    """Tell whether source is written for the tick of an inner node, and not only for those below it."""
+    if not ours(node):
+        return kind is not Kind.PARALLEL or plain_validation(node)
+    return kind in (Kind.SEQUENCE, Kind.SELECTOR, Kind.DECORATOR) and plain(node)
 
 
 def _entered(enter: Callable[[], None], tick: Callable[[], Status]) -> Callable[[], Status]:

@@ -13,6 +13,8 @@ from py_trees.common import ParallelPolicy, Status
 
 from .composites import halt_all, settle
 from .emit_decorators import emit_update
+from .emit_ours import PRELUDE as OURS
+from .emit_ours import emit_after, emit_end, emit_entry, emit_halt, emit_leaf, emit_report
 from .kinds import Kind
 from .parts import INVALID, VALID, F, Inside, Part, R, S, rejected
 from .writer import Writer
@@ -44,7 +46,7 @@ class Emitter:
 
     def __init__(self, inline: Callable[[Part], bool], outer: Callable[[Part], Outer]):
         self.write = Writer()
-        self.write.names.update(PRELUDE, rejected=rejected)
+        self.write.names.update(PRELUDE, **OURS, rejected=rejected)
         self.insides: list[Part] = []
         self.functions: list[str] = []
         self._classes: list[type] = []
@@ -78,6 +80,9 @@ class Emitter:
 
     def _leaf(self, name: str, inside: Inside) -> None:
         write = self.write
+        if inside.ours:
+            emit_leaf(write, name, inside.initialises, inside.terminates)
+            return
         if inside.initialises:
             write(f"if {name}.status is not R: {name}.initialise()")
         write(f"s = {name}.update()")
@@ -93,6 +98,7 @@ class Emitter:
         write = self.write
         first = self._first(part, i)
         with write.block(f"if {name}.status is not R:"):
+            self._enter(inside, name)
             write(f"{name}.current_child = {first}")
             self._restart(part, inside, i)
             self._initialise(inside, name)
@@ -104,6 +110,7 @@ class Emitter:
         self._children(inside, name, i, bool(inside.memory), "S", "s is not S", points=True)
         with write.block(f"if c{i} is None:"):
             self._end(inside, name, i, "S")
+        self._left(inside, name, i)
         with write.block("else:"):
             if not inside.memory:
                 write(f"halt_all(H{i}[K{i}.index(c{i}) + 1:])")
@@ -114,6 +121,7 @@ class Emitter:
         write = self.write
         first = self._first(part, i)
         with write.block(f"if {name}.status is not R:"):
+            self._enter(inside, name)
             write(f"{name}.current_child = {first}")
             self._initialise(inside, name)
         self._pairs(inside, i)
@@ -125,6 +133,7 @@ class Emitter:
         with write.block(f"if c{i} is None:"):
             self._end(inside, name, i, "F")
             write(f"{name}.current_child = K{i}[-1]")
+        self._left(inside, name, i)
         with write.block("else:"):
             write(f"{name}.current_child = c{i}")
             write(f"if p{i} is not c{i}: halt_all(H{i}[K{i}.index(c{i}) + 1:])", f"s = c{i}.status")
@@ -143,42 +152,54 @@ class Emitter:
             for run in _runs(inside.kids, self._inline):
                 if len(run) >= LOOP:
                     self._classes.append(type(run[0].node))
-                    self._loop(run, at, name, i, memory, onward, leaves, points)
+                    self._loop(run, at, inside, name, i, onward, leaves, points)
                 elif memory and at:
                     with write.block(f"if k{i} <= {at}:"):
-                        self._child(run[0], at, name, i, leaves, points)
+                        self._child(run[0], at, inside, name, i, leaves, points)
                 elif memory:
                     with write.block(f"if not k{i}:"):
-                        self._child(run[0], at, name, i, leaves, points)
+                        self._child(run[0], at, inside, name, i, leaves, points)
                 else:
-                    self._child(run[0], at, name, i, leaves, points)
+                    self._child(run[0], at, inside, name, i, leaves, points)
                 at += len(run)
             write("break")
 
-    def _child(self, kid: Part, at: int, name: str, i: str, leaves: str, points: bool) -> None:
+    def _child(self, kid: Part, at: int, inside: Inside, name: str, i: str, leaves: str, points: bool) -> None:
         if points and at:
             self.write(f"{name}.current_child = {self.write.bind(f'n{i}_{at}', kid.node)}")
         child = self.node(kid)
+        if inside.ours:
+            emit_after(self.write, name, child, inside.exits, f"c{i} = {name}")
         with self.write.block(f"if {leaves}:"):
             self.write(f"c{i} = {child}", "break")
 
     def _loop(
-        self, run: list[Part], at: int, name: str, i: str, memory: bool, onward: str, leaves: str, points: bool
+        self, run: list[Part], at: int, inside: Inside, name: str, i: str, onward: str, leaves: str, points: bool
     ) -> None:
         """Write a loop over leaves that override `update` alone."""
         write = self.write
         todo = write.bind(f"L{i}_{at}", [kid.node for kid in run])
-        if memory:
+        if inside.memory:
             todo = f"({todo} if k{i} <= {at} else {todo}[k{i} - {at}:])"
         with write.block(f"for n in {todo}:"):
             if points:
                 write(f"{name}.current_child = n")
-            write("n.status = s = n.update()")
-            with write.block(f"if s is not {onward}:"):
-                write("if s is not S and s is not R and s is not F and s not in VALID: n.status = s = rejected(n, s)")
+            if inside.ours:
+                emit_leaf(write, "n", initialises=False, terminates=False)
+                emit_after(write, name, "n", inside.exits, f"c{i} = {name}")
                 with write.block(f"if {leaves}:"):
                     write(f"c{i} = n", "break")
+            else:
+                self._bare(onward, leaves, i)
         write(f"if c{i} is not None: break")
+
+    def _bare(self, onward: str, leaves: str, i: str) -> None:
+        write = self.write
+        write("n.status = s = n.update()")
+        with write.block(f"if s is not {onward}:"):
+            write("if s is not S and s is not R and s is not F and s not in VALID: n.status = s = rejected(n, s)")
+            with write.block(f"if {leaves}:"):
+                write(f"c{i} = n", "break")
 
     # --- parallels and decorators ---
 
@@ -226,6 +247,9 @@ class Emitter:
     def _decorator(self, part: Part, inside: Inside, name: str, i: str) -> None:
         write = self.write
         write.bind(f"stop{i}", inside.stop)
+        if inside.ours:
+            self._our_decorator(inside, name, i)
+            return
         if inside.initialises:
             write(f"if {name}.status is not R: {name}.initialise()")
         child = self.node(inside.kids[0])
@@ -238,7 +262,33 @@ class Emitter:
         with write.block("else:"):
             write(f"if s is not S and s is not F and s not in VALID: s = rejected({name}, s)", f"stop{i}(s)")
 
+    def _our_decorator(self, inside: Inside, name: str, i: str) -> None:
+        write = self.write
+        with write.block(f"if {name}.status is not R:"):
+            emit_entry(write, name)
+            self._initialise(inside, name)
+        with write.block("while True:"):
+            child = self.node(inside.kids[0])
+            emit_after(write, name, child, inside.exits, f"s = {name}.status")
+            write(f"s = {name}.update()")
+            write(f"if s is R: {name}.status = s")
+            if not inside.terminates:
+                with write.block(f"elif (s is S or s is F) and {child}.status is not R:"):
+                    emit_end(write, name, None)
+            with write.block("else:"):
+                write(f"if s is not S and s is not F and s not in VALID: s = rejected({name}, s)", f"stop{i}(s)")
+            write("break")
+
     # --- pieces ---
+
+    def _enter(self, inside: Inside, name: str) -> None:
+        if inside.ours:
+            emit_entry(self.write, name)
+
+    def _left(self, inside: Inside, name: str, i: str) -> None:
+        """Write the case that a container has ended by an exit."""
+        if inside.exits:
+            self.write(f"elif c{i} is {name}: s = {name}.status")
 
     def _restart(self, part: Part, inside: Inside, i: str) -> None:
         """Write what stops the children before they are ticked again, unless the parent has just done so."""
@@ -264,6 +314,10 @@ class Emitter:
 
     def _end(self, inside: Inside, name: str, i: str, status: str) -> None:
         """End with SUCCESS or FAILURE; the children are left as they are."""
+        if inside.ours and not inside.terminates:
+            emit_end(self.write, name, Status.SUCCESS if status == "S" else Status.FAILURE)
+            self.write(f"s = {status}")
+            return
         self.write(f"stop{i}({status})" if inside.terminates else f"{name}.status = {status}", f"s = {status}")
 
     def _halts(self, inside: Inside, i: str, write: Writer, unless: str = "is not I") -> None:
@@ -272,7 +326,11 @@ class Emitter:
         for run in _runs(inside.kids, self._inline):
             if len(run) >= LOOP:
                 with write.block(f"for n in {self.write.bind(f'L{i}_{at}', [kid.node for kid in run])}:"):
-                    write(f"if n.status {unless}: n.status = I")
+                    if inside.ours:
+                        with write.block(f"if n.status {unless}:"):
+                            emit_halt(write, "n")
+                    else:
+                        write(f"if n.status {unless}: n.status = I")
             else:
                 name = self.write.bind(f"n{i}_{at}", run[0].node)
                 with write.block(f"if {name}.status {unless}:"):
@@ -284,6 +342,10 @@ class Emitter:
         inside = part.inside
         if inside is None or not self._inline(part):
             write(f"{self.write.bind(f'h{i}', self._outer(part)[1])}()")
+        elif inside.ours and not _quiet(part):
+            write(f"{self.write.bind(f'h{i}', part.halt)}()")
+        elif inside.ours and inside.kind is Kind.LEAF:
+            emit_halt(write, name)
         elif inside.kind is Kind.LEAF:
             write(*([f"{name}.terminate(I)"] if inside.terminates else []), f"{name}.status = I")
         elif inside.kind in (Kind.SEQUENCE, Kind.SELECTOR) and i.count("_") <= UNFOLDED:
@@ -294,8 +356,14 @@ class Emitter:
             write(f"{self.halting(part, inside)}()")
 
     def _halt_composite(self, inside: Inside, name: str, i: str, write: Writer) -> None:
+        if inside.ours:
+            write(f"{name}.outcome = {name}.failure = None")
         write(f"{name}.current_child = None")
         self._halts(inside, i, write)
+        if inside.ours:
+            write(f"{name}.status = I")
+            emit_report(write, name)
+            return
         write(*([f"{name}.terminate(I)"] if inside.terminates else []), f"{name}.status = I")
 
     def halting(self, part: Part, inside: Inside) -> str:
@@ -306,7 +374,9 @@ class Emitter:
         self._halting[id(part.node)] = function = f"q{len(self._halting)}"
         name = self.write.bind(f"{function}n", part.node)
         body = Writer()
-        if inside.kind is Kind.DECORATOR:
+        if inside.ours and not _quiet(part):
+            body(f"{self.write.bind(f'{function}h', part.halt)}()")
+        elif inside.kind is Kind.DECORATOR:
             if inside.terminates:
                 body(f"{name}.terminate(I)")
             kid = self.write.bind(f"n{function}_0", inside.kids[0].node)
@@ -324,6 +394,14 @@ class Emitter:
     def _reset(self, part: Part) -> str:
         """Return the name of the variable that tells whether the children were found or made INVALID in this tick."""
         return self.resets.setdefault(id(part.node), f"z{len(self.resets)}")
+
+
+def _quiet(part: Part) -> bool:
+    """Tell whether stopping a node of ours calls nobody but observers: leaves and composites without `terminate`."""
+    inside = part.inside
+    if inside is None or inside.terminates or part.relink is not None:
+        return False
+    return inside.kind in (Kind.LEAF, Kind.SEQUENCE, Kind.SELECTOR) and all(map(_quiet, inside.kids))
 
 
 def _simple(part: Part) -> bool:

@@ -40,17 +40,19 @@ class Part:
         tick: does what its `tick` does; returns the status that the parent goes by.
         halt: does what `stop(INVALID)` does.
         inside: what source can be generated from; None where the node is left to `tick`.
+        relink: where no source is written for a node: makes its `tick` anew, from children ticked in another way.
     """
 
     node: Any
     tick: Callable[[], Status]
     halt: Callable[[], None]
     inside: Inside | None = None
+    relink: Callable[[list[Part]], Callable[[], Status]] | None = None
 
 
 @dataclass(frozen=True)
 class Inside:
-    """A node of py_trees as it was when it was compiled.
+    """A node as it was when it was compiled.
 
     Attributes:
         kind: its rules.
@@ -61,6 +63,8 @@ class Inside:
         terminates: whether it overrides `terminate`.
         memory: of a sequence or selector.
         policy: of a parallel.
+        ours: whether it reports to an observer and ends with labels.
+        exits: whether ends of its children may end it at once.
     """
 
     kind: Kind
@@ -71,6 +75,8 @@ class Inside:
     terminates: bool
     memory: Any = None
     policy: Any = None
+    ours: bool = False
+    exits: bool = False
 
 
 def rejected(node: Behaviour, status: Any) -> Status:

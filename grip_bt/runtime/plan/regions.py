@@ -9,6 +9,7 @@ from __future__ import annotations
 import marshal
 import threading
 from collections.abc import Callable
+from dataclasses import replace
 from operator import attrgetter
 from types import CodeType
 from typing import Any
@@ -78,7 +79,10 @@ class Regions:
         """Return what ticks and what halts a node."""
         made = self._made.get(id(part))
         if made is None:
-            if not _writable(part) or _inside(part).kind is Kind.LEAF:
+            if part.relink is not None and part.inside is not None:
+                kids = [replace(kid, tick=self._generate(kid)[0]) for kid in part.inside.kids]
+                made = part.relink(kids), part.halt
+            elif not _writable(part) or _inside(part).kind is Kind.LEAF:
                 made = part.tick, part.halt
             else:
                 emitter = Emitter(lambda kid: self._inline(part, kid), self._generate)
@@ -191,6 +195,6 @@ def _inside(part: Part) -> Inside:
 
 
 def _writable(part: Part) -> bool:
-    """Tell whether source can be generated for a node: it is of py_trees, and a leaf or not without children."""
+    """Tell whether source can be generated for a node: its rules can be written, and a leaf or not without children."""
     inside = part.inside
-    return inside is not None and (inside.kind is Kind.LEAF or bool(inside.kids))
+    return inside is not None and part.relink is None and (inside.kind is Kind.LEAF or bool(inside.kids))

@@ -160,7 +160,7 @@ class _Writing:
     def way(self, part: Part) -> None:
         """Write the tick of a node that runs, and goes on to run."""
         inside, node = part.inside, part.node
-        if inside is None or node.status is not R:
+        if inside is None or node.status is not R or inside.ours or part.relink is not None:
             raise Unsettled
         name = self._name(node, R)
         if inside.kind is Kind.LEAF:
@@ -263,7 +263,7 @@ class _Writing:
     def _bare(self, part: Part, status: Status) -> str:
         """Take in a leaf that ends with the same status in each tick, and overrides `update` alone."""
         inside = part.inside
-        if inside is None or inside.kind is not Kind.LEAF or inside.initialises or inside.terminates:
+        if inside is None or inside.ours or inside.kind is not Kind.LEAF or inside.initialises or inside.terminates:
             raise Unsettled
         if part.node.status is not status:
             raise Unsettled
