@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from grip_bt.catalog import Catalog
+    from grip_bt.compilers.restructure import Restructured
     from grip_bt.graph.document import Document
 
 
@@ -34,17 +35,25 @@ def _yaml(document: Document, catalog: Catalog, args: argparse.Namespace) -> str
 def _restructured(document: Document, catalog: Catalog, args: argparse.Namespace) -> str:
     from grip_bt.compilers import restructure
 
-    convert, form = {
-        "bt": (restructure.to_trees, "a behaviour tree"),
-        "sm": (restructure.to_state_machines, "a state machine"),
-    }[args.to]
-    result = convert(document.task, catalog)
+    if args.to == "bt":
+        form, result = "a behaviour tree", restructure.to_trees(document.task, catalog)
+    else:
+        form, result = "a state machine", restructure.to_state_machines(document.task, catalog, args.approximate)
     if args.strict:
         result.require_all(form)
     for note in result.notes:
         if not note.by_design:
             print(f"{args.task}: {note}", file=sys.stderr)
+    print(f"{args.task}: {_compared(document, result, catalog)}", file=sys.stderr)
     return restructure.to_text(result, form, Path(args.task).name)
+
+
+def _compared(document: Document, result: Restructured, catalog: Catalog) -> str:
+    """Return how the two forms compare, in words."""
+    from grip_bt.compilers.restructure import compare
+
+    exact = "" if any(note.approximated for note in result.notes) else "exact by construction, and "
+    return f"{exact}{compare(document.task, result, catalog)}"
 
 
 def _stand_alone(document: Document, catalog: Catalog, args: argparse.Namespace) -> str:
@@ -55,6 +64,12 @@ def _stand_alone(document: Document, catalog: Catalog, args: argparse.Namespace)
 
 def _pytrees_xml(document: Document, catalog: Catalog, args: argparse.Namespace) -> str:
     from grip_bt.compilers.pytrees_xml import to_xml
+
+    return to_xml(document.task, catalog)
+
+
+def _btcpp(document: Document, catalog: Catalog, args: argparse.Namespace) -> str:
+    from grip_bt.compilers.btcpp import to_xml
 
     return to_xml(document.task, catalog)
 
@@ -70,6 +85,7 @@ CONVERTERS: dict[str, Converter] = {
     "sm": _restructured,
     "pytrees-py": _stand_alone,
     "pytrees-xml": _pytrees_xml,
+    "btcpp": _btcpp,
 }
 
 
@@ -82,7 +98,7 @@ def add_parser(subparsers: Any) -> None:
         required=True,
         choices=sorted(CONVERTERS),
         help="the form; bt and sm: the task itself, made of composites or of state machines;"
-        " pytrees-py: a stand-alone Python file; pytrees-xml: py_trees' XML",
+        " pytrees-py: a stand-alone Python file; pytrees-xml: py_trees' XML; btcpp: BehaviorTree.CPP 4's XML",
     )
     parser.add_argument(
         "--view", choices=("tree", "flow"), default="tree", help="of a picture: tree (default) or flow chart"
@@ -90,8 +106,13 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument(
         "--strict", action="store_true", help="of bt and sm: refuse a task of which a part has no equal in that form"
     )
+    parser.add_argument(
+        "--approximate",
+        action="store_true",
+        help="of sm: let reactive composites become machines that aren't quite the same; what differs is shown",
+    )
     parser.add_argument("-o", "--output", metavar="OUT", default="-", help="file to write; default: stdout")
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=run, usage_error=parser.error)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -100,6 +121,8 @@ def run(args: argparse.Namespace) -> int:
     from grip_bt.graph import read_text
     from grip_bt.graph.document import read_file
 
+    if args.approximate and args.to != "sm":
+        args.usage_error("--approximate is for --to sm")
     document = read_text(read_file(args.task), args.task)
     text = CONVERTERS[args.to](document, project_catalog(args.task), args)
     if args.output == "-":

@@ -12,7 +12,7 @@ from ..transitions import interrupts, lead
 from .result import Built, Note, Restructured, common, kept, paths_of, successors
 
 
-def to_state_machines(task: Task, catalog: Catalog) -> Restructured:
+def to_state_machines(task: Task, catalog: Catalog, approximate: bool = False) -> Restructured:
     """Return the task with every sequence and fallback that has an equal state machine as that machine.
 
     Paths stay as they are. Outcomes stay too: a machine declares `success` and `failure`, which its composite had
@@ -21,28 +21,38 @@ def to_state_machines(task: Task, catalog: Catalog) -> Restructured:
     Args:
         task: the document.
         catalog: where the leaves' manifests are.
+        approximate: let a reactive composite become the machine of one with memory, which isn't the same: it doesn't
+            look at its first child again while a later one runs. Each is noted.
 
     Raises:
         InvalidTaskError: the task is wrong; it holds everything that was found.
     """
-    work = _Work()
+    work = _Work(approximate)
     root = work.convert(resolve(task, catalog).root, None)
     return Restructured(task.model_copy(update={"root": root.node}), paths_of(root), tuple(work.notes))
 
 
+APPROXIMATED = "it was reactive: as a machine it doesn't ask its first child again while a later one runs"
+
+
 class _Work:
-    def __init__(self) -> None:
+    def __init__(self, approximate: bool) -> None:
         self.notes: list[Note] = []
+        self.approximate = approximate
 
     def convert(self, part: Part, ticker: Part | None) -> Built:
         """Return a node in its new form; `ticker` is the container above that may interrupt it, if there is one."""
         if isinstance(part.node, Leaf | Subtask):
             return Built(part.node, {part.path: ()})
         ordered = isinstance(part.node, Sequence | Fallback)
-        reason = _why_not(part, ticker) if ordered else _by_kind(part)
+        reactive = ordered and not getattr(part.node, "memory", True)
+        rough = reactive and self.approximate and bool(part.children)
+        reason = (None if rough else _why_not(part, ticker)) if ordered else _by_kind(part)
+        if rough:
+            self.notes.append(Note(part.path, part.node.kind, APPROXIMATED, approximated=True))
         if reason:
             self.notes.append(Note(part.path, part.node.kind, reason, by_design=not ordered))
-        inner = part if interrupts(part) else ticker
+        inner = part if interrupts(part) and not rough else ticker
         same = kept(part, {child.name: self.convert(child, inner) for child in part.children})
         return same if reason is not None or not ordered else Built(_machine(part, same), same.places)
 
