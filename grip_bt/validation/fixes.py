@@ -88,7 +88,7 @@ def _near(name: str, allowed: Iterable[str]) -> list[str]:
 
 def _node(survey: Survey, spot: Spot | None, issue: Issue) -> _Found:
     if spot is not None and isinstance(spot.node, Leaf):
-        for id in _near(spot.node.node, survey.catalog.ids()):
+        for id in _near(spot.node.node, survey.catalog.ids())[:1]:
             yield f"Use {id}", Set(path=issue.path, key=("node",), value=id)
 
 

@@ -140,6 +140,28 @@ class FormsView(Wire):
     trouble: str = ""
 
 
+class PlacesView(Wire):
+    """Where the nodes stand in the text: path -> 1-based line."""
+
+    revision: int
+    lines: dict[str, int]
+
+
+class Part(Wire):
+    """A copy of a node with all below it: what a clipboard holds and `paste` takes."""
+
+    name: str
+    node: dict[str, Any]
+    variables: dict[str, Any] = {}
+    """The declarations of the variables that it uses and that are declared around it."""
+
+
+class PartsView(Wire):
+    """Parts of a task, in the order of its text."""
+
+    parts: list[Part]
+
+
 # --- wishes -----------------------------------------------------------------------------------------------------------
 
 

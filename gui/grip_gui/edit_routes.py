@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
-from typing import TypeVar
+from typing import Annotated, TypeVar
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Query
 from pydantic import ValidationError
 
 from grip_bt.errors import EditError
@@ -22,7 +22,9 @@ from .edit_messages import (
     ExpressionWish,
     FormsView,
     NewTask,
+    PartsView,
     PinWish,
+    PlacesView,
     SaveWish,
     StepWish,
     TextWish,
@@ -30,7 +32,7 @@ from .edit_messages import (
 from .editing import EditDesk, Sheet, StaleEditError
 from .editing.forms import forms_view
 from .editing.palette import catalog_view
-from .editing.views import check_expression, document_view
+from .editing.views import check_expression, document_view, parts_view, places_view
 
 T = TypeVar("T")
 
@@ -43,17 +45,13 @@ def make_edit_router(desk: EditDesk, notify: Callable[[], None]) -> APIRouter:
         notify: tells the pages that something has changed; called in the event loop.
     """
     api = APIRouter(prefix="/api")
+    _add_questions(api, desk)
+    _add_wishes(api, desk, notify)
+    return api
+
+
+def _add_questions(api: APIRouter, desk: EditDesk) -> None:
     folder = desk.folder
-
-    async def change(path: str, work: Callable[[Sheet], object]) -> DocumentView:
-        def changed() -> DocumentView:
-            with desk.changing(path) as sheet:
-                work(sheet)
-                return document_view(folder, sheet)
-
-        view = await asyncio.to_thread(changed)
-        notify()
-        return view
 
     @api.get("/catalog")
     def catalog() -> CatalogView:
@@ -70,10 +68,32 @@ def make_edit_router(desk: EditDesk, notify: Callable[[], None]) -> APIRouter:
         with desk.reading(path) as sheet:
             return forms_view(sheet, catalog_of(folder)[0])
 
+    @api.get("/document/places")
+    def places(path: str) -> PlacesView:
+        with desk.reading(path) as sheet:
+            return places_view(sheet)
+
+    @api.get("/document/parts")
+    def parts(path: str, node: Annotated[list[str], Query(max_length=1000)]) -> PartsView:
+        with desk.reading(path) as sheet:
+            return parts_view(sheet, node)
+
     @api.post("/document/expression")
     def expression(wish: ExpressionWish) -> ExpressionView:
         with desk.reading(wish.path) as sheet:
             return check_expression(folder, sheet, wish)
+
+
+def _add_wishes(api: APIRouter, desk: EditDesk, notify: Callable[[], None]) -> None:
+    async def change(path: str, work: Callable[[Sheet], object]) -> DocumentView:
+        def changed() -> DocumentView:
+            with desk.changing(path) as sheet:
+                work(sheet)
+                return document_view(desk.folder, sheet)
+
+        view = await asyncio.to_thread(changed)
+        notify()
+        return view
 
     @api.post("/document/edit")
     async def edit(wish: EditWish) -> DocumentView:
@@ -105,8 +125,6 @@ def make_edit_router(desk: EditDesk, notify: Callable[[], None]) -> APIRouter:
     async def new(wish: NewTask) -> DocumentView:
         await asyncio.to_thread(desk.create, wish.path, wish.text)
         return await change(wish.path, lambda _: None)
-
-    return api
 
 
 def _step(sheet: Sheet, wish: StepWish) -> None:

@@ -19,6 +19,7 @@ export function node(path: string, part: Partial<NodeView> = {}): NodeView {
     inputs: {},
     outputs: {},
     parameters: {},
+    fields: {},
     ...part,
   };
 }

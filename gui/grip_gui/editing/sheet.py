@@ -71,7 +71,7 @@ class Sheet:
 
     def keep_unsaved(self) -> None:
         """Keep a copy of what isn't saved, or forget the copy of what is."""
-        if self.text == self._saved:
+        if self.text == self._saved and not self.file.change():
             self._recovery.forget()
         else:
             self._recovery.keep(Unsaved(self.text, self.file.known))

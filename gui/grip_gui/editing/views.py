@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import get_args
 
 from grip_bt.errors import DocumentError, EditError, GripError
-from grip_bt.graph import read_text
-from grip_bt.graph.edit import Set, apply
+from grip_bt.graph import read_text, walk
+from grip_bt.graph.edit import Set, apply, clip_of
 from grip_bt.validation import validate
 
 from ..documents import catalog_of, trouble_of, view_of_document
@@ -18,6 +18,9 @@ from ..edit_messages import (
     HistoryView,
     LayoutView,
     MomentView,
+    Part,
+    PartsView,
+    PlacesView,
 )
 from ..messages import Problem, TaskView
 from ..project import ProjectFolder
@@ -72,6 +75,28 @@ def _fault(sheet: Sheet) -> Problem:
     except DocumentError as error:
         return trouble_of("document", error)
     return Problem(code="document", severity="error", message="this text can't be taken over; run `grip fmt` on it")
+
+
+def places_view(sheet: Sheet) -> PlacesView:
+    """Return where the nodes stand in the text; nothing while it isn't a task."""
+    if sheet.history is None or sheet.draft is not None:
+        return PlacesView(revision=sheet.revision, lines={})
+    document = sheet.history.document
+    places = ((path, document.position(path)) for path, _ in walk(document.task.root))
+    return PlacesView(revision=sheet.revision, lines={path: place[0] for path, place in places if place})
+
+
+def parts_view(sheet: Sheet, paths: list[str]) -> PartsView:
+    """Return copies of nodes, to be pasted elsewhere.
+
+    Raises:
+        EditError: there is no such node.
+    """
+    if sheet.history is None:
+        return PartsView(parts=[])
+    task = sheet.history.document.task
+    clips = [clip_of(task, path) for path in paths]
+    return PartsView(parts=[Part(**clip.model_dump(mode="json")) for clip in clips])
 
 
 def check_expression(folder: ProjectFolder, sheet: Sheet, wish: ExpressionWish) -> ExpressionView:

@@ -52,10 +52,15 @@ export class Moment {
 /** What the reducer must know about the task: meanings of outcomes, parents, scopes of variables. */
 export class TaskIndex {
   readonly byPath: ReadonlyMap<string, NodeView>;
+  /** The worst that the validation says about a node. */
+  readonly worst: ReadonlyMap<string, "error" | "warning">;
   private readonly scopes: ReadonlySet<string>;
 
   constructor(readonly task: TaskView) {
     this.byPath = new Map(task.nodes.map((node) => [node.path, node]));
+    const worst = new Map<string, "error" | "warning">();
+    for (const { path, severity } of task.problems) if (worst.get(path) !== "error") worst.set(path, severity);
+    this.worst = worst;
     this.scopes = new Set(task.variables.map((v) => variableKey(v.scope, v.name)));
   }
 

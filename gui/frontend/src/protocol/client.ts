@@ -1,16 +1,39 @@
 /** Talks to the server: questions over HTTP, news over one WebSocket that comes back by itself. */
 import type {
+  CatalogView,
   Control,
+  DiskWish,
+  DocumentView,
+  EditWish,
+  ExpressionView,
+  ExpressionWish,
+  FormsView,
+  NewTask,
+  PartsView,
+  PinWish,
+  PlacesView,
   ProjectView,
   RunRecord,
   RunView,
+  SaveWish,
   ServerFrame,
   SessionView,
   StartRun,
+  StepWish,
   Subscribe,
-  TaskView,
+  TextWish,
   Trouble,
 } from "./generated";
+
+/** A request that the server refused; `kind` says what the page can do about it. */
+export class RefusedError extends Error {
+  constructor(
+    message: string,
+    readonly kind: string,
+  ) {
+    super(message);
+  }
+}
 
 async function ask<T>(path: string, body?: unknown): Promise<T> {
   const init: RequestInit =
@@ -20,14 +43,27 @@ async function ask<T>(path: string, body?: unknown): Promise<T> {
   const answer = await fetch(`/api/${path}`, init);
   if (!answer.ok) {
     const trouble = (await answer.json().catch(() => null)) as Trouble | null;
-    throw new Error(trouble?.detail ?? `the server answered ${answer.status}`);
+    throw new RefusedError(trouble?.detail ?? `the server answered ${answer.status}`, trouble?.kind ?? "");
   }
   return (await answer.json()) as T;
 }
 
 export const server = {
   project: () => ask<ProjectView>("project"),
-  task: (path: string) => ask<TaskView>(`task?path=${encodeURIComponent(path)}`),
+  catalog: () => ask<CatalogView>("catalog"),
+  document: (path: string) => ask<DocumentView>(`document?path=${encodeURIComponent(path)}`),
+  forms: (path: string) => ask<FormsView>(`document/forms?path=${encodeURIComponent(path)}`),
+  places: (path: string) => ask<PlacesView>(`document/places?path=${encodeURIComponent(path)}`),
+  parts: (path: string, nodes: readonly string[]) =>
+    ask<PartsView>(`document/parts?path=${encodeURIComponent(path)}${nodes.map((node) => `&node=${encodeURIComponent(node)}`).join("")}`),
+  edit: (wish: EditWish) => ask<DocumentView>("document/edit", wish),
+  text: (wish: TextWish) => ask<DocumentView>("document/text", wish),
+  step: (wish: StepWish) => ask<DocumentView>("document/step", wish),
+  pin: (wish: PinWish) => ask<DocumentView>("document/pin", wish),
+  save: (wish: SaveWish) => ask<DocumentView>("document/save", wish),
+  disk: (wish: DiskWish) => ask<DocumentView>("document/disk", wish),
+  newTask: (wish: NewTask) => ask<DocumentView>("document/new", wish),
+  expression: (wish: ExpressionWish) => ask<ExpressionView>("document/expression", wish),
   runs: () => ask<RunRecord[]>("runs"),
   run: (id: string) => ask<RunView>(`runs/${encodeURIComponent(id)}`),
   start: (wish: StartRun) => ask<SessionView>("session", wish),

@@ -163,11 +163,29 @@ export interface ParameterFace {
   default: unknown;
 }
 
+/** A copy of a node with all below it: what a clipboard holds and `paste` takes. */
+export interface Part {
+  name: string;
+  node: Record<string, unknown>;
+  variables: Record<string, unknown>;
+}
+
+/** Parts of a task, in the order of its text. */
+export interface PartsView {
+  parts: Part[];
+}
+
 /** Pin nodes at positions, or let them go (null). */
 export interface PinWish {
   path: string;
   view: "flow" | "tree";
   positions: Record<string, [number, number] | null>;
+}
+
+/** Where the nodes stand in the text: path -> 1-based line. */
+export interface PlacesView {
+  revision: number;
+  lines: Record<string, number>;
 }
 
 /** An input or an output of a leaf. */

@@ -1,6 +1,8 @@
 /** What the buttons do, and what the socket brings: the one place that joins server and stores. */
 import { server, Socket } from "../protocol/client";
 import type { Control, RunRecord, ServerFrame, StartRun } from "../protocol/generated";
+import { useDocument } from "./document";
+import { heardOfRevisions, save, take } from "./editing";
 import { usePage } from "./page";
 import { useRun } from "./run";
 
@@ -40,6 +42,9 @@ function heard(frame: ServerFrame): void {
     case "events":
       run.addEvents(frame.run, frame.events, frame.complete);
       break;
+    case "revisions":
+      heardOfRevisions(frame.revisions);
+      break;
     case "refused":
       run.setTrouble(`The server refused a message: ${frame.reason}`);
       break;
@@ -71,10 +76,13 @@ export function chooseRun(id: string): Promise<void> {
 export function openTask(path: string): Promise<void> {
   const wish = ++wishes;
   return trying(async () => {
-    const task = await server.task(path);
+    const document = await server.document(path);
     if (wish !== wishes) return;
-    useRun.getState().showTask(task);
-    usePage.getState().select(task.nodes[0]?.path ?? null);
+    useDocument.getState().setConflict(null);
+    useRun.getState().showTask(document.task);
+    take(document);
+    usePage.getState().enter("/");
+    usePage.getState().select(document.task.nodes[0]?.path ?? null);
   });
 }
 
@@ -84,6 +92,7 @@ function openRun(id: string): Promise<void> {
     const view = await server.run(id);
     if (wish !== wishes) return;
     useRun.getState().showTask(view.task, view.run);
+    usePage.getState().setFoot("run");
     socket?.subscribe();
   });
 }
@@ -93,6 +102,8 @@ export function startRun(wish: StartRun): Promise<void> {
     const { task, record } = useRun.getState();
     // An old run on display gives way to the task as it is now.
     if (record || task.path !== wish.task) await openTask(wish.task);
+    // What runs is the file: what was drawn is saved first, and a file that somebody else has changed asks.
+    if (useDocument.getState().document?.saved === false && !(await save())) return;
     // How it goes on is told by the socket alone: an answer may come later than newer news.
     await server.start(wish);
   });

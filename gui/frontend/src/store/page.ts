@@ -1,20 +1,60 @@
-/** What this page shows of the task: selection, open containers, whether the canvas follows the run. */
+/** What this page shows of the task: selection, open containers, which view, whether the canvas follows the run. */
 import { create } from "zustand";
 
+export type ViewName = "tree" | "flow" | "split" | "text";
+export type FootTab = "problems" | "run" | "history";
+
 export interface PageStore {
+  /** The node that has the focus; forms are about it. */
   readonly selected: string | null;
+  /** All nodes that are selected, the one with the focus among them. */
+  readonly marked: ReadonlySet<string>;
   readonly closed: ReadonlySet<string>;
   readonly follow: boolean;
+  readonly view: ViewName;
+  /** What stands beside the tree in the split view. */
+  readonly beside: "flow" | "text";
+  /** The container whose inside the flow chart shows. */
+  readonly container: string;
+  readonly foot: FootTab;
+  /** Variable whose writers and readers are lit: its key. */
+  readonly lens: string | null;
   select(path: string | null): void;
+  /** Add a node to the selection, or take it out. */
+  mark(path: string): void;
+  markAll(paths: Iterable<string>): void;
   setClosed(path: string, closed: boolean): void;
   setFollow(follow: boolean): void;
+  setView(view: ViewName): void;
+  setBeside(beside: "flow" | "text"): void;
+  enter(container: string): void;
+  setFoot(foot: FootTab): void;
+  setLens(lens: string | null): void;
 }
 
 export const usePage = create<PageStore>()((set) => ({
   selected: null,
+  marked: new Set(),
   closed: new Set(),
   follow: true,
-  select: (selected) => set({ selected }),
+  view: "tree",
+  beside: "flow",
+  container: "/",
+  foot: "problems",
+  lens: null,
+  select: (selected) => set({ selected, marked: new Set(selected === null ? [] : [selected]) }),
+  mark: (path) =>
+    set(({ marked, selected }) => {
+      const next = new Set(marked);
+      if (next.has(path) && next.size > 1) next.delete(path);
+      else next.add(path);
+      const focus = next.has(path) ? path : selected !== null && next.has(selected) ? selected : [...next][0];
+      return { marked: next, selected: focus ?? null };
+    }),
+  markAll: (paths) => {
+    const marked = new Set(paths);
+    set({ marked, selected: [...marked].at(-1) ?? null });
+  },
   setClosed: (path, closed) =>
     set((state) => {
       const next = new Set(state.closed);
@@ -23,4 +63,9 @@ export const usePage = create<PageStore>()((set) => ({
       return { closed: next };
     }),
   setFollow: (follow) => set({ follow }),
+  setView: (view) => set({ view }),
+  setBeside: (beside) => set({ beside }),
+  enter: (container) => set({ container }),
+  setFoot: (foot) => set({ foot }),
+  setLens: (lens) => set({ lens }),
 }));

@@ -3,6 +3,7 @@ import type { JSX } from "react";
 
 import { usePage } from "../store/page";
 import { useRun } from "../store/run";
+import { Conflicts } from "./edit/Conflicts";
 
 export function Notices(): JSX.Element {
   const trouble = useRun((s) => s.trouble);
@@ -11,6 +12,7 @@ export function Notices(): JSX.Element {
   const lost = session?.state === "ended" && (session.status === "killed" || session.status === "died");
   return (
     <div className="notices">
+      <Conflicts />
       {trouble && (
         <div className="notice bad" role="alert">
           <p>{trouble}</p>

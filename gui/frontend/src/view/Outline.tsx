@@ -1,5 +1,5 @@
 /** The same tree as an ARIA tree: one tab stop, arrow keys, statuses as text. */
-import { type JSX, type KeyboardEvent, useMemo, useRef } from "react";
+import { type JSX, type KeyboardEvent, useEffect, useMemo, useRef } from "react";
 
 import { outlineKey, type Row, visibleRows } from "../model/outline";
 import { IDLE } from "../model/status";
@@ -7,6 +7,8 @@ import { KINDS, statusText } from "../model/words";
 import { usePage } from "../store/page";
 import { useRun } from "../store/run";
 import { KindIcon, PhaseIcon } from "./icons";
+import { lensMark, ProblemMark } from "./marks";
+import { useDropTarget } from "./useDropTarget";
 
 export function Outline(): JSX.Element {
   const nodes = useRun((s) => s.task.nodes);
@@ -18,13 +20,21 @@ export function Outline(): JSX.Element {
   const list = useRef<HTMLDivElement>(null);
 
   function onKeyDown(event: KeyboardEvent): void {
+    if (event.altKey || event.ctrlKey || event.metaKey) {
+      if (event.key === " " && focused) {
+        event.preventDefault();
+        usePage.getState().mark(focused);
+      }
+      return;
+    }
     const step = focused === null || focused === undefined ? null : outlineKey(event.key, focused, rows, closed);
     if (!step) return;
     event.preventDefault();
     if ("open" in step) setClosed(step.open, false);
     else if ("close" in step) setClosed(step.close, true);
     else {
-      select(step.go);
+      if (event.shiftKey) usePage.getState().markAll([...usePage.getState().marked, step.go]);
+      else select(step.go);
       list.current?.querySelector<HTMLElement>(`[data-row="${CSS.escape(step.go)}"]`)?.focus();
     }
   }
@@ -32,7 +42,7 @@ export function Outline(): JSX.Element {
   return (
     <section className="panel outline" aria-labelledby="outline-title">
       <h2 id="outline-title">Outline</h2>
-      <div className="scroll" role="tree" aria-labelledby="outline-title" ref={list} onKeyDown={onKeyDown}>
+      <div className="scroll" role="tree" aria-multiselectable="true" aria-labelledby="outline-title" ref={list} onKeyDown={onKeyDown}>
         {rows.map((row) => (
           <OutlineRow key={row.node.path} row={row} isClosed={closed.has(row.node.path)} isTabStop={row.node.path === focused} />
         ))}
@@ -44,9 +54,19 @@ export function Outline(): JSX.Element {
 function OutlineRow({ row, isClosed, isTabStop }: { row: Row; isClosed: boolean; isTabStop: boolean }): JSX.Element {
   const { node, level, position, siblings } = row;
   const status = useRun((s) => s.moment.nodes.get(node.path) ?? IDLE);
-  const selected = usePage((s) => s.selected === node.path);
-  const { select, setClosed } = usePage.getState();
+  const selected = usePage((s) => s.marked.has(node.path));
+  const focused = usePage((s) => s.selected === node.path);
+  const { select, mark, setClosed } = usePage.getState();
+  const target = useDropTarget(node.path);
+  const box = useRef<HTMLDivElement>(null);
+  // After an edit the row of the selected node is another element: the focus goes along.
+  useEffect(() => {
+    const tree = box.current?.closest("[role=tree]");
+    if (focused && (document.activeElement === document.body || (tree?.contains(document.activeElement) ?? false))) box.current?.focus({ preventScroll: true });
+    if (focused) box.current?.scrollIntoView({ block: "nearest" });
+  }, [focused]);
   const isContainer = node.children.length > 0;
+  const lens = usePage((s) => s.lens);
   const words = statusText(status);
   return (
     <div
@@ -60,8 +80,12 @@ function OutlineRow({ row, isClosed, isTabStop }: { row: Row; isClosed: boolean;
       {...(isContainer ? { "aria-expanded": !isClosed } : {})}
       tabIndex={isTabStop ? 0 : -1}
       style={{ paddingInlineStart: `${level * 14 - 6}px` }}
-      onClick={() => select(node.path)}
-      onFocus={() => select(node.path)}
+      onClick={(event) => (event.ctrlKey || event.metaKey || event.shiftKey ? mark(node.path) : select(node.path))}
+      onFocus={() => {
+        if (!usePage.getState().marked.has(node.path)) select(node.path);
+      }}
+      ref={box}
+      {...target}
     >
       <span
         className={`twisty${isContainer ? (isClosed ? " closed" : " open") : ""}`}
@@ -76,6 +100,8 @@ function OutlineRow({ row, isClosed, isTabStop }: { row: Row; isClosed: boolean;
         {node.name}
         <span className="hidden">{`${KINDS[node.kind] ?? node.kind},`}</span>
       </span>
+      <ProblemMark path={node.path} />
+      {lensMark(node, lens)}
       <span className={`row-status phase-${status.phase}`}>
         <span className={status.phase === "idle" ? "hidden" : ""}>{words}</span>
         <PhaseIcon phase={status.phase} />

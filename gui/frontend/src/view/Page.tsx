@@ -1,32 +1,34 @@
 /** The page: what it is made of, and what happens when it opens. */
-import { ReactFlowProvider } from "@xyflow/react";
 import { type JSX, useEffect, useState } from "react";
 
 import { server } from "../protocol/client";
-import type { ProjectView } from "../protocol/generated";
 import { connect, openTask } from "../store/desk";
+import { useDocument } from "../store/document";
 import { useRun } from "../store/run";
-import { EventLog } from "./EventLog";
+import { loadProject, newTask, useProject } from "../store/tasks";
+import { Ask } from "./edit/Ask";
+import { EditBar } from "./edit/EditBar";
+import { Inspector } from "./edit/Inspector";
+import { Palette } from "./edit/Palette";
+import { useKeys } from "./edit/useKeys";
+import { Foot } from "./Foot";
 import { Notices } from "./Notices";
 import { Outline } from "./Outline";
-import { Problems } from "./Problems";
-import { NodePanel, VariablesPanel } from "./SidePanel";
-import { TimeLine } from "./TimeLine";
+import { VariablesPanel } from "./SidePanel";
+import { Stage } from "./Stage";
 import { TopBar } from "./TopBar";
-import { TreeCanvas } from "./TreeCanvas";
 
 export function Page(): JSX.Element {
-  const [project, setProject] = useState<ProjectView | null>(null);
+  const project = useProject((s) => s.project);
   const [trouble, setTrouble] = useState("");
   const title = useRun((s) => s.task.name);
   useEffect(() => {
     let disconnect: (() => void) | undefined;
     let left = false;
-    server
-      .project()
+    void server.catalog().then(useDocument.getState().setCatalog, (error: unknown) => setTrouble(String(error)));
+    loadProject()
       .then(async (found) => {
         if (left) return;
-        setProject(found);
         const first = found.selected ?? found.tasks[0]?.path;
         if (first) await openTask(first);
         if (!left) disconnect = connect();
@@ -41,29 +43,37 @@ export function Page(): JSX.Element {
     document.title = title ? `${title} - GRIP` : "GRIP";
   }, [title]);
 
+  useKeys();
+  const said = useDocument((s) => s.said);
+
   if (!project) return <p className="hint padded">{trouble || "Opening the project ..."}</p>;
   return (
     <div className="page">
       <TopBar project={project} />
       <Notices />
-      <aside className="left" aria-label="Outline">
+      <aside className="left" aria-label="Outline and palette">
         <Outline />
-        <Problems />
+        <Palette />
       </aside>
-      <main aria-label="Tree">
-        {project.tasks.length === 0 && <p className="hint padded">No task files in tasks/ yet.</p>}
-        <ReactFlowProvider>
-          <TreeCanvas />
-        </ReactFlowProvider>
+      <main aria-label="Views">
+        <EditBar />
+        {project.tasks.length === 0 ? (
+          <p className="hint padded">
+            No task files in tasks/ yet. <button onClick={() => void newTask()}>New task</button>
+          </p>
+        ) : (
+          <Stage />
+        )}
       </main>
       <aside className="right" aria-label="Details">
-        <NodePanel />
+        <Inspector />
         <VariablesPanel />
       </aside>
-      <footer>
-        <TimeLine />
-        <EventLog />
-      </footer>
+      <Foot />
+      <Ask />
+      <output className="hidden" aria-live="polite" aria-label="What was done">
+        {said}
+      </output>
     </div>
   );
 }

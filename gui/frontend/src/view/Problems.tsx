@@ -1,40 +1,63 @@
 /** What the validation says about the task; errors keep it from running, never from being drawn. */
 import type { JSX } from "react";
 
+import type { Command } from "../model/commands";
+import type { Problem } from "../protocol/generated";
+import { edit, editable } from "../store/editing";
 import { usePage } from "../store/page";
 import { useRun } from "../store/run";
 
-export function Problems(): JSX.Element | null {
+export function Problems(): JSX.Element {
   const problems = useRun((s) => s.task.problems);
-  const known = useRun((s) => s.index.byPath);
-  const { select } = usePage.getState();
-  if (problems.length === 0) return null;
   const errors = problems.filter((problem) => problem.severity === "error").length;
   return (
-    <details className={`panel problems${errors ? " bad" : ""}`} open={errors > 0}>
-      <summary>
+    <section className={`panel problems${errors ? " bad" : ""}`} aria-labelledby="problems-title">
+      <h2 id="problems-title">
         Problems: {count(errors, "error")}, {count(problems.length - errors, "warning")}
-      </summary>
-      <ul className="scroll" tabIndex={0} aria-label="Problems of the task">
-        {problems.map((problem, i) => (
-          <li key={i}>
-            <strong>{problem.severity}</strong>
-            {problem.line !== null && `, line ${problem.line}`}
-            {known.has(problem.path) && (
-              <>
-                {", "}
-                <button className="link" onClick={() => select(problem.path)}>
-                  {problem.path}
-                </button>
-              </>
-            )}
-            <br />
-            {problem.message}
-            {problem.fix && <em> {problem.fix}</em>}
-          </li>
-        ))}
-      </ul>
-    </details>
+      </h2>
+      {problems.length > 0 ? <ProblemList problems={problems} label="Problems of the task" /> : <p className="hint padded">Nothing is wrong with this task.</p>}
+    </section>
+  );
+}
+
+/** Problems with what can be done about each; a short list leaves out where they are. */
+export function ProblemList({ problems, label, short = false }: { problems: readonly Problem[]; label: string; short?: boolean }): JSX.Element {
+  return (
+    <ul className="problem-list scroll" tabIndex={0} aria-label={label}>
+      {problems.map((problem, i) => (
+        <ProblemItem key={i} problem={problem} short={short} />
+      ))}
+    </ul>
+  );
+}
+
+function ProblemItem({ problem, short }: { problem: Problem; short: boolean }): JSX.Element {
+  const known = useRun((s) => s.index.byPath.has(problem.path));
+  const locked = useRun((s) => s.record !== null);
+  const { select } = usePage.getState();
+  return (
+    <li className={problem.severity}>
+      <strong>{problem.severity}</strong>
+      {!short && known && (
+        <>
+          {" "}
+          <button className="link" onClick={() => select(problem.path)}>
+            {problem.path}
+          </button>
+        </>
+      )}
+      {!short && problem.line !== null && <span className="hint"> line {problem.line}</span>} {problem.message}
+      {problem.fix && problem.fixes.length === 0 && <em> To mend it: {problem.fix}.</em>}
+      {!locked && problem.fixes.length > 0 && (
+        <span className="fixes">
+          {problem.fixes.map((fix) => (
+            <button key={fix.title} onClick={() => editable() && void edit(fix.command as Command)}>
+              {fix.title}
+            </button>
+          ))}
+        </span>
+      )}
+    </li>
   );
 }
 

@@ -5,6 +5,7 @@ import { runText } from "../model/words";
 import type { ProjectView, StartRun } from "../protocol/generated";
 import { chooseTask, control, startRun } from "../store/desk";
 import { useRun } from "../store/run";
+import { newTask } from "../store/tasks";
 
 type Options = Omit<StartRun, "task">;
 
@@ -40,6 +41,7 @@ export function TopBar({ project }: { project: ProjectView }): JSX.Element {
           ))}
         </select>
       </Field>
+      <button onClick={() => void newTask()}>New task</button>
       <RunOptionFields project={project} options={options} change={change} disabled={under_way} />
       <div className="buttons">
         <button

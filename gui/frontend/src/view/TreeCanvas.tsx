@@ -10,6 +10,7 @@ import type { Moment, TaskIndex } from "../model/status";
 import type { TaskView } from "../protocol/generated";
 import { usePage } from "../store/page";
 import { useRun } from "../store/run";
+import { Detail } from "./Detail";
 import { TreeNode } from "./TreeNode";
 
 const NODE_TYPES = { task: TreeNode };
@@ -22,7 +23,7 @@ export function TreeCanvas(): JSX.Element {
   const boxes = useMemo(() => layoutTree(task.nodes), [task]);
   const nodes = useMemo(() => flowNodes(task, boxes), [task, boxes]);
   const edges = useMemo(() => flowEdges(task), [task]);
-  const select = usePage((s) => s.select);
+  const { select, mark } = usePage.getState();
   const setFollow = usePage((s) => s.setFollow);
   return (
     <ReactFlow
@@ -40,7 +41,12 @@ export function TreeCanvas(): JSX.Element {
       maxZoom={2}
       fitView
       fitViewOptions={{ padding: 0.04, maxZoom: 1.1 }}
-      onNodeClick={(_, node) => select(node.id)}
+      onNodeClick={(event, node) => (event.ctrlKey || event.metaKey || event.shiftKey ? mark(node.id) : select(node.id))}
+      onNodeDoubleClick={(_, node) => {
+        usePage.getState().enter(node.id);
+        usePage.getState().setView("flow");
+      }}
+      zoomOnDoubleClick={false}
       onMoveStart={(event) => {
         if (event) setFollow(false);
       }}
@@ -48,7 +54,8 @@ export function TreeCanvas(): JSX.Element {
     >
       <Background gap={24} />
       <Controls showInteractive={false} />
-      {nodes.length > 40 && <MiniMap pannable zoomable />}
+      {nodes.length > 12 && <MiniMap pannable zoomable />}
+      <Detail />
       <Follower boxes={boxes} />
     </ReactFlow>
   );

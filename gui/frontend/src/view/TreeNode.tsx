@@ -7,25 +7,39 @@ import { KINDS, statusText } from "../model/words";
 import type { NodeView, Transition } from "../protocol/generated";
 import { usePage } from "../store/page";
 import { useRun } from "../store/run";
+import { useForm } from "./edit/FormBadge";
 import { KindIcon, PhaseIcon } from "./icons";
+import { lensMark, ProblemMark } from "./marks";
+import { useDropTarget } from "./useDropTarget";
 
 export function TreeNode({ data }: NodeProps): JSX.Element {
   const node = data["node"] as NodeView;
   const status = useRun((s) => s.moment.nodes.get(node.path) ?? IDLE);
-  const selected = usePage((s) => s.selected === node.path);
+  const selected = usePage((s) => s.marked.has(node.path));
+  const lens = usePage((s) => s.lens);
+  const form = useForm(node.path);
+  const target = useDropTarget(node.path);
   const said = status.phase === "idle" ? "" : (status.message ?? "");
   const again = status.activations > 1 ? ` ×${status.activations}` : "";
   return (
     <div
-      className={`node kind-${node.kind} is-${status.phase}${selected ? " selected" : ""}`}
+      className={`node nopan nodrag kind-${node.kind} is-${status.phase}${selected ? " selected" : ""}`}
       data-path={node.path}
       title={[node.doc, said].filter(Boolean).join("\n\n")}
+      {...target}
     >
       <Handle type="target" position={Position.Left} isConnectable={false} />
       <div className="node-head">
         <KindIcon kind={node.kind} />
         <span className="node-name">{node.name}</span>
         {node.initial && <span className="initial">start</span>}
+        <ProblemMark path={node.path} />
+        {lensMark(node, lens)}
+        {form && !form.both && (
+          <span className="form-badge" title={`one form only: ${form.reason}`}>
+            ~
+          </span>
+        )}
         <span className={`badge phase-${status.phase}`}>
           <PhaseIcon phase={status.phase} />
           {status.phase === "idle" ? "" : statusText(status) + again}

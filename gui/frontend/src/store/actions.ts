@@ -1,0 +1,90 @@
+/** Every action by name and key: for the keyboard, the buttons, and the list of commands. */
+import { KINDS } from "../model/words";
+import { askChoice } from "./ask";
+import { useDocument } from "./document";
+import { redo, save, undo } from "./editing";
+import { find } from "./finding";
+import { connectOutcome, enterSelected, leaveContainer } from "./flowing";
+import { addHere, changeKind, connectFree, copy, cut, duplicate, paste, remove, rename, shift, unwrap, wrap } from "./gestures";
+import { newTask } from "./tasks";
+import { usePage, type ViewName } from "./page";
+
+export interface Action {
+  readonly id: string;
+  readonly title: string;
+  /** As `KeyboardEvent.key`, with modifiers before it. */
+  readonly keys: readonly string[];
+  /** Whether it also works while the focus is in a field. */
+  readonly inFields?: boolean;
+  readonly run: () => unknown;
+}
+
+const show = (view: ViewName) => (): void => usePage.getState().setView(view);
+
+function toggleView(): void {
+  const { view, setView } = usePage.getState();
+  setView(view === "tree" ? "flow" : "tree");
+}
+
+export const ACTIONS: readonly Action[] = [
+  { id: "commands", title: "All commands", keys: ["Ctrl+k"], inFields: true, run: chooseAction },
+  { id: "find", title: "Search everything", keys: ["Ctrl+f"], run: find },
+  { id: "save", title: "Save", keys: ["Ctrl+s"], inFields: true, run: () => save() },
+  { id: "undo", title: "Undo", keys: ["Ctrl+z"], run: undo },
+  { id: "redo", title: "Redo", keys: ["Ctrl+Shift+Z", "Ctrl+y"], run: redo },
+  { id: "add", title: "Add a node here", keys: ["/"], run: addHere },
+  { id: "rename", title: "Rename", keys: ["F2"], run: () => rename() },
+  { id: "remove", title: "Delete", keys: ["Delete"], run: remove },
+  { id: "copy", title: "Copy", keys: ["Ctrl+c"], run: copy },
+  { id: "cut", title: "Cut", keys: ["Ctrl+x"], run: cut },
+  { id: "paste", title: "Paste", keys: ["Ctrl+v"], run: () => paste() },
+  { id: "duplicate", title: "Duplicate", keys: ["Ctrl+d"], run: duplicate },
+  { id: "wrap", title: "Wrap in a container", keys: ["w"], run: () => wrap() },
+  { id: "unwrap", title: "Unwrap", keys: ["Shift+W"], run: unwrap },
+  { id: "kind", title: "Change kind", keys: ["k"], run: () => changeKind() },
+  { id: "up", title: "Move up", keys: ["Alt+ArrowUp"], run: () => shift("up") },
+  { id: "down", title: "Move down", keys: ["Alt+ArrowDown"], run: () => shift("down") },
+  { id: "out", title: "Move out of the container", keys: ["Alt+ArrowLeft"], run: () => shift("out") },
+  { id: "in", title: "Move into the container before", keys: ["Alt+ArrowRight"], run: () => shift("in") },
+  { id: "connect", title: "Connect an outcome", keys: ["c"], run: () => connectOutcome() },
+  { id: "free", title: "Connect free outcomes", keys: ["Shift+C"], run: () => connectFree() },
+  { id: "toggle", title: "Tree or flow", keys: ["t"], run: toggleView },
+  { id: "tree", title: "Show the tree", keys: ["Alt+1"], run: show("tree") },
+  { id: "flow", title: "Show the flow chart", keys: ["Alt+2"], run: show("flow") },
+  { id: "split", title: "Show tree and flow chart", keys: ["Alt+3"], run: show("split") },
+  { id: "text", title: "Show the text", keys: ["Alt+4"], inFields: true, run: show("text") },
+  { id: "enter", title: "Go into the container", keys: ["Enter"], run: enterSelected },
+  { id: "leave", title: "Go out of the container", keys: ["Backspace"], run: leaveContainer },
+  { id: "new", title: "New task", keys: [], run: newTask },
+];
+
+export function actionTitle(id: string): string {
+  const action = ACTIONS.find((each) => each.id === id);
+  return action ? [action.title, keyText(action)].filter(Boolean).join(" · ") : id;
+}
+
+export function keyText(action: Action): string {
+  return (action.keys[0] ?? "").replace("Arrow", "").replace(/\+([a-z])$/, (_, key: string) => `+${key.toUpperCase()}`);
+}
+
+/** The keys of an event in the words of `Action.keys`. */
+export function keysOf(event: KeyboardEvent): string {
+  const modifiers = [event.ctrlKey || event.metaKey ? "Ctrl" : "", event.altKey ? "Alt" : "", event.shiftKey && event.key !== "/" ? "Shift" : ""];
+  return [...modifiers.filter(Boolean), event.key].join("+");
+}
+
+export function actionFor(event: KeyboardEvent): Action | undefined {
+  const keys = keysOf(event);
+  return ACTIONS.find((action) => action.keys.includes(keys));
+}
+
+async function chooseAction(): Promise<void> {
+  const wraps = useDocument.getState().catalog.kinds.filter((face) => face.children !== "none");
+  const options = [
+    ...ACTIONS.filter((action) => action.id !== "commands").map((action) => ({ value: action.id, label: action.title, mark: keyText(action) })),
+    ...wraps.map((face) => ({ value: `wrap:${face.kind}`, label: `Wrap in ${KINDS[face.kind] ?? face.kind}` })),
+  ];
+  const id = await askChoice({ title: "Commands", label: "Type to find a command", options });
+  if (id?.startsWith("wrap:")) await wrap(id.slice(5));
+  else await ACTIONS.find((action) => action.id === id)?.run();
+}

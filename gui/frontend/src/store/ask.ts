@@ -1,0 +1,55 @@
+/** Questions to the person: one at a time, answered in a dialog; null when it is closed without an answer. */
+import { create } from "zustand";
+
+export interface Option {
+  readonly value: string;
+  readonly label: string;
+  /** Said in a second line. */
+  readonly detail?: string;
+  /** Said at the end of the line: a key, a kind. */
+  readonly mark?: string;
+}
+
+export interface TextQuestion {
+  readonly kind: "text";
+  readonly title: string;
+  readonly label: string;
+  readonly initial: string;
+  readonly hint?: string;
+  /** Why an answer won't do; empty when it will. */
+  readonly check?: (text: string) => string;
+}
+
+export interface ChoiceQuestion {
+  readonly kind: "choice";
+  readonly title: string;
+  readonly label: string;
+  readonly options: readonly Option[];
+  /** Said above the list. */
+  readonly lead?: string;
+}
+
+export type Question = TextQuestion | ChoiceQuestion;
+
+interface AskStore {
+  readonly question: Question | null;
+  readonly answer: (value: string | null) => void;
+}
+
+export const useAsk = create<AskStore>()(() => ({ question: null, answer: () => {} }));
+
+export function ask(question: Question): Promise<string | null> {
+  useAsk.getState().answer(null);
+  return new Promise((resolve) => {
+    useAsk.setState({
+      question,
+      answer: (value) => {
+        useAsk.setState({ question: null, answer: () => {} });
+        resolve(value);
+      },
+    });
+  });
+}
+
+export const askText = (question: Omit<TextQuestion, "kind">): Promise<string | null> => ask({ kind: "text", ...question });
+export const askChoice = (question: Omit<ChoiceQuestion, "kind">): Promise<string | null> => ask({ kind: "choice", ...question });

@@ -1,0 +1,44 @@
+/** The task file that is open: its newest state, what it can be made of, and what stands in the way of an edit. */
+import { create } from "zustand";
+
+import type { CatalogView, DocumentView, FormsView } from "../protocol/generated";
+
+/** Why the last wish wasn't done, where the person can decide. */
+export interface Conflict {
+  readonly kind: string;
+  readonly message: string;
+  /** A text that was typed and not taken yet. */
+  readonly text?: string;
+}
+
+export interface DocumentStore {
+  readonly document: DocumentView | null;
+  readonly catalog: CatalogView;
+  readonly forms: FormsView | null;
+  readonly conflict: Conflict | null;
+  /** Told to people who don't see the canvas. */
+  readonly said: string;
+  /** Grows when the text view is to give up what was typed there and take the document's text. */
+  readonly resets: number;
+  setDocument(document: DocumentView | null): void;
+  setCatalog(catalog: CatalogView): void;
+  setForms(forms: FormsView): void;
+  setConflict(conflict: Conflict | null): void;
+  say(said: string): void;
+  resetText(): void;
+}
+
+export const useDocument = create<DocumentStore>()((set) => ({
+  document: null,
+  catalog: { nodes: [], kinds: [], trouble: "" },
+  forms: null,
+  conflict: null,
+  said: "",
+  resets: 0,
+  setDocument: (document) => set((s) => ({ document, forms: s.document?.path === document?.path ? s.forms : null })),
+  setCatalog: (catalog) => set({ catalog }),
+  setForms: (forms) => set({ forms }),
+  setConflict: (conflict) => set({ conflict }),
+  say: (said) => set({ said }),
+  resetText: () => set((s) => ({ resets: s.resets + 1, conflict: null })),
+}));

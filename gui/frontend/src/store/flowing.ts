@@ -1,0 +1,114 @@
+/** What is done in a flow chart: connect, disconnect, begin elsewhere, go in and out. What could mean two things is asked. */
+import { type Command, group, join, nameOf, parentOf, wrapping } from "../model/commands";
+import { KINDS } from "../model/words";
+import type { NodeView } from "../protocol/generated";
+import { askChoice, type Option } from "./ask";
+import { useDocument } from "./document";
+import { edit } from "./editing";
+import { kindFields } from "./gestures";
+import { usePage } from "./page";
+import { useRun } from "./run";
+
+const nodes = (): ReadonlyMap<string, NodeView> => useRun.getState().index.byPath;
+
+/** Where the outcomes of a node may lead: siblings in a state machine, and the outcomes of what is around it. */
+function targets(path: string): Option[] {
+  const parent = parentOf(path);
+  const node = parent === null ? undefined : nodes().get(parent);
+  if (node === undefined) return Object.keys(useRun.getState().task.outcomes).map((end) => ({ value: end, label: end, mark: "ends the task" }));
+  const siblings = node.children.map((child) => ({ value: nameOf(child), label: nameOf(child), mark: "sibling" }));
+  return [...siblings, ...Object.entries(node.outcomes).map(([end, meaning]) => ({ value: end, label: end, mark: `ends ${node.name}: ${meaning}` }))];
+}
+
+/** Connect from the keyboard: which outcome, then where to. */
+export async function connectOutcome(path = usePage.getState().selected, outcome?: string): Promise<void> {
+  const node = path === null ? undefined : nodes().get(path);
+  if (path === null || node === undefined) return;
+  const led = new Map(node.on.map((edge) => [edge.outcome, edge.target]));
+  const codes = useDocument.getState().catalog.nodes.find((face) => face.id === node.label)?.codes ?? [];
+  const labels = [...Object.keys(node.outcomes), ...(node.outcomes["failure"] ? codes.map((code) => `failure.${code}`) : [])];
+  const options = labels.map((each) => ({ value: each, label: each, mark: led.has(each) ? `leads to ${led.get(each)}` : "free" }));
+  const from = outcome ?? (await askChoice({ title: `Which outcome of ${node.name}?`, label: "Outcome", options }));
+  if (from === null) return;
+  const to = await askChoice({ title: `${node.name}.${from} leads to`, label: "Target", options: targets(path) });
+  if (to !== null) await connect(path, from, to);
+}
+
+/** Lead an outcome somewhere. Between siblings outside a state machine there is no edge: the person says what is meant. */
+export async function connect(path: string, outcome: string, target: string): Promise<void> {
+  const parent = parentOf(path);
+  const around = parent === null ? undefined : nodes().get(parent);
+  const toSibling = around !== undefined && around.children.includes(join(around.path, target));
+  if (!toSibling || around.kind === "state_machine") {
+    await edit({ do: "connect", path, outcome, target }, path, `${nameOf(path)}.${outcome} leads to ${target}`);
+    return;
+  }
+  const ways = meanings(around, path, outcome, target);
+  const way = await askChoice({
+    title: `${nameOf(path)}.${outcome} to ${target}?`,
+    label: "What is meant",
+    lead: `${around.name} is a ${KINDS[around.kind]}: its order decides, and there are no edges between its children.`,
+    options: ways,
+  });
+  const command = ways.find((each) => each.value === way)?.command;
+  if (command) await edit(command, undefined, "done as chosen");
+}
+
+interface Way extends Option {
+  readonly command: Command;
+}
+
+/** What an edge between two children of a composite can mean, as commands. */
+function meanings(around: NodeView, path: string, outcome: string, target: string): Way[] {
+  const ways: Way[] = [];
+  const at = around.children.indexOf(path);
+  const to = join(around.path, target);
+  const failed = nodes().get(path)?.outcomes[outcome.split(".")[0] as string] === "failure";
+  const kind = failed ? "fallback" : "sequence";
+  if (around.children[at + 1] === to && around.kind !== kind) {
+    const { command } = wrapping(useDocument.getState().catalog, nodes(), [path, to], kind);
+    ways.push({ value: kind, label: `${KINDS[kind]}(${nameOf(path)}, ${target})`, detail: `${target} runs when ${nameOf(path)} ends with ${failed ? "failure" : "success"}; both become one step of ${around.name}`, command });
+  }
+  const machine: Command = { do: "change_kind", path: around.path, kind: "state_machine", fields: kindFields("state_machine", around) };
+  const connected = group(`${around.name} as a state machine`, [machine, { do: "connect", path, outcome, target }]);
+  ways.push({ value: "machine", label: `Make ${around.name} a state machine`, detail: `The order of its ${around.children.length} children becomes edges, and ${outcome} leads to ${target}`, command: connected });
+  return ways;
+}
+
+/** Take an edge out. A derived one comes from the order, so that it can't go alone. */
+export async function disconnect(path: string, outcome: string, derived: boolean): Promise<void> {
+  if (!derived) {
+    await edit({ do: "disconnect", path, outcome }, path, `${nameOf(path)}.${outcome} leads nowhere now`);
+    return;
+  }
+  const around = nodes().get(parentOf(path) ?? "/");
+  if (around === undefined) return;
+  const answer = await askChoice({
+    title: "This edge comes from the order of the children",
+    label: "What to do",
+    lead: `${around.name} is a ${KINDS[around.kind]}; only the edges of a state machine can be removed one by one.`,
+    options: [{ value: "machine", label: `Make ${around.name} a state machine`, detail: "Its order becomes edges, which can be changed" }],
+  });
+  if (answer) await edit({ do: "change_kind", path: around.path, kind: "state_machine", fields: kindFields("state_machine", around) });
+}
+
+export async function beginWith(path: string): Promise<void> {
+  const parent = parentOf(path);
+  if (parent !== null) await edit({ do: "set", path: parent, key: ["initial"], value: nameOf(path) }, path, `${parent} begins with ${nameOf(path)}`);
+}
+
+export function enterSelected(): void {
+  const { selected, enter, setView, view } = usePage.getState();
+  const node = selected === null ? undefined : nodes().get(selected);
+  if (node === undefined || node.children.length === 0) return;
+  enter(node.path);
+  if (view === "tree") setView("flow");
+}
+
+export function leaveContainer(): void {
+  const { container, enter, select } = usePage.getState();
+  const parent = parentOf(container);
+  if (parent === null) return;
+  select(container);
+  enter(parent);
+}

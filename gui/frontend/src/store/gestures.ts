@@ -1,0 +1,233 @@
+/** What a person does to the selected nodes; each gesture is one edit, or one question and then one edit. */
+import {
+  addNew,
+  childNames,
+  connectingFree,
+  join,
+  moving,
+  nameOf,
+  parentOf,
+  pasting,
+  removal,
+  type Spot,
+  spotFor,
+  takesChildren,
+  topmost,
+  wrapping,
+} from "../model/commands";
+import { KINDS } from "../model/words";
+import { server } from "../protocol/client";
+import type { NodeView } from "../protocol/generated";
+import { askChoice, askText, type Option } from "./ask";
+import { keepParts, keptParts } from "./clipboard";
+import { useDocument } from "./document";
+import { edit } from "./editing";
+import { usePage } from "./page";
+import { useRun } from "./run";
+
+const nodes = (): ReadonlyMap<string, NodeView> => useRun.getState().index.byPath;
+export const selection = (): string[] => topmost(useRun.getState().task, usePage.getState().marked);
+const trouble = (words: string): void => useRun.getState().setTrouble(words);
+
+export function nameCheck(taken: readonly string[]): (name: string) => string {
+  return (name) => {
+    if (!/^[A-Za-z_][A-Za-z0-9_ -]*$/.test(name)) return "A name has letters, digits, _, - and spaces, a letter or _ first.";
+    return taken.includes(name) ? "A sibling has this name." : "";
+  };
+}
+
+/** What can be added, as options: leaves, then containers. */
+export function paletteOptions(): Option[] {
+  const { catalog } = useDocument.getState();
+  const first = (doc: string): string => doc.split("\n")[0] ?? "";
+  return [
+    ...catalog.nodes.map((face) => ({ value: face.id, label: face.id, detail: first(face.doc), mark: "leaf" })),
+    ...catalog.kinds.map((face) => ({ value: face.kind, label: KINDS[face.kind] ?? face.kind, detail: first(face.doc), mark: "container" })),
+  ];
+}
+
+/** Add a node of the palette: at a spot, or where the selection says. */
+export async function add(what: string, at?: Spot): Promise<void> {
+  const { task } = useRun.getState();
+  const spot = at ?? spotFor(nodes(), focusPath());
+  if (spot === null) {
+    trouble("There is no container with room: wrap the root in a sequence first.");
+    return;
+  }
+  const { command, path } = addNew(task, nodes(), useDocument.getState().catalog, what, spot);
+  await edit(command, path, `${nameOf(path)} was added to ${spot.parent}`);
+}
+
+/** In the flow chart something new goes into the container that is shown. */
+function focusPath(): string | null {
+  const { selected, view, container } = usePage.getState();
+  if (view !== "flow") return selected;
+  return selected !== null && parentOf(selected) === container ? selected : container;
+}
+
+export async function addHere(): Promise<void> {
+  const what = await askChoice({ title: "Add a node", label: "Type to find a node or a container", options: paletteOptions() });
+  if (what !== null) await add(what);
+}
+
+export async function rename(path = usePage.getState().selected): Promise<void> {
+  if (path === null) return;
+  const parent = parentOf(path);
+  if (parent === null) {
+    const name = await askText({ title: "Rename the task", label: "Name", initial: useRun.getState().task.name });
+    if (name !== null) await edit({ do: "set", path: "", key: ["name"], value: name });
+    return;
+  }
+  const taken = childNames(nodes(), parent).filter((name) => name !== nameOf(path));
+  const name = await askText({ title: `Rename ${nameOf(path)}`, label: "Name", initial: nameOf(path), check: nameCheck(taken) });
+  if (name !== null && name !== nameOf(path)) await edit({ do: "rename", path, name }, join(parent, name), `renamed to ${name}`);
+}
+
+export async function remove(): Promise<void> {
+  const paths = selection();
+  if (paths.includes("/")) return trouble("The root can't be removed; change its kind, or remove what is in it.");
+  if (paths.length > 0) await edit(removal(paths), undefined, `${paths.length === 1 ? paths[0] : `${paths.length} nodes`} removed`);
+}
+
+export async function copy(): Promise<boolean> {
+  const { document } = useDocument.getState();
+  const paths = selection();
+  if (document === null || paths.length === 0) return false;
+  try {
+    const { parts } = await server.parts(document.path, paths);
+    keepParts(parts);
+    useDocument.getState().say(`${parts.length === 1 ? parts[0]?.name : `${parts.length} nodes`} copied`);
+    return true;
+  } catch (error) {
+    trouble(error instanceof Error ? error.message : String(error));
+    return false;
+  }
+}
+
+export async function cut(): Promise<void> {
+  if (await copy()) await remove();
+}
+
+export async function paste(at?: Spot): Promise<void> {
+  const parts = keptParts();
+  const spot = at ?? spotFor(nodes(), focusPath());
+  if (parts.length === 0) return trouble("Nothing was copied yet.");
+  if (spot === null) return trouble("There is no container with room here.");
+  const { command, paths } = pasting(nodes(), parts, spot);
+  await edit(command, paths, `${parts.length === 1 ? parts[0]?.name : `${parts.length} nodes`} pasted`);
+}
+
+export async function duplicate(): Promise<void> {
+  if (await copy()) await paste();
+}
+
+const WRAPPERS = ["sequence", "fallback", "parallel", "retry", "repeat", "timeout", "guard", "invert", "force", "loop", "cooldown", "for_each", "state_machine", "switch"];
+
+export async function wrap(kind?: string): Promise<void> {
+  const paths = selection();
+  if (paths.length === 0) return;
+  const offered = WRAPPERS.filter((each) => paths.length === 1 || !isDecorator(each));
+  const chosen = kind ?? (await askChoice({ title: `Wrap ${paths.length === 1 ? paths[0] : `${paths.length} nodes`} in`, label: "Container", options: offered.map(kindOption) }));
+  if (chosen === null) return;
+  const { command, path } = wrapping(useDocument.getState().catalog, nodes(), paths, chosen);
+  await edit(command, path, `wrapped in a ${KINDS[chosen]}`);
+}
+
+function isDecorator(kind: string): boolean {
+  return useDocument.getState().catalog.kinds.find((face) => face.kind === kind)?.children === "one";
+}
+
+function kindOption(kind: string): Option {
+  const face = useDocument.getState().catalog.kinds.find((each) => each.kind === kind);
+  return { value: kind, label: KINDS[kind] ?? kind, detail: face?.doc.split("\n")[0] ?? "" };
+}
+
+export async function unwrap(): Promise<void> {
+  const path = usePage.getState().selected;
+  if (path !== null) await edit({ do: "unwrap", path }, parentOf(path) ?? "/", `${path} unwrapped`);
+}
+
+export async function changeKind(path = usePage.getState().selected): Promise<void> {
+  const node = path === null ? undefined : nodes().get(path);
+  if (node === undefined || path === null) return;
+  const { catalog } = useDocument.getState();
+  if (node.kind === "leaf") {
+    const options = catalog.nodes.map((face) => ({ value: face.id, label: face.id, detail: face.doc.split("\n")[0] ?? "" }));
+    const id = await askChoice({ title: `Which node is ${node.name}?`, label: "Node", options });
+    if (id !== null) await edit({ do: "set", path, key: ["node"], value: id }, path);
+    return;
+  }
+  const now = catalog.kinds.find((face) => face.kind === node.kind);
+  const fitting = catalog.kinds.filter((face) => face.kind !== node.kind && face.children === now?.children);
+  const kind = await askChoice({ title: `Make ${node.name} another kind`, label: "Kind", options: fitting.map((face) => kindOption(face.kind)) });
+  if (kind !== null) await edit({ do: "change_kind", path, kind, fields: kindFields(kind, node) }, path, `now a ${KINDS[kind]}`);
+}
+
+/** Settings that the new kind needs. */
+export function kindFields(kind: string, node: NodeView): Record<string, unknown> {
+  const blank = { ...useDocument.getState().catalog.kinds.find((face) => face.kind === kind)?.blank };
+  if (kind === "state_machine") {
+    const first = node.children[0];
+    delete blank["outcomes"];
+    return { ...blank, initial: first ? nameOf(first) : "" };
+  }
+  return blank;
+}
+
+/** Move the selected nodes among their siblings, or out of and into containers. */
+export async function shift(where: "up" | "down" | "out" | "in"): Promise<void> {
+  const paths = selection();
+  const first = paths[0];
+  const parent = first === undefined ? null : parentOf(first);
+  if (first === undefined || parent === null) return;
+  const spot = spotOf(where, paths, parent);
+  if (spot === null) return useDocument.getState().say("It can't go further");
+  const { command, paths: now } = moving(nodes(), paths, spot);
+  await edit(command, now, `moved ${where}, now in ${spot.parent}`);
+}
+
+function spotOf(where: string, paths: readonly string[], parent: string): Spot | null {
+  const siblings = nodes().get(parent)?.children ?? [];
+  const at = siblings.indexOf(paths[0] as string);
+  const last = siblings.indexOf(paths.at(-1) as string);
+  if (where === "up") return at > 0 ? { parent, index: at - 1 } : null;
+  if (where === "down") return last >= 0 && last < siblings.length - 1 ? { parent, index: last + 2 } : null;
+  if (where === "in") {
+    const before = siblings[at - 1];
+    const node = before === undefined ? undefined : nodes().get(before);
+    return takesChildren(node) ? { parent: before as string, index: (node as NodeView).children.length } : null;
+  }
+  return spotAfter(parent);
+}
+
+function spotAfter(path: string): Spot | null {
+  const parent = parentOf(path);
+  if (parent === null) return null;
+  const node = nodes().get(parent);
+  return takesChildren(node) ? { parent, index: (node as NodeView).children.indexOf(path) + 1 } : spotAfter(parent);
+}
+
+/** Drop dragged nodes at a spot. */
+export async function dropAt(paths: readonly string[], spot: Spot): Promise<void> {
+  const tops = topmost(useRun.getState().task, paths);
+  if (tops.length === 0 || tops.includes("/")) return;
+  const { command, paths: now } = moving(nodes(), tops, spot);
+  await edit(command, now, `moved to ${spot.parent}`);
+}
+
+export async function connectFree(path?: string): Promise<void> {
+  const { selected, container } = usePage.getState();
+  const candidates = [path, selected, selected === null ? null : parentOf(selected), container];
+  const machine = candidates.find((each) => each && nodes().get(each)?.kind === "state_machine");
+  const command = machine ? connectingFree(nodes(), machine) : null;
+  if (command === null) return trouble(machine ? "Every outcome leads somewhere." : "Select a state machine, or a node in one.");
+  await edit(command, undefined, "free outcomes connected");
+}
+
+export async function newVariable(scope: string): Promise<void> {
+  const taken = useRun.getState().task.variables.filter((v) => v.scope === scope).map((v) => v.name);
+  const name = await askText({ title: "New variable", label: "Name", initial: "", check: nameCheck(taken) });
+  if (name === null) return;
+  const type = await askText({ title: `Type of ${name}`, label: "Type", initial: "PointCloud", hint: "A value type, int, float, str, bool, list[T], dict[str, T], T | None, a ROS type, or Any" });
+  if (type !== null) await edit({ do: "declare", path: scope, name, variable: type });
+}

@@ -1,0 +1,50 @@
+/** Below the views: problems, the run, the history of edits; one at a time. */
+import type { JSX, KeyboardEvent } from "react";
+
+import { type FootTab, usePage } from "../store/page";
+import { useRun } from "../store/run";
+import { HistoryPanel } from "./edit/HistoryPanel";
+import { EventLog } from "./EventLog";
+import { Problems } from "./Problems";
+import { TimeLine } from "./TimeLine";
+
+const TABS: readonly [FootTab, string][] = [
+  ["problems", "Problems"],
+  ["run", "Run"],
+  ["history", "History"],
+];
+
+export function Foot(): JSX.Element {
+  const foot = usePage((s) => s.foot);
+  const problems = useRun((s) => s.task.problems.length);
+  const { setFoot } = usePage.getState();
+  function onKeyDown(event: KeyboardEvent): void {
+    const by = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+    if (by === undefined) return;
+    const next = TABS[(TABS.findIndex(([name]) => name === foot) + by + TABS.length) % TABS.length] as readonly [FootTab, string];
+    setFoot(next[0]);
+    document.getElementById(`tab-${next[0]}`)?.focus();
+  }
+  return (
+    <footer>
+      <div className="tabs" role="tablist" aria-label="Below the views" aria-orientation="horizontal" onKeyDown={onKeyDown}>
+        {TABS.map(([name, label]) => (
+          <button key={name} id={`tab-${name}`} role="tab" aria-selected={foot === name} aria-controls="foot-panel" tabIndex={foot === name ? 0 : -1} onClick={() => setFoot(name)}>
+            {label}
+            {name === "problems" && problems > 0 && ` (${problems})`}
+          </button>
+        ))}
+      </div>
+      <div id="foot-panel" role="tabpanel" aria-labelledby={`tab-${foot}`} className={`foot-panel foot-${foot}`}>
+        {foot === "problems" && <Problems />}
+        {foot === "run" && (
+          <>
+            <TimeLine />
+            <EventLog />
+          </>
+        )}
+        {foot === "history" && <HistoryPanel />}
+      </div>
+    </footer>
+  );
+}

@@ -1,0 +1,123 @@
+/** The dialog of the question that is open: a text, or a choice from a list that is filtered while typing. */
+import { type JSX, type KeyboardEvent, useEffect, useId, useMemo, useRef, useState } from "react";
+
+import { matching } from "../../model/search";
+import { type ChoiceQuestion, type TextQuestion, useAsk } from "../../store/ask";
+
+/** Most options that are listed; typing finds the others. */
+const SHOWN = 60;
+
+export function Ask(): JSX.Element | null {
+  const question = useAsk((s) => s.question);
+  const answer = useAsk((s) => s.answer);
+  const dialog = useRef<HTMLDialogElement>(null);
+  const title = useId();
+  useEffect(() => {
+    if (!question) return;
+    const before = document.activeElement;
+    if (!dialog.current?.open) dialog.current?.showModal();
+    return () => {
+      if (before instanceof HTMLElement && before.isConnected) before.focus();
+    };
+  }, [question]);
+  if (!question) return null;
+  return (
+    <dialog ref={dialog} className="ask" aria-labelledby={title} onClose={() => answer(null)} onClick={(event) => {
+        if (event.target === dialog.current) answer(null);
+      }}
+    >
+      <h2 id={title}>{question.title}</h2>
+      {question.kind === "text" ? <TextForm key={question.title} question={question} answer={answer} /> : <Chooser key={question.title} question={question} answer={answer} />}
+    </dialog>
+  );
+}
+
+function TextForm({ question, answer }: { question: TextQuestion; answer: (text: string | null) => void }): JSX.Element {
+  const [text, setText] = useState(question.initial);
+  const fault = text === question.initial ? "" : (question.check?.(text) ?? "");
+  const id = useId();
+  const field = useRef<HTMLInputElement>(null);
+  useEffect(() => field.current?.select(), []);
+  return (
+    <form
+      method="dialog"
+      onSubmit={(event) => {
+        event.preventDefault();
+        if (!fault && text !== "") answer(text);
+      }}
+    >
+      <label htmlFor={id}>{question.label}</label>
+      <input id={id} ref={field} value={text} aria-invalid={fault !== ""} aria-describedby={`${id}-hint`} autoFocus onChange={(event) => setText(event.target.value)} />
+      <p id={`${id}-hint`} className={fault ? "fault" : "hint"}>
+        {fault || question.hint}
+      </p>
+      <div className="ask-buttons">
+        <button type="button" onClick={() => answer(null)}>
+          Cancel
+        </button>
+        <button type="submit" className="main" disabled={fault !== "" || text === ""}>
+          OK
+        </button>
+      </div>
+    </form>
+  );
+}
+
+function Chooser({ question, answer }: { question: ChoiceQuestion; answer: (value: string | null) => void }): JSX.Element {
+  const [text, setText] = useState("");
+  const [at, setAt] = useState(0);
+  const id = useId();
+  const list = useRef<HTMLUListElement>(null);
+  const found = useMemo(() => matching(question.options, text), [question, text]);
+  const shown = found.slice(0, SHOWN);
+  const active = Math.min(at, shown.length - 1);
+  useEffect(() => {
+    list.current?.children[active]?.scrollIntoView({ block: "nearest" });
+  }, [active]);
+
+  function onKeyDown(event: KeyboardEvent): void {
+    const by = { ArrowDown: 1, ArrowUp: -1, PageDown: 8, PageUp: -8 }[event.key];
+    if (by !== undefined) {
+      event.preventDefault();
+      setAt(Math.max(0, Math.min(shown.length - 1, active + by)));
+    } else if (event.key === "Enter" && !event.nativeEvent.isComposing) {
+      event.preventDefault();
+      answer(shown[active]?.value ?? null);
+    }
+  }
+
+  return (
+    <div className="chooser">
+      {question.lead && <p>{question.lead}</p>}
+      <label htmlFor={id}>{question.label}</label>
+      <input
+        id={id}
+        role="combobox"
+        aria-expanded="true"
+        aria-controls={`${id}-list`}
+        aria-autocomplete="list"
+        {...(shown[active] ? { "aria-activedescendant": `${id}-${active}` } : {})}
+        autoFocus
+        autoComplete="off"
+        value={text}
+        onKeyDown={onKeyDown}
+        onChange={(event) => {
+          setText(event.target.value);
+          setAt(0);
+        }}
+      />
+      <ul id={`${id}-list`} role="listbox" aria-label={question.label} ref={list}>
+        {shown.map((option, i) => (
+          <li key={option.value} id={`${id}-${i}`} role="option" aria-selected={i === active} onClick={() => answer(option.value)} onPointerMove={() => setAt(i)}>
+            <span className="option-label">{option.label}</span>
+            {option.mark && <span className="option-mark">{option.mark}</span>}
+            {option.detail && <span className="option-detail">{option.detail}</span>}
+          </li>
+        ))}
+      </ul>
+      <p className="hint" role="status">
+        {found.length === 0 ? "Nothing is like this." : found.length > SHOWN ? `${SHOWN} of ${found.length} are shown; type to find others.` : `${found.length} ${found.length === 1 ? "entry" : "entries"}`}
+      </p>
+    </div>
+  );
+}

@@ -1,0 +1,74 @@
+/** Settings of a container, made from what the server says about its kind. */
+import type { JSX } from "react";
+
+import { nameOf, visibleVariables } from "../../model/commands";
+import type { FieldFace, NodeView } from "../../protocol/generated";
+import { useDocument } from "../../store/document";
+import { edit } from "../../store/editing";
+import { useRun } from "../../store/run";
+import { ChoiceField, expressionCheck, ValueField } from "./fields";
+import { VariablesForm } from "./VariablesForm";
+
+export function ContainerForm({ node, locked }: { node: NodeView; locked: boolean }): JSX.Element {
+  const face = useDocument((s) => s.catalog.kinds.find((each) => each.kind === node.kind));
+  const ports = new Set(["with", "in", "out", "meaning"]);
+  const fields = (face?.fields ?? []).filter((field) => node.kind !== "subtask" || !ports.has(field.key));
+  return (
+    <>
+      {face && <p className="hint">{face.doc.split("\n\n")[0]}</p>}
+      {fields.map((field) => (
+        <Setting key={field.key} field={field} node={node} locked={locked} />
+      ))}
+      {node.kind !== "foreign" && node.kind !== "subtask" && <VariablesForm scope={node.path} locked={locked} />}
+    </>
+  );
+}
+
+function Setting({ field, node, locked }: { field: FieldFace; node: NodeView; locked: boolean }): JSX.Element {
+  const task = useRun((s) => s.task);
+  const given = node.fields[field.key];
+  const set = (value: unknown): void =>
+    void edit(value === undefined || value === "" ? { do: "unset", path: node.path, key: [field.key] } : { do: "set", path: node.path, key: [field.key], value });
+  const common = { label: LABELS[field.key] ?? field.key, doc: field.doc || DOCS[field.key] || "", disabled: locked };
+  if (field.type === "bool") {
+    const value = String(given ?? field.default ?? false);
+    return <ChoiceField {...common} value={value} options={[["true", "yes"], ["false", "no"]]} set={(word) => set(word === "true")} />;
+  }
+  if (field.type === "choice") {
+    const none: [string, string][] = field.required || typeof field.default === "string" ? [] : [["", "(not set)"]];
+    return <ChoiceField {...common} value={String(given ?? field.default ?? "")} options={[...none, ...field.choices.map((each): [string, string] => [each, each])]} set={set} />;
+  }
+  if (field.type === "child" || field.type === "variable") {
+    const names = field.type === "child" ? node.children.map(nameOf) : [...visibleVariables(task, node.path).keys()];
+    const none: [string, string][] = field.required ? [] : [["", "(none)"]];
+    return <ChoiceField {...common} value={String(given ?? "")} options={[...none, ...names.map((each): [string, string] => [each, each])]} set={set} />;
+  }
+  const check = field.type === "expression" ? expressionCheck(node.path, field.key) : undefined;
+  return <ValueField {...common} type={field.type} value={given} placeholder={field.required ? "needed" : String(field.default ?? "")} set={set} {...(check ? { check } : {})} />;
+}
+
+const LABELS: Record<string, string> = {
+  precondition: "Precondition",
+  memory: "Remembers where it was",
+  times: "Times",
+  seconds: "Seconds",
+  if: "Only while",
+  while: "While",
+  on_value: "Value",
+  cases: "Cases",
+  default: "Otherwise",
+  items: "List",
+  item: "Item",
+  policy: "Needs",
+  cancel: "The others then",
+  wait_for: "Waits for",
+  order: "Order",
+  rules: "Rules",
+  initial: "Begins with",
+  as: "Always ends with",
+};
+
+const DOCS: Record<string, string> = {
+  precondition: "Where it is false on entry, the node fails at once.",
+  memory: "No: the first child is asked again on every tick.",
+};

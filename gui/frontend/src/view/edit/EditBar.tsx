@@ -1,0 +1,66 @@
+/** Above the canvas: where we are, which view, and undo, redo, save. */
+import type { JSX } from "react";
+
+import { actionTitle, ACTIONS } from "../../store/actions";
+import { openTask } from "../../store/desk";
+import { useDocument } from "../../store/document";
+import { redo, save, undo } from "../../store/editing";
+import { usePage, type ViewName } from "../../store/page";
+import { useRun } from "../../store/run";
+
+const VIEWS: readonly [ViewName, string][] = [
+  ["tree", "Tree"],
+  ["flow", "Flow"],
+  ["split", "Split"],
+  ["text", "Text"],
+];
+
+export function EditBar(): JSX.Element {
+  const document = useDocument((s) => s.document);
+  const record = useRun((s) => s.record);
+  const view = usePage((s) => s.view);
+  const beside = usePage((s) => s.beside);
+  const history = document?.history;
+  return (
+    <div className="edit-bar" role="toolbar" aria-label="Editing">
+      <div className="segments" role="group" aria-label="View">
+        {VIEWS.map(([name, label]) => (
+          <button key={name} aria-pressed={view === name} title={actionTitle(name)} onClick={() => usePage.getState().setView(name)}>
+            {label}
+          </button>
+        ))}
+      </div>
+      {view === "split" && (
+        <select aria-label="Beside the tree" value={beside} onChange={(event) => usePage.getState().setBeside(event.target.value as "flow" | "text")}>
+          <option value="flow">with flow</option>
+          <option value="text">with text</option>
+        </select>
+      )}
+      <span className="grow" />
+      {record ? (
+        <>
+          <span className="hint">Record of a run: read only</span>
+          <button onClick={() => void openTask(document?.path ?? record.task_path)}>Edit the task</button>
+        </>
+      ) : (
+        <>
+          <button title={actionTitle("undo")} disabled={!history?.can_undo} onClick={() => void undo()}>
+            Undo
+          </button>
+          <button title={actionTitle("redo")} disabled={!history?.can_redo} onClick={() => void redo()}>
+            Redo
+          </button>
+          <button title={actionTitle("commands")} onClick={() => void ACTIONS[0]?.run()}>
+            Commands
+          </button>
+          <button className={document?.saved ? "" : "main"} title={actionTitle("save")} disabled={!document || (document.saved && document.change === "")} onClick={() => void save()}>
+            Save
+          </button>
+          <output className="saved-state" aria-label="State of the file">
+            {document === null ? "" : document.draft ? "text isn't a task" : document.saved ? "saved" : "not saved"}
+          </output>
+        </>
+      )}
+    </div>
+  );
+}

@@ -1,0 +1,106 @@
+/** The selected node as forms: what it is, its settings, ports, outcomes, variables, and what is wrong with it. */
+import type { JSX } from "react";
+
+import { nameOf, parentOf } from "../../model/commands";
+import { IDLE } from "../../model/status";
+import { KINDS, seconds, statusText } from "../../model/words";
+import type { NodeView } from "../../protocol/generated";
+import { actionTitle, ACTIONS } from "../../store/actions";
+import { edit } from "../../store/editing";
+import { usePage } from "../../store/page";
+import { useRun } from "../../store/run";
+import { KindIcon, PhaseIcon } from "../icons";
+import { ProblemList } from "../Problems";
+import { ContainerForm } from "./ContainerForm";
+import { ValueField } from "./fields";
+import { FormBadge } from "./FormBadge";
+import { LeafForm } from "./LeafForm";
+import { OutcomesForm } from "./OutcomesForm";
+import { TaskForm } from "./TaskForm";
+
+export function Inspector(): JSX.Element {
+  const selected = usePage((s) => s.selected);
+  const count = usePage((s) => s.marked.size);
+  const node = useRun((s) => (selected === null ? undefined : s.index.byPath.get(selected)));
+  return (
+    <section className="panel inspector" aria-labelledby="node-title">
+      <h2 id="node-title">Node</h2>
+      <div className="scroll padded" tabIndex={0} role="group" aria-labelledby="node-title">
+        {node ? <NodeForms key={node.path} node={node} count={count} /> : <p className="hint">Select a node in the tree or the outline.</p>}
+      </div>
+    </section>
+  );
+}
+
+function NodeForms({ node, count }: { node: NodeView; count: number }): JSX.Element {
+  const locked = useRun((s) => s.record !== null);
+  const problems = useRun((s) => s.task.problems);
+  const here = problems.filter((problem) => problem.path === node.path);
+  const kind = node.kind === "leaf" ? node.label : (KINDS[node.kind] ?? node.kind);
+  return (
+    <>
+      <p className="node-title">
+        <KindIcon kind={node.kind} /> <strong>{node.name}</strong> <code>{node.path}</code>
+      </p>
+      <p className="node-kind">
+        {kind} {!locked && <button className="link" title={actionTitle("kind")} onClick={() => run("kind")}>Change</button>}
+        <FormBadge path={node.path} />
+      </p>
+      <RunStatus node={node} />
+      {count > 1 && <p className="hint">{count} nodes are selected; actions are about all of them, fields about this one.</p>}
+      {!locked && <Actions node={node} />}
+      {here.length > 0 && <ProblemList problems={here} label="Problems of this node" short />}
+      <ValueField
+        label="Documentation"
+        value={node.fields["doc"]}
+        type="text"
+        lines={2}
+        placeholder={node.doc}
+        disabled={locked}
+        set={(value) => void edit(value === undefined ? { do: "unset", path: node.path, key: ["doc"] } : { do: "set", path: node.path, key: ["doc"], value })}
+      />
+      {node.kind === "leaf" || node.kind === "subtask" ? <LeafForm node={node} locked={locked} /> : null}
+      {node.kind !== "leaf" && <ContainerForm node={node} locked={locked} />}
+      <OutcomesForm node={node} locked={locked} />
+      {node.path === "/" && <TaskForm locked={locked} />}
+    </>
+  );
+}
+
+function RunStatus({ node }: { node: NodeView }): JSX.Element | null {
+  const status = useRun((s) => s.moment.nodes.get(node.path) ?? IDLE);
+  if (status.phase === "idle") return null;
+  return (
+    <p className={`phase-${status.phase}`}>
+      <PhaseIcon phase={status.phase} /> {statusText(status)} at {seconds(status.since)}
+      {status.message && <span className="reason"> {status.message}</span>}
+    </p>
+  );
+}
+
+const FOR_ALL = ["rename", "wrap", "unwrap", "copy", "cut", "paste", "up", "down", "connect", "free", "remove"];
+
+function Actions({ node }: { node: NodeView }): JSX.Element {
+  const parent = useRun((s) => s.index.byPath.get(parentOf(node.path) ?? ""));
+  const machine = node.kind === "state_machine" || parent?.kind === "state_machine";
+  const not = new Set([
+    ...(node.path === "/" ? ["cut", "remove", "up", "down"] : []),
+    ...(node.kind === "leaf" ? ["unwrap"] : []),
+    ...(machine ? [] : ["free"]),
+  ]);
+  return (
+    <div className="actions" role="group" aria-label={`Actions for ${nameOf(node.path) || node.name}`}>
+      {ACTIONS.filter((action) => FOR_ALL.includes(action.id) && !not.has(action.id)).map((action) => (
+        <button key={action.id} title={actionTitle(action.id)} onClick={() => void action.run()}>
+          {SHORT[action.id] ?? action.title}
+        </button>
+      ))}
+    </div>
+  );
+}
+
+const SHORT: Record<string, string> = { wrap: "Wrap", connect: "Connect", free: "Connect free", up: "Up", down: "Down" };
+
+function run(id: string): void {
+  void ACTIONS.find((action) => action.id === id)?.run();
+}

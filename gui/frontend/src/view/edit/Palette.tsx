@@ -1,0 +1,59 @@
+/** What a task can be made of: found by typing, added by a press, dragged to a place. */
+import { type JSX, useMemo, useState } from "react";
+
+import { matching } from "../../model/search";
+import { KINDS } from "../../model/words";
+import { useDocument } from "../../store/document";
+import { add } from "../../store/gestures";
+import { useRun } from "../../store/run";
+import { KindIcon } from "../icons";
+import { dragNew } from "./dragging";
+
+interface Entry {
+  readonly id: string;
+  readonly label: string;
+  readonly detail: string;
+  readonly mark: string;
+  readonly kind: string;
+}
+
+export function Palette(): JSX.Element {
+  const catalog = useDocument((s) => s.catalog);
+  const disabled = useRun((s) => s.record !== null);
+  const [text, setText] = useState("");
+  const groups = useMemo(() => {
+    const entries: Entry[] = [
+      ...catalog.kinds.map((face) => ({ id: face.kind, label: KINDS[face.kind] ?? face.kind, detail: face.doc, mark: "containers", kind: face.kind })),
+      ...catalog.nodes.map((face) => ({ id: face.id, label: face.id, detail: face.doc, mark: face.id.split("/")[0] ?? "", kind: "leaf" })),
+    ];
+    const found = new Map<string, Entry[]>();
+    for (const entry of matching(entries, text)) found.set(entry.mark, [...(found.get(entry.mark) ?? []), entry]);
+    return found;
+  }, [catalog, text]);
+  return (
+    <section className="panel palette" aria-labelledby="palette-title">
+      <h2 id="palette-title">Palette</h2>
+      <input className="palette-search" type="search" aria-label="Search the palette" placeholder="Type to find a node" value={text} onChange={(event) => setText(event.target.value)} />
+      <div className="scroll" tabIndex={0} role="group" aria-labelledby="palette-title">
+        {catalog.trouble && <p className="fault padded">{catalog.trouble}</p>}
+        {[...groups].map(([name, entries]) => (
+          <details key={`${name}${text ? "!" : ""}`} open={text !== "" || name === "containers"}>
+            <summary>
+              {name} <span className="hint">{entries.length}</span>
+            </summary>
+            <ul>
+              {entries.map((entry) => (
+                <li key={entry.id}>
+                  <button disabled={disabled} draggable={!disabled} title={entry.detail} onClick={() => void add(entry.id)} onDragStart={(event) => dragNew(event, entry.id)}>
+                    <KindIcon kind={entry.kind} /> {entry.label.replace(`${name}/`, "")}
+                  </button>
+                </li>
+              ))}
+            </ul>
+          </details>
+        ))}
+        {groups.size === 0 && <p className="hint padded">Nothing is called like this.</p>}
+      </div>
+    </section>
+  );
+}

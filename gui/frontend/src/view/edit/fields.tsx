@@ -1,0 +1,130 @@
+/** Fields of forms: each sends its edit when it is left or Enter is pressed, and Escape takes back what was typed. */
+import { type JSX, type ReactNode, useEffect, useId, useState } from "react";
+
+import { parseValue, valueText } from "../../model/values";
+import { server } from "../../protocol/client";
+import { useDocument } from "../../store/document";
+
+interface FieldProps {
+  readonly label: string;
+  readonly doc?: string;
+  readonly children: (id: string, describedBy: string) => ReactNode;
+  readonly fault?: string;
+  readonly mark?: string;
+}
+
+export function Field({ label, doc, children, fault, mark }: FieldProps): JSX.Element {
+  const id = useId();
+  return (
+    <div className="form-field">
+      <label htmlFor={id}>
+        {label} {mark && <code>{mark}</code>}
+      </label>
+      {children(id, `${id}-about`)}
+      <p id={`${id}-about`} className={fault ? "fault" : "hint"}>
+        {fault || doc}
+      </p>
+    </div>
+  );
+}
+
+interface TextProps {
+  readonly label: string;
+  readonly value: unknown;
+  readonly type: string;
+  readonly doc?: string;
+  readonly placeholder?: string;
+  readonly disabled: boolean;
+  readonly lines?: number;
+  /** Called with a value, or with undefined for an empty field. */
+  readonly set: (value: unknown) => void;
+  /** What is wrong with a text while it is typed. */
+  readonly check?: (text: string) => Promise<string>;
+}
+
+/** A literal. An empty field means the default. */
+export function ValueField({ label, value, type, doc, placeholder, disabled, lines, set, check }: TextProps): JSX.Element {
+  const given = valueText(value, type);
+  const [text, setText] = useState(given);
+  const [fault, setFault] = useState("");
+  useEffect(() => {
+    setText(given);
+    setFault("");
+  }, [given]);
+  useEffect(() => {
+    if (!check || text === given || text === "") return;
+    let late = false;
+    const timer = setTimeout(() => void check(text).then((found) => late || setFault(found)), 250);
+    return () => {
+      late = true;
+      clearTimeout(timer);
+    };
+  }, [text, given, check]);
+  const commit = (): void => {
+    if (text === given) return;
+    if (text === "") return set(undefined);
+    const parsed = parseValue(text, type);
+    if ("fault" in parsed) setFault(parsed.fault);
+    else set(parsed.value);
+  };
+  return (
+    <Field label={label} {...(doc ? { doc } : {})} fault={fault} {...(type === "text" || type === "expression" ? {} : { mark: type })}>
+      {(id, about) => {
+        const common = {
+          id,
+          value: text,
+          disabled,
+          placeholder,
+          "aria-describedby": about,
+          "aria-invalid": fault !== "",
+          spellCheck: type === "text",
+          onBlur: commit,
+          onChange: (event: { target: { value: string } }) => setText(event.target.value),
+        };
+        const keys = (event: { key: string; preventDefault: () => void }): void => {
+          if (event.key === "Enter" && !lines) commit();
+          if (event.key === "Escape") setText(given);
+        };
+        return lines ? <textarea rows={lines} {...common} onKeyDown={keys} /> : <input type="text" {...common} onKeyDown={keys} />;
+      }}
+    </Field>
+  );
+}
+
+interface ChoiceProps {
+  readonly label: string;
+  readonly value: string;
+  readonly options: readonly (readonly [value: string, label: string])[];
+  readonly doc?: string;
+  readonly mark?: string;
+  readonly disabled: boolean;
+  readonly set: (value: string) => void;
+}
+
+export function ChoiceField({ label, value, options, doc, mark, disabled, set }: ChoiceProps): JSX.Element {
+  const known = options.some(([each]) => each === value);
+  return (
+    <Field label={label} {...(doc ? { doc } : {})} {...(mark ? { mark } : {})}>
+      {(id, about) => (
+        <select id={id} value={value} disabled={disabled} aria-describedby={about} onChange={(event) => set(event.target.value)}>
+          {!known && <option value={value}>{value}</option>}
+          {options.map(([each, words]) => (
+            <option key={each} value={each}>
+              {words}
+            </option>
+          ))}
+        </select>
+      )}
+    </Field>
+  );
+}
+
+/** Ask the server what is wrong with an expression at a key of a node. */
+export function expressionCheck(node: string, key: string): (text: string) => Promise<string> {
+  return async (text) => {
+    const path = useDocument.getState().document?.path;
+    if (path === undefined) return "";
+    const { faults } = await server.expression({ path, node, key: [key], text }).catch(() => ({ faults: [] as string[] }));
+    return faults[0] ?? "";
+  };
+}

@@ -1,0 +1,180 @@
+/** A container's inside as a flow chart: drag from an outcome to where it leads, drag a node to pin it. */
+import { Background, type Connection, Controls, type Edge, MarkerType, MiniMap, type Node, Position, ReactFlow, type ReactFlowInstance, useReactFlow } from "@xyflow/react";
+import { type DragEvent, type JSX, useCallback, useEffect, useMemo, useState } from "react";
+
+import { type Flow, FLOW_HEAD, flowOf, PORT_HEIGHT, START, targetName } from "../../model/flow";
+import { layoutFlow } from "../../model/flowLayout";
+import type { Box } from "../../model/layout";
+import { useDocument } from "../../store/document";
+import { pin } from "../../store/editing";
+import { beginWith, connect, disconnect } from "../../store/flowing";
+import { connectFree } from "../../store/gestures";
+import { usePage } from "../../store/page";
+import { useRun } from "../../store/run";
+import { Detail } from "../Detail";
+import { drop, isDrag } from "../edit/dragging";
+import { FormBadge } from "../edit/FormBadge";
+import { Breadcrumbs } from "./Breadcrumbs";
+import { EndNode, FlowNode, StartNode } from "./FlowNode";
+
+const NODE_TYPES = { node: FlowNode, end: EndNode, start: StartNode };
+/** Zoom at which a chart can be read. */
+const READABLE = 0.75;
+const NO_PINS: Record<string, number[]> = {};
+
+export function FlowCanvas(): JSX.Element {
+  const task = useRun((s) => s.task);
+  const index = useRun((s) => s.index);
+  const locked = useRun((s) => s.record !== null);
+  const container = usePage((s) => s.container);
+  const pins = useDocument((s) => s.document?.layout.flow) ?? NO_PINS;
+  const flow = useMemo(() => flowOf(task, index.byPath, container), [task, index, container]);
+  const boxes = useMemo(() => layoutFlow(flow, pins), [flow, pins]);
+  const [edge, setEdge] = useState<string | null>(null);
+  const [dragged, setDragged] = useState<{ id: string; x: number; y: number } | null>(null);
+  const nodes = useMemo(() => flowNodes(flow, boxes, dragged), [flow, boxes, dragged]);
+  const edges = useMemo(() => flowEdges(flow, edge), [flow, edge]);
+  useEffect(() => setDragged(null), [boxes]);
+
+  const onConnect = useCallback(({ source, sourceHandle, target }: Connection): void => {
+    if (source === START) void beginWith(target);
+    else if (target !== START) void connect(source, sourceHandle ?? "success", targetName(target));
+  }, []);
+  const chosen = flow.edges.find((each) => each.id === edge);
+  const canEdit = !locked;
+  return (
+    <section className="flow" aria-label="Flow chart" onDragOver={allow} onDrop={(event) => drop(event, { parent: container, index: index.byPath.get(container)?.children.length ?? 0 })}>
+      <div className="flow-strip">
+        <Breadcrumbs />
+        <FormBadge path={container} />
+        {flow.strip && <span>{flow.strip}</span>}
+        {flow.machine && canEdit && <button onClick={() => void connectFree(container)}>Connect free outcomes</button>}
+        {chosen && canEdit && chosen.id !== "start" && (
+          <span className="edge-tools" role="group" aria-label="Selected edge">
+            {targetName(chosen.source)}.{chosen.outcome} → {targetName(chosen.target)}
+            <button onClick={() => void disconnect(chosen.source, chosen.outcome, chosen.derived)}>Remove this edge</button>
+          </span>
+        )}
+      </div>
+      <ReactFlow
+        key={`${task.path}:${container}`}
+        nodes={nodes}
+        edges={edges}
+        nodeTypes={NODE_TYPES}
+        nodesDraggable={canEdit}
+        nodesConnectable={canEdit}
+        nodesFocusable={false}
+        edgesFocusable={false}
+        elementsSelectable
+        deleteKeyCode={null}
+        selectionKeyCode={null}
+        multiSelectionKeyCode={null}
+        minZoom={0.1}
+        maxZoom={2}
+        onInit={(canvas) => void showAll(canvas)}
+        onConnect={onConnect}
+        onNodeClick={(event, node) => {
+          setEdge(null);
+          if (node.type !== "node") return;
+          if (event.ctrlKey || event.metaKey || event.shiftKey) usePage.getState().mark(node.id);
+          else usePage.getState().select(node.id);
+        }}
+        onNodeDoubleClick={(_, node) => {
+          if (index.byPath.get(node.id)?.children.length) usePage.getState().enter(node.id);
+        }}
+        onEdgeClick={(_, clicked) => setEdge(clicked.id)}
+        onPaneClick={() => setEdge(null)}
+        onNodeDrag={(_, node) => setDragged({ id: node.id, ...node.position })}
+        onNodeDragStop={(_, node) => {
+          if (node.type === "node") void pin("flow", { [node.id]: [node.position.x, node.position.y] });
+        }}
+        aria-label="Flow chart of the container; the outline and the forms have the same content for keyboards"
+      >
+        <Background gap={24} />
+        <Controls showInteractive={false} />
+        {nodes.length > 12 && <MiniMap pannable zoomable />}
+        <Detail />
+        <Keeper boxes={boxes} />
+      </ReactFlow>
+      <Pinned flow={flow} pins={pins} locked={locked} />
+    </section>
+  );
+}
+
+/** Show the whole chart, or its beginning where the whole would be too small to read. */
+async function showAll(canvas: ReactFlowInstance): Promise<void> {
+  await canvas.fitView({ padding: 0.06, maxZoom: 1.1 });
+  const { zoom } = canvas.getViewport();
+  if (zoom >= READABLE) return;
+  const { x, y, height } = canvas.getNodesBounds(canvas.getNodes());
+  const pane = document.querySelector(".flow .react-flow")?.clientHeight ?? 0;
+  await canvas.setViewport({ x: 16 - x * READABLE, y: Math.max(16, (pane - height * READABLE) / 2) - y * READABLE, zoom: READABLE });
+}
+
+function allow(event: DragEvent): void {
+  if (isDrag(event)) event.preventDefault();
+}
+
+/** Offers to place pinned nodes automatically again. */
+function Pinned({ flow, pins, locked }: { flow: Flow; pins: Record<string, number[]>; locked: boolean }): JSX.Element | null {
+  const here = flow.items.map((item) => item.id).filter((id) => pins[id] !== undefined);
+  if (here.length === 0 || locked) return null;
+  return (
+    <button className="tidy" onClick={() => void pin("flow", Object.fromEntries(here.map((id) => [id, null])))}>
+      Tidy up ({here.length} pinned)
+    </button>
+  );
+}
+
+/** Brings a node that was selected elsewhere into sight. */
+function Keeper({ boxes }: { boxes: ReadonlyMap<string, Box> }): null {
+  const selected = usePage((s) => s.selected);
+  const { setCenter, getZoom, getViewport } = useReactFlow();
+  useEffect(() => {
+    const box = selected === null ? undefined : boxes.get(selected);
+    const pane = document.querySelector(".flow .react-flow")?.getBoundingClientRect();
+    if (!box || !pane) return;
+    const { x, y, zoom } = getViewport();
+    const inSight = box.x * zoom + x >= 0 && box.y * zoom + y >= 0 && (box.x + box.width) * zoom + x <= pane.width && (box.y + box.height) * zoom + y <= pane.height;
+    if (!inSight) void setCenter(box.x + box.width / 2, box.y + box.height / 2, { zoom: getZoom(), duration: 0 });
+  }, [selected, boxes, setCenter, getZoom, getViewport]);
+  return null;
+}
+
+function flowNodes(flow: Flow, boxes: ReadonlyMap<string, Box>, dragged: { id: string; x: number; y: number } | null): Node[] {
+  return flow.items.map((item) => {
+    const { x, y, width, height } = boxes.get(item.id) as Box;
+    const position = dragged?.id === item.id ? { x: dragged.x, y: dragged.y } : { x, y };
+    const handle = { width: 10, height: 10 };
+    const target = { type: "target" as const, position: Position.Left, id: "in", x: -5, y: (item.kind === "end" ? height / 2 : 24) - 5, ...handle };
+    const sources = item.ports.map((port, i) => ({ type: "source" as const, position: Position.Right, id: port.outcome, x: width - 5, y: FLOW_HEAD + (i + 0.5) * PORT_HEIGHT - 5, ...handle }));
+    const start = { type: "source" as const, position: Position.Right, id: "", x: width - 5, y: height / 2 - 5, ...handle };
+    return {
+      id: item.id,
+      type: item.kind,
+      position,
+      data: { item },
+      width,
+      height,
+      measured: { width, height },
+      draggable: item.kind === "node",
+      handles: item.kind === "start" ? [start] : [target, ...sources],
+    };
+  });
+}
+
+function flowEdges(flow: Flow, selected: string | null): Edge[] {
+  return flow.edges.map((edge) => ({
+    id: edge.id,
+    source: edge.source,
+    sourceHandle: edge.outcome,
+    target: edge.target,
+    targetHandle: "in",
+    label: edge.label || (edge.outcome === "" ? undefined : edge.outcome),
+    selected: edge.id === selected,
+    className: edge.derived ? "derived" : "stored",
+    markerEnd: { type: MarkerType.ArrowClosed },
+    focusable: false,
+    interactionWidth: 18,
+  }));
+}

@@ -1,0 +1,65 @@
+/** What stands in a flow chart: a child with its outcomes as ports, an end of the container, the mark of the start. */
+import { Handle, type NodeProps, Position } from "@xyflow/react";
+import type { JSX } from "react";
+
+import type { FlowItem } from "../../model/flow";
+import { IDLE } from "../../model/status";
+import { KINDS, statusText } from "../../model/words";
+import { usePage } from "../../store/page";
+import { useRun } from "../../store/run";
+import { useForm } from "../edit/FormBadge";
+import { KindIcon, PhaseIcon } from "../icons";
+import { lensMark, ProblemMark } from "../marks";
+
+export function FlowNode({ data }: NodeProps): JSX.Element {
+  const item = data["item"] as FlowItem;
+  const node = item.node as NonNullable<FlowItem["node"]>;
+  const status = useRun((s) => s.moment.nodes.get(node.path) ?? IDLE);
+  const selected = usePage((s) => s.marked.has(node.path));
+  const lens = usePage((s) => s.lens);
+  const form = useForm(node.path);
+  const kind = node.kind === "leaf" ? node.label : [KINDS[node.kind], node.label].filter(Boolean).join(", ");
+  return (
+    <div className={`node flow-node kind-${node.kind} is-${status.phase}${selected ? " selected" : ""}`} data-path={node.path} title={node.doc}>
+      <Handle type="target" position={Position.Left} id="in" />
+      <div className="node-head">
+        <KindIcon kind={node.kind} />
+        <span className="node-name">{node.name}</span>
+        <ProblemMark path={node.path} />
+        {lensMark(node, lens)}
+        {form && !form.both && <span className="form-badge" title={form.reason}>~</span>}
+        <span className={`badge phase-${status.phase}`}>
+          <PhaseIcon phase={status.phase} />
+          {status.phase === "idle" ? "" : statusText(status)}
+        </span>
+      </div>
+      <div className="node-sub">{node.children.length > 0 ? `${kind}: ${node.children.length} inside` : kind}</div>
+      <ul className="ports">
+        {item.ports.map((port) => (
+          <li key={port.outcome} className={`port ${port.meaning}${port.led ? "" : " free"}`}>
+            {port.outcome}
+            <Handle type="source" position={Position.Right} id={port.outcome} title={`${node.name}.${port.outcome}: drag to where it leads`} />
+          </li>
+        ))}
+      </ul>
+    </div>
+  );
+}
+
+export function EndNode({ data }: NodeProps): JSX.Element {
+  const item = data["item"] as FlowItem;
+  return (
+    <div className={`end-node ${item.meaning}`}>
+      <Handle type="target" position={Position.Left} id="in" />
+      <span>⇥ {item.outcome}</span>
+    </div>
+  );
+}
+
+export function StartNode(): JSX.Element {
+  return (
+    <div className="start-node" title="Here it begins">
+      <Handle type="source" position={Position.Right} id="" isConnectable={true} />
+    </div>
+  );
+}

@@ -1,0 +1,27 @@
+/** Small marks on nodes: what is wrong with them, and what they do with the variable that the lens is on. */
+import type { JSX } from "react";
+
+import { expressionNames } from "../model/uses";
+import type { NodeView } from "../protocol/generated";
+import { useRun } from "../store/run";
+
+export function ProblemMark({ path }: { path: string }): JSX.Element | null {
+  const worst = useRun((s) => s.index.worst.get(path));
+  if (!worst) return null;
+  return (
+    <span className={`problem-mark ${worst}`} title={worst === "error" ? "has an error" : "has a warning"}>
+      {worst === "error" ? "✗" : "!"}
+      <span className="hidden">{worst}</span>
+    </span>
+  );
+}
+
+export function lensMark(node: NodeView, lens: string | null): JSX.Element | null {
+  if (lens === null) return null;
+  const { index } = useRun.getState();
+  const isIt = (name: string): boolean => index.variable(node.path, name) === lens;
+  const writes = Object.values(node.outputs).some(isIt);
+  const reads = Object.values(node.inputs).some(isIt) || expressionNames(node).some(isIt);
+  if (!writes && !reads) return null;
+  return <span className="lens-mark">{[writes && "writes", reads && "reads"].filter(Boolean).join(", ")}</span>;
+}

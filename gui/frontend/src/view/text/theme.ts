@@ -1,0 +1,31 @@
+/** The editor's looks: the page's own colours, in light and dark. */
+import { HighlightStyle, syntaxHighlighting } from "@codemirror/language";
+import { EditorView } from "@codemirror/view";
+import { tags } from "@lezer/highlight";
+
+export const theme = EditorView.theme({
+  "&": { height: "100%", backgroundColor: "var(--surface)", color: "var(--text)", fontSize: "13px" },
+  ".cm-scroller": { fontFamily: "var(--mono)", lineHeight: "1.5" },
+  ".cm-content": { caretColor: "var(--text)" },
+  ".cm-cursor": { borderLeftColor: "var(--text)" },
+  ".cm-gutters": { backgroundColor: "var(--sunken)", color: "var(--quiet)", borderRight: "1px solid var(--line)" },
+  ".cm-activeLine, .cm-activeLineGutter": { backgroundColor: "var(--sunken)" },
+  "&.cm-focused .cm-selectionBackground, .cm-selectionBackground": { backgroundColor: "var(--running-soft)" },
+  ".cm-tooltip": { backgroundColor: "var(--surface)", color: "var(--text)", border: "1px solid var(--line-strong)" },
+  ".cm-tooltip-autocomplete ul li[aria-selected]": { backgroundColor: "var(--accent)", color: "var(--accent-text)" },
+  ".cm-completionDetail": { color: "inherit" },
+  ".cm-panels": { backgroundColor: "var(--sunken)", color: "var(--text)" },
+  ".cm-node-line": { boxShadow: "inset 3px 0 0 var(--accent)", backgroundColor: "var(--running-soft)" },
+  ".cm-diagnostic": { color: "var(--text)" },
+});
+
+export const colours = syntaxHighlighting(
+  HighlightStyle.define([
+    { tag: tags.comment, color: "var(--quiet)", fontStyle: "italic" },
+    { tag: [tags.definition(tags.propertyName), tags.propertyName], color: "var(--accent)" },
+    { tag: [tags.string, tags.content], color: "var(--text)" },
+    { tag: [tags.number, tags.bool, tags.null], color: "var(--success)" },
+    { tag: [tags.punctuation, tags.separator, tags.squareBracket, tags.brace], color: "var(--quiet)" },
+    { tag: tags.keyword, color: "var(--failure)" },
+  ]),
+);
