@@ -117,11 +117,13 @@ def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> in
     from grip_bt.app.supervisor import Supervisor
 
     run_id: list[str] = []
+    started: list[Mapping[str, Any]] = []
     prompt: Any = None
 
     def told(event: Mapping[str, Any]) -> None:
         if event["event"] == "started":
             run_id.append(event["run"])
+            started.append(event)
         if event["event"] == "progress":
             (tell_progress if args.control else progress)(event["part"], event["detail"])
         elif args.control and event["event"] != "failed":
@@ -148,7 +150,21 @@ def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> in
         return INVALID
     if not args.control:
         _tell({**end, "run": run_id[0] if run_id else None}, args.json)
+        if started and not args.json:
+            _tell_failures(started[0], end["message"])
     return EXIT_STATUS[end["status"]]
+
+
+def _tell_failures(started: Mapping[str, Any], said: str) -> None:
+    """Print why leaves failed, also where the task has recovered from it; not what was said already."""
+    from grip_bt.app.run_tables import failures
+    from grip_bt.runtime import JournalReader
+
+    with JournalReader(started["journal"]) as reader:
+        found = failures(reader.events(started["run"]))
+    if sum(count for count, _ in found.values()) > 1 or not said:
+        for (path, code), (count, message) in found.items():
+            print(f"  {count:>3}x {path}: {code}" + (f": {message}" if message else ""))
 
 
 def _pass_on(send: Callable[[Mapping[str, Any]], None]) -> None:

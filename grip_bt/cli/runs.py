@@ -24,6 +24,8 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--to", choices=("jsonl", "csv", "mcap"), help="export the run; mcap opens in Foxglove")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="where to, with --to")
     parser.add_argument("--data", action="store_true", help="the last value of each variable that the run wrote")
+    parser.add_argument("--timing", action="store_true", help="how long the nodes of the run took")
+    parser.add_argument("--coverage", type=Path, metavar="TASK", help="which outcomes of a task its runs have seen")
     parser.set_defaults(run=run, parser=parser)
 
 
@@ -35,7 +37,9 @@ def run(args: argparse.Namespace) -> int:
     if (args.to is None) != (args.output is None):
         args.parser.error("--to and -o go together: grip runs RUN --to mcap -o FILE")
     place = Path(args.what)
-    one = args.to is not None or args.data or not place.exists()
+    one = args.to is not None or args.data or args.timing or not place.exists()
+    if args.coverage is not None and args.what == ".":
+        place = args.coverage
     journal = (
         args.journal or find_project(Path() if one and not place.exists() else place).folder / ".grip" / "runs.sqlite"
     )
@@ -45,12 +49,16 @@ def run(args: argparse.Namespace) -> int:
         print("[]" if args.json else f"no runs yet in {journal}")
         return 0
     with JournalReader(journal) as reader:
+        if args.coverage is not None:
+            return _coverage(reader, args.coverage, args.json)
         if not one:
             return _list(reader, args.json)
         name = "last" if place.exists() else args.what
         found = _find(reader, name)
         if args.to is not None:
             return _export(reader, found, args.output, args.to)
+        if args.timing:
+            return _timing(reader, found, args.json)
         return _data(reader, found, args.json) if args.data else _list(reader, args.json, found)
 
 
@@ -82,6 +90,37 @@ def _data(reader: JournalReader, run: str, as_json: bool) -> int:
         print(
             f"{name:<20} {event.data.get('type', ''):<16} {event.data['preview']}  (by {event.path}, {event.t:.3f} s)"
         )
+    return 0
+
+
+def _timing(reader: JournalReader, run: str, as_json: bool) -> int:
+    from grip_bt.app.run_tables import timings
+
+    rows = timings(reader.events(run))
+    if as_json:
+        print(json.dumps([asdict(row) for row in rows]))
+        return 0
+    width = max([len(row.path) for row in rows] + [4])
+    print(f"{'node':<{width}}  {'count':>6} {'halted':>6} {'total [s]':>11} {'median [s]':>11} {'max [s]':>11}")
+    for row in rows:
+        times = f"{row.total:>11.4f} {row.median:>11.4f} {row.max:>11.4f}"
+        print(f"{row.path:<{width}}  {row.count:>6} {row.interrupted:>6} {times}")
+    return 0
+
+
+def _coverage(reader: JournalReader, task: Path, as_json: bool) -> int:
+    from grip_bt.app.run_tables import coverage
+
+    found = coverage(reader, str(task))
+    seen, there = found.counts
+    if as_json:
+        codes = [{"node": n, "outcome": o, "codes": c} for (n, o), c in found.codes.items()]
+        facts = {"runs": found.runs, "seen": found.seen, "missing": found.missing, "codes": codes}
+        print(json.dumps({"outcomes_seen": seen, "outcomes": there, **facts}))
+        return 0
+    print(f"{seen} of {there} outcomes seen in {found.runs} run{'s' if found.runs != 1 else ''} of {task}")
+    for path, outcomes in found.missing.items():
+        print(f"  never seen: {path}: {', '.join(outcomes)}")
     return 0
 
 
