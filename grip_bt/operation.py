@@ -115,6 +115,11 @@ class Operation(Generic[T]):
         """Say how far it is, for who looks at `progress`; nobody is woken."""
         self._progress = lambda: progress
 
+    def progress_through(self, convert: Callable[[Any], Any]) -> None:
+        """Have `progress` converted whenever somebody looks at it."""
+        inner = self._progress
+        self._progress = lambda: convert(inner())
+
     def succeed(self, result: T) -> bool:
         """End it with a result; False when it had ended already."""
         return self._end(result, None)

@@ -109,6 +109,8 @@ class ComponentFile(Part):
         if unknown := sorted(set(self.meaning) - set(self.outcomes)):
             there_are = ", ".join(self.outcomes)
             raise ValueError(f"meaning of undeclared outcomes: {', '.join(unknown)} (there are: {there_are})")
+        if self.kind != "msg" and self.use != "receive":
+            raise ValueError("use: only a topic, whose interface is a message, can be published")
         if self.kind == "msg" and not self.rules:
             raise ValueError(
                 "the interface is a message, which numbers no outcome: give outcomes by rule, such as "

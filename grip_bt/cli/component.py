@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
+
+from grip_bt.errors import GripError
 
 NODE_FOLDER = "node"
 
@@ -14,8 +17,22 @@ def add_parser(subparsers: Any) -> None:
     """Add the verb."""
     parser = subparsers.add_parser("component", help="wrap external software: generate its node, list, test")
     actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
-    add = actions.add_parser("add", help="generate the node of a component into its folder node/")
-    add.add_argument("folder", type=Path, nargs="+", help="a component: a folder with component.yaml")
+    add = actions.add_parser("add", help="make a component, or generate the node of one into its folder node/")
+    add.add_argument(
+        "what",
+        nargs="*",
+        help="a folder with component.yaml; or a .srv, .action or .msg file; or a type such as std_srvs/srv/Trigger",
+    )
+    add.add_argument("--from-graph", metavar="NAME", help="something that runs: a service, an action or a topic")
+    add.add_argument(
+        "--outcomes", metavar="O", help="`one,none`: names of 0, 1 ...; `2`; or `found: count > 0; none: true`"
+    )
+    add.add_argument("--failure", metavar="LABELS", default="", help="outcomes that mean failure, such as none,timeout")
+    add.add_argument("--name", default="", help="the component's name (default: from the server's)")
+    add.add_argument("--server", default="", help="the name under which it is served, such as /plan_grasp")
+    add.add_argument("--interfaces", type=Path, metavar="FOLDER", help="where the type of --from-graph is defined")
+    add.add_argument("--project", type=Path, default=Path(), help="project folder (default: here)")
+    add.add_argument("--wait", type=float, default=5.0, metavar="S", help="how long to look at the graph [s]")
     add.add_argument("--check", action="store_true", help="write nothing; exit 1 when the node isn't up to date")
     add.set_defaults(run=run_add)
     listing = actions.add_parser("list", help="the components of a project")
@@ -27,20 +44,60 @@ def add_parser(subparsers: Any) -> None:
 
 
 def run_add(args: argparse.Namespace) -> int:
-    """Generate, or check that what was generated is up to date."""
-    from grip_bt.codegen import outdated, write_package
+    """Make components where there are none yet, then generate, or check that what was generated is up to date."""
+    if not args.what and not args.from_graph:
+        raise GripError("say what: a folder, an interface file, a type, or --from-graph NAME")
+    folders = [folder for what in args.what if (folder := _folder(what, args)) is not None]
+    if args.from_graph:
+        from grip_bt.app.new_component import from_graph
+
+        folders.append(_made(from_graph(args.from_graph, args.wait, args.interfaces), args))
+    return check(folders) if args.check else generate(folders)
+
+
+def _folder(what: str, args: argparse.Namespace) -> Path:
+    """Return the folder of a component that is there, or make one from an interface."""
+    path = Path(what)
+    if path.is_dir() or (path.suffix[1:] not in ("srv", "action", "msg") and what.count("/") != 2):
+        return path
+    from grip_bt.app.new_component import from_file, from_type
+
+    return _made(from_file(path) if path.suffix else from_type(what), args)
+
+
+def _made(wish: Any, args: argparse.Namespace) -> Path:
+    from dataclasses import replace
+
+    from grip_bt.app.new_component import components_folder, make_component
+
+    wish = replace(wish, name=args.name, server=args.server or wish.server)
+    failures = [label for label in args.failure.split(",") if label]
+    folder = make_component(wish, components_folder(args.project), args.outcomes, failures)
+    print(
+        f"{folder / 'component.yaml'}: {wish.interface.type_name}, served as {args.server or wish.server or 'its name'}"
+    )
+    return folder
+
+
+def generate(folders: Sequence[Path]) -> int:
+    """Write the nodes of components."""
+    from grip_bt.codegen import write_package
+
+    for folder in folders:
+        changed = write_package(folder / NODE_FOLDER, rendered(folder))
+        print(f"{folder / NODE_FOLDER}: {', '.join(changed) or 'up to date'}")
+    return 0
+
+
+def check(folders: Sequence[Path]) -> int:
+    """Tell which nodes aren't up to date; 1 when there are some."""
+    from grip_bt.codegen import outdated
 
     stale = False
-    for folder in args.folder:
-        files = rendered(folder)
-        target = folder / NODE_FOLDER
-        if args.check:
-            for path in outdated(target, files):
-                print(f"{target / path} isn't up to date; run: grip component add {folder}", file=sys.stderr)
-                stale = True
-        else:
-            changed = write_package(target, files)
-            print(f"{target}: {', '.join(changed) or 'up to date'}")
+    for folder in folders:
+        for path in outdated(folder / NODE_FOLDER, rendered(folder)):
+            print(f"{folder / NODE_FOLDER / path} isn't up to date; run: grip component add {folder}", file=sys.stderr)
+            stale = True
     return int(stale)
 
 
@@ -62,7 +119,7 @@ def run_list(args: argparse.Namespace) -> int:
 
 
 def run_test(args: argparse.Namespace) -> int:
-    """Start the component, call it with an empty request, and tell what it answered and how fast."""
+    """Start the component, call it once (an action: one goal) with nothing in it, and tell the answer and its time."""
     import time
 
     from grip_bt.app.project import find_project
@@ -71,18 +128,32 @@ def run_test(args: argparse.Namespace) -> int:
 
     folder = args.folder.resolve()
     component = load_component(folder)
-    stale = run_add(argparse.Namespace(folder=[args.folder], check=True))
+    stale = check([args.folder])
     project = find_project(folder).folder
     with start_components(project, [component.name], folder=folder.parent) as components:
         print(f"interfaces: {_seconds(components.build_seconds)}")
         print(f"server: {component.server} after {components.ready_seconds:.2f} s")
         started = time.perf_counter()
         operation = components.client(component.name).call({})
-        operation.wait(component.timeouts.call + 1)
+        operation.wait(component.timeouts.call + component.timeouts.ready + 1)
         reply = operation.result()
-        label = component.outcomes[reply["outcome"]]
-        print(f"empty request: {label!r} ({reply['outcome']}) after {(time.perf_counter() - started) * 1e3:.1f} ms")
+        shown = label_of(component, reply)
+        print(f"empty request: {shown} after {(time.perf_counter() - started) * 1e3:.1f} ms")
     return stale
+
+
+def label_of(component: Any, reply: Mapping[str, Any]) -> str:
+    """Return how an answer is called: by its number, or by the outcomes' rules."""
+    if not component.rules:
+        return f"{component.outcomes[reply['outcome']]!r} ({reply['outcome']})"
+    from grip_bt.graph.evaluation import condition_of
+    from grip_bt.graph.expression import parse_expression
+
+    for label, text in component.rules.items():
+        rule = parse_expression(text)
+        if condition_of(rule, {name: (lambda name=name: reply[name]) for name in rule.names})():
+            return repr(label)
+    return "no rule holds"
 
 
 def rendered(folder: Path) -> dict[str, str]:

@@ -18,6 +18,12 @@ CODES: dict[str, tuple[str, ...]] = {
     "msg": ("timed_out", "bad_reply"),
 }
 """Why a node of each kind may fail."""
+_VERBS = {
+    ("srv", "receive"): "Calls",
+    ("action", "receive"): "Sends a goal to",
+    ("msg", "receive"): "Waits for a message on",
+    ("msg", "publish"): "Publishes a message on",
+}
 _BUILTINS = {"bool": "bool", "string": "str", "wstring": "str", "float32": "float", "float64": "float"}
 
 
@@ -36,7 +42,7 @@ def face(component: ComponentFile, interface: InterfaceSpec) -> Manifest:
         outputs[FEEDBACK] = _feedback(component, interface, tuple(outcomes))
     return Manifest(
         id=f"component/{component.name}",
-        doc=component.doc or interface.doc or f"Calls {component.server}.",
+        doc=component.doc or interface.doc or f"{_VERBS[component.kind, component.use]} {component.server}.",
         implementation=f"leaf.py:{class_name(component)}",
         inputs=FrozenDict(inputs),
         outputs=FrozenDict(outputs),

@@ -17,6 +17,7 @@ from rclpy.logging import LoggingSeverity, set_logger_level
 from grip_bt.errors import CanceledError, ServerLostError, UnfitServerError
 from grip_bt.operation import Operation
 
+from .client import pass_error
 from .goal import LIVE, AskCancel, AskResult, Command, Goal, GoalEnd, Patience, Phase, Send, Tell
 from .preflight import action_servers, check_action_servers, gids_of
 
@@ -138,17 +139,11 @@ class ActionClient:
         def cancel() -> None:
             self._bus.post(lambda: self._do(entry, entry.machine.cancel(time.monotonic())))
 
-        def pass_error() -> None:
-            try:
-                posted.result()
-            except BaseException as error:  # noqa: BLE001 - handed to the owner of the operation
-                operation.fail(error)
-
         operation: Operation[Any] = Operation(on_cancel=cancel)
         patience = Patience(wait, timeout, cancel_within, GRACE if self._supervised else 0.0)
         entry = _Entry(Goal(self.name, patience, time.monotonic()), message, operation, on_feedback)
         posted = self._bus.post(lambda: self._submit(entry))
-        posted.add_done_callback(pass_error)
+        posted.add_done_callback(lambda: pass_error(posted, operation))
         return operation
 
     # --- on the bus's thread ---

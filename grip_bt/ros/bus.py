@@ -35,10 +35,11 @@ from grip_bt.operation import Operation
 from .action import ActionClient
 from .client import ServiceClient
 from .environment import require
+from .topic import TopicReader, TopicWriter
 from .types import load_type, type_name
 
 T = TypeVar("T")
-C = TypeVar("C", ServiceClient, ActionClient)
+C = TypeVar("C", ServiceClient, ActionClient, TopicReader, TopicWriter)
 POLL = 0.05
 """How often calls under way are looked at [s]; nothing is looked at while there are none."""
 
@@ -65,7 +66,7 @@ class Bus:
             self.node = Node(name, context=self._context, start_parameter_services=False, enable_rosout=False)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
-        self._clients: dict[tuple[type, str], ServiceClient | ActionClient] = {}
+        self._clients: dict[tuple[type, str], ServiceClient | ActionClient | TopicReader | TopicWriter] = {}
         self._posted: set[Operation[Any]] = set()
         self._queue: deque[Callable[[], None]] = deque()
         self._closing, self._stopped = False, False
@@ -110,6 +111,14 @@ class Bus:
             GripError: a client of the name exists with another type.
         """
         return self._client(ActionClient, interface, name, timeout, wait)
+
+    def reader(self, interface: str | Any, name: str, timeout: float = 5.0) -> TopicReader:
+        """Return the subscription of a topic, likewise; `next` waits `timeout` [s] where nothing else is said."""
+        return self._client(TopicReader, interface, name, timeout, 0.0)
+
+    def writer(self, interface: str | Any, name: str, timeout: float = 5.0) -> TopicWriter:
+        """Return the publisher of a topic, likewise; `timeout` is how long it waits for subscribers [s]."""
+        return self._client(TopicWriter, interface, name, timeout, 0.0)
 
     def _client(self, kind: type[C], interface: str | Any, name: str, timeout: float, wait: float) -> C:
         type_ = load_type(interface) if isinstance(interface, str) else interface

@@ -120,7 +120,7 @@ class ServiceClient:
         now = time.monotonic()
         call = _Call(operation, request, now, now + wait, now + timeout)
         posted = self._bus.post(lambda: self._submit(call))
-        posted.add_done_callback(lambda: _pass_error(posted, operation))
+        posted.add_done_callback(lambda: pass_error(posted, operation))
         return operation
 
     # --- on the bus's thread ---
@@ -241,7 +241,7 @@ class ServiceClient:
         return ServerTimeOutError(f"{self.name}: {state} after {now - call.started:.1f} s", server=self.name)
 
 
-def _pass_error(posted: Operation[None], operation: Operation[Any]) -> None:
+def pass_error(posted: Operation[None], operation: Operation[Any]) -> None:
     """End an operation whose start raised."""
     try:
         posted.result()

@@ -1,46 +1,113 @@
-"""An external component behind the port `Component`: values in, a ROS call, values out."""
+"""An external component behind the port `Component`: values in, a ROS call, a goal or a message, values out."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
 
-from grip_bt.catalog.component_file import ComponentFile
-from grip_bt.errors import BadReplyError
+from grip_bt.catalog.component_file import FEEDBACK, ComponentFile
+from grip_bt.errors import BadReplyError, CanceledError, GoalAbortedError
 from grip_bt.operation import Operation
 
+from .action import ActionClient
+from .adapter import Adapter
 from .client import ServiceClient
-from .convert import from_message, to_message
+from .convert import from_message
 from .fields import ConversionError, field_types
+from .frames import FrameError, FrameTree
+from .goal import GoalEnd
+from .topic import TopicReader, TopicWriter
+
+Client = ServiceClient | ActionClient | TopicReader | TopicWriter
 
 
 class RosComponent:
-    """A service that keeps the component contract; implements `grip_bt.ports.Component`.
+    """A service, an action or a topic; implements `grip_bt.ports.Component`.
 
     Args:
         file: what the component is.
-        client: the client of its service.
+        client: the client of what it serves.
+        frames: where frames are, for ports that name one.
     """
 
-    def __init__(self, file: ComponentFile, client: ServiceClient):
+    def __init__(self, file: ComponentFile, client: Client, frames: FrameTree | None = None):
         self.file, self._client = file, client
+        self._adapter = Adapter(file, frames)
         self._meaning = list(file.meanings().items())
+        self._ports: dict[type, dict[str, str]] = {}
 
     def call(self, request: Mapping[str, Any]) -> Operation[Mapping[str, Any]]:
-        """Send the request's fields; the result holds the response's fields as the declared values.
+        """Send the inputs; the result holds the outputs as the declared values, and the `outcome` of a contract.
 
         The `outcome` in the result is an integer within the declared ones. A field that can't be converted is left out
-        when the outcome means failure, since such an answer often holds nothing of use.
+        when the outcome means failure, since such an answer often holds nothing of use. The last feedback of an action
+        is the operation's progress; cancelling the operation cancels the goal.
 
-        Ends with ServerLostError, ServerTimeOutError or BadReplyError; with ConversionError when the request is wrong.
+        Ends with ServerLostError, ServerTimeOutError or BadReplyError, of an action also with GoalRejectedError,
+        GoalAbortedError or CanceledError; with ConversionError when the request is wrong.
         """
         try:
-            message = to_message(request, self._client.type.Request)
+            return self._begin(request)
         except ConversionError as error:
             return Operation.failed(error.below(f"component {self.file.name}: request"))
-        return self._client.call(message).then(self._unpack)
+        except FrameError as error:
+            return Operation.failed(error)
+
+    def _begin(self, request: Mapping[str, Any]) -> Operation[Mapping[str, Any]]:
+        client = self._client
+        if isinstance(client, ServiceClient):
+            return client.call(self._adapter.pack(request, client.type.Request)).then(self._unpack)
+        if isinstance(client, ActionClient):
+            goal = self._adapter.pack(request, client.type.Goal)
+            sent = client.send(goal, cancel_within=self.file.timeouts.cancel)
+            whole = sent.then(self._unpack_end)
+            whole.progress_through(self._feedback)
+            return whole
+        if isinstance(client, TopicReader):
+            return client.next(self.file.timeouts.call).then(self._unpack)
+        message = self._adapter.pack(request, client.type)
+        return client.publish(message, subscribers=1).then(lambda _: Operation.finished({}))
+
+    def _feedback(self, message: Any) -> Any:
+        declared = self.file.ports.get(FEEDBACK)
+        if message is None or declared is None:
+            return message
+        try:
+            return from_message(message, declared.type)
+        except ConversionError:
+            return message  # a progress that can't be shown is no reason to give the goal up
+
+    def _unpack_end(self, end: GoalEnd) -> Operation[Mapping[str, Any]]:
+        if end.status == "canceled":
+            raise CanceledError(f"component {self.file.name}: the goal was canceled")
+        if end.status == "aborted":
+            fields = {f: getattr(end.result, f) for f in field_types(type(end.result))}
+            plain = {f: v for f, v in fields.items() if isinstance(v, (bool, int, float, str)) and v}
+            said = f" ({', '.join(f'{f}: {v}' for f, v in plain.items())})" if plain else ""
+            raise GoalAbortedError(f"component {self.file.name}: the server gave the goal up{said}", result=plain)
+        return self._unpack(end.result)
 
     def _unpack(self, response: Any) -> Operation[Mapping[str, Any]]:
+        result: dict[str, Any] = {}
+        meaning = "success"
+        if not self.file.rules:
+            result["outcome"], meaning = self._outcome(response)
+        for port, path in self._ports_of(type(response)).items():
+            try:
+                result[port] = self._adapter.unpack(response, port, path)
+            except ConversionError as error:
+                if meaning == "success":
+                    reason = f"component {self.file.name}: {error.below(f'response.{path}')}"
+                    raise BadReplyError(reason, field=path) from None
+        return Operation.finished(result)
+
+    def _ports_of(self, cls: type) -> dict[str, str]:
+        if cls not in self._ports:
+            fields = [f for f in field_types(cls) if self.file.rules or f != "outcome"]
+            self._ports[cls] = self.file.port_fields(fields)
+        return self._ports[cls]
+
+    def _outcome(self, response: Any) -> tuple[int, str]:
         number = getattr(response, "outcome", None)
         if not isinstance(number, int):
             raise BadReplyError(f"component {self.file.name}: the response has no integer field 'outcome'")
@@ -49,15 +116,4 @@ class RosComponent:
             raise BadReplyError(
                 f"component {self.file.name}: outcome {number} isn't one of the declared ones ({names})", outcome=number
             )
-        _, meaning = self._meaning[number]
-        result: dict[str, Any] = {"outcome": number}
-        for field in field_types(type(response)):
-            if field == "outcome":
-                continue
-            try:
-                result[field] = from_message(getattr(response, field), self.file.port_type(field, "Any"))
-            except ConversionError as error:
-                if meaning == "success":
-                    reason = f"component {self.file.name}: {error.below(f'response.{field}')}"
-                    raise BadReplyError(reason, field=field) from None
-        return Operation.finished(result)
+        return number, self._meaning[number][1]

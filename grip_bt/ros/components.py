@@ -12,9 +12,11 @@ from grip_bt.catalog.component_file import FILE_NAME, ComponentFile, load_compon
 from grip_bt.errors import DocumentError, ServerLostError, UnknownNameError
 from grip_bt.ports import Component
 
+from .action import ActionClient
 from .bus import Bus
 from .client import ServiceClient
-from .component import RosComponent
+from .component import Client, RosComponent
+from .frames import FrameTree
 from .interfaces import build_interfaces
 from .overlay import activate
 from .process import Process, child_environment
@@ -26,7 +28,7 @@ INTERFACES = "interfaces"
 @dataclass(frozen=True)
 class _Running:
     component: RosComponent
-    client: ServiceClient
+    client: Client
     process: Process | None
 
 
@@ -69,6 +71,7 @@ class Components:
         waits = {
             name: running.client.wait_ready(running.component.file.timeouts.ready)
             for name, running in self._running.items()
+            if isinstance(running.client, (ServiceClient, ActionClient))  # of a topic, the node itself waits
         }
         for name, operation in waits.items():
             operation.wait(self._running[name].component.file.timeouts.ready + 5.0)
@@ -117,6 +120,7 @@ def start_components(
     names: Iterable[str],
     domain_id: int | None = None,
     folder: Path | str = "components",
+    frames: FrameTree | None = None,
 ) -> Components:
     """Start the named components of a project and wait until their servers answer.
 
@@ -128,6 +132,7 @@ def start_components(
         names: which components.
         domain_id: the DDS domain of us and of what we start; ROS_DOMAIN_ID, else 0, by default.
         folder: where the components are, in the project or anywhere.
+        frames: where frames are, for ports that are given in one.
 
     Raises:
         UnknownNameError: a component isn't there.
@@ -154,7 +159,7 @@ def start_components(
     try:
         for name, file in files.items():
             log = project / ".grip" / "logs" / f"{name}.log"
-            components._running[name] = _start(bus, file, folders[name], overlays[name], domain_id, log)
+            components._running[name] = _start(bus, file, folders[name], overlays[name], domain_id, log, frames)
         components.wait_ready()
     except BaseException:
         components.close()
@@ -175,15 +180,37 @@ def _build(folder: Path, project: Path) -> tuple[list[Path], bool]:
 
 
 def _start(
-    bus: Bus, file: ComponentFile, folder: Path, overlays: list[Path], domain_id: int | None, log: Path
+    bus: Bus,
+    file: ComponentFile,
+    folder: Path,
+    overlays: list[Path],
+    domain_id: int | None,
+    log: Path,
+    frames: FrameTree | None,
 ) -> _Running:
-    client = bus.service(file.interface, file.server, timeout=file.timeouts.call, wait=file.timeouts.ready)
+    client = _client(bus, file)
     process = None
     if file.start is not None:
         ours = any("{python}" in word for word in file.start.command)
         env = child_environment(overlays if ours else (), domain_id) | dict(file.start.env)
         command = [word.replace("{python}", sys.executable) for word in file.start.command]
         process = Process(file.name, command, folder, env, log)
-        client.server_started()
-        process.when_ended(lambda: client.server_ended(process.describe_end()))
-    return _Running(RosComponent(file, client), client, process)
+        if isinstance(client, (ServiceClient, ActionClient)):
+            calls = client
+            calls.server_started()
+            process.when_ended(lambda: calls.server_ended(process.describe_end()))
+    return _Running(RosComponent(file, client, frames), client, process)
+
+
+def _client(bus: Bus, file: ComponentFile) -> Client:
+    """Return the client of what a component serves."""
+    limit, ready = file.timeouts.call, file.timeouts.ready
+    if file.kind == "action":
+        return bus.action(file.interface, file.server, timeout=limit, wait=ready)
+    if file.kind == "srv":
+        return bus.service(file.interface, file.server, timeout=limit, wait=ready)
+    if file.use == "publish":
+        return bus.writer(file.interface, file.server, timeout=ready)
+    reader = bus.reader(file.interface, file.server, timeout=limit)
+    reader.listen()
+    return reader

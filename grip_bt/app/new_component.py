@@ -1,0 +1,142 @@
+"""A component's folder made from what there is: an interface file, the name of a type, or a server that runs."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from collections.abc import Collection
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from grip_bt.catalog.component_file import FILE_NAME
+from grip_bt.catalog.interface_spec import InterfaceSpec
+from grip_bt.codegen.component_text import OutcomesNeededError, component_text, parse_outcomes
+from grip_bt.errors import DocumentError, GripError
+
+from .project import find_project
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What is known of a component to be.
+
+    Attributes:
+        interface: its interface.
+        server: the name under which it is served; empty for one made from the interface's.
+        name: the component's; empty for one made from the server's.
+        package: folder of the interface package, to be copied; None for an installed one.
+    """
+
+    interface: InterfaceSpec
+    server: str = ""
+    name: str = ""
+    package: Path | None = None
+
+
+def from_file(path: Path) -> Wish:
+    """Take a .srv, .action or .msg file of an interface package.
+
+    Raises:
+        DocumentError: it can't be read, or lies in no package.
+    """
+    from grip_bt.ros.interfaces import read_interface
+
+    package = path.resolve().parent.parent
+    if not (package / "package.xml").is_file():
+        where = f"<package>/{path.suffix[1:]}/{path.name}, beside a package.xml"
+        reason = f"an interface belongs to a package, whose name is part of its type: put the file into {where}"
+        raise DocumentError(reason, str(path))
+    return Wish(read_interface(path), package=package)
+
+
+def from_type(name: str, prefixes: Collection[Path] = ()) -> Wish:
+    """Take an installed type, such as `std_srvs/srv/Trigger`.
+
+    Raises:
+        DocumentError: it isn't one, or isn't installed.
+    """
+    from grip_bt.ros.interfaces import read_interface
+
+    return Wish(read_interface(name, tuple(prefixes)))
+
+
+def from_graph(name: str, within: float, interfaces: Path | None = None) -> Wish:
+    """Take what runs: its type is asked of the running graph.
+
+    Args:
+        name: what is served, such as `/plan_grasp`.
+        within: how long to look [s].
+        interfaces: folder with the package that defines the type, for one that isn't installed.
+
+    Raises:
+        UnknownNameError: nothing of that name runs.
+        DocumentError: its type isn't known here; it says what to do.
+    """
+    from grip_bt.ros.graph import find_served
+    from grip_bt.ros.interfaces import read_interface
+    from grip_bt.ros.interfaces.source import interface_file
+
+    served = find_served(name, within)
+    if interfaces is not None:
+        file = interface_file(interfaces, served.type)
+        if file is not None:
+            return Wish(read_interface(file), served.name, package=file.parent.parent)
+    try:
+        return Wish(read_interface(served.type), served.name)
+    except DocumentError as error:
+        reason = f"{served.name} is of type {served.type}, which isn't known here ({error.message})"
+        raise DocumentError(f"{reason}; give the folder of its interface package: --interfaces FOLDER") from None
+
+
+def make_component(wish: Wish, folder: Path, outcomes: str | None, failures: Collection[str] = ()) -> Path:
+    """Write the folder of a component with its component file; return it.
+
+    Args:
+        wish: what is known.
+        folder: folder of the project's components.
+        outcomes: as `--outcomes` takes them; None asks the user, on a terminal.
+        failures: outcomes that mean failure.
+
+    Raises:
+        OutcomesNeededError: nobody said how it can end.
+        GripError: the folder has a component file already, or something doesn't fit.
+    """
+    server = wish.server or "/" + _snake(wish.interface.name)
+    name = wish.name or server.strip("/").replace("/", "_").lower()
+    home = folder / name
+    if (home / FILE_NAME).exists():
+        raise GripError(f"{home / FILE_NAME} is there already; edit it and run: grip component add {home}")
+    if outcomes is None and wish.interface.kind != "msg":
+        outcomes = _ask(wish.interface)
+    chosen = {"received": "true"} if outcomes is None else parse_outcomes(outcomes)
+    try:
+        text = component_text(wish.interface, name, server, chosen, failures)
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = "/".join(map(str, first["loc"])) or "the component"
+        raise GripError(f"{where}: {first['msg'].removeprefix('Value error, ')}") from None
+    home.mkdir(parents=True, exist_ok=True)
+    if wish.package is not None and not (home / "interfaces" / wish.package.name).exists():
+        shutil.copytree(wish.package, home / "interfaces" / wish.package.name)
+    (home / FILE_NAME).write_text(text, encoding="utf-8")
+    return home
+
+
+def components_folder(start: Path) -> Path:
+    """Return the folder of the components of the project around `start`."""
+    project = find_project(start)
+    return project.folder / (project.file.components or "components")
+
+
+def _ask(interface: InterfaceSpec) -> str:
+    needed = OutcomesNeededError(interface)
+    if not sys.stdin.isatty():
+        raise needed
+    said = input(f"{needed}\noutcomes [{needed.suggestion}]: ").strip()
+    return said or needed.suggestion
+
+
+def _snake(name: str) -> str:
+    return "".join(f"_{c.lower()}" if c.isupper() and i else c.lower() for i, c in enumerate(name))

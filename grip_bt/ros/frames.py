@@ -1,0 +1,130 @@
+"""Where frames are in each other, from fixed transforms: the links of the robot's description, the project's sensors.
+
+A tree that knows only what never moves; what moves is asked of TF (`grip_bt.ros.tf`) or of the robot's model.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from grip_bt.errors import ExpectedError, UnknownNameError
+from grip_bt.values import Grasp, PointCloud, Pose
+
+ROOT = "world"
+
+
+class FrameError(ExpectedError):
+    """A frame isn't there, or isn't connected with another."""
+
+    code = "no_frame"
+
+
+class FrameTree:
+    """Frames that don't move.
+
+    Args:
+        poses: frame -> its pose in its parent (`pose.frame`). A frame that is only named as a parent is a root.
+    """
+
+    def __init__(self, poses: Mapping[str, Pose] | None = None):
+        self._poses = dict(poses or {})
+
+    @classmethod
+    def of_urdf(cls, urdf: str, root: str = ROOT) -> FrameTree:
+        """Return the links that fixed joints connect; the description's own root link is where `root` is."""
+        robot = ET.fromstring(urdf)
+        poses, children = {}, set()
+        for joint in robot.findall("joint"):
+            parent, child = joint.find("parent"), joint.find("child")
+            if parent is None or child is None:
+                continue
+            children.add(child.attrib["link"])
+            if joint.attrib.get("type") == "fixed":
+                poses[child.attrib["link"]] = _origin(joint, parent.attrib["link"])
+        for link in robot.findall("link"):
+            if link.attrib["name"] not in children and link.attrib["name"] != root:
+                poses[link.attrib["name"]] = Pose(frame=root)
+        return cls(poses)
+
+    def with_poses(self, poses: Mapping[str, Pose]) -> FrameTree:
+        """Return a tree with more frames."""
+        return FrameTree({**self._poses, **poses})
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Every frame."""
+        return tuple(sorted(set(self._poses) | {p.frame for p in self._poses.values()}))
+
+    def lookup(self, target: str, source: str) -> Pose:
+        """Return the pose of `source` in `target`.
+
+        Raises:
+            FrameError: a frame isn't there, or nothing fixed connects the two.
+        """
+        if target == source:
+            return Pose(frame=target)
+        for name in (target, source):
+            if name not in self.names:
+                raise FrameError(str(UnknownNameError("frame", name, self.names)), frame=name)
+        top_s, in_top_s = self._to_top(source)
+        top_t, in_top_t = self._to_top(target)
+        if top_s != top_t:
+            reason = f"{source!r} isn't connected with {target!r} by fixed frames ({source} hangs on {top_s}, "
+            raise FrameError(f"{reason}{target} on {top_t})", frame=source)
+        return Pose.from_matrix((in_top_t.inverse() @ in_top_s).matrix(), target)
+
+    def _to_top(self, name: str) -> tuple[str, Pose]:
+        pose, seen = Pose(frame=name), set()
+        while name in self._poses and name not in seen:
+            seen.add(name)
+            pose, name = self._poses[name] @ pose, self._poses[name].frame
+        return name, pose
+
+
+def transformed(value: Any, pose: Pose) -> Any:
+    """Return a value that was given in a frame, as seen in the frame in which that frame has the pose `pose`.
+
+    Raises:
+        TypeError: it has no frame that could be changed.
+    """
+    if isinstance(value, Pose):
+        return pose @ value
+    if isinstance(value, PointCloud):
+        return replace(value, points=pose.apply(value.points).astype(np.float32), frame=pose.frame)
+    if isinstance(value, Grasp):
+        moved = {n: pose @ getattr(value, n) for n in ("pose", "pre_grasp", "post_grasp")}
+        return replace(value, **moved)
+    if isinstance(value, (list, tuple)):
+        return [transformed(item, pose) for item in value]
+    raise TypeError(f"a {type(value).__name__} can't be transformed into another frame")
+
+
+def frame_of(value: Any) -> str | None:
+    """Return the frame that a value is given in; None when it has none, or is an empty list."""
+    if isinstance(value, (list, tuple)):
+        return frame_of(value[0]) if value else None
+    if isinstance(value, Grasp):
+        return value.pose.frame
+    return getattr(value, "frame", None)
+
+
+def _origin(joint: ET.Element, parent: str) -> Pose:
+    origin = joint.find("origin")
+    given = {} if origin is None else origin.attrib
+    xyz = np.array([float(v) for v in given.get("xyz", "0 0 0").split()])
+    roll, pitch, yaw = (float(v) for v in given.get("rpy", "0 0 0").split())
+    cr, sr, cp, sp = np.cos(roll), np.sin(roll), np.cos(pitch), np.sin(pitch)
+    cy, sy = np.cos(yaw), np.sin(yaw)
+    matrix = np.eye(4)
+    matrix[:3, :3] = [
+        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+        [-sp, cp * sr, cp * cr],
+    ]
+    matrix[:3, 3] = xyz
+    return Pose.from_matrix(matrix, parent)

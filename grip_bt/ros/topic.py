@@ -1,0 +1,245 @@
+"""Topics: messages waited for, looked at and published, with the settings of whoever is at the other end.
+
+A subscription that asks for more than a publisher offers (reliable from best-effort, the past from volatile) is never
+connected, and nobody is told. So a reader looks for publishers first, subscribes with what all of them offer, and says
+who publishes what when nothing comes.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+
+from grip_bt.errors import CanceledError, ServerTimeOutError
+from grip_bt.operation import Operation
+
+from .client import pass_error
+from .types import type_name
+
+if TYPE_CHECKING:
+    from .bus import Bus
+
+DEPTH = 10
+"""Messages kept for a reader that is late."""
+RELOOK = 0.5
+"""How often a reader in use looks whether its publishers changed [s]."""
+
+
+@dataclass(frozen=True)
+class Received:
+    """A message and when it came, on this process's steady clock [s]."""
+
+    message: Any
+    time: float
+
+
+@dataclass(eq=False)
+class _Wait:
+    operation: Operation[Any]
+    deadline: float
+    began: float
+    count: int
+
+
+class TopicReader:
+    """The one subscription of a topic in this process; made by `Bus.reader`.
+
+    Attributes:
+        type: the message's class.
+        name: the topic's full name.
+        latest: the last message, None before the first.
+    """
+
+    busy = False
+
+    def __init__(self, bus: Bus, type_: Any, name: str, timeout: float, wait: float):
+        self.type, self.name = type_, name
+        self.latest: Received | None = None
+        self._bus, self._timeout = bus, timeout
+        self._subscription: Any = None
+        self._offered: tuple[bool, bool] | None = None
+        self._waits: list[_Wait] = []
+        self._listeners: list[Callable[[Received], None]] = []
+        self._looked = float("-inf")
+        self._listening = False
+
+    @property
+    def idle(self) -> bool:
+        """Whether it was never subscribed."""
+        return self._subscription is None and not self._waits
+
+    # --- from any thread ---
+
+    def listen(self, callback: Callable[[Received], None] | None = None) -> Operation[None]:
+        """Subscribe, so that `latest` is kept; `callback` is called on the bus's thread with each message."""
+
+        def start() -> None:
+            if callback is not None:
+                self._listeners.append(callback)
+            self._listening = True
+            self._look(time.monotonic())
+            self._bus.watch()
+
+        return self._bus.post(start)
+
+    def next(self, timeout: float | None = None) -> Operation[Any]:
+        """Wait for the next message that comes from now on.
+
+        Ends with ServerTimeOutError, which tells who publishes the topic, after `timeout` [s].
+        """
+        limit = self._timeout if timeout is None else timeout
+        now = time.monotonic()
+
+        def abandon() -> None:
+            self._bus.post(lambda: self._end(wait, CanceledError("canceled")))
+
+        wait = _Wait(Operation(on_cancel=abandon), now + limit, now, 1)
+
+        def start() -> None:
+            self._waits.append(wait)
+            self._look(time.monotonic())
+            self._bus.watch()
+
+        posted = self._bus.post(start)
+        posted.add_done_callback(lambda: pass_error(posted, wait.operation))
+        return wait.operation
+
+    def recent(self, max_age: float, timeout: float | None = None) -> Operation[Any]:
+        """Return the last message when it is at most `max_age` [s] old, else wait for the next."""
+        latest = self.latest
+        if latest is not None and time.monotonic() - latest.time <= max_age:
+            return Operation.finished(latest.message)
+        return self.next(timeout)
+
+    # --- on the bus's thread ---
+
+    def poll(self) -> bool:
+        """Look at who waits; False when nobody does."""
+        now = time.monotonic()
+        if (self._waits and self._subscription is None) or now - self._looked > RELOOK:
+            self._look(now)
+        for wait in [w for w in self._waits if now > w.deadline]:
+            text = f"{self.name}: no message within {wait.deadline - wait.began:.1f} s; {self.publishers()}"
+            self._end(wait, ServerTimeOutError(text, topic=self.name))
+        return bool(self._waits) or (self._listening and self._subscription is None)
+
+    def end(self, error: Exception) -> None:
+        """End every wait with an error."""
+        for wait in list(self._waits):
+            self._end(wait, error)
+
+    def publishers(self) -> str:
+        """Say who publishes the topic, and whether we could hear it."""
+        found = self._bus.node.get_publishers_info_by_topic(self.name)
+        if not found:
+            return "nobody publishes it"
+        wanted = type_name(self.type)
+        wrong = sorted({p.topic_type for p in found if p.topic_type != wanted})
+        if wrong:
+            return f"it is published as {', '.join(wrong)}, not as {wanted}"
+        return f"{len(found)} publisher{'s' if len(found) > 1 else ''}, silent"
+
+    def _look(self, now: float) -> None:
+        """Subscribe with what the publishers offer; again when that changes."""
+        self._looked = now
+        found = self._bus.node.get_publishers_info_by_topic(self.name)
+        mine = [p.qos_profile for p in found if p.topic_type == type_name(self.type)]
+        reliable = bool(mine) and all(q.reliability == ReliabilityPolicy.RELIABLE for q in mine)
+        lasting = bool(mine) and all(q.durability == DurabilityPolicy.TRANSIENT_LOCAL for q in mine)
+        if not mine or (self._subscription is not None and self._offered == (reliable, lasting)):
+            return  # also for a publisher of another type: a subscription would spoil the name for this process
+        if self._subscription is not None:
+            self._bus.node.destroy_subscription(self._subscription)
+        self._offered = (reliable, lasting)
+        profile = QoSProfile(
+            depth=DEPTH,
+            history=HistoryPolicy.KEEP_LAST,
+            reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+            durability=DurabilityPolicy.TRANSIENT_LOCAL if lasting else DurabilityPolicy.VOLATILE,
+        )
+        self._subscription = self._bus.node.create_subscription(self.type, self.name, self._received, profile)
+
+    def _received(self, message: Any) -> None:
+        received = self.latest = Received(message, time.monotonic())
+        for wait in list(self._waits):
+            self._waits.remove(wait)
+            wait.operation.succeed(message)
+        for listener in self._listeners:
+            listener(received)
+
+    def _end(self, wait: _Wait, error: Exception) -> None:
+        if wait in self._waits:
+            self._waits.remove(wait)
+            wait.operation.fail(error)
+
+
+class TopicWriter:
+    """The one publisher of a topic in this process; made by `Bus.writer`. Reliable, and keeps the last messages."""
+
+    busy = False
+
+    def __init__(self, bus: Bus, type_: Any, name: str, timeout: float, wait: float):
+        self.type, self.name = type_, name
+        self._bus, self._timeout = bus, timeout
+        self._publisher: Any = None
+        self._waits: list[tuple[_Wait, Any]] = []
+
+    @property
+    def idle(self) -> bool:
+        """Whether nothing was ever published."""
+        return self._publisher is None
+
+    def publish(self, message: Any, subscribers: int = 0, timeout: float | None = None) -> Operation[None]:
+        """Publish a message, when at least `subscribers` listen.
+
+        Ends with ServerTimeOutError when they don't come within `timeout` [s].
+        """
+        limit = self._timeout if timeout is None else timeout
+        now = time.monotonic()
+
+        def abandon() -> None:
+            self._bus.post(lambda: self._give_up(wait, CanceledError("canceled")))
+
+        wait = _Wait(Operation(on_cancel=abandon), now + limit, now, subscribers)
+
+        def start() -> None:
+            if self._publisher is None:
+                self._publisher = self._bus.node.create_publisher(self.type, self.name, DEPTH)
+            self._waits.append((wait, message))
+            self._bus.watch()
+            self.poll()
+
+        posted = self._bus.post(start)
+        posted.add_done_callback(lambda: pass_error(posted, wait.operation))
+        return wait.operation
+
+    def poll(self) -> bool:
+        """Publish what can be; False when nothing waits."""
+        now = time.monotonic()
+        for wait, message in list(self._waits):
+            there = self._publisher.get_subscription_count()
+            if there >= wait.count:
+                self._waits.remove((wait, message))
+                try:
+                    self._publisher.publish(message)
+                    wait.operation.succeed(None)
+                except Exception as error:  # noqa: BLE001 - rclpy's TypeErrors of a wrong message
+                    wait.operation.fail(error)
+            elif now > wait.deadline:
+                text = f"{self.name}: {there} subscribers after {now - wait.began:.1f} s, {wait.count} are needed"
+                self._give_up(wait, ServerTimeOutError(text, topic=self.name))
+        return bool(self._waits)
+
+    def end(self, error: Exception) -> None:
+        """End every wait with an error."""
+        for wait, _ in list(self._waits):
+            self._give_up(wait, error)
+
+    def _give_up(self, wait: _Wait, error: Exception) -> None:
+        for entry in [e for e in self._waits if e[0] is wait]:
+            self._waits.remove(entry)
+            wait.operation.fail(error)
