@@ -1,0 +1,171 @@
+"""Pauses: clocks stand still, motions are held and go on; rates; forms of leaves that block or await."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+import time
+from typing import Any
+
+import numpy as np
+import pytest
+from runtime_world import TARGETS, Started, leaf
+
+from grip_bt.catalog import Catalog
+from grip_bt.commanders.fake import FakeArm
+from grip_bt.commanders.fake.schedule import OnClock
+from grip_bt.compilers import to_tree
+from grip_bt.graph.model import Task
+from grip_bt.nodes.function import leaf as leaf_of
+from grip_bt.ports import Context, Pausable
+from grip_bt.runtime import ManualClock, RunContext, Runner, WallClock
+
+both = pytest.mark.parametrize("target", TARGETS)
+
+
+@both
+def test_a_timeout_does_not_run_on_while_the_run_is_paused(target: Any) -> None:
+    run = Started(target, {"kind": "timeout", "seconds": 0.1, "child": {"w": leaf("wait")}}, poll=None).start()
+    run.wait_tick("w")
+    run.runner.pause()
+    time.sleep(0.15)  # longer than the time-out
+    run.runner.resume()
+    run.leaves["w"].told.set()
+    run.context.wake()
+    assert run.join().status == "success"
+
+
+def test_a_wall_clock_leaves_pauses_out() -> None:
+    clock = WallClock()
+    assert isinstance(clock, Pausable)
+    clock.pause()
+    clock.pause()
+    stood = clock.now()
+    time.sleep(0.02)
+    assert clock.now() == stood
+    clock.resume()
+    clock.resume()
+    assert stood <= clock.now() < stood + 0.02
+
+
+def test_a_paused_run_holds_the_arm_in_the_middle_of_its_motion_and_goes_on() -> None:
+    clock = ManualClock()
+    arm = FakeArm(schedule=OnClock(clock))
+    context = RunContext(clock, arms={"right": arm}, pausable=[arm])
+    root = {"node": "arm/move_to", "with": {"state": "there"}}
+    there = arm.named_states()["home"]
+    arm._states["there"] = type(there)(there.names, there.position + 0.5)
+    task = Task.model_validate({"grip": 1, "name": "t", "root": root})
+    runner = Runner(to_tree(task, Catalog.builtin()), context, poll=0.001)
+    results: list[Any] = []
+    thread = threading.Thread(target=lambda: results.append(runner.run()), daemon=True)
+    thread.start()
+    while not arm._executor.executed:
+        time.sleep(0.001)
+    clock.advance(0.4)
+    half = arm.state().position
+    assert 0 < np.abs(half - there.position).max() < 0.5
+    runner.pause()
+    clock.advance(100.0)
+    assert (arm.state().position == half).all()
+    runner.resume()
+    clock.advance(0.1)
+    assert np.abs(arm.state().position - there.position).max() < 0.5
+    assert not results
+    clock.advance(1.0)
+    thread.join(20)
+    assert results[0].status == "success"
+    assert arm.state().position == pytest.approx(there.position + 0.5)
+
+
+@both
+def test_a_run_with_a_rate_ticks_at_it_however_often_it_is_woken(target: Any) -> None:
+    clock = ManualClock()
+    run = Started(target, leaf("wait"), RunContext(clock), poll=None)
+    run.runner = Runner(run.compiled, run.context, poll=None, rate=10.0)
+    run.start()
+    run.wait_tick("/")
+    for expected in (2, 3, 4):
+        for _ in range(20):
+            run.context.wake()
+        clock.advance(0.0999)
+        assert run.leaves["/"].ticks == expected - 1
+        clock.advance(0.0002)
+        run.wait_tick("/")
+        assert run.leaves["/"].ticks == expected
+    run.runner.stop()
+    assert run.join().status == "stopped"
+
+
+def test_a_rate_is_a_positive_number() -> None:
+    run = Started(to_tree, leaf("end"))
+    with pytest.raises(ValueError, match="a rate is a number of ticks a second"):
+        Runner(run.compiled, run.context, rate=0.0)
+
+
+# --- blocking functions and coroutines as leaves ---
+
+seen: dict[str, Any] = {}
+
+
+@leaf_of("form/blocking", outputs={"n": int})
+def blocking(*, seconds: float = 0.0) -> int:
+    """Block."""
+    seen["inside"].set()
+    seen["block"].wait(20)
+    return 3
+
+
+@leaf_of("form/awaiting", outputs={"n": int})
+async def awaiting(context: Context, *, seconds: float = 0.0) -> int:
+    """Await."""
+    seen["inside"].set()
+    try:
+        while not seen["block"].is_set():
+            await asyncio.sleep(0.001)
+    except asyncio.CancelledError:
+        seen["cancelled"].set()
+        raise
+    return 4
+
+
+def started(target: Any, form: Any) -> Any:
+    seen.update(inside=threading.Event(), block=threading.Event(), cancelled=threading.Event())
+    root = {"node": form.face.id, "out": {"n": "n"}}
+    task = Task.model_validate({"grip": 1, "name": "t", "data": {"n": "int"}, "root": root})
+    made = target(task, Catalog([form.face]), leaf_factory=lambda p, node, face: form(p, p, face, {"seconds": 0.0}, {}))
+    run: Any = Started.__new__(Started)
+    run.compiled, run.leaves, run.context, run.result = made, made.leaves, RunContext(), None
+    run.runner = Runner(made, run.context, poll=None)
+    run._thread = threading.Thread(target=run._run, daemon=True)
+    run.start()
+    assert seen["inside"].wait(20)
+    return run
+
+
+@both
+@pytest.mark.parametrize(("form", "result"), [(blocking, 3), (awaiting, 4)])
+def test_blocking_functions_and_coroutines_are_leaves(target: Any, form: Any, result: int) -> None:
+    run = started(target, form)
+    seen["block"].set()
+    assert run.join().status == "success"
+    assert run.compiled.data.snapshot()["", "n"] == result
+
+
+@both
+def test_a_coroutine_is_cancelled_by_a_stop_and_leaves_nothing_behind(target: Any) -> None:
+    run = started(target, awaiting)
+    run.runner.stop()
+    result = run.join()
+    assert seen["cancelled"].wait(20)
+    assert (result.status, result.zombies) == ("stopped", ())
+
+
+@both
+def test_a_blocking_function_is_left_behind_by_a_stop_and_its_result_is_dropped(target: Any) -> None:
+    run = started(target, blocking)
+    run.runner.stop()
+    result = run.join()
+    assert [str(z) for z in result.zombies] == ["/ (worker)"]
+    seen["block"].set()
+    assert ("", "n") not in run.compiled.data.snapshot()
