@@ -2,5 +2,6 @@
 
 from .importer import from_xml
 from .result import ImportedFile
+from .writer import to_xml
 
-__all__ = ["ImportedFile", "from_xml"]
+__all__ = ["ImportedFile", "from_xml", "to_xml"]

@@ -6,11 +6,11 @@ from ..pytrees_xml.elements import Element
 from .decorators import end
 from .making import Made, skip, switch
 from .reading import Reading, Where
-from .statements import after
+from .statements import Scripts, after
 
 _BEFORE = ("_failureIf", "_successIf", "_skipIf", "_while")
 _AFTER = ("_onSuccess", "_onFailure", "_post")
-_NO_MATTER = ("_uid", "_fullpath", "_autoremap")
+_NO_MATTER = ("_uid", "_fullpath", "_autoremap", "_description")
 """Groot's own notes, and what sub-trees read."""
 
 
@@ -23,8 +23,8 @@ def check(reading: Reading, element: Element, where: Where) -> None:
                 where,
                 "`_onHalted` runs a script when the node is halted; nothing of a task does: use a leaf of your own",
             )
-        if name.startswith("_") and name not in (*_BEFORE, *_AFTER, *_NO_MATTER, "_description"):
-            reading.refuse(element, where, f"the attribute `{name}` isn't known")
+        if name.startswith("_") and name not in (*_BEFORE, *_AFTER, *_NO_MATTER):
+            reading.remark(element, where, f"the attribute `{name}`, which BT.CPP gives no meaning, was left out")
 
 
 def wrapped(reading: Reading, element: Element, node: Made, where: Where) -> Made:
@@ -39,7 +39,7 @@ def wrapped(reading: Reading, element: Element, node: Made, where: Where) -> Mad
         scripts = reading.scripts(element, where)
         for name in reversed(_BEFORE):
             if name in said:
-                made = _before(name, scripts.condition(said[name]), made, where.meaning)
+                made = _before(name, said[name], scripts, made, where.meaning)
         always = said.get("_post", "")
         well = [each for text in (said.get("_onSuccess", ""), always) for each in scripts.assignments(text)]
         badly = [each for text in (said.get("_onFailure", ""), always) for each in scripts.assignments(text)]
@@ -50,11 +50,12 @@ def wrapped(reading: Reading, element: Element, node: Made, where: Where) -> Mad
     return made
 
 
-def _before(name: str, condition: str, node: Made, meaning: str) -> Made:
+def _before(name: str, text: str, scripts: Scripts, node: Made, meaning: str) -> Made:
+    if name == "_failureIf" and "precondition" not in node.keys:
+        holds = scripts.condition(f"!({text})")
+        return Made({**node.keys, "precondition": holds}, node.skips, node.name, node.instant)
+    condition = scripts.condition(text)
     if name == "_failureIf":
-        if "precondition" not in node.keys:
-            refused = f"not ({condition})"
-            return Made({**node.keys, "precondition": refused}, node.skips, node.name, node.instant)
         return switch(condition, {"fails": True}, {"fails": end("FAILURE"), "do": node}, meaning, default="do")
     if name == "_successIf":
         return switch(condition, {"succeeds": True}, {"succeeds": end("SUCCESS"), "do": node}, meaning, default="do")

@@ -105,14 +105,17 @@ def _parallel(reading: Reading, element: Element, where: Where) -> Made:
         {"at_least": successes, "then": "success"},
         {"at_least": min(failures, count - successes + 1), "ends": "failure", "then": "failure"},
     ]
-    return container("parallel", named(children), rules=rules, prompt=True, order="declared")
+    return container("parallel", named(children), rules=rules, prompt=True)
 
 
 def _parallel_all(reading: Reading, element: Element, where: Where) -> Made:
     children = _unskipped(reading, element, where)
     most = _threshold(reading, element, where, "max_failures", "1", len(children))
+    if most in (1, len(children)):
+        made = container("parallel", named(children), cancel="join")
+        return made if most == 1 else Made({**made.keys, "policy": "any"}, instant=made.instant)
     rules = [{"at_least": most, "ends": "failure", "then": "failure"}, {"then": "success"}]
-    return container("parallel", named(children), rules=rules, wait_for="all", order="declared")
+    return container("parallel", named(children), rules=rules, wait_for="all")
 
 
 def _unskipped(reading: Reading, element: Element, where: Where) -> list[Made]:

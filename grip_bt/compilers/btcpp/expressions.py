@@ -87,6 +87,8 @@ class Translator:
             case s.Unary(sign="-", operand=operand):
                 return self._negative(operand)
             case s.Unary(sign="!", operand=operand):
+                if isinstance(operand, s.Unary) and operand.sign == "!":
+                    return self.condition(operand.operand)
                 return Value(f"not {self.condition(operand).within(_NOT)}", "bool", _NOT)
             case s.Binary(sign="&&" | "||"):
                 return self._logic(script)

@@ -27,9 +27,9 @@ from .document import Document, Model, Place, read_document
 from .leaves import Leaves, value_of_text
 from .making import SKIPPED, SUCCEED, Keys, Made
 from .names import Board, Variables, key_of
+from .passing import in_order, with_nulls
 from .reading import MOST_NODES, Reading, Refused, Where, reads_only
 from .result import ImportedFile
-from .unwritten import with_nulls
 
 _KNOWN = {**CONTROLS, **DECORATORS, **ACTIONS}
 _EXPLICIT = ("Action", "Condition", "Control", "Decorator")
@@ -93,7 +93,6 @@ class _Importer:
         self.used = {tree}
         place = self.document.trees[tree]
         where = Where(Board(self.variables), place.source, (tree,))
-        self._defaults(place.element, where)
         try:
             made = self._root(place, where)
         except Refused:
@@ -105,12 +104,6 @@ class _Importer:
         if len(place.element.children) != 1:
             self.reading.refuse(place.element, where, f"needs one node inside, and has {len(place.element.children)}")
         return self.node(place.element.children[0], where)
-
-    def _defaults(self, element: Element, where: Where) -> None:
-        for key, text in element.attributes.items():
-            if key not in ("ID", "name") and not key.startswith("_"):
-                entry = self.variables.every[where.board.variable(key)]
-                entry.initial = text
 
     def node(self, element: Element, where: Where) -> Made:
         """Read a node, and all below it."""
@@ -166,7 +159,9 @@ class _Importer:
         auto = element.attributes.get("_autoremap", "false") in ("true", "1", "True")
         board = Board(self.variables, element.attributes.get("name") or name, where.board, auto)
         inner = Where(board, place.source, (*where.inside, name), where.meaning)
-        for key, text in element.attributes.items():
+        model_of = self.document.models.get(name)
+        defaults = {k: p.default for k, p in model_of.ports.items() if p.default is not None} if model_of else {}
+        for key, text in {**defaults, **element.attributes}.items():
             if key in ("ID", "name") or key.startswith("_"):
                 continue
             outer = key_of(text, key)
@@ -175,9 +170,6 @@ class _Importer:
             else:
                 board.names[key] = self.variables.new(f"{board.space}_{key}")
                 self.variables.every[board.names[key]].initial = text
-        for key, text in place.element.attributes.items():
-            if key not in ("ID", "name", *board.names) and not key.startswith("_") and not auto:
-                self.variables.every[board.variable(key)].initial = text
         return self._root(place, inner)
 
     # --- the task ---
@@ -191,7 +183,7 @@ class _Importer:
         task |= {**({"inputs": inputs} if inputs else {}), **({"data": data} if data else {}), "root": made.keys}
         try:
             catalog = self.leaves.catalog.with_manifests(self.leaves.settled.values())
-            read, early = with_nulls(model.Task.model_validate(task), catalog)
+            read, early = with_nulls(model.Task.model_validate(in_order(task, catalog)), catalog)
             loads(dumps(read))
         except (ValidationError, DocumentError, RecursionError) as error:
             raise DocumentError(f"its task can't be written as a file: {error}", self.document.source) from error

@@ -54,6 +54,9 @@ class Scripts:
             return self._either(key, sign, value)
         if sign not in (":=", "="):
             value = s.Binary(s.Name(key), sign[0], value)
+        match value:
+            case s.Unary(sign="-", operand=s.Literal(value=int() | float() as number)) if not isinstance(number, bool):
+                value = s.Literal(-number)
         variable = self.board.variable(key)
         entry = self.board.variables.every[variable]
         if isinstance(value, s.Literal):

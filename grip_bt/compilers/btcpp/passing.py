@@ -1,12 +1,15 @@
-"""Variables that are read before they are surely written: in BT.CPP such an entry isn't there yet.
+"""What an imported task needs besides to pass the checks, and to mean what it meant.
 
-A port then reads nothing, and a Switch takes its default, as both do here with null. A script ends with an exception;
-that stays an error of the task, which `grip check` names.
+* Children of a parallel that share variables are in order, as all children are in BT.CPP.
+* Variables may be read before they are surely written: in BT.CPP such an entry isn't there yet. A port then reads
+  nothing, and a Switch takes its default, as both do here with null. A script ends with an exception; that stays an
+  error of the task, which `grip check` names.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 from grip_bt.catalog import Catalog
 from grip_bt.graph import model
@@ -27,6 +30,17 @@ def with_nulls(task: model.Task, catalog: Catalog) -> tuple[model.Task, list[str
     null = model.Variable(type="Any", value=None)
     data = {name: null if name in early else variable for name, variable in task.data.items()}
     return (task.model_copy(update={"data": FrozenDict(data)}) if early else task), early
+
+
+def in_order(task: dict[str, Any], catalog: Catalog) -> dict[str, Any]:
+    """Return a task's keys with `order: declared` in parallels whose children share variables, as all do in BT.CPP."""
+    for issue in validate(model.Task.model_validate(task), catalog).issues:
+        if issue.code in ("parallel-writes", "parallel-read-write"):
+            keys = task["root"]
+            for name in issue.path.split("/") if issue.path != "/" else ():
+                keys = keys.get("children", keys.get("child"))[name]
+            keys["order"] = "declared"
+    return task
 
 
 def _read(node: model.AnyNode, issue: Issue) -> tuple[Iterable[str], bool]:
