@@ -48,6 +48,7 @@ GLYPHS = {
     "loop": "↻",
     "cooldown": "◔",
     "foreign": "⇲",
+    "subtask": "▣",
     "invert": "!",
     "force": "=",
 }

@@ -1,12 +1,16 @@
 """A tree from left to right, as narrow as its contours allow.
 
 Reingold & Tilford, "Tidier Drawings of Trees" (1981), with boxes of any height: subtrees are stacked so closely that
-no two boxes of one column touch, and a parent stands at the middle of its children.
+no two boxes of one column touch, and a parent stands at the middle of its children; beside the first of them where they
+are spread over more than a screen, so that whoever reads from the top meets every parent before its children.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+
+SCREEN = 700.0
+"""From the first to the last child of a parent that stands at their middle [px]."""
 
 
 @dataclass(slots=True)
@@ -22,6 +26,11 @@ class Twig:
     height: float
     below: list[Twig] = field(default_factory=list)
     y: float = 0.0
+
+
+def is_spread(twig: Twig) -> bool:
+    """Tell whether a twig that `stack` has placed stands beside the first of its children, not at their middle."""
+    return bool(twig.below) and twig.below[-1].y - twig.below[0].y > SCREEN
 
 
 def stack(root: Twig, gap: float) -> None:
@@ -61,7 +70,7 @@ def _join(
         shifts.append(shift)
         top = [*top, *(u + shift for u in upper[len(top) :])]
         bottom = [low + shift for low in lower] + bottom[len(lower) :]
-    middle = (shifts[0] + shifts[-1]) / 2 if shifts else 0.0
+    middle = (shifts[0] + shifts[-1]) / 2 if shifts and shifts[-1] - shifts[0] <= SCREEN else 0.0
     half = twig.height / 2
     contours[id(twig)] = (
         [-half, *(t - middle for t in top)],

@@ -9,7 +9,7 @@ from grip_bt.graph import AnyNode, Leaf, Task, walk
 
 from .figure import NAME_SIZE, TEXT_SIZE, Box, Figure, Line, shortened, text_width
 from .scheme import describe, details, kind_of
-from .tidy import Twig, stack
+from .tidy import Twig, is_spread, stack
 
 _PAD, _COLUMN_GAP, _ROW_GAP, _MARGIN = 10.0, 44.0, 12.0, 20.0
 LINE_HEIGHT = 15.0
@@ -72,6 +72,10 @@ def _placed(boxes: dict[str, Box], twigs: dict[str, Twig], columns: dict[int, fl
             start = left[depth[path] - 1] + parent.width
             bend = left[depth[path]] - _COLUMN_GAP  # every line of a column curves in the same place
             from_y = twigs[_parent(path)].y - up
-            points = ((start, from_y), (max(start, bend), from_y), (x, y))
+            bend = max(start, bend)
+            points: tuple[tuple[float, float], ...] = ((start, from_y), (bend, from_y), (x, y))
+            if is_spread(twigs[_parent(path)]):  # curves as long as that would lie over each other
+                trunk = (bend + x) / 2
+                points = ((start, from_y), (trunk, from_y), (trunk, y), (x, y))
             figure.lines.append(Line(points, arrow=False, axis="x"))
     return figure

@@ -10,7 +10,7 @@ from grip_bt.catalog import Catalog
 from grip_bt.compilers.draw import to_dot, to_mermaid, to_svg
 from grip_bt.compilers.draw.flow import flow_figure
 from grip_bt.compilers.draw.layered import Edge, Item, place
-from grip_bt.compilers.draw.tidy import Twig, stack
+from grip_bt.compilers.draw.tidy import Twig, is_spread, stack
 from grip_bt.compilers.draw.tree import tree_figure
 from grip_bt.graph import Leaf, Sequence, StateMachine, Task, load, walk
 
@@ -128,8 +128,17 @@ def test_a_tidy_tree_keeps_order_and_distance_in_each_column(root):
             assert upper.y + upper.height / 2 + 5.0 <= lower.y - lower.height / 2 + 1e-6
         for twig in column:
             if twig.below:
-                assert twig.y == pytest.approx((twig.below[0].y + twig.below[-1].y) / 2)
+                first, last = twig.below[0].y, twig.below[-1].y
+                assert twig.y == pytest.approx(first if is_spread(twig) else (first + last) / 2)
         column = [child for twig in column for child in twig.below]
+
+
+def test_in_a_tall_tree_every_parent_is_met_before_its_children():
+    children = {f"step{i}": Leaf(node="flow/wait") for i in range(200)}
+    figure = tree_figure(Task(grip=1, name="t", root=Sequence(kind="sequence", children=children)), CATALOG)
+    root, first = figure.boxes[0], figure.boxes[1]
+    assert root.y + root.height / 2 == pytest.approx(first.y + first.height / 2)
+    assert all(len(line.points) == 4 for line in figure.lines), "by right angles, not by curves of a thousand pixels"
 
 
 @settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
