@@ -9,10 +9,12 @@ from pathlib import Path
 from typing import Any, Literal
 
 from grip_bt.compilers import to_machine, to_tree
-from grip_bt.graph import Document, read
+from grip_bt.errors import InvalidTaskError
+from grip_bt.graph import Document, Variable, read
+from grip_bt.graph.model import type_of
 from grip_bt.nodes.mock import MockLeaf
 from grip_bt.runtime import Journal, RunContext, Runner, RunResult
-from grip_bt.validation import Report, validate
+from grip_bt.validation import Issue, Report, validate
 
 from .mocks import apply_mocks
 from .project import Project, find_project
@@ -79,6 +81,23 @@ def check_task(path: str | Path) -> tuple[Project, Document, Report]:
     return project, document, report
 
 
+def _check_inputs(document: Document, given: Mapping[str, Any]) -> None:
+    """Refuse a run of a task that isn't given what it needs.
+
+    Raises:
+        InvalidTaskError: it names each input that is missing.
+    """
+    missing = []
+    for name, said in document.task.inputs.items():
+        if name not in given and not (isinstance(said, Variable) and said.has_value):
+            message = f"the task needs the input {name!r} ({type_of(said)}) when it is run by itself"
+            line, column = document.position("", ("inputs", name)) or (None, None)
+            fix = f"give it: --set {name}=..., or an initial value in `inputs`"
+            missing.append(Issue("", "missing-input", "error", message, fix, line, column, document.source))
+    if missing:
+        raise InvalidTaskError(missing, document.source)
+
+
 @contextmanager
 def open_session(
     path: str | Path, options: RunOptions, progress: Progress = silent, hold: int | None = None
@@ -97,6 +116,7 @@ def open_session(
         GripError: a part of the robot, or a component, can't be started.
     """
     project, document, report = check_task(path)
+    _check_inputs(document, options.data)
     catalog = project.catalog()
     compile_task = to_machine if options.target == "sm" else to_tree
     task, factory = document.task, None

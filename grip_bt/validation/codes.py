@@ -33,6 +33,7 @@ _ERRORS = (
     "misplaced-on",
     "empty-container",
     "parallel-writes",
+    "parallel-read-write",
 )
 _WARNINGS = (
     "unknown-code",
@@ -41,7 +42,6 @@ _WARNINGS = (
     "never-read",
     "unwritten-output",
     "shadowed-variable",
-    "parallel-read-write",
     "unreachable-node",
     "endless-machine",
     "dead-end",

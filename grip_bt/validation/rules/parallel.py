@@ -68,5 +68,5 @@ def _shared(survey: Survey, spot: Spot) -> None:
                 "children",
                 "parallel-read-write",
                 f"{reader!r} reads {declared.name!r} while {writer!r} writes it",
-                f"read another variable, or put {writer!r} before the parallel",
+                f"read another variable, put {writer!r} before the parallel, or say `order: declared`",
             )
