@@ -19,6 +19,7 @@ from grip_bt.graph import (
     Retry,
     Sequence,
     StateMachine,
+    Subtask,
     Switch,
     Task,
     Timeout,
@@ -88,6 +89,18 @@ _foreign = st.fixed_dictionaries(
 ).map(Foreign.model_validate)
 
 
+_subtasks = st.fixed_dictionaries(
+    {"kind": st.just("subtask"), "task": texts.filter(bool)},
+    optional={
+        **common,
+        "with": st.dictionaries(texts, literals, max_size=2),
+        "in": bindings,
+        "out": bindings,
+        "meaning": st.dictionaries(texts, meanings, max_size=2),
+    },
+).map(Subtask.model_validate)
+
+
 def _containers(nodes):
     children = st.dictionaries(names, nodes, max_size=3)
     child = st.dictionaries(names, nodes, min_size=1, max_size=1)
@@ -111,6 +124,14 @@ def _containers(nodes):
             },
         ),
         _made(
+            Parallel,
+            "parallel",
+            {"children": children},
+            {"policy": st.sampled_from(["all", "any"]), "exits": bindings, "rules": st.lists(rules, max_size=1)},
+        ).flatmap(
+            lambda node: st.sampled_from(["retick", "prompt"]).map(lambda key: node.model_copy(update={key: True}))
+        ),
+        _made(
             StateMachine,
             "state_machine",
             {
@@ -131,24 +152,37 @@ def _containers(nodes):
                 "cases": st.dictionaries(texts, scalars | st.lists(scalars, max_size=2), max_size=2),
                 "children": st.dictionaries(names, nodes, min_size=1, max_size=3),
             },
-            {"default": texts, "exits": bindings},
+            {"default": texts, **memory},
         ),
         _made(ForEach, "for_each", {"items": texts, "item": names, "child": child, "data": st.just({})}, exits),
         _made(Loop, "loop", {"child": child}, {"while": texts, "times": st.integers(1, 9), **exits}),
         _made(Cooldown, "cooldown", {"seconds": seconds, "child": child}, exits),
         _foreign,
+        _subtasks,
         _made(Invert, "invert", {"child": child}, exits),
         _made(Force, "force", {"as": meanings, "child": child}, exits),
     )
 
 
 nodes = st.recursive(leaves, _containers, max_leaves=6)
+
+
+def _with_ports(data):
+    """Take what stands in `data` out of the ports, since each variable is declared once."""
+    data["inputs"] = {k: v for k, v in data.get("inputs", {}).items() if k not in data.get("data", {})}
+    taken = {**data.get("data", {}), **data["inputs"]}
+    data["outputs"] = {k: v for k, v in data.get("outputs", {}).items() if k not in taken}
+    return data
+
+
 tasks = st.fixed_dictionaries(
     {"grip": st.just(1), "name": texts, "root": nodes},
     optional={
         "doc": texts,
         "x": free,
         "data": st.dictionaries(names, variables, max_size=3),
+        "inputs": st.dictionaries(names, variables, max_size=2),
+        "outputs": st.dictionaries(names, variables, max_size=2),
         "outcomes": st.dictionaries(names, meanings, min_size=1, max_size=3),
     },
-).map(Task.model_validate)
+).map(_with_ports).map(Task.model_validate)  # fmt: skip
