@@ -7,7 +7,7 @@ from typing import Any
 
 from grip_bt.errors import EditError, listing, nearest
 
-from ..model import AnyNode, Leaf, StateMachine, Task, outcomes_of
+from ..model import AnyNode, Leaf, StateMachine, Subtask, Task, outcomes_of
 from .commands import RenameOutcome
 from .draft import deep
 from .editing import Editing, kind_of
@@ -62,16 +62,17 @@ def _of_task(editing: Editing, command: RenameOutcome) -> None:
 
 
 def _ends_of_root(root: AnyNode, outcome: str, led: bool) -> Mapping[str, str]:
-    """Return the ends of the root that are known here: of a leaf its manifest knows more.
+    """Return the ends of the root that are known here: of a leaf its manifest, of a subtask its file knows more.
 
     Raises:
-        EditError: it can't be told whether a leaf ends with that very word.
+        EditError: it can't be told whether a leaf or a subtask ends with that very word.
     """
-    if not isinstance(root, Leaf):
+    if not isinstance(root, Leaf | Subtask):
         return outcomes_of(root)
     known = {**{label: label for label in STANDARD}, **root.meaning}
     if outcome not in known and not led:
-        message = f"whether {root.node} ends with {outcome!r} isn't known here; connect that end of the root first"
+        what = root.node if isinstance(root, Leaf) else root.task
+        message = f"whether {what} ends with {outcome!r} isn't known here; connect that end of the root first"
         raise EditError("", message)
     return known
 

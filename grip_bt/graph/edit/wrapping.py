@@ -6,7 +6,7 @@ from typing import Any
 
 from grip_bt.errors import EditError, listing
 
-from ..model import AnyNode, Leaf, Meaning, StateMachine, Task, children_of, outcomes_of
+from ..model import AnyNode, Leaf, Meaning, StateMachine, Subtask, Task, children_of, outcomes_of
 from .commands import Wrap
 from .editing import Editing, expect_free, slot
 from .kinds import STANDARD, chain, expect_kind, holds_nodes_of_kind, slot_of_kind
@@ -137,7 +137,7 @@ def _pass_edges(
         shell.outcomes[label] = _meaning(node, outcome, around, target)
         shell.on[label if not shell.machine else outcome] = shell.name if target == name else target
     if shell.machine:
-        known = outcomes_of(node) if not isinstance(node, Leaf) else {label: label for label in STANDARD}
+        known = outcomes_of(node) if not isinstance(node, Leaf | Subtask) else {label: label for label in STANDARD}
         for label, meaning in known.items():
             within.setdefault(label, label)
             shell.outcomes.setdefault(label, meaning)  # type: ignore[arg-type]
@@ -173,7 +173,7 @@ def _take_exits(editing: Editing, shell: _Shell, parent: str, names: list[str]) 
 def _meaning(node: AnyNode, outcome: str, around: Any, target: str) -> Meaning:
     """Return what a label most likely means: as declared below, else as declared above, else by its name."""
     label = outcome.partition(".")[0]
-    below = node.meaning if isinstance(node, Leaf) else outcomes_of(node)
+    below = node.meaning if isinstance(node, Leaf | Subtask) else outcomes_of(node)
     above = around.outcomes
     found = below.get(label) or above.get(target)
     return found or ("failure" if label == "failure" else "success")
