@@ -15,6 +15,7 @@ from grip_bt.graph import model
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.node import Node
 from grip_bt.nodes.observer import Observer
+from grip_bt.smach_compat.log import silent
 
 from .behaviour_state import BehaviourState, MachineRun, Refined, TaskState
 from .choice import Choice
@@ -245,7 +246,8 @@ _loggers_lock = threading.Lock()
 def _logged() -> Iterator[None]:
     """Send smach's messages, which go to stdout by default, to Python's logging while a compiled machine runs."""
     names = ("loginfo", "logwarn", "logdebug", "logerr")
-    ours = (_log.debug, _log.warning, _log.debug, _log.debug)
+    debug = _log.debug if _log.isEnabledFor(logging.DEBUG) else silent
+    ours = (debug, _log.warning, debug, debug)
     with _loggers_lock:
         before = tuple(getattr(smach_compat, name) for name in names)
         for name, function in zip(names, ours, strict=True):

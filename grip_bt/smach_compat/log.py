@@ -34,6 +34,10 @@ def logerr(msg: Any) -> None:
     sys.stdout.write(f"[ ERROR ] : {msg}\n")
 
 
+def silent(msg: Any) -> None:
+    """Say nothing; a machine that logs by this doesn't even compose the message."""
+
+
 def set_loggers(info: Logger, warn: Logger, debug: Logger, error: Logger) -> None:
     """Replace the four functions; mind the order, `debug` comes before `error`."""
     vars(smach).update(loginfo=info, logwarn=warn, logdebug=debug, logerr=error)

@@ -10,6 +10,7 @@ from typing import Any, NoReturn
 from grip_bt import smach_compat as smach
 
 from ._settings import errors_of_user_code, settings
+from ._spin import OVER, spin
 from ._views import Views
 from .container import Container
 from .exceptions import InvalidStateError, InvalidTransitionError, InvalidUserCodeError
@@ -233,8 +234,11 @@ class StateMachine(Container):
         )
         self.call_start_cbs()
         outcome = None
+        spins = type(self)._update_once is StateMachine._update_once
         while outcome is None and self._is_running and not smach.is_shutdown():
-            outcome = self._update_once()
+            outcome = spin(self) if spins else OVER
+            if outcome is OVER:
+                outcome = self._update_once() if self._is_running and not smach.is_shutdown() else None
         self._copy_output_keys(self.userdata, parent_ud)
         return outcome
 
@@ -265,7 +269,11 @@ class StateMachine(Container):
             self._raise_as_user_code(label, state, error)
         finally:
             lock.acquire()
+        return self._follow(label, state, outcome, plain)
 
+    def _follow(self, label: Any, state: Any, outcome: Any, plain: bool) -> str | None:
+        """Go along the transition of a state that was executed; return the machine's outcome at the end."""
+        states = self._states
         if self._current_state is not state:  # it executed its own machine; upstream stumbles below, over None
             label, state, plain = self._current_label, self._current_state, False
         registered = state._outcomes if plain else state.get_registered_outcomes()
