@@ -2,7 +2,8 @@
 
     python benchmarks/motion.py [--robot NAME] [--plans N] [--json FILE]
 
-Times are CPU time of this process, except for batched checks and scene changes: those are wall time. Threads wait
+Times are CPU time of this process, except for kinematics, batched checks and scene changes: those are
+wall time. Threads wait
 without spinning, as in the planning process.
 """
 
@@ -24,14 +25,14 @@ os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")  # read once, when the first
 import pinocchio as pin
 
 from grip_bt.commanders.collision import CollisionChecker
-from grip_bt.commanders.ik.damped_least_squares import solve
+from grip_bt.commanders.ik import SOLVERS, Target, solve
 from grip_bt.commanders.model import RobotModel
 from grip_bt.commanders.planning.motions import answer
 from grip_bt.commanders.planning.paths import interpolated
 from grip_bt.commanders.planning.requests import ChooseGrasp, PlanningSettings, PlanTo, Situation
 from grip_bt.commanders.robots import ROBOTS, build_robot
 from grip_bt.commanders.scene import Box, PlanningScene, SceneObject, SceneSnapshot
-from grip_bt.errors import ExpectedError
+from grip_bt.errors import ExpectedError, UnfitSolverError
 from grip_bt.values import Grasp, JointState, Pose
 
 TABLE = {
@@ -88,29 +89,27 @@ def random_configurations(model: RobotModel, count: int, seed: int = 0) -> np.nd
     return np.random.default_rng(seed).uniform(limits.lower, limits.upper, (count, len(limits.lower)))
 
 
-def kinematics(model: RobotModel, count: int = 500) -> dict[str, float]:
-    """Solve random reachable poses from random seeds, tolerance 1e-4, at most 20 restarts."""
-    chain, rng = model.chain("arm"), np.random.default_rng(1)
+def kinematics(model: RobotModel, count: int = 2000) -> dict[str, float]:
+    """Solve random reachable poses from random seeds, tolerance 1e-4, at most 40 restarts; wall time."""
+    chain, figures = model.chain("arm"), {}
     checker = CollisionChecker(chain, scene(), "hand")
-    poses = [chain.grasp_pose(q) for q in random_configurations(model, count)]
-    seconds: list[float] = []
-    solved = 0
-    for pose in poses:
-        with timed(seconds):
-            solved += solve(chain, pose, rng) is not None
-    free_poses = [chain.grasp_pose(q) for q in random_configurations(model, count, 2) if checker.free(q)]
-    free_seconds: list[float] = []
-    free = 0
-    for pose in free_poses:
-        with timed(free_seconds):
-            free += solve(chain, pose, rng, accept=checker.free) is not None
-    return {
-        "IK, solved": solved / count,
-        **spread("IK", seconds),
-        "IK, mean ms": float(np.mean(seconds) * 1e3),
-        "IK free of collision, solved": free / len(free_poses),
-        **spread("IK free of collision", free_seconds),
-    }
+    targets = [Target(chain.grasp_pose(q)) for q in random_configurations(model, count)]
+    seeds = random_configurations(model, count, 3)
+    free_targets = [Target(chain.grasp_pose(q)) for q in random_configurations(model, count, 2) if checker.free(q)]
+    for name in SOLVERS:
+        try:
+            solve(chain, targets[0], np.random.default_rng(1), kinematics=name)
+        except UnfitSolverError:
+            continue
+        for what, wanted, accept in (("IK", targets, None), ("IK free of collision", free_targets, checker.free)):
+            seconds: list[float] = []
+            solved, rng = 0, np.random.default_rng(1)
+            for target, seed in zip(wanted, seeds, strict=False):
+                with timed(seconds, time.perf_counter):
+                    solved += solve(chain, target, rng, (seed,), 40, accept, name) is not None
+            figures[f"{what}, {name}, solved"] = solved / len(wanted)
+            figures |= spread(f"{what}, {name}", seconds)
+    return figures
 
 
 def checks(model: RobotModel) -> dict[str, float]:
@@ -181,7 +180,7 @@ def _above_table(checker: CollisionChecker, rng: np.random.Generator) -> np.ndar
     yaw, pitch = rng.uniform(-np.pi, np.pi), rng.uniform(0, np.pi / 2)
     rotation = pin.exp3(np.array([0, 0, yaw])) @ pin.exp3(np.array([0, pitch, 0]))
     position = [rng.uniform(0.35, 0.65), rng.uniform(-0.4, 0.4), rng.uniform(0.12, 0.55)]
-    return solve(checker.chain, pin.SE3(rotation, np.array(position)), rng, accept=checker.free)
+    return solve(checker.chain, Target(pin.SE3(rotation, np.array(position))), rng, accept=checker.free)
 
 
 def grasps(model: RobotModel, count: int = 20) -> dict[str, float]:

@@ -203,6 +203,10 @@ class MissingPartError(GripError):
         super().__init__(f"{what} isn't available here. To mend it: {remedy}")
 
 
+class UnfitSolverError(GripError):
+    """A kinematics solver that was asked for by name doesn't take this arm."""
+
+
 class ProjectExistsError(GripError):
     """A new project was asked for where something is already.
 

@@ -4,24 +4,90 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from types import MappingProxyType
-from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from grip_bt.errors import UnknownNameError
 
-from . import damped_least_squares
+from ..model import Chain
+from . import analytic, damped_least_squares, trac_ik
+from .target import FREE, Free, Target
 
-Solutions = Callable[..., Iterator[Any]]
+__all__ = ["FREE", "SOLVERS", "Free", "Solutions", "Target", "distinct", "nearest", "solve", "solver"]
+
+Solutions = Callable[..., Iterator[NDArray[np.float64]]]
 """`(chain, target, rng, seeds, restarts) -> configurations`; see `damped_least_squares.solutions`."""
 
-SOLVERS: Mapping[str, Solutions] = MappingProxyType({"damped_least_squares": damped_least_squares.solutions})
+SOLVERS: Mapping[str, Solutions] = MappingProxyType(
+    {
+        "damped_least_squares": damped_least_squares.solutions,
+        "trac_ik": trac_ik.solutions,
+        "analytic": analytic.solutions,
+    }
+)
+APART = 0.05
+"""Two solutions closer than this in every joint are one [rad]."""
 
 
 def solver(name: str) -> Solutions:
-    """Return a solver.
+    """Return a solver; what it yields is distinct.
 
     Raises:
         UnknownNameError: there is no such solver.
     """
     if name not in SOLVERS:
         raise UnknownNameError("kinematics solver", name, SOLVERS)
-    return SOLVERS[name]
+    find = SOLVERS[name]
+    return lambda *arguments, **named: distinct(find(*arguments, **named))
+
+
+def distinct(configurations: Iterator[NDArray[np.float64]]) -> Iterator[NDArray[np.float64]]:
+    """Leave out configurations, shape (n,), that differ from an earlier one by less than 0.05 rad in every joint."""
+    seen: list[NDArray[np.float64]] = []
+    for q in configurations:
+        if all(np.abs(q - other).max() >= APART for other in seen):
+            seen.append(q)
+            yield q
+
+
+def solve(
+    chain: Chain,
+    target: Target,
+    rng: np.random.Generator,
+    seeds: tuple[NDArray[np.float64], ...] = (),
+    restarts: int = 20,
+    accept: Callable[[NDArray[np.float64]], bool] | None = None,
+    kinematics: str = "damped_least_squares",
+) -> NDArray[np.float64] | None:
+    """Return the first solution, shape (n,), that `accept` takes (any, when it is None), or None.
+
+    With a collision check as `accept` it is collision-free inverse kinematics. Other arguments as in
+    `damped_least_squares.solutions`.
+
+    Raises:
+        UnknownNameError: there is no such solver.
+        UnfitSolverError: the solver doesn't take this arm.
+    """
+    for q in solver(kinematics)(chain, target, rng, seeds, restarts):
+        if accept is None or accept(q):
+            return q
+    return None
+
+
+def nearest(
+    chain: Chain,
+    target: Target,
+    rng: np.random.Generator,
+    seed: NDArray[np.float64],
+    restarts: int = 20,
+    kinematics: str = "damped_least_squares",
+) -> NDArray[np.float64] | None:
+    """Return the solution whose joints are nearest to `seed`, by Euclidean distance, among all that are found.
+
+    Raises:
+        UnknownNameError: there is no such solver.
+        UnfitSolverError: the solver doesn't take this arm.
+    """
+    found = solver(kinematics)(chain, target, rng, (seed,), restarts)
+    return min(found, key=lambda q: float(np.linalg.norm(q - seed)), default=None)

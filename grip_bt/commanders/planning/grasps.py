@@ -15,7 +15,7 @@ from grip_bt.values import Grasp, JointState, Pose
 from grip_bt.values.pose import check_frame
 
 from ..collision import CollisionChecker
-from ..ik import solver
+from ..ik import Target, solver
 from ..model import Chain, RobotModel
 from ..scene import SceneSnapshot
 from .free import RESOLUTION, plan_free
@@ -141,7 +141,7 @@ class GraspTrial:
         find = solver(situation.settings.kinematics)
         free = []
         seeds = (start, home, *self._search.reached)
-        for q in find(self.chain, _se3(self._grasp.pose), rng, seeds, _RESTARTS):
+        for q in find(self.chain, Target(_se3(self._grasp.pose)), rng, seeds, _RESTARTS):
             self._reached(1)
             self._search.reached = (q, *self._search.reached[: _WARM - 1])
             if self._approach.free(q):

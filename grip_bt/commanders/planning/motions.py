@@ -25,7 +25,7 @@ from grip_bt.values import JointState, Plan, Pose, Trajectory
 from grip_bt.values.pose import check_frame
 
 from ..collision import CollisionChecker
-from ..ik import solver
+from ..ik import Target, solver
 from ..model import Chain, RobotModel
 from ..trajectory.timing import timed
 from .free import RESOLUTION, plan_free
@@ -177,7 +177,7 @@ def _pose_goals(
     assert isinstance(request.goal, Pose)
     check_frame(request.goal, "world")
     settings = request.situation.settings
-    target, rng = pin.SE3(request.goal.matrix()), np.random.default_rng(settings.seed)
+    target, rng = Target(pin.SE3(request.goal.matrix()), request.free), np.random.default_rng(settings.seed)
     hints = tuple(h.ordered(chain.joints) for h in request.hints)
     find = solver(settings.kinematics)
     hinted = [q for q in find(chain, target, rng, hints, 0) if checker.free(q)]

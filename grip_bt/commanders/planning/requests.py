@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from grip_bt.values import Grasp, JointState, Pose
 
+from ..ik.target import Free
 from ..scene import SceneSnapshot
 
 
@@ -63,11 +64,13 @@ class PlanTo:
         situation: where it begins.
         goal: where it ends.
         hints: for a pose: joint positions that reach it, to be tried first.
+        free: for a pose: what of it doesn't matter; see `ik.Target`.
     """
 
     situation: Situation
     goal: JointState | Pose
     hints: tuple[JointState, ...] = ()
+    free: Free = "none"
 
 
 @dataclass(frozen=True, slots=True)

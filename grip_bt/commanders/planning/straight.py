@@ -7,6 +7,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from ..ik.damped_least_squares import solve_from
+from ..ik.target import Target
 from ..model import Chain
 from .paths import Path
 
@@ -52,7 +53,7 @@ def straight_path(chain: Chain, start: NDArray[np.float64], goal: pin.SE3) -> Pa
     for k in range(1, steps + 1):
         part = k / steps
         pose = pin.SE3(begin.rotation @ pin.exp3(turn * part), begin.translation + way * part)
-        q = solve_from(chain, pose, rows[-1], iterations=30)
+        q = solve_from(chain, Target(pose), rows[-1], iterations=30)
         if q is None or np.abs(q - rows[-1]).max() > JUMP:
             raise BrokenLineError((k - 1) / steps, jump=q is not None)
         rows.append(q)

@@ -1,0 +1,88 @@
+"""Where to start a descent: configurations of an arm, filed by where they put the grasp frame.
+
+A random start ends in a local minimum or at a limit about every third time; a start whose grasp frame already lies
+close to the target seldom does, and needs half the steps. Known as IK seed tables (e.g. Vahrenkamp et al. 2013,
+"reachability inversion"). The sample is drawn with a fixed seed: the same question has the same answer.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from ..model import Chain
+from .target import Target
+
+SIZE = 20_000
+"""Configurations filed; more than that shortens searches by little."""
+_METRES_PER_TURN = 0.3
+"""How many metres count like a wrong rotation matrix of norm one, about a turn by 40 degrees."""
+_KEPT = 8
+
+
+class Atlas:
+    """A sample of an arm's configurations that can be asked for those near a target.
+
+    Args:
+        chain: the arm.
+    """
+
+    def __init__(self, chain: Chain):
+        rng = np.random.default_rng(0)
+        self._configurations = rng.uniform(chain.limits.lower, chain.limits.upper, (SIZE, len(chain.joints)))
+        positions, rotations = np.empty((SIZE, 3)), np.empty((SIZE, 9))
+        for row, q in enumerate(self._configurations):
+            pin.framesForwardKinematics(chain.model, chain.data, q)
+            placement = chain.data.oMf[chain.frame]
+            positions[row], rotations[row] = placement.translation, placement.rotation.T.ravel()
+        self._positions = positions
+        self._trees = {"orientation": cKDTree(positions)}
+        scaled = rotations * _METRES_PER_TURN
+        self._trees["none"] = cKDTree(np.hstack([positions, scaled]))
+        for k, axis in enumerate("xyz"):
+            self._trees[axis] = cKDTree(np.hstack([positions, scaled[:, 3 * k : 3 * k + 3]]))
+
+    def near(self, target: Target, count: int) -> NDArray[np.float64]:
+        """Return the configurations, shape (count, n), whose grasp frame is closest to the target, closest first."""
+        position, rotation = target.pose.translation, target.pose.rotation.T * _METRES_PER_TURN
+        if target.free == "orientation":
+            key = position
+        elif target.free == "none":
+            key = np.concatenate([position, rotation.ravel()])
+        else:
+            key = np.concatenate([position, rotation["xyz".index(target.free)]])
+        _, rows = self._trees[target.free].query(key, k=count)
+        return self._configurations[np.atleast_1d(rows)]
+
+
+_atlases: OrderedDict[bytes, Atlas] = OrderedDict()
+_lock = threading.Lock()
+
+
+def atlas_of(chain: Chain) -> Atlas:
+    """Return the atlas of an arm, made on first use (about 0.3 s) and kept for the last few arms.
+
+    What a hand's fingers do doesn't matter to it: arms with the same joints, limits and grasp frame share one.
+    """
+    key = _geometry(chain)
+    with _lock:
+        if key in _atlases:
+            _atlases.move_to_end(key)
+        else:
+            _atlases[key] = Atlas(chain)
+            while len(_atlases) > _KEPT:
+                _atlases.popitem(last=False)
+        return _atlases[key]
+
+
+def _geometry(chain: Chain) -> bytes:
+    model, frame = chain.model, chain.model.frames[chain.frame]
+    placements = [placement.homogeneous for placement in (*model.jointPlacements, frame.placement)]
+    kinds = " ".join(joint.shortname() for joint in model.joints)
+    numbers = np.concatenate([np.ravel(placements), chain.limits.lower, chain.limits.upper])
+    return f"{kinds} {frame.parentJoint} ".encode() + np.round(numbers, 9).tobytes()

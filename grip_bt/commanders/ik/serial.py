@@ -1,0 +1,86 @@
+"""The joints between the base and the grasp frame, told to libraries that know robots by other words."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Callable, Hashable, Iterable
+from functools import wraps
+from typing import Any, TypeVar
+from weakref import WeakKeyDictionary
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from ..model import Chain
+
+BASE, TIP = "base", "tip"
+_AXES = {"RX": 0, "RY": 1, "RZ": 2, "PX": 0, "PY": 1, "PZ": 2}
+Made = TypeVar("Made")
+
+
+def axis_of(joint: pin.JointModel) -> tuple[bool, NDArray[np.float64]]:
+    """Return whether a joint of one degree of freedom turns (else it slides), and its axis, shape (3,).
+
+    Raises:
+        ValueError: the joint has another number of degrees of freedom, or is continuous.
+    """
+    kind = joint.shortname().removeprefix("JointModel")
+    if kind in _AXES:
+        return kind[0] == "R", np.eye(3)[_AXES[kind]]
+    if kind in ("RevoluteUnaligned", "PrismaticUnaligned"):
+        return kind[0] == "R", np.array(joint.extract().axis)
+    raise ValueError(f"a {kind} joint has no single axis with limits")
+
+
+def moved_by(chain: Chain) -> list[int]:
+    """Return the ids of the joints that move the grasp frame, from the base on."""
+    return list(chain.model.supports[chain.model.frames[chain.frame].parentJoint])[1:]
+
+
+def urdf_of(chain: Chain) -> str:
+    """Return a URDF of nothing but the chain's kinematics, from link `base` to link `tip`, the grasp frame.
+
+    Raises:
+        ValueError: a joint has no single axis with limits.
+    """
+    model, robot = chain.model, ET.Element("robot", name="chain")
+    ET.SubElement(robot, "link", name=BASE)
+    parent = BASE
+    for joint in moved_by(chain):
+        turns, axis = axis_of(model.joints[joint])
+        column, name = model.joints[joint].idx_q, str(model.names[joint])
+        element = _joint(robot, name, "revolute" if turns else "prismatic", parent, name, model.jointPlacements[joint])
+        ET.SubElement(element, "axis", xyz=_numbers(axis))
+        lower, upper = (repr(float(limit[column])) for limit in (chain.limits.lower, chain.limits.upper))
+        ET.SubElement(element, "limit", lower=lower, upper=upper, velocity="1", effort="1")
+        parent = name
+    _joint(robot, TIP, "fixed", parent, TIP, model.frames[chain.frame].placement)
+    return ET.tostring(robot, encoding="unicode")
+
+
+def kept_with_chain(make: Callable[[Chain], Made]) -> Callable[[Chain], Made]:
+    """Return `make` as a function that keeps its result as long as the chain is alive."""
+    made: WeakKeyDictionary[Hashable, Made] = WeakKeyDictionary()
+
+    @wraps(make)
+    def kept(chain: Chain) -> Made:
+        if chain not in made:
+            made[chain] = make(chain)
+        return made[chain]
+
+    return kept
+
+
+def _joint(robot: ET.Element, name: str, kind: str, parent: str, child: str, place: pin.SE3) -> ET.Element:
+    ET.SubElement(robot, "link", name=child)
+    joint = ET.SubElement(robot, "joint", name=f"{name}_joint", type=kind)
+    ET.SubElement(joint, "parent", link=parent)
+    ET.SubElement(joint, "child", link=child)
+    angles = pin.rpy.matrixToRpy(place.rotation)
+    ET.SubElement(joint, "origin", xyz=_numbers(place.translation), rpy=_numbers(angles))
+    return joint
+
+
+def _numbers(values: Iterable[Any]) -> str:
+    return " ".join(repr(float(value)) for value in values)

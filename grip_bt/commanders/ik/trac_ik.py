@@ -1,0 +1,69 @@
+"""Inverse kinematics by TRAC-IK (Beeson and Ames 2015), from the `pytracik` wheel.
+
+Two of its threads race, a Newton descent and sequential quadratic programming, and the first one that arrives wins:
+it is robust, and doesn't repeat. What it returns is checked against our own forward kinematics. The wheel takes whole
+poses only, so partial targets are solved by damped least squares.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from ..model import Chain
+from . import damped_least_squares
+from .serial import BASE, TIP, kept_with_chain, moved_by, urdf_of
+from .target import Target
+
+_TIME = 0.005
+"""Longest time of one attempt [s]; TRAC-IK's own default."""
+_PRECISION = 1e-5
+"""Largest error in each direction [m, rad]: the norm of six of them stays below our tolerance."""
+
+
+def solutions(
+    chain: Chain,
+    target: Target,
+    rng: np.random.Generator,
+    seeds: tuple[NDArray[np.float64], ...] = (),
+    restarts: int = 20,
+) -> Iterator[NDArray[np.float64]]:
+    """Yield configurations that reach `target`; those from `seeds` come first.
+
+    Args:
+        chain: what moves.
+        target: wanted grasp frame.
+        rng: where the starts after the seeds come from.
+        seeds: configurations to start from.
+        restarts: how many random starts follow, 5 ms each at most.
+    """
+    if target.free != "none":
+        yield from damped_least_squares.solutions(chain, target, rng, seeds, restarts)
+        return
+    engine, lower, upper = _engine(chain), chain.limits.lower, chain.limits.upper
+    columns = [chain.model.joints[joint].idx_q for joint in moved_by(chain)]
+    place = pin.SE3ToXYZQUAT(target.pose)
+    for attempt in range(len(seeds) + restarts):
+        start = np.clip(seeds[attempt], lower, upper) if attempt < len(seeds) else rng.uniform(lower, upper)
+        code, *positions = _wheel().ik(engine, start[columns], *place)
+        q = start.copy()
+        q[columns] = positions
+        # The wheel's word isn't enough: what counts is our model of the robot.
+        if code >= 0 and chain.within_limits(q) and target.distance(chain, q) < damped_least_squares.TOLERANCE:
+            yield q
+
+
+@kept_with_chain
+def _engine(chain: Chain) -> Any:
+    wheel = _wheel()
+    return wheel.TRAC_IK(BASE, TIP, urdf_of(chain), _TIME, _PRECISION, wheel.SolveType.Speed)
+
+
+def _wheel() -> Any:
+    import pytracik
+
+    return pytracik
