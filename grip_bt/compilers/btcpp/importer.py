@@ -103,7 +103,7 @@ class _Importer:
     def _root(self, place: Place, where: Where) -> Made:
         if len(place.element.children) != 1:
             self.reading.refuse(place.element, where, f"needs one node inside, and has {len(place.element.children)}")
-        return self.node(place.element.children[0], where)
+        return self.reading.attempt(place.element.children[0], where)
 
     def node(self, element: Element, where: Where) -> Made:
         """Read a node, and all below it."""

@@ -92,7 +92,7 @@ class Reading:
     def __init__(self, child: Child):
         self.child = child
         self.notes = Notes()
-        self.counted: dict[str, int] = {}
+        self.seen: set[int] = set()
 
     @contextmanager
     def refusing(self, element: Element, where: Where) -> Iterator[None]:
@@ -133,9 +133,13 @@ class Reading:
 
     def attempt(self, element: Element, where: Where) -> Made:
         """Read an element; a refusal is noted, and something stands in for it so that the others are found too."""
+        self.seen.add(id(element))
         try:
             return self.child(element, where)
         except Refused:
+            for below in element.children:
+                if id(below) not in self.seen:
+                    self.attempt(below, where)
             return Made(dict(SUCCEED), name=element.tag)
 
     def only(self, element: Element, where: Where) -> Made:

@@ -98,9 +98,11 @@ class Scripts:
     def _computed(self, value: s.Script, inputs: dict[str, str]) -> Value:
         def letter(key: str) -> str:
             variable = self._read(key)
-            if variable not in inputs and len(inputs) == len(_INPUTS):
-                raise Inexact(f"more than {len(_INPUTS)} variables in one expression; compute a part of it before")
-            return inputs.setdefault(variable, _INPUTS[len(inputs)])
+            if variable not in inputs:
+                if len(inputs) == len(_INPUTS):
+                    raise Inexact(f"more than {len(_INPUTS)} variables in one expression; compute a part of it before")
+                inputs[variable] = _INPUTS[len(inputs)]
+            return inputs[variable]
 
         return self._translated(lambda translator: translator.value(value), letter)
 
