@@ -5,10 +5,21 @@ outcome, reason and data. What has no equal in the other form stays, with a note
 explains which parts these are.
 """
 
+from .as_edit import expanded
 from .equivalence import Comparison, Difference, compare
 from .result import Note, Restructured
 from .to_composites import to_trees
 from .to_states import to_state_machines
 from .wording import to_text
 
-__all__ = ["Comparison", "Difference", "compare", "Note", "Restructured", "to_state_machines", "to_text", "to_trees"]
+__all__ = [
+    "Comparison",
+    "Difference",
+    "compare",
+    "expanded",
+    "Note",
+    "Restructured",
+    "to_state_machines",
+    "to_text",
+    "to_trees",
+]

@@ -88,6 +88,11 @@ class Built:
         return {old: (*place, *names) for old, names in self.places.items()}
 
 
+def is_within(path: str, above: str) -> bool:
+    """Tell whether a node is another one or in it."""
+    return above in ("/", path) or path.startswith(f"{above}/")
+
+
 def paths_of(root: Built) -> dict[str, str]:
     """Return old path -> new path."""
     result = {}

@@ -17,14 +17,14 @@ from ..transitions import interrupts, lead
 from .composites import PLAIN, Composer
 from .irreducible import offending_edges
 from .regions import Arc, Chain, Loop, Region, State, Tangle, depth, flow_graph, structured
-from .result import Built, Note, Restructured, kept, paths_of, successors
+from .result import Built, Note, Restructured, is_within, kept, paths_of, successors
 from .to_states import ticked_by
 
 MAX_DEPTH = 16
 """Containers within each other that one machine may become; a file can't hold many more either."""
 
 
-def to_trees(task: Task, catalog: Catalog) -> Restructured:
+def to_trees(task: Task, catalog: Catalog, within: str = "/") -> Restructured:
     """Return the task with every state machine that has a structure as sequences, fallbacks and repeats.
 
     A machine's place is taken by a composite with its outcomes; states may move into containers that are new. Method:
@@ -34,11 +34,12 @@ def to_trees(task: Task, catalog: Catalog) -> Restructured:
     Args:
         task: the document.
         catalog: where the leaves' manifests are.
+        within: only this node and those in it are converted.
 
     Raises:
         InvalidTaskError: the task is wrong; it holds everything that was found.
     """
-    work = _Work()
+    work = _Work(within)
     resolved = resolve(task, catalog)
     root = work.convert(resolved.root, None)
     ends = {outcome: target for (_, outcome, code), target in resolved.ends if code is None}
@@ -48,7 +49,8 @@ def to_trees(task: Task, catalog: Catalog) -> Restructured:
 
 
 class _Work:
-    def __init__(self) -> None:
+    def __init__(self, within: str) -> None:
+        self.within = within
         self.notes: list[Note] = []
 
     def convert(self, part: Part, ticker: Part | None) -> Built:
@@ -56,7 +58,7 @@ class _Work:
         if isinstance(part.node, Leaf | Subtask):
             return Built(part.node, {part.path: ()})
         machine = isinstance(part.node, StateMachine)
-        found = _structure(part, ticker) if machine else None
+        found = _structure(part, ticker) if machine and is_within(part.path, self.within) else None
         if isinstance(found, Stays):
             self.notes.append(Note(part.path, part.node.kind, found.reason, edges=found.edges))
         inner = part if interrupts(part) else ticker

@@ -9,10 +9,10 @@ from grip_bt.graph.model import Fallback, Leaf, Parallel, Sequence, StateMachine
 
 from ..resolve import Part, resolve
 from ..transitions import interrupts, lead
-from .result import Built, Note, Restructured, common, kept, paths_of, successors
+from .result import Built, Note, Restructured, common, is_within, kept, paths_of, successors
 
 
-def to_state_machines(task: Task, catalog: Catalog, approximate: bool = False) -> Restructured:
+def to_state_machines(task: Task, catalog: Catalog, approximate: bool = False, within: str = "/") -> Restructured:
     """Return the task with every sequence and fallback that has an equal state machine as that machine.
 
     Paths stay as they are. Outcomes stay too: a machine declares `success` and `failure`, which its composite had
@@ -23,11 +23,12 @@ def to_state_machines(task: Task, catalog: Catalog, approximate: bool = False) -
         catalog: where the leaves' manifests are.
         approximate: let a reactive composite become the machine of one with memory, which isn't the same: it doesn't
             look at its first child again while a later one runs. Each is noted.
+        within: only this node and those in it are converted.
 
     Raises:
         InvalidTaskError: the task is wrong; it holds everything that was found.
     """
-    work = _Work(approximate)
+    work = _Work(approximate, within)
     root = work.convert(resolve(task, catalog).root, None)
     return Restructured(task.model_copy(update={"root": root.node}), paths_of(root), tuple(work.notes))
 
@@ -36,7 +37,8 @@ APPROXIMATED = "it was reactive: as a machine it doesn't ask its first child aga
 
 
 class _Work:
-    def __init__(self, approximate: bool) -> None:
+    def __init__(self, approximate: bool, within: str) -> None:
+        self.within = within
         self.notes: list[Note] = []
         self.approximate = approximate
 
@@ -44,6 +46,9 @@ class _Work:
         """Return a node in its new form; `ticker` is the container above that may interrupt it, if there is one."""
         if isinstance(part.node, Leaf | Subtask):
             return Built(part.node, {part.path: ()})
+        if not is_within(part.path, self.within):
+            inner = part if interrupts(part) else ticker
+            return kept(part, {child.name: self.convert(child, inner) for child in part.children})
         ordered = isinstance(part.node, Sequence | Fallback)
         reactive = ordered and not getattr(part.node, "memory", True)
         rough = reactive and self.approximate and bool(part.children)

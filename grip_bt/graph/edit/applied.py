@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from grip_bt.errors import EditError
+
 from ..model import Task
 from . import commands as c
 from .editing import Editing
@@ -18,6 +20,13 @@ from .steps import Step, path_after
 from .unwrapping import unwrap
 from .variables import declare, rename_variable, undeclare
 from .wrapping import wrap
+
+
+def _needs_a_catalogue(editing: Editing, command: c.Convert) -> None:
+    """Refuse a conversion as it is: this room knows no nodes."""
+    message = "a conversion takes a catalogue: apply what `grip_bt.compilers.restructure.expanded` returns for it"
+    raise EditError(command.path, message)
+
 
 _PLANS: dict[type[Any], Callable[[Editing, Any], None]] = {
     c.Add: add,
@@ -32,6 +41,7 @@ _PLANS: dict[type[Any], Callable[[Editing, Any], None]] = {
     c.Wrap: wrap,
     c.Unwrap: unwrap,
     c.ChangeKind: change_kind,
+    c.Convert: _needs_a_catalogue,
     c.Bind: bind,
     c.Unbind: unbind,
     c.SetMeaning: set_meaning,

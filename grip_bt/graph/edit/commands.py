@@ -172,6 +172,21 @@ class ChangeKind(_Command):
     fields: FrozenDict[str, Any] = FrozenDict()
 
 
+class Convert(_Command):
+    """A container and those in it become their equals in the other form, exactly, or stay; see docs/conversion.md.
+
+    What is equal depends on how leaves can end, so this takes a catalogue: `expanded` of
+    `grip_bt.compilers.restructure` returns the edit that it comes to, and `apply` refuses it as it is.
+    """
+
+    do: Literal["convert"] = "convert"
+    path: str
+    to: Literal["bt", "sm"]
+    """Sequences, fallbacks and repeats; or state machines."""
+    approximate: bool = False
+    """Of `sm`: reactive composites too, which then aren't the same."""
+
+
 class Bind(_Command):
     """A port of a leaf reads from or writes to a variable."""
 
@@ -274,8 +289,8 @@ class Patch(_Command):
 
 
 AnyCommand = (
-    Add | Paste | Remove | Move | Rename | Set | Unset | Connect | Disconnect | Wrap | Unwrap | ChangeKind | Bind
-    | Unbind | SetMeaning | Declare | Undeclare | RenameVariable | RenameOutcome | Group | Patch
+    Add | Paste | Remove | Move | Rename | Set | Unset | Connect | Disconnect | Wrap | Unwrap | ChangeKind
+    | Convert | Bind | Unbind | SetMeaning | Declare | Undeclare | RenameVariable | RenameOutcome | Group | Patch
 )  # fmt: skip
 Command = Annotated[AnyCommand, Discriminator("do")]
 

@@ -1,0 +1,106 @@
+"""A conversion as an edit: steps on the document, which keep the comments of all that stays and can be undone."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from grip_bt.catalog import Catalog
+from grip_bt.errors import EditError, InvalidTaskError
+from grip_bt.graph import dumps, loads
+from grip_bt.graph.canonical import data_of
+from grip_bt.graph.edit import AnyCommand, Convert, Group, Patch, apply, path_after, title_of
+from grip_bt.graph.edit.draft import Draft, deep
+from grip_bt.graph.edit.rewriting import differences
+from grip_bt.graph.edit.steps import Place, Put, Rekey, Shift, Step
+from grip_bt.graph.model import Task, join, walk
+from grip_bt.graph.shape import CHILDREN
+
+from .result import Restructured
+from .to_composites import to_trees
+from .to_states import to_state_machines
+
+
+def expanded(command: AnyCommand, task: Task, catalog: Catalog) -> AnyCommand:
+    """Return a command in which every `convert` is the edit that it comes to, for whoever applies it.
+
+    Raises:
+        EditError: what is to be converted has no equal in the other form, or the task isn't right.
+    """
+    if isinstance(command, Convert):
+        return _conversion(command, task, catalog)
+    if isinstance(command, Group):
+        parts: list[AnyCommand] = []
+        for part in command.commands:
+            parts.append(expanded(part, task, catalog))
+            task = apply(task, parts[-1]).task
+        return command.model_copy(update={"commands": tuple(parts)})
+    return command
+
+
+def _conversion(command: Convert, task: Task, catalog: Catalog) -> Patch:
+    if command.path not in {path for path, _ in walk(task.root)}:
+        raise EditError(command.path, "there is no such node")
+    try:
+        if command.to == "sm":
+            result = to_state_machines(task, catalog, command.approximate, command.path)
+        else:
+            result = to_trees(task, catalog, command.path)
+    except InvalidTaskError as error:
+        raise EditError(command.path, f"only a task without errors is converted: {error.issues[0]}") from None
+    if result.task == task:
+        why = "; ".join(str(note) for note in result.notes if not note.by_design) or "it has that form already"
+        raise EditError(command.path, why)
+    return Patch(title=title_of(command), steps=tuple(_steps(task, result)))
+
+
+def _steps(task: Task, result: Restructured) -> list[Step]:
+    """Return the steps from a task to its other form: nodes are moved, not written anew."""
+    moving = _Moving(task, result)
+    target = deep(data_of(loads(dumps(result.task))))  # as a file says it: nothing that only repeats a default
+    moving.settle(target["root"], "/", ("root",))
+    return [*moving.steps, *differences(deep(moving.draft.mapping(())), target)]
+
+
+class _Moving:
+    def __init__(self, task: Task, result: Restructured):
+        self.draft = Draft(task)
+        self.origin = {new: old for old, new in result.paths.items()}
+        self.steps: list[Step] = []
+
+    def take(self, step: Step) -> None:
+        self.draft.apply(step)
+        self.steps.append(step)
+
+    def settle(self, node: dict[str, Any], path: str, place: Place) -> None:
+        """Bring every old node below a new one to where it shall be, into containers that are made for it."""
+        for key in CHILDREN:
+            if key not in node:
+                continue
+            if key not in self.draft.mapping(place):
+                self.take(Put(at=place, key=key, value={}))
+            for index, (name, child) in enumerate(node[key].items()):
+                self.child(child, join(path, name), (*place, key), name, index)
+
+    def child(self, node: dict[str, Any], path: str, at: Place, name: str, index: int) -> None:
+        old = self.origin.get(path)
+        if old is None:
+            empty = {key: {} if key in CHILDREN else value for key, value in node.items()}
+            self.take(Put(at=at, key=name, value=empty, index=index))
+        else:
+            now = path_after(old, self.steps)
+            assert now is not None, "nothing is taken out before the end"
+            if now != path:
+                *above, last = self.place(now)
+                self.take(Shift(at=tuple(above), key=last, to=at, index=index))
+                if last != name:
+                    self.take(Rekey(at=at, key=last, to=name))
+        self.settle(node, path, (*at, name))
+
+    def place(self, path: str) -> Place:
+        """Return where a node is now."""
+        place: Place = ("root",)
+        for name in path.split("/") if path != "/" else ():
+            inside = self.draft.mapping(place)
+            key = next(k for k in CHILDREN if k in inside and name in self.draft.mapping((*place, k)))
+            place = (*place, key, name)
+        return place
