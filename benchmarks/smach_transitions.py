@@ -2,8 +2,9 @@
 
     .venv/bin/python benchmarks/smach_transitions.py [--upstream PATH/executive_smach/smach/src]
 
-With a checkout of upstream the same machines are measured on it too, in turns with ours. Loggers do nothing; in the rows
-`silent` they are smach_compat's own, of which a machine knows that they do nothing. Time is CPU time; "best" is the figure to compare on a machine that does other things as well.
+With a checkout of upstream the same machines are measured on it too, in turns with ours. Loggers do nothing; in the
+rows `silent` they are smach_compat's own, of which a machine knows that they do nothing. Time is CPU time; "best" is
+the figure to compare on a machine that does other things as well.
 """
 
 import argparse

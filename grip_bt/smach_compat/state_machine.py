@@ -17,6 +17,9 @@ from .exceptions import InvalidStateError, InvalidTransitionError, InvalidUserCo
 from .state import State
 from .user_data import NOTHING, UserData
 
+LONGEST_WAIT = 64
+"""Ordinary transitions, at most, before a machine looks again whether the next ones are plain."""
+
 
 class StateMachine(Container):
     """A finite state machine.
@@ -234,10 +237,15 @@ class StateMachine(Container):
         )
         self.call_start_cbs()
         outcome = None
-        spins = type(self)._update_once is StateMachine._update_once
+        spins, waits, patience = type(self)._update_once is StateMachine._update_once, 0, 1
         while outcome is None and self._is_running and not smach.is_shutdown():
-            outcome = spin(self) if spins else OVER
+            outcome, label = OVER, self._current_label
+            if spins and not waits:
+                outcome = spin(self)
+                patience = min(2 * patience, LONGEST_WAIT) if outcome is OVER and self._current_label is label else 1
+                waits = patience
             if outcome is OVER:
+                waits -= 1
                 outcome = self._update_once() if self._is_running and not smach.is_shutdown() else None
         self._copy_output_keys(self.userdata, parent_ud)
         return outcome
