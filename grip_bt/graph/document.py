@@ -8,7 +8,8 @@ from pathlib import Path
 
 from grip_bt.errors import DocumentError
 
-from .model import Task
+from .migration import migrated, version_of
+from .model import FORMAT_VERSION, Task
 from .quick import quick_data
 from .shape import CHILDREN, read_task, task_of
 from .syntax import MAX_CHARACTERS, Entry, Mapping, Value, parse
@@ -22,11 +23,13 @@ class Document:
         task: the task.
         text: the file's text.
         source: the file's name as it was given, for messages.
+        written_as: the version of the format that the file has; `text` is in the one that is read.
     """
 
     task: Task
     text: str
     source: str = ""
+    written_as: int = FORMAT_VERSION
 
     @cached_property
     def tree(self) -> Mapping:
@@ -104,7 +107,11 @@ def read_text(text: str, source: str = "") -> Document:
     task = None if data is None else task_of(data)
     if task is None:
         # odd or wrong: with places, so that a fault is said where it is
-        task = read_task(parse(text, source), source)
+        tree = parse(text, source)
+        new = migrated(text, tree, source)
+        if new != text:
+            return Document(read_task(parse(new, source), source), new, source, version_of(tree) or 0)
+        task = read_task(tree, source)
     return Document(task, text, source)
 
 

@@ -8,7 +8,7 @@ from .document import read_text
 
 
 def fmt(text: str, source: str = "") -> str:
-    """Return the canonical form of a task's text, with its comments.
+    """Return the canonical form of a task's text, with its comments; of an older format, in the one that is read.
 
     Formatting twice changes nothing more, and the task stays equal.
 
@@ -17,5 +17,5 @@ def fmt(text: str, source: str = "") -> str:
     """
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     document = read_text(text, source)
-    header = attach_comments(document.tree, text)
+    header = attach_comments(document.tree, document.text)
     return write_canonical(document.tree, header)

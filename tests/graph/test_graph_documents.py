@@ -59,7 +59,7 @@ def refused(text):
         (HEAD + "root: {kind: sequence, children: {a.b: {node: a/b}}}\n", (3, 35), "isn't a name"),
         (HEAD + "data: {a: 3}\nroot: {node: a/b}\n", (3, 11), "is a type"),
         (HEAD + "data: {a: {type: int, valu: 3}}\nroot: {node: a/b}\n", (3, 23), "'value'"),
-        ("grip: 2\nname: a\nroot: {node: a/b}\n", (1, 1), "should be 1"),
+        ("grip: 2\nname: a\nroot: {node: a/b}\n", (1, 7), "reads up to `grip: 1`"),
         ("grip: 1\nroot: {node: a/b}\n", (1, 1), "'name' is missing"),
     ],
 )  # fmt: skip
