@@ -1,0 +1,60 @@
+"""`docs/running.md` is held to what it says."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from ruamel.yaml import YAML
+
+from grip_bt.app.mocks import read_mocks
+from grip_bt.cli.__main__ import make_parser
+from grip_bt.cli.debug_prompt import _PLAIN, _STEPS
+from grip_bt.runtime.control import COMMANDS
+from grip_bt.runtime.debugger import STEPS
+
+PAGE = (Path(__file__).parents[2] / "docs" / "running.md").read_text()
+
+
+def test_every_option_and_only_those_are_in_the_usage(capsys) -> None:
+    usage = PAGE.split("\n\n")[1]
+    try:
+        make_parser().parse_args(["run", "--help"])
+    except SystemExit:
+        pass
+    there = set(re.findall(r"(--[a-z-]+)", capsys.readouterr().out)) - {"--help"}
+    assert set(re.findall(r"(--[a-z-]+)", usage)) == there
+
+
+def test_every_command_of_the_protocol_is_in_its_table() -> None:
+    rows = [line.split("|")[1] for line in PAGE.split("## The control protocol")[1].splitlines() if line[:3] == "| `"]
+    named = {name for row in rows for name in re.findall(r"`(\w+)`", row)}
+    assert set(COMMANDS) <= named
+    events = {
+        "started",
+        "state",
+        "held",
+        "committed",
+        "breakpoint",
+        "cleared",
+        "breakpoints",
+        "data",
+        "refused",
+        "ended",
+    }
+    assert named == set(COMMANDS) | events
+
+
+def test_every_step_and_word_of_the_prompt_is_named() -> None:
+    assert all(f"`{how}`" in PAGE for how in STEPS)
+    words = PAGE.split("## The prompt")[1].split("##")[0]
+    for word in [w for w in (*_STEPS, *_PLAIN) if len(w) == 1]:
+        assert re.search(rf"\b{word}\b", words), word
+
+
+def test_the_file_of_mocks_in_it_can_be_read(tmp_path: Path) -> None:
+    (text,) = re.findall(r"```yaml\n(.*?)```", PAGE, re.S)
+    (tmp_path / "mocks.yaml").write_text(text)
+    steps = read_mocks(tmp_path / "mocks.yaml")
+    assert list(steps) == list(YAML(typ="safe").load(text)["mocks"])
+    assert [s["times"] for s in steps["attempt/look"]] == [2, 1]
