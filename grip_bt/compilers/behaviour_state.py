@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from typing import Any
 
 from grip_bt.nodes.leaf import Leaf
@@ -18,17 +18,22 @@ Refined = Collection[tuple[str, str]]
 """(outcome, failure code) pairs that have a label of their own, `outcome.code`."""
 
 
+Planner = Callable[[Node], Callable[[], object]]
+
+
 class MachineRun:
     """What the states of one machine share while it runs; the pacer of each of them.
 
     Attributes:
         pacer: says when to tick.
+        planner: makes, for a behaviour, what does its `tick_once`; None for that itself.
         error: the first exception raised below. smach wraps exceptions, so that the original is kept here; the states
             in other threads end because of it.
     """
 
     def __init__(self) -> None:
         self.pacer: Pacer = Rushing()
+        self.planner: Planner | None = None
         self.error: BaseException | None = None
 
     def turn(self) -> int:
@@ -73,7 +78,7 @@ def labels(outcomes: Collection[str], refined: Refined) -> list[str]:
 
 def label(outcome: str, failure: Failure | None, refined: Refined) -> str:
     """Return the outcome that a state returns for this end."""
-    if failure is not None and (outcome, failure.code) in refined:
+    if refined and failure is not None and (outcome, failure.code) in refined:
         return f"{outcome}.{failure.code}"
     return outcome
 
@@ -91,6 +96,8 @@ class BehaviourState(TaskState):
         State.__init__(self, labels(node.meaning, refined))
         self.node, self.run, self.refined = node, run, frozenset(refined)
         self.path = node.path
+        self._tick: Callable[[], object] = node.tick_once
+        self._planner: Planner | None = None
 
     @property
     def embedded(self) -> bool:
@@ -103,8 +110,11 @@ class BehaviourState(TaskState):
 
     def execute(self, userdata: Any) -> str:
         """Tick to the end; a stop interrupts everything below, and unwinds."""
+        if self._planner is not self.run.planner:
+            self._planner = self.run.planner
+            self._tick = self.node.tick_once if self._planner is None else self._planner(self.node)
         try:
-            drive(self.node, self.run)
+            drive(self.node, self.run, self._tick)
         except BaseException as error:
             self.run.fail(error)
             raise

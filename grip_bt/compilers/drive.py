@@ -51,7 +51,7 @@ class Rushing:
         """Nobody rests."""
 
 
-def drive(node: Behaviour, pacer: Pacer, tick: Callable[[], None] | None = None) -> Status:
+def drive(node: Behaviour, pacer: Pacer, tick: Callable[[], object] | None = None) -> Status:
     """Tick `node` until it ends; whatever interrupts this halts everything below it first.
 
     Args:
@@ -63,12 +63,12 @@ def drive(node: Behaviour, pacer: Pacer, tick: Callable[[], None] | None = None)
         Halted: the run was stopped.
         NodeError: a leaf raised.
     """
-    tick = node.tick_once if tick is None else tick
+    tick, running = node.tick_once if tick is None else tick, Status.RUNNING
     try:
         while True:
             seen = pacer.turn()
             tick()
-            if node.status != Status.RUNNING:
+            if node.status is not running:
                 return node.status
             pacer.rest(seen)
     except BaseException as error:

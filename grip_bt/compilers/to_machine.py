@@ -17,7 +17,7 @@ from grip_bt.nodes.node import Node
 from grip_bt.nodes.observer import Observer
 from grip_bt.smach_compat.log import silent
 
-from .behaviour_state import BehaviourState, MachineRun, Refined, TaskState
+from .behaviour_state import BehaviourState, MachineRun, Planner, Refined, TaskState
 from .choice import Choice
 from .conditions import bind_condition, bind_rule
 from .drive import Halted, Pacer, TaskEnd
@@ -181,14 +181,18 @@ class CompiledMachine:
         """Ask the task to come to an end on its own terms: smach's flag, which travels to the active state."""
         self.machine.request_preempt()
 
-    def execute(self, pacer: Pacer) -> TaskEnd:
+    def execute(self, pacer: Pacer, planner: Planner | None = None) -> TaskEnd:
         """Execute the machine in this thread; each active state ticks its behaviour as the pacer says.
+
+        Args:
+            pacer: says when.
+            planner: makes, for the behaviour of a state, what does its `tick_once`, which is the default.
 
         Raises:
             Halted: the run was stopped; everything was interrupted, and no recovery state ran.
             NodeError: a leaf raised; everything was interrupted.
         """
-        self._run.pacer, self._run.error = pacer, None
+        self._run.pacer, self._run.planner, self._run.error = pacer, planner, None
         self.data[Scopes.TASK].reset()
         try:
             with _logged():
@@ -228,7 +232,8 @@ def to_machine(
     resolved = resolve(task, catalog, data)
     builder = MachineBuilder(resolved.scopes, leaf_factory or implementation_of, MachineRun(), embed)
     needed = {(outcome, code) for (_, outcome, code), _ in resolved.ends if code is not None}
-    root = builder.build(resolved.root, needed)
+    with _logged():  # smach would print what is refused
+        root = builder.build(resolved.root, needed)
     machine = smach_compat.StateMachine(list(task.outcomes))
     compiled = CompiledMachine(resolved, builder, machine)
     name = task.name

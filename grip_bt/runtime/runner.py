@@ -19,7 +19,7 @@ from .context import RunContext
 from .debugger import Debugger
 from .journal import Journal
 from .pacing import Pacing, State
-from .plan import Plan
+from .plan import Plan, ticker
 from .recorder import Recorder
 from .stopping import (
     Gone,
@@ -218,7 +218,7 @@ class Runner:
     def _execute(self) -> TaskEnd:
         if isinstance(self.compiled, CompiledTree):
             return self.compiled.execute(self.pacing, self._tick)
-        return self.compiled.execute(self.pacing)
+        return self.compiled.execute(self.pacing, ticker)
 
     def _tick(self) -> None:
         if self._stale or self._plan is None:

@@ -1,7 +1,7 @@
 """Source of what our nodes add to those of py_trees: activations that are reported, labelled ends, exits, NodeErrors.
 
-Line by line what `Node`, `Leaf` and `Container` do, for classes that have left `begin`, `conclude`, `exit_of` and `leave` as
-are; `plain` tells.
+Line by line what `Node`, `Leaf` and `Container` do, for classes that have left `begin`, `conclude`, `exit_of` and `leave`
+as they are; `plain` tells.
 """
 
 from __future__ import annotations
