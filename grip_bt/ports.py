@@ -235,6 +235,52 @@ class Component(Protocol):
         ...
 
 
+@runtime_checkable
+class Sensor(Protocol):
+    """A sensor that gives one or several values of one moment."""
+
+    def capture(self) -> Operation[Mapping[str, Any]]:
+        """Take one value of each output, by name. Ends with SensorError or ServerTimeOutError."""
+        ...
+
+
+@runtime_checkable
+class Ros(Protocol):
+    """What leaves ask of ROS directly: topics, frames and parameters, by name; message types as ROS spells them."""
+
+    def listen(self, topic: str, message: str) -> None:
+        """Subscribe now, so that a later `recent` finds what came since."""
+        ...
+
+    def next(self, topic: str, message: str, value: str, timeout: float) -> Operation[Any]:
+        """Wait for the next message and return it as the declared type `value`. Ends with ServerTimeOutError."""
+        ...
+
+    def recent(self, topic: str, message: str, value: str, max_age: float, timeout: float) -> Operation[Any]:
+        """Return the last message when it is at most `max_age` [s] old, else the next."""
+        ...
+
+    def together(self, topics: Mapping[str, str], slop: float, timeout: float) -> Operation[Mapping[str, Any]]:
+        """Wait for a message of each topic (topic -> type), stamped at most `slop` [s] apart; by topic."""
+        ...
+
+    def publish(self, topic: str, message: str, value: Any, subscribers: int, timeout: float) -> Operation[None]:
+        """Publish a value when at least `subscribers` listen."""
+        ...
+
+    def transform(self, target: str, source: str, timeout: float) -> Operation[Pose]:
+        """Return the pose of frame `source` in frame `target`. Ends with an error of code `no_frame`."""
+        ...
+
+    def get_parameter(self, node: str, name: str, timeout: float) -> Operation[Any]:
+        """Return a parameter of a node. Ends with ServerLostError, or BadReplyError when it isn't set."""
+        ...
+
+    def set_parameter(self, node: str, name: str, value: Any, timeout: float) -> Operation[None]:
+        """Set a parameter of a node. Ends with ServerLostError, or BadReplyError with the node's reason."""
+        ...
+
+
 class Context(Protocol):
     """What a run offers to its leaves."""
 
@@ -280,6 +326,14 @@ class Context(Protocol):
         """Return the planning scene."""
         ...
 
+    def sensor(self, name: str) -> Sensor:
+        """Return a sensor that gives what topics carry; UnknownNameError lists those that exist."""
+        ...
+
+    def ros(self) -> Ros:
+        """Return the connection to ROS; MissingPartError when this run has none."""
+        ...
+
 
 __all__ = [
     "Arm",
@@ -290,5 +344,7 @@ __all__ = [
     "Executor",
     "Hand",
     "HandPort",
+    "Ros",
     "Scene",
+    "Sensor",
 ]

@@ -133,6 +133,8 @@ def open_session(
             cameras=resources.cameras,
             components=resources.components,
             scene=resources.scene,
+            sensors=resources.sensors,
+            ros=resources.ros,
             pausable=resources.pausable,
         )
         runner = Runner(

@@ -24,7 +24,7 @@ def open_robot(project: Project, resources: Resources) -> None:
     hands = {arm.hand: arms[name] for name, arm in file.arms.items() if arm.hand is not None}
     resources.arms, resources.pausable = arms, list(arms.values())
     resources.hands = {name: _hand(name) for name in file.hands}
-    resources.cameras = {name: FakeCamera(_CAMERA, [_empty_table()]) for name in file.sensors}
+    resources.cameras = {name: FakeCamera(_CAMERA, [_empty_table()]) for name, s in file.sensors.items() if s.camera}
     resources.scene = PlanningScene({hand: arm.grasp_pose for hand, arm in hands.items()}, _CRATE)
 
 

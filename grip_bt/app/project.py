@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
 from grip_bt.catalog import Catalog, TaskFolder, find_manifests
+from grip_bt.catalog.sensor_config import SensorConfig
 from grip_bt.catalog.sensors import sensor_manifest
 from grip_bt.graph.settings_file import read_model
 
@@ -39,13 +40,6 @@ class HandConfig(_Config):
     """One hand."""
 
     group: str = "hand"
-
-
-class SensorConfig(_Config):
-    """One sensor; its name makes the node `sensor/<name>`."""
-
-    camera: str
-    """Name of the camera in the world or on the robot."""
 
 
 class ProjectFile(_Config):
@@ -90,7 +84,7 @@ class Project:
 
     def catalog(self) -> Catalog:
         """Return the built-in nodes, the project's sensors, components' nodes, own nodes and task files."""
-        manifests = [sensor_manifest(name) for name in self.file.sensors]
+        manifests = [sensor_manifest(name, sensor) for name, sensor in self.file.sensors.items()]
         for folder in (self.file.components, self.file.nodes):
             if folder is not None and (self.folder / folder).is_dir():
                 manifests += find_manifests(self.folder / folder)

@@ -8,9 +8,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from grip_bt.errors import UnknownNameError
-from grip_bt.ports import Arm, Camera, Clock, Component, Hand, Pausable, Scene
+from grip_bt.ports import Arm, Camera, Clock, Component, Hand, Pausable, Ros, Scene, Sensor
 
-from .domain import own_domain
 from .project import Project
 
 Progress = Callable[[str, str], None]
@@ -30,6 +29,8 @@ class Resources:
     hands: Mapping[str, Hand] = field(default_factory=dict)
     cameras: Mapping[str, Camera] = field(default_factory=dict)
     components: Mapping[str, Component] = field(default_factory=dict)
+    sensors: Mapping[str, Sensor] = field(default_factory=dict)
+    ros: Ros | None = None
     scene: Scene | None = None
     referee: Any = None
     pausable: Sequence[Pausable] = ()
@@ -60,7 +61,7 @@ def open_resources(
 
     with ExitStack() as stack:
         resources = Resources()
-        if any(node.split("/")[0] in _ROBOT_NODES for node in needs) and project.file.robot is not None:
+        if any(_needs_robot(project, node) for node in needs) and project.file.robot is not None:
             if robot == "fake":
                 fake_parts.open_robot(project, resources)
             elif robot == "sim":
@@ -70,27 +71,23 @@ def open_resources(
         names = sorted(node.partition("/")[2] for node in needs if node.startswith("component/"))
         if names and robot == "fake":
             fake_parts.open_components(project, names, resources)
-        elif names:
-            _open_components(project, names, resources, stack, progress)
+            names = []
+        sensors = [n for n in _sensors(needs) if n in project.file.sensors and project.file.sensors[n].topics]
+        if names or sensors or any(node.startswith("ros/") for node in needs):
+            from . import ros_parts
+
+            ros_parts.open_ros(project, names, sensors, needs, resources, stack, progress)
         yield resources
 
 
-_ROBOT_NODES = ("arm", "hand", "grasp", "scene", "sensor", "perception")
+_ROBOT_NODES = ("arm", "hand", "grasp", "scene", "perception")
 
 
-def _open_components(
-    project: Project, names: list[str], resources: Resources, stack: ExitStack, progress: Progress
-) -> None:
-    from grip_bt.ros.components import start_components
+def _sensors(needs: Collection[str]) -> list[str]:
+    return sorted(node.partition("/")[2] for node in needs if node.startswith("sensor/"))
 
-    folder = project.file.components or "components"
-    components = start_components(project.folder, names, stack.enter_context(own_domain()), folder)
-    stack.callback(components.close)
-    resources.components = {name: components.client(name) for name in names}
-    built = (
-        f"interfaces built in {components.build_seconds:.1f} s" if components.build_seconds else "interfaces in cache"
-    )
-    for name in names:
-        process = components.process(name)
-        where = f"process {process.pid}" if process is not None else "already running"
-        progress("component", f"{name}: ROS 2 server in {where}, ready after {components.ready_seconds:.1f} s; {built}")
+
+def _needs_robot(project: Project, node: str) -> bool:
+    kind, _, name = node.partition("/")
+    on_topics = kind == "sensor" and name in project.file.sensors and bool(project.file.sensors[name].topics)
+    return kind in _ROBOT_NODES or (kind == "sensor" and not on_topics)

@@ -90,7 +90,9 @@ def open_robot(
         )
         for hand, arm in carried.items()
     }
-    resources.cameras = {name: simulation.camera(sensor.camera) for name, sensor in file.sensors.items()}
+    resources.cameras = {
+        name: simulation.camera(sensor.camera) for name, sensor in file.sensors.items() if sensor.camera is not None
+    }
     resources.pausable = [simulation]
     resources.scene, resources.clock, resources.referee = scene, simulation.clock, simulation.referee
     if not planner.wait_until_ready():

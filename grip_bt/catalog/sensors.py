@@ -5,10 +5,18 @@ from __future__ import annotations
 from grip_bt.graph.frozen import FrozenDict
 
 from .manifest import Manifest, OutputPort
+from .sensor_config import SensorConfig
 
 
-def sensor_manifest(name: str) -> Manifest:
-    """Return the manifest of the leaf that takes one frame with the project's sensor `name`."""
+def sensor_manifest(name: str, sensor: SensorConfig | None = None) -> Manifest:
+    """Return the manifest of the leaf that takes one frame with the project's sensor `name`.
+
+    Args:
+        name: the sensor's name.
+        sensor: what is declared of it; a camera where nothing is.
+    """
+    if sensor is not None and sensor.topics:
+        return _of_topics(name, sensor)
     return Manifest(
         id=f"sensor/{name}",
         doc=f"Take one RGB-D frame with the sensor `{name}`.",
@@ -20,5 +28,22 @@ def sensor_manifest(name: str) -> Manifest:
             }
         ),
         codes=("no_data", "time_out", "canceled"),
+        settings=FrozenDict({"sensor": name}),
+    )
+
+
+def _of_topics(name: str, sensor: SensorConfig) -> Manifest:
+    """Return the manifest of the leaf that takes one message of each topic, from one moment."""
+    several = f", from messages at most {sensor.slop} s apart" if len(sensor.topics) > 1 else ""
+    outputs = {
+        port: OutputPort(type=topic.type, doc=topic.doc or f"from {topic.topic}")
+        for port, topic in sensor.topics.items()
+    }
+    return Manifest(
+        id=f"sensor/{name}",
+        doc=f"Take what the sensor `{name}` gives{several}, within {sensor.timeout} s.",
+        implementation="grip_bt.nodes.sensing:Sense",
+        outputs=FrozenDict(outputs),
+        codes=("no_data", "timed_out", "no_frame", "canceled"),
         settings=FrozenDict({"sensor": name}),
     )

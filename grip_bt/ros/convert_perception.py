@@ -113,6 +113,24 @@ def depth_to_message(depth: DepthImage) -> ImageMessage:
     )
 
 
+def depth_from_message(message: ImageMessage, info: CameraInfo) -> DepthImage:
+    """Convert a depth image in metres (`32FC1`) or millimetres (`16UC1`); what isn't finite becomes 0, nothing seen.
+
+    Raises:
+        ConversionError: another encoding, another size than the camera's, or less data than the sizes say.
+    """
+    kinds = {"32FC1": ("<f4", 4, 1.0), "16UC1": ("<u2", 2, 0.001)}
+    if message.encoding not in kinds:
+        raise ConversionError("encoding", f"{message.encoding!r} isn't one of {', '.join(kinds)}")
+    if (message.height, message.width) != (info.height, info.width):
+        size = f"{message.width} x {message.height}"
+        raise ConversionError("width", f"it is {size}, the camera {info.width} x {info.height}")
+    kind, size_of, unit = kinds[message.encoding]
+    raw = _view(message.data, (message.height, message.width), kind, 0, (message.step, size_of))
+    depth = raw.astype(np.float32) * np.float32(unit)
+    return DepthImage(np.where(np.isfinite(depth), depth, np.float32(0)), info, seconds(message.header.stamp))
+
+
 def camera_to_message(info: CameraInfo) -> CameraInfoMessage:
     """Convert a camera's geometry; ROS has pixel centres at whole numbers, so the principal point moves by a half."""
     matrix = np.array(info.matrix)

@@ -86,6 +86,15 @@ class TopicReader:
 
         return self._bus.post(start)
 
+    def ignore(self, callback: Callable[[Received], None]) -> None:
+        """Take back a `listen`."""
+
+        def stop() -> None:
+            if callback in self._listeners:
+                self._listeners.remove(callback)
+
+        self._bus.post(stop)
+
     def next(self, timeout: float | None = None) -> Operation[Any]:
         """Wait for the next message that comes from now on.
 
@@ -168,7 +177,7 @@ class TopicReader:
         for wait in list(self._waits):
             self._waits.remove(wait)
             wait.operation.succeed(message)
-        for listener in self._listeners:
+        for listener in list(self._listeners):
             listener(received)
 
     def _end(self, wait: _Wait, error: Exception) -> None:

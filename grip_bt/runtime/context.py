@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 
 from grip_bt.errors import MissingPartError, UnknownNameError
 from grip_bt.operation import Operation
-from grip_bt.ports import Arm, Camera, Clock, Component, Hand, Pausable, Scene
+from grip_bt.ports import Arm, Camera, Clock, Component, Hand, Pausable, Ros, Scene, Sensor
 
 from .clock import WallClock
 from .waker import Waker
@@ -26,6 +26,8 @@ class RunContext:
         cameras: by the sensor's name.
         components: external components, by name.
         scene: the planning scene, where there is one.
+        sensors: sensors on topics, by name.
+        ros: the connection to ROS, where there is one.
         workers: how many threads run blocking code at most.
         pausable: what stands still while the run is paused, besides its clock: a simulator, an arm, a hand.
     """
@@ -39,13 +41,15 @@ class RunContext:
         cameras: Mapping[str, Camera] | None = None,
         components: Mapping[str, Component] | None = None,
         scene: Scene | None = None,
+        sensors: Mapping[str, Sensor] | None = None,
+        ros: Ros | None = None,
         workers: int = 4,
         pausable: Sequence[Pausable] = (),
     ):
         self._clock: Clock = clock if clock is not None else WallClock()
         self._arms, self._hands = dict(arms or {}), dict(hands or {})
         self._cameras, self._components = dict(cameras or {}), dict(components or {})
-        self._scene = scene
+        self._scene, self._sensors, self._ros = scene, dict(sensors or {}), ros
         self._workers = Workers(workers)
         self._preempt_requested = False
         self._pausable = [part for part in (*pausable, self._clock) if isinstance(part, Pausable)]
@@ -112,6 +116,20 @@ class RunContext:
         if self._scene is None:
             raise MissingPartError("a planning scene", "run with a robot: `grip run TASK --robot sim`")
         return self._scene
+
+    def sensor(self, name: str) -> Sensor:
+        """Return a sensor on topics, likewise."""
+        return _named("sensor", self._sensors, name)
+
+    def ros(self) -> Ros:
+        """Return the connection to ROS.
+
+        Raises:
+            MissingPartError: this run has none.
+        """
+        if self._ros is None:
+            raise MissingPartError("a connection to ROS", "run without `--robot fake`, and see `grip doctor`")
+        return self._ros
 
     # --- for the runner ---
 

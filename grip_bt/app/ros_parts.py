@@ -1,0 +1,92 @@
+"""What a run has of ROS: components, sensors on topics, frames, and the connection itself."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Collection
+from contextlib import ExitStack
+
+from grip_bt.catalog.component_file import load_component
+from grip_bt.errors import GripError
+from grip_bt.ros.frames import FrameTree
+
+from .domain import own_domain
+from .project import Project
+from .resources import Progress, Resources
+
+
+def open_ros(
+    project: Project,
+    names: list[str],
+    sensors: list[str],
+    needs: Collection[str],
+    resources: Resources,
+    stack: ExitStack,
+    progress: Progress,
+) -> None:
+    """Start components and sensors and put them, with the connection to ROS, into `resources`.
+
+    Args:
+        project: whose components, sensors and robot.
+        names: components to start.
+        sensors: sensors on topics to open.
+        needs: catalogue ids of the task's leaves.
+        resources: filled in.
+        stack: closes what was started.
+        progress: told of each part that came up.
+
+    Raises:
+        GripError: a component can't be started. A sensor that can't be opened says so when it is asked.
+    """
+    from grip_bt.ros.components import start_components
+    from grip_bt.ros.door import RosDoor
+    from grip_bt.ros.sensors import close_sensors, mounted_frames, open_sensors
+    from grip_bt.ros.tf import Transforms
+
+    domain = _domain(project, names, sensors, needs, stack)
+    poses, _ = mounted_frames(project.file.sensors)
+    frames = _robot_frames(project).with_poses(poses)
+    folder = project.file.components or "components"
+    components = start_components(project.folder, names, domain, folder, frames)
+    stack.callback(components.close)
+    resources.components = {name: components.client(name) for name in names}
+    door = RosDoor(components.bus, Transforms(components.bus, frames))
+    resources.ros = door
+    built = (
+        f"interfaces built in {components.build_seconds:.1f} s" if components.build_seconds else "interfaces in cache"
+    )
+    for name in names:
+        process = components.process(name)
+        where = f"process {process.pid}" if process is not None else "already running"
+        progress("component", f"{name}: ROS 2 server in {where}, ready after {components.ready_seconds:.1f} s; {built}")
+    opened = open_sensors({name: project.file.sensors[name] for name in sensors}, door, project.folder, domain)
+    stack.callback(lambda: close_sensors(opened))
+    resources.sensors = opened
+    for name in sensors:
+        topics = ", ".join(topic.topic for topic in project.file.sensors[name].topics.values())
+        progress("sensor", f"{name}: {topics}")
+
+
+def _domain(
+    project: Project, names: list[str], sensors: list[str], needs: Collection[str], stack: ExitStack
+) -> int | None:
+    """Return a domain of the run's own, or the user's when something that runs already is part of the task."""
+    folders = project.component_folders()
+    started = all(name in folders and load_component(folders[name]).start is not None for name in names)
+    driven = all(project.file.sensors[name].driver is not None for name in sensors)
+    if started and driven and not any(node.startswith("ros/") for node in needs):
+        return stack.enter_context(own_domain())
+    chosen = os.environ.get("ROS_DOMAIN_ID")
+    return int(chosen) if chosen else None
+
+
+def _robot_frames(project: Project) -> FrameTree:
+    """Return the links of the project's robot that never move, as far as its description can be had here."""
+    if project.file.robot is None:
+        return FrameTree()
+    try:
+        from grip_bt.commanders.robots import build_robot
+
+        return FrameTree.of_urdf(build_robot(project.file.robot).urdf)
+    except (ImportError, GripError):
+        return FrameTree()

@@ -1,0 +1,92 @@
+"""Leaves over ROS itself: topics, frames and parameters, named in the task."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from grip_bt.operation import Operation
+from grip_bt.values import Pose
+
+from .leaf import OperationLeaf, Status
+
+
+class WaitForMessage(OperationLeaf):
+    """Wait for the next message of a topic."""
+
+    def start(self) -> Operation[Any]:
+        """Wait from now on."""
+        p = self.params
+        return self.context.ros().next(p["topic"], p["type"], p["value"], p["timeout"])
+
+    def finish(self, result: Any) -> Status:
+        """Hand the message out."""
+        return self.end(message=result)
+
+
+class LatestMessage(WaitForMessage):
+    """Take the last message of a topic, when it is fresh enough, else wait for the next."""
+
+    def prepare(self) -> None:
+        """Listen from the start of the run."""
+        self.context.ros().listen(self.params["topic"], self.params["type"])
+
+    def start(self) -> Operation[Any]:
+        """Look, or wait."""
+        p = self.params
+        return self.context.ros().recent(p["topic"], p["type"], p["value"], p["max_age"], p["timeout"])
+
+
+class WaitForMessages(OperationLeaf):
+    """Wait for a message of each of several topics, taken at one moment."""
+
+    def start(self) -> Operation[Mapping[str, Any]]:
+        """Wait from now on."""
+        return self.context.ros().together(self.params["topics"], self.params["slop"], self.params["timeout"])
+
+    def finish(self, result: Mapping[str, Any]) -> Status:
+        """Hand the messages out, by topic."""
+        return self.end(messages=dict(result))
+
+
+class Publish(OperationLeaf):
+    """Publish a value as a message."""
+
+    def start(self) -> Operation[None]:
+        """Publish when enough subscribers listen."""
+        p = self.params
+        return self.context.ros().publish(p["topic"], p["type"], self.read("value"), p["subscribers"], p["timeout"])
+
+
+class LookUpTransform(OperationLeaf):
+    """Find where a frame is in another."""
+
+    def start(self) -> Operation[Pose]:
+        """Ask TF, or the fixed frames."""
+        p = self.params
+        return self.context.ros().transform(p["target"], p["source"], p["timeout"])
+
+    def finish(self, result: Pose) -> Status:
+        """Hand the pose out."""
+        return self.end(pose=result)
+
+
+class GetParameter(OperationLeaf):
+    """Read a parameter of a node."""
+
+    def start(self) -> Operation[Any]:
+        """Ask the node."""
+        return self.context.ros().get_parameter(self.params["node"], self.params["name"], self.params["timeout"])
+
+    def finish(self, result: Any) -> Status:
+        """Hand the value out."""
+        return self.end(value=result)
+
+
+class SetParameter(OperationLeaf):
+    """Set a parameter of a node."""
+
+    def start(self) -> Operation[None]:
+        """Ask the node."""
+        p = self.params
+        return self.context.ros().set_parameter(p["node"], p["name"], self.read("value"), p["timeout"])

@@ -1,0 +1,157 @@
+"""ROS as leaves ask for it: topics, frames and parameters by name; implements `grip_bt.ports.Ros`."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Mapping
+from typing import Any
+
+from grip_bt.errors import BadReplyError, ExpectedError, ServerTimeOutError
+from grip_bt.operation import Operation
+from grip_bt.values import Pose
+
+from .bus import Bus
+from .convert import from_message, to_message
+from .convert_geometry import seconds
+from .fields import ConversionError
+from .synchronise import Synchroniser
+from .tf import Transforms
+from .topic import Received
+from .types import load_type
+
+ANSWER = 2.0
+"""How long a node may take to answer about a parameter once it is there [s]."""
+_KINDS = {1: "bool_value", 2: "integer_value", 3: "double_value", 4: "string_value", 5: "byte_array_value"}
+_KINDS |= {6: "bool_array_value", 7: "integer_array_value", 8: "double_array_value", 9: "string_array_value"}
+_NUMBERS: dict[type, int] = {bool: 1, int: 2, float: 3, str: 4}
+
+
+class BadRequestError(ExpectedError):
+    """A value can't be sent as the message that is asked for."""
+
+    code = "bad_request"
+
+
+class RosDoor:
+    """Implements `grip_bt.ports.Ros` over a bus.
+
+    Args:
+        bus: the connection to ROS.
+        transforms: where frames are.
+    """
+
+    def __init__(self, bus: Bus, transforms: Transforms | None = None):
+        self.bus, self.transforms = bus, transforms or Transforms(bus)
+
+    def listen(self, topic: str, message: str) -> None:
+        """Subscribe now, so that a later `recent` finds what came since."""
+        self.bus.reader(message, topic).listen()
+
+    def next(self, topic: str, message: str, value: str, timeout: float) -> Operation[Any]:
+        """Wait for the next message and return it as the declared type `value`."""
+        return self.bus.reader(message, topic).next(timeout).then(lambda m: _as(topic, m, value))
+
+    def recent(self, topic: str, message: str, value: str, max_age: float, timeout: float) -> Operation[Any]:
+        """Return the last message when it is at most `max_age` [s] old, else the next."""
+        return self.bus.reader(message, topic).recent(max_age, timeout).then(lambda m: _as(topic, m, value))
+
+    def together(self, topics: Mapping[str, str], slop: float, timeout: float) -> Operation[Mapping[str, Any]]:
+        """Wait for a message of each topic, stamped at most `slop` [s] apart; stamped now where there is no header."""
+        matcher = Synchroniser(topics, slop)
+        whole: Operation[Mapping[str, Any]] = Operation()
+        lock = threading.Lock()
+
+        def heard(topic: str, received: Received) -> None:
+            if whole.done():
+                return
+            header = getattr(received.message, "header", None)
+            stamp = seconds(header.stamp) if header is not None else received.time
+            with lock:
+                found = matcher.add(topic, stamp, received.message)
+            if found is not None:
+                whole.succeed(found)
+
+        def end() -> None:
+            text = f"no set of messages within {timeout:.1f} s: {matcher.describe()}"
+            whole.fail(ServerTimeOutError(text, topics=list(topics)))
+
+        listeners = {t: (lambda received, t=t: heard(t, received)) for t in topics}
+        readers = {t: self.bus.reader(m, t) for t, m in topics.items()}
+        for topic, reader in readers.items():
+            reader.listen(listeners[topic])
+        timer = threading.Timer(timeout, end)
+        timer.daemon = True
+        timer.start()
+
+        def clean() -> None:
+            timer.cancel()
+            for topic, reader in readers.items():
+                reader.ignore(listeners[topic])
+
+        whole.add_done_callback(clean)
+        return whole
+
+    def publish(self, topic: str, message: str, value: Any, subscribers: int, timeout: float) -> Operation[None]:
+        """Publish a value when at least `subscribers` listen; BadRequestError when it doesn't fit the message."""
+        try:
+            made = to_message(value, load_type(message))
+        except ConversionError as error:
+            return Operation.failed(BadRequestError(f"{topic}: {error}"))
+        return self.bus.writer(message, topic).publish(made, subscribers, timeout)
+
+    def transform(self, target: str, source: str, timeout: float) -> Operation[Pose]:
+        """Return the pose of frame `source` in frame `target`."""
+        return self.transforms.lookup(target, source, timeout)
+
+    def get_parameter(self, node: str, name: str, timeout: float) -> Operation[Any]:
+        """Return a parameter of a node."""
+        service = load_type("rcl_interfaces/srv/GetParameters")
+        client = self.bus.service(service, f"{node}/get_parameters")
+
+        def value(response: Any) -> Operation[Any]:
+            (found,) = response.values or (None,)
+            if found is None or found.type == 0:
+                raise BadReplyError(f"{node}: there is no parameter {name!r}, or nobody has set it", node=node)
+            held = getattr(found, _KINDS[found.type])
+            return Operation.finished(list(held) if found.type > 4 else held)
+
+        return client.call(service.Request(names=[name]), timeout + ANSWER, timeout).then(value)
+
+    def set_parameter(self, node: str, name: str, value: Any, timeout: float) -> Operation[None]:
+        """Set a parameter of a node."""
+        service = load_type("rcl_interfaces/srv/SetParameters")
+        client = self.bus.service(service, f"{node}/set_parameters")
+        try:
+            wanted = _parameter(value)
+        except BadRequestError as error:
+            return Operation.failed(BadReplyError(f"{node}: {name}: {error.message}"))
+        parameter = load_type("rcl_interfaces/msg/Parameter")(name=name, value=wanted)
+
+        def check(response: Any) -> Operation[None]:
+            (result,) = response.results
+            if not result.successful:
+                raise BadReplyError(f"{node} refuses {name} = {value!r}: {result.reason or 'it gave no reason'}")
+            return Operation.finished(None)
+
+        return client.call(service.Request(parameters=[parameter]), timeout + ANSWER, timeout).then(check)
+
+
+def _as(topic: str, message: Any, value: str) -> Operation[Any]:
+    try:
+        return Operation.finished(from_message(message, value))
+    except ConversionError as error:
+        raise BadReplyError(f"{topic}: {error}") from None
+
+
+def _parameter(value: Any) -> Any:
+    made = load_type("rcl_interfaces/msg/ParameterValue")()
+    several = isinstance(value, (list, tuple))
+    kinds = {type(v) for v in value} if several else {type(value)}
+    kind = float if kinds == {int, float} else next(iter(kinds)) if len(kinds) == 1 else str if not kinds else None
+    if kind not in _NUMBERS:
+        raise BadRequestError(
+            f"{value!r} can't be a parameter: a truth value, a number, a text, or a list of one of these"
+        )
+    made.type = _NUMBERS[kind] + (5 if several else 0)
+    setattr(made, _KINDS[made.type], [kind(v) for v in value] if several else value)
+    return made

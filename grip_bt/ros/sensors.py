@@ -1,0 +1,152 @@
+"""The sensors of a project that speak on topics; each stands alone, and one that is broken says so when it is asked."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from grip_bt.catalog.sensor_config import Mount, SensorConfig
+from grip_bt.errors import BadReplyError, GripError, SensorError
+from grip_bt.operation import Operation
+from grip_bt.values import CameraInfo, Pose
+
+from .convert import from_message
+from .convert_perception import depth_from_message
+from .door import RosDoor
+from .fields import ConversionError
+from .frames import frame_of, transformed
+from .process import Process, child_environment
+
+
+class TopicSensor:
+    """A sensor on topics; implements `grip_bt.ports.Sensor`.
+
+    Args:
+        name: the sensor's.
+        config: what is declared of it.
+        door: the connection to ROS.
+        process: its driver, where we started it.
+    """
+
+    def __init__(self, name: str, config: SensorConfig, door: RosDoor, process: Process | None = None):
+        self.name, self.config, self.process = name, config, process
+        self._door = door
+        self._messages = {topic.topic: topic.message_type() for topic in config.topics.values()}
+        for topic, message in self._messages.items():
+            door.listen(topic, message)
+
+    def capture(self) -> Operation[Mapping[str, Any]]:
+        """Take one value of each output, from one moment that lies after this call.
+
+        Ends with ServerTimeOutError after the sensor's time, SensorError when its driver died or what it sent can't be
+        used, FrameError when a value can't be brought into the frame that is asked for.
+        """
+        if self.process is not None and not self.process.alive:
+            return Operation.failed(SensorError(f"sensor {self.name}: {self.process.describe_end()}"))
+        if len(self._messages) == 1:
+            ((topic, message),) = self._messages.items()
+            one = self._door.next(topic, message, "Any", self.config.timeout)
+            return one.then(lambda found: self._values({topic: found}))
+        return self._door.together(self._messages, self.config.slop, self.config.timeout).then(self._values)
+
+    def _values(self, messages: Mapping[str, Any]) -> Operation[Mapping[str, Any]]:
+        found = {}
+        info = self._camera_info(messages)
+        for port, topic in self.config.topics.items():
+            try:
+                found[port] = self._placed(_value(messages[topic.topic], topic.type, info))
+            except (ConversionError, BadReplyError) as error:
+                raise SensorError(f"sensor {self.name}: {topic.topic}: {error}") from None
+        return Operation.finished(found)
+
+    def _camera_info(self, messages: Mapping[str, Any]) -> CameraInfo | None:
+        infos = [t.topic for t in self.config.topics.values() if t.type == "CameraInfo"]
+        return from_message(messages[infos[0]], "CameraInfo") if infos else None
+
+    def _placed(self, value: Any) -> Any:
+        wanted, present = self.config.given_in, frame_of(value)
+        if wanted is None or present in (None, wanted):
+            return value
+        try:
+            return transformed(value, self._door.transforms.tree().lookup(wanted, str(present)))
+        except TypeError:
+            return value  # an image has a frame, but no points in it
+
+
+class BrokenSensor:
+    """A sensor that couldn't be set up; others go on without it. Implements `grip_bt.ports.Sensor`."""
+
+    def __init__(self, name: str, reason: str):
+        self.name, self.reason = name, reason
+        self.process: Process | None = None
+
+    def capture(self) -> Operation[Mapping[str, Any]]:
+        """End with SensorError, which says what is wrong."""
+        return Operation.failed(SensorError(f"sensor {self.name}: {self.reason}"))
+
+
+def mounted_frames(sensors: Mapping[str, SensorConfig]) -> tuple[dict[str, Pose], dict[str, str]]:
+    """Return the frames of sensors in what they are mounted on, and, by sensor, why some of them can't be used."""
+    poses, broken = {}, {}
+    for name, config in sensors.items():
+        if config.mount is not None:
+            try:
+                poses[config.mount.frame] = _pose_of(config.mount)
+            except ValueError as error:
+                broken[name] = f"mount: {error}"
+    return poses, broken
+
+
+def open_sensors(
+    sensors: Mapping[str, SensorConfig], door: RosDoor, project: Path, domain_id: int | None = None
+) -> dict[str, TopicSensor | BrokenSensor]:
+    """Start the drivers of sensors and listen to their topics; what is wrong with one is said when it is asked.
+
+    Args:
+        sensors: those to open.
+        door: the connection to ROS.
+        project: the project's folder, in which drivers are started; they log into `.grip/logs/sensor-<name>.log`.
+        domain_id: the DDS domain of the drivers.
+    """
+    _, broken = mounted_frames(sensors)
+    opened: dict[str, TopicSensor | BrokenSensor] = {}
+    for name, config in sensors.items():
+        if name in broken:
+            opened[name] = BrokenSensor(name, broken[name])
+            continue
+        try:
+            opened[name] = TopicSensor(name, config, door, _driver(name, config, project, domain_id))
+        except (GripError, OSError) as error:
+            opened[name] = BrokenSensor(name, str(error))
+    return opened
+
+
+def close_sensors(sensors: Mapping[str, TopicSensor | BrokenSensor]) -> None:
+    """End all drivers, together."""
+    processes = [s.process for s in sensors.values() if s.process is not None]
+    for process in processes:
+        process.ask_to_stop()
+    for process in processes:
+        process.stop()
+
+
+def _driver(name: str, config: SensorConfig, project: Path, domain_id: int | None) -> Process | None:
+    if config.driver is None:
+        return None
+    command = [word.replace("{python}", sys.executable) for word in config.driver.command]
+    env = child_environment((), domain_id) | dict(config.driver.env)
+    return Process(f"sensor {name}", command, project, env, project / ".grip" / "logs" / f"sensor-{name}.log")
+
+
+def _pose_of(mount: Mount) -> Pose:
+    return Pose(mount.position, mount.quaternion, mount.on)  # type: ignore[arg-type]
+
+
+def _value(message: Any, type_: str, info: CameraInfo | None) -> Any:
+    if type_ == "DepthImage":
+        if info is None:
+            raise ConversionError("", "a DepthImage needs the camera's geometry: add a topic of type CameraInfo")
+        return depth_from_message(message, info)
+    return from_message(message, type_)

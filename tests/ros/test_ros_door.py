@@ -1,0 +1,246 @@
+"""Topics, frames, parameters and sensors, from a task's point of view and over real ROS."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import DATA, ended
+
+from grip_bt.app import find_project, run
+from grip_bt.catalog.sensor_config import SensorConfig
+from grip_bt.errors import BadReplyError, DocumentError, SensorError, ServerLostError, ServerTimeOutError
+from grip_bt.ros.door import BadRequestError, RosDoor
+from grip_bt.ros.frames import FrameError, FrameTree
+from grip_bt.ros.process import child_environment
+from grip_bt.ros.sensors import mounted_frames, open_sensors
+from grip_bt.ros.synchronise import Synchroniser
+from grip_bt.ros.tf import Transforms
+from grip_bt.values import CameraInfo, DepthImage, Image, Pose
+
+CAMERA = {
+    "topics": {
+        "image": {"topic": "/cam/colour", "type": "Image"},
+        "depth": {"topic": "/cam/depth", "type": "DepthImage"},
+        "info": {"topic": "/cam/info", "type": "CameraInfo"},
+    },
+    "timeout": 5.0,
+}
+TF2 = "geometry_msgs/TransformStamped[] transforms\n"
+
+
+@pytest.fixture
+def door(bus):
+    return RosDoor(bus)
+
+
+@pytest.fixture
+def camera(domain):
+    process = subprocess.Popen(
+        [sys.executable, str(DATA / "camera_driver.py")],
+        env=child_environment((), domain),
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout.readline() == "serving\n"
+    yield process
+    process.kill()
+    process.wait()
+    process.stdout.close()
+
+
+# --- without ROS ---
+
+
+def test_messages_of_one_moment_are_found_among_others():
+    matcher = Synchroniser(("a", "b"), slop=0.02)
+    assert matcher.add("a", 1.00, "a1") is None
+    assert matcher.add("a", 1.10, "a2") is None
+    assert matcher.add("b", 1.05, "b1") is None
+    assert "0.050 s apart, at most 0.020" in matcher.describe()
+    assert matcher.add("b", 1.11, "b2") == {"a": "a2", "b": "b2"}
+
+
+def test_topics_that_are_silent_are_named():
+    matcher = Synchroniser(("a", "b"), slop=0.02)
+    matcher.add("a", 1.0, None)
+    assert matcher.describe() == "nothing came on b"
+
+
+@pytest.mark.parametrize(
+    ("wrong", "told"),
+    [
+        ({}, "either `camera`, in a simulated world, or `topics`"),
+        ({"camera": "c", "topics": {"a": {"topic": "/a", "type": "Image"}}}, "either `camera`"),
+        ({"topics": {"a": {"topic": "a", "type": "Image"}}}, "topic"),
+        ({"topics": {"a": {"topic": "/a", "type": "Imag"}}}, "did you mean 'Image'"),
+        ({"topics": {"a": {"topic": "/a", "type": "float"}}}, "say which ROS type /a has"),
+    ],
+)
+def test_a_sensor_that_is_declared_wrongly_is_told(wrong, told):
+    with pytest.raises(ValueError, match=told):
+        SensorConfig.model_validate(wrong)
+
+
+def test_a_task_is_checked_with_no_sensor_alive(tmp_path):
+    """The original needed the topic at the time of drawing (its fault B25)."""
+    (tmp_path / "grip.yaml").write_text(
+        "grip: 1\nsensors:\n  wrist:\n    topics: {cloud: {topic: /points, type: PointCloud}}\n    timeout: 0.5\n"
+    )
+    manifest = find_project(tmp_path).catalog().get("sensor/wrist")
+    assert {name: port.type for name, port in manifest.outputs.items()} == {"cloud": "PointCloud"}
+    (tmp_path / "grip.yaml").write_text("grip: 1\nsensors: {wrist: {topics: {cloud: {topic: points, type: Image}}}}\n")
+    with pytest.raises(DocumentError, match=r"grip\.yaml:2"):
+        find_project(tmp_path)
+
+
+# --- over ROS ---
+
+ros = pytest.mark.ros
+
+
+@ros
+def test_values_are_published_and_waited_for(door):
+    heard = door.next("/target", "geometry_msgs/msg/PoseStamped", "Pose", 10.0)
+    pose = Pose((0.1, 0.2, 0.3), (0.6, 0, 0, 0.8), "table")
+    ended(door.publish("/target", "geometry_msgs/msg/PoseStamped", pose, 1, 10.0))
+    back = ended(heard)
+    assert (back.frame, np.allclose(back.position, pose.position)) == ("table", True)
+    recent = door.recent("/target", "geometry_msgs/msg/PoseStamped", "Pose", 60.0, 0.1)
+    assert recent.done()
+    with pytest.raises(BadReplyError, match="/target: .*lacks the field 'names'"):
+        ended(door.recent("/target", "geometry_msgs/msg/PoseStamped", "JointState", 60.0, 0.1))
+    with pytest.raises(ServerTimeOutError, match="/target: no message within"):
+        ended(door.recent("/target", "geometry_msgs/msg/PoseStamped", "Pose", 0.0, 0.2))
+
+
+@ros
+def test_what_cannot_be_published_says_why(door):
+    with pytest.raises(BadRequestError, match="/target: .*position"):
+        ended(door.publish("/target", "geometry_msgs/msg/Pose", {"position": "here"}, 0, 1.0))
+    with pytest.raises(ServerTimeOutError, match=r"/alone: 0 subscribers after .* s, 1 are needed"):
+        ended(door.publish("/alone", "std_msgs/msg/String", "x", 1, 0.2))
+
+
+@ros
+def test_parameters_of_a_node_are_read_and_set(door, serve, tmp_path):
+    serve("std_srvs/Trigger", "/any")
+    assert ended(door.get_parameter("/test_server", "use_sim_time", 10.0)) is False
+    ended(door.set_parameter("/test_server", "use_sim_time", True, 10.0))
+    assert ended(door.get_parameter("/test_server", "use_sim_time", 10.0)) is True
+    with pytest.raises(BadReplyError, match="there is no parameter 'nothing'"):
+        ended(door.get_parameter("/test_server", "nothing", 10.0))
+    with pytest.raises(BadReplyError, match="/test_server refuses use_sim_time = 3"):
+        ended(door.set_parameter("/test_server", "use_sim_time", 3, 10.0))
+    with pytest.raises(BadReplyError, match="can't be a parameter"):
+        ended(door.set_parameter("/test_server", "use_sim_time", object(), 10.0))
+    with pytest.raises(ServerLostError):
+        ended(door.get_parameter("/nobody", "x", 0.2))
+
+
+@ros
+def test_frames_come_from_the_robot_where_tf_is_not_there(bus):
+    transforms = Transforms(bus, FrameTree({"camera": Pose((0, 0, 1.0), frame="world")}))
+    assert ended(transforms.lookup("world", "camera", 0.1)).position[2] == 1.0
+    with pytest.raises(FrameError, match="unknown frame 'gripper'"):
+        ended(transforms.lookup("world", "gripper", 0.1))
+
+
+@ros
+def test_frames_come_from_tf_where_it_is_there(tmp_path, interface_cache, bus):
+    from grip_bt.ros.interfaces import build_interfaces
+    from grip_bt.ros.overlay import activate
+
+    package = tmp_path / "tf2_msgs"
+    (package / "msg").mkdir(parents=True)
+    (package / "msg" / "TFMessage.msg").write_text(TF2)
+    text = (DATA / "trial_interfaces" / "package.xml").read_text()
+    (package / "package.xml").write_text(text.replace("trial_interfaces", "tf2_msgs"))
+    (built,) = build_interfaces(package, interface_cache)
+    activate(built.prefix)
+    from geometry_msgs.msg import TransformStamped
+    from tf2_msgs.msg import TFMessage
+
+    from grip_bt.ros.types import load_type
+
+    load_type.cache_clear()
+    transform = TransformStamped(child_frame_id="tool")
+    transform.header.frame_id, transform.transform.translation.x = "camera", 0.5
+    transforms = Transforms(bus, FrameTree({"camera": Pose((0, 0, 1.0), frame="world")}))
+    found = transforms.lookup("world", "tool", 10.0)
+    bus.writer("tf2_msgs/msg/TFMessage", "/tf").publish(TFMessage(transforms=[transform]), subscribers=1, timeout=10.0)
+    assert np.allclose(ended(found).position, (0.5, 0, 1.0))
+
+
+@ros
+def test_a_sensor_gives_values_of_one_moment(door, camera, tmp_path):
+    sensor = open_sensors({"cam": SensorConfig.model_validate(CAMERA)}, door, tmp_path)["cam"]
+    found = ended(sensor.capture())
+    assert {name: type(value) for name, value in found.items()} == {
+        "image": Image,
+        "depth": DepthImage,
+        "info": CameraInfo,
+    }
+    assert found["image"].time == found["depth"].time
+    assert np.allclose(found["depth"].depth, 0.5)
+
+
+@ros
+def test_one_bad_sensor_stops_no_other(door, camera, tmp_path):
+    """The original stopped at the first bad pose (its fault B26)."""
+    bad = {"topics": {"x": {"topic": "/x", "type": "Image"}}, "mount": {"frame": "a", "quaternion": [0, 0, 0, 0]}}
+    dead = {"topics": {"x": {"topic": "/x", "type": "Image"}}, "driver": {"command": ["/no/such/driver"]}, "timeout": 1}
+    mute = {"topics": {"x": {"topic": "/x", "type": "Image"}}, "timeout": 0.3}
+    configs = {
+        n: SensorConfig.model_validate(c) for n, c in (("bad", bad), ("dead", dead), ("mute", mute), ("cam", CAMERA))
+    }
+    assert list(mounted_frames(configs)[0]) == []
+    sensors = open_sensors(configs, door, tmp_path)
+    with pytest.raises(SensorError, match="sensor bad: mount: a pose needs .*non-zero quaternion"):
+        ended(sensors["bad"].capture())
+    deadline = time.monotonic() + 10
+    while sensors["dead"].process.alive and time.monotonic() < deadline:
+        time.sleep(0.02)
+    with pytest.raises(SensorError, match=r"sensor dead: .*ended with status 127; its last words .*\n/no/such/driver"):
+        ended(sensors["dead"].capture())
+    with pytest.raises(ServerTimeOutError, match=r"/x: no message within 0\.3 s; nobody publishes it"):
+        ended(sensors["mute"].capture())
+    assert set(ended(sensors["cam"].capture())) == {"image", "depth", "info"}
+
+
+@ros
+def test_a_part_of_a_sensor_that_is_missing_is_named(door, camera, tmp_path):
+    config = SensorConfig.model_validate(
+        {"topics": {**CAMERA["topics"], "more": {"topic": "/cam/more", "type": "Image"}}, "timeout": 0.5}
+    )
+    sensor = open_sensors({"cam": config}, door, tmp_path)["cam"]
+    with pytest.raises(ServerTimeOutError, match=r"no set of messages within 0\.5 s: nothing came on /cam/more"):
+        ended(sensor.capture())
+
+
+@ros
+def test_a_task_captures_looks_up_and_publishes(tmp_path, domain, monkeypatch):
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
+    shutil.copy(DATA / "camera_driver.py", tmp_path)
+    (tmp_path / "grip.yaml").write_text(
+        "grip: 1\nsensors:\n  cam:\n    topics:\n"
+        "      image: {topic: /cam/colour, type: Image}\n      info: {topic: /cam/info, type: CameraInfo}\n"
+        "    mount: {frame: cam_optical, position: [0, 0, 1.5]}\n"
+        '    driver: {command: ["{python}", camera_driver.py, colour, info]}\n    timeout: 15\n'
+    )
+    task = tmp_path / "look.yaml"
+    task.write_text(
+        "grip: 1\nname: look\ndata: {image: Image, pose: Pose}\nroot:\n  kind: sequence\n  children:\n"
+        "    see: {node: sensor/cam, out: {image: image}}\n"
+        "    where: {node: ros/lookup_transform, with: {target: world, source: cam_optical}, out: {pose: pose}}\n"
+        "    say: {node: ros/publish, in: {value: pose}, with: {topic: /seen, type: geometry_msgs/msg/PoseStamped,"
+        " subscribers: 0}}\n"
+    )
+    result = run(task)
+    assert result.outcome == "success", result
+    assert Path(tmp_path / ".grip" / "logs" / "sensor-cam.log").is_file()
