@@ -1,24 +1,51 @@
-"""Legacy source text of a machine of the golden file."""
+"""Legacy source text of a machine of the golden file, or of one like those."""
 
-HEAD = """import smach
+HEAD = """import threading
+
+import smach
 
 TRACE = []
+WORLD = {'activations': 0, 'preempt_at': None, 'request': None}
+ENDED = {}
+WAITING = {}
+TURN = threading.Condition()
 
 
 class Scripted(smach.State):
-    def __init__(self, path, outcomes, inputs, outputs, script):
+    def __init__(self, path, outcomes, inputs, outputs, script, mode, after):
         smach.State.__init__(self, outcomes, inputs, outputs)
         self.path, self.labels, self.inputs, self.outputs, self.script = path, outcomes, inputs, outputs, script
-        self.runs = 0
+        self.mode, self.after, self.runs = mode, after, 0
 
     def execute(self, ud):
-        outcome = self.labels[self.script[self.runs % len(self.script)]]
+        number = self.runs
         self.runs += 1
+        with TURN:  # siblings in a Concurrence take turns, in their order
+            WAITING[self.path] = self
+            TURN.notify_all()
+            assert TURN.wait_for(lambda: self.after is None or ENDED.get(self.after, 0) > number, 20)
+            del WAITING[self.path]
+            activation = WORLD['activations']
+            WORLD['activations'] += 1
+        if activation == WORLD['preempt_at']:
+            WORLD['request'](self)
+        outcome = self.work(ud, self.labels[self.script[number % len(self.script)]])
+        with TURN:
+            ENDED[self.path] = number + 1
+            TURN.notify_all()
+        return outcome
+
+    def work(self, ud, outcome):
         read = {key: ud[key] if key in ud else '-' for key in self.inputs}
+        asked = self.preempt_requested()
+        if asked and self.mode != 'ignore':
+            self.service_preempt()
+            if self.mode == 'serve_outcome' and 'preempted' in self.labels:
+                outcome = 'preempted'
         total = sum(value for value in read.values() if isinstance(value, int))
         for key in self.outputs:
             ud[key] = (total + 7 * self.runs + len(self.path)) % 101
-        TRACE.append([self.path, outcome, sorted([k, v] for k, v in read.items()), False])
+        TRACE.append([self.path, outcome, sorted([k, v] for k, v in read.items()), asked])
         return outcome
 
 
@@ -34,10 +61,11 @@ def source_of(spec):
     return HEAD + "def build():\n" + "".join(f"    {line}\n" for line in lines)
 
 
-def _emit(spec, path, lines):
+def _emit(spec, path, lines, after=None):
     """Append the lines that make a spec's object, and return an expression for it."""
     if spec["kind"] == "leaf":
-        return f"Scripted({path!r}, {spec['outcomes']}, {spec['in']}, {spec['out']}, {spec['script']})"
+        given = (path, spec["outcomes"], spec["in"], spec["out"], spec["script"], spec["preempt"], after)
+        return f"Scripted({', '.join(map(repr, given))})"
     name = "sm" + path.replace("/", "_")
     keys = f"input_keys={spec['in']}, output_keys={spec['out']}"
     outcomes = spec["outcomes"]
@@ -65,8 +93,10 @@ def _adds(spec, path, lines):
         given = f"loop_outcomes={spec['loop']}, break_outcomes={spec['break']}, final_outcome_map={spec['final']}"
         calls.append(f"smach.Iterator.set_contained_state({spec['state']!r}, {child}, {given})")
     elif spec["kind"] == "conc":
+        earlier = None
         for label, child, remapping in spec["children"]:
-            made = _emit(child, f"{path}/{label}", before)
+            made = _emit(child, f"{path}/{label}", before, earlier)
+            earlier = f"{path}/{label}" if child["kind"] == "leaf" else None
             calls.append(f"smach.Concurrence.add({label!r}, {made}, remapping={remapping})")
     else:
         cls = {"sm": "StateMachine", "seq": "Sequence"}[spec["kind"]]
