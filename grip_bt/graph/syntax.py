@@ -26,13 +26,17 @@ PATIENCE = 100_000
 """Characters of a text that is read by the slow parser, which is exact about odd spellings; larger ones are refused."""
 PATIENT_VALUES = 15_000
 _DIRECTIVE = re.compile(r"([ \t]*(#.*)?\r?\n)*%")
-_ODD = re.compile(
-    "[^\\n\\r -~\\xa0-\\u2027\\u202a-\\ud7ff\\ue000-\\ufefe\\uff00-\\ufffd\\U00010000-\\U0010ffff]"
-    r"|[|>][-+0-9]*(#| *(#.*)?\r?\n +\r?\n)"
-    r"|['\"]\s*:[^\s]"
-    r"|\r(?!\n)"
+_ODD_PARTS = (
+    ("", "[^\n\r -~\xa0-\u2027\u202a-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]"),
+    ("|>", r"[|>][-+0-9]*(#| *(#.*)?\r?\n +\r?\n)"),
+    ("'\"", r"['\"]\s*:[^\s]"),
+    ("\r", r"\r(?!\n)"),
 )
-"""What the two parsers don't read alike: tabs, odd ends of lines, and some unusual spellings."""
+"""What the two parsers don't read alike: tabs, odd ends of lines, and some unusual spellings.
+
+Each with the signs without which it doesn't occur: looking for these first, one thing at a time, is much quicker.
+"""
+_ODD = tuple((tuple(signs), re.compile(pattern)) for signs, pattern in _ODD_PARTS)
 
 
 @dataclass(slots=True)
@@ -128,7 +132,17 @@ def tree_of(data: Any) -> Value:
 
 def is_usual(text: str) -> bool:
     """Tell whether libyaml reads a text as YAML 1.2 does, if it reads it at all."""
-    return not _ODD.search(text) and not _DIRECTIVE.match(text)
+    return not _DIRECTIVE.match(text) and _first_odd(text) is None
+
+
+def _first_odd(text: str) -> re.Match[str] | None:
+    """Return a place that the two parsers don't read alike."""
+    for signs, pattern in _ODD:
+        if not signs or any(sign in text for sign in signs):
+            found = pattern.search(text)
+            if found:
+                return found
+    return None
 
 
 def parse(text: str, source: str = "") -> Value:
@@ -178,7 +192,7 @@ def _quickly(text: str, source: str = "") -> Value | None:
 
 
 def _too_odd(text: str, source: str) -> DocumentError:
-    found = _ODD.search(text) or _DIRECTIVE.match(text)
+    found = _first_odd(text) or _DIRECTIVE.match(text)
     assert found is not None, "only odd texts are asked for"
     line, column = _place(text, found.start())
     odd = {"\t": "a tab", "\r": "a carriage return alone"}.get(found.group()[:1], f"the spelling {found.group()[:9]!r}")
