@@ -49,6 +49,9 @@ def add_parser(subparsers: Any) -> None:
         metavar="FILE",
         help="for --execute of smach, JSON: class or function -> parameter -> value",
     )
+    parser.add_argument(
+        "--report", action="store_true", help="of btcpp: say what becomes of the file, and write nothing"
+    )
     parser.set_defaults(run=run, usage_error=parser.error)
 
 

@@ -14,6 +14,7 @@ from .import_pytrees import write_task
 
 if TYPE_CHECKING:
     from grip_bt.catalog import Manifest
+    from grip_bt.compilers.btcpp import ImportedFile
 
 HEADER = """\
 # Made by `grip import --from btcpp` from {origin}, once; it is yours to edit.
@@ -37,10 +38,28 @@ def run(args: argparse.Namespace) -> int:
     imported = from_xml(text, catalog, str(args.path), args.path.resolve().parent, bound, args.machine or "")
     for remark in imported.remarks:
         print(remark, file=sys.stderr)
+    if args.report:
+        print(_report(imported, args.path.name))
+        return 0
     write_task(imported, args.output, f"{args.path}", "btcpp")
     if imported.manifests:
         _provide(imported.manifests, args.output, args.path.name)
     return 0
+
+
+def _report(imported: ImportedFile, origin: str) -> str:
+    """Return what became of a file, in words."""
+    from grip_bt.graph import model
+
+    nodes = [node for _, node in model.walk(imported.task.root)]
+    known = sorted({n.node for n in nodes if isinstance(n, model.Leaf)} - {m.id for m in imported.manifests})
+    lines = [
+        f"{origin}: imported whole, as {imported.task.name!r}: {len(nodes)} nodes,"
+        f" {len(imported.task.data)} variables, {len(imported.task.inputs)} inputs",
+        f"  in the catalogue:  {', '.join(known) or 'none'}",
+        f"  to be provided:    {', '.join(m.id for m in imported.manifests) or 'none'}",
+    ]
+    return "\n".join(lines)
 
 
 def _provide(manifests: tuple[Manifest, ...], output: Path | None, origin: str) -> None:

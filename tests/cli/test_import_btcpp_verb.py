@@ -30,6 +30,18 @@ def test_a_file_becomes_a_task_and_manifests_that_say_what_is_to_be_provided(
     assert "leaf.py" in capsys.readouterr().err
 
 
+def test_a_report_says_what_becomes_of_the_file_and_writes_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "fetch.xml").write_text(FILE)
+    command = ["import", str(tmp_path / "fetch.xml"), "--from", "btcpp", "-o", str(tmp_path / "x.yaml"), "--report"]
+    assert main(command) == 0
+    said = capsys.readouterr().out
+    assert "fetch.xml: imported whole, as 'Fetch': 4 nodes, 1 variables, 0 inputs" in said
+    assert "to be provided:    btcpp/Find, btcpp/Grasp" in said
+    assert [p.name for p in tmp_path.iterdir()] == ["fetch.xml"]
+
+
 def test_importing_again_keeps_the_manifests_and_the_code(tmp_path: Path) -> None:
     (tmp_path / "fetch.xml").write_text(FILE)
     command = ["import", str(tmp_path / "fetch.xml"), "--from", "btcpp", "-o", str(tmp_path / "fetch.yaml")]

@@ -13,6 +13,7 @@ from grip_bt.compilers.btcpp import ImportedFile, from_xml
 from grip_bt.compilers.leaves import implementation_of
 from grip_bt.nodes import Leaf
 from grip_bt.runtime import ManualClock
+from grip_bt.runtime.plan import Plan
 from grip_bt.validation import validate
 
 BUILTIN = Catalog.builtin()
@@ -66,10 +67,19 @@ class World:
         scripts: leaf's name -> its script; without one it succeeds at once.
         more: further elements.
         models: of the TreeNodesModel.
+        planned: ticked by a plan.
         data: initial values of the task's variables and inputs.
     """
 
-    def __init__(self, body: str, scripts: Mapping[str, str] | None = None, *more: str, models: str = "", **data: Any):
+    def __init__(
+        self,
+        body: str,
+        scripts: Mapping[str, str] | None = None,
+        *more: str,
+        models: str = "",
+        planned: bool = False,
+        **data: Any,
+    ):
         self.clock = ManualClock()
         self.preempt_requested = False
         self.trace: list[str] = []
@@ -80,6 +90,7 @@ class World:
         self.tree = to_tree(self.file.task, catalog, leaf_factory=self._make, data=data)
         self.tree.prepare(self)
         self.tree.data[""].reset()
+        self.plan = Plan(self.tree.root) if planned else None
 
     def _make(self, path: str, node: Any, manifest: Manifest) -> Leaf:
         if manifest.id.startswith("flow/"):
@@ -92,7 +103,7 @@ class World:
     def tick(self) -> str:
         """Tick once; return the outcome, or `running`, and forget the trace before."""
         self.trace.clear()
-        self.tree.root.tick_once()
+        (self.plan.tick if self.plan is not None else self.tree.root.tick_once)()
         return "running" if self.tree.root.status == Status.RUNNING else str(self.tree.root.outcome)
 
     def ticks(self, times: int) -> list[str]:
