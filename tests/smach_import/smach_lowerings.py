@@ -190,7 +190,11 @@ class Draw:
     def concurrence(self):
         children, mode = [], self.random.choice(("ignore", "service"))  # all answer a request or none: see porting.md
         for number, key in enumerate(self.random.sample(self.KEYS, self.random.randint(2, 3))):
-            leaf = self.leaf() | {"in": [key], "out": [key], "preempt": mode}  # each its own key: what siblings write is seen later
+            leaf = self.leaf() | {
+                "in": [key],
+                "out": [key],
+                "preempt": mode,
+            }  # each its own key: what siblings write is seen later
             children.append([f"C{number}", leaf, {}])
         table = {"succeeded": {label: child["outcomes"][0] for label, child, _ in children}}
         keys = list(self.KEYS)

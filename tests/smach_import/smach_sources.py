@@ -12,10 +12,10 @@ TURN = threading.Condition()
 
 
 class Scripted(smach.State):
-    def __init__(self, path, outcomes, inputs, outputs, script, mode, after):
+    def __init__(self, path, outcomes, inputs, outputs, script, mode, after, later):
         smach.State.__init__(self, outcomes, inputs, outputs)
         self.path, self.labels, self.inputs, self.outputs, self.script = path, outcomes, inputs, outputs, script
-        self.mode, self.after, self.runs = mode, after, 0
+        self.mode, self.after, self.later, self.runs = mode, after, later, 0
 
     def execute(self, ud):
         number = self.runs
@@ -28,6 +28,8 @@ class Scripted(smach.State):
             activation = WORLD['activations']
             WORLD['activations'] += 1
         if activation == WORLD['preempt_at']:
+            with TURN:  # its siblings have begun, so that the request finds them
+                assert TURN.wait_for(lambda: all(path in WAITING for path in self.later), 20)
             WORLD['request'](self)
         outcome = self.work(ud, self.labels[self.script[number % len(self.script)]])
         with TURN:
@@ -61,10 +63,10 @@ def source_of(spec):
     return HEAD + "def build():\n" + "".join(f"    {line}\n" for line in lines)
 
 
-def _emit(spec, path, lines, after=None):
+def _emit(spec, path, lines, after=None, later=()):
     """Append the lines that make a spec's object, and return an expression for it."""
     if spec["kind"] == "leaf":
-        given = (path, spec["outcomes"], spec["in"], spec["out"], spec["script"], spec["preempt"], after)
+        given = (path, spec["outcomes"], spec["in"], spec["out"], spec["script"], spec["preempt"], after, list(later))
         return f"Scripted({', '.join(map(repr, given))})"
     name = "sm" + path.replace("/", "_")
     keys = f"input_keys={spec['in']}, output_keys={spec['out']}"
@@ -93,10 +95,12 @@ def _adds(spec, path, lines):
         given = f"loop_outcomes={spec['loop']}, break_outcomes={spec['break']}, final_outcome_map={spec['final']}"
         calls.append(f"smach.Iterator.set_contained_state({spec['state']!r}, {child}, {given})")
     elif spec["kind"] == "conc":
+        leaves = [f"{path}/{label}" for label, child, _ in spec["children"] if child["kind"] == "leaf"]
         earlier = None
         for label, child, remapping in spec["children"]:
-            made = _emit(child, f"{path}/{label}", before, earlier)
-            earlier = f"{path}/{label}" if child["kind"] == "leaf" else None
+            own = f"{path}/{label}"
+            made = _emit(child, own, before, earlier, leaves[leaves.index(own) + 1 :] if own in leaves else ())
+            earlier = own if child["kind"] == "leaf" else None
             calls.append(f"smach.Concurrence.add({label!r}, {made}, remapping={remapping})")
     else:
         cls = {"sm": "StateMachine", "seq": "Sequence"}[spec["kind"]]
