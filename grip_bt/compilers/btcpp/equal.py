@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import json
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from grip_bt.graph.expression import CONSTANTS, parse_expression
@@ -48,22 +48,23 @@ def attribute_text(value: Any, type_name: str) -> str:
     return text
 
 
-def script_of(text: str, type_of: Callable[[str], str]) -> str:
+def script_of(text: str, type_of: Callable[[str], str], names: Mapping[str, str] | None = None) -> str:
     """Return an expression of a task as a script that comes to the same.
 
     Args:
         text: the expression.
         type_of: variable -> its type.
+        names: what the expression calls a variable -> the variable; without it, by its name.
 
     Raises:
         ValueError: BT.CPP has no words for a part of it, or means something else by them.
     """
-    return _Writer(type_of).text(parse_expression(text).tree)
+    return _Writer(type_of, names or {}).text(parse_expression(text).tree)
 
 
 class _Writer:
-    def __init__(self, type_of: Callable[[str], str]):
-        self.type_of = type_of
+    def __init__(self, type_of: Callable[[str], str], names: Mapping[str, str]):
+        self.type_of, self.names = type_of, names
 
     def text(self, node: ast.expr) -> str:
         match node:
@@ -79,7 +80,7 @@ class _Writer:
             case ast.Name(id=name) if isinstance(CONSTANTS.get(name), bool):
                 return name
             case ast.Name(id=name) if name not in CONSTANTS:
-                return name
+                return self.names.get(name, name)
             case ast.UnaryOp(op=ast.Not(), operand=operand):
                 return f"!{self.inside(operand)}"
             case ast.UnaryOp(op=ast.USub(), operand=operand):
@@ -106,7 +107,7 @@ class _Writer:
         if isinstance(node, ast.Constant):
             return isinstance(node.value, bool | int | str)
         if isinstance(node, ast.Name):
-            return node.id in CONSTANTS or self.type_of(node.id) in ("int", "bool", "str")
+            return node.id in CONSTANTS or self.type_of(self.names.get(node.id, node.id)) in ("int", "bool", "str")
         return False
 
     def operand(self, node: ast.expr) -> str:

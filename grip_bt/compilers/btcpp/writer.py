@@ -6,12 +6,13 @@ has to give the same task: what wouldn't is refused by name.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from xml.sax.saxutils import escape, quoteattr
 
 from grip_bt.catalog import Catalog, Manifest
 from grip_bt.errors import DocumentError, NotExpressibleError, RefusedFileError
 from grip_bt.graph import model
+from grip_bt.graph.expression import parse_expression
 
 from ..from_tree.naming import node_name
 from ..resolve import Part, Resolved, resolve
@@ -136,13 +137,29 @@ def _is_condition(part: Part) -> bool:
     return isinstance(node, model.Leaf) and node.node == "flow/succeed" and bool(node.precondition)
 
 
-def _script(part: Part, text: str) -> str:
+def _type_of(part: Part) -> Callable[[str], str]:
     def type_of(name: str) -> str:
         cell = part.scope.find(name)
         return cell.type if cell is not None else "Any"
 
+    return type_of
+
+
+def _computed(part: Part, node: model.Leaf) -> str | None:
+    """Return what `flow/compute` does as a script; None where a script would come back as something else."""
+    text = node.with_["expression"]
+    names = parse_expression(text).names
+    if "value" not in node.out or list(node.in_) != list("abcdefgh"[: len(names)]) or list(names) != list(node.in_):
+        return None
     try:
-        return script_of(text, type_of)
+        return f"{node.out['value']} := {script_of(text, _type_of(part), node.in_)}"
+    except ValueError:
+        return None
+
+
+def _script(part: Part, text: str) -> str:
+    try:
+        return script_of(text, _type_of(part))
     except ValueError as error:
         raise NotExpressibleError(part.path, f"`{text}` ({error})", TARGET) from error
 
@@ -220,6 +237,8 @@ def _leaf(part: Part, node: model.Leaf, used: dict[str, Manifest]) -> tuple[str,
         return "Sleep", {"msec": _milliseconds(part, node.with_["seconds"])}
     if node.node == "flow/set" and node.out and isinstance(node.with_["value"], bool | int | float | str):
         return "Script", {"code": f"{node.out['value']} := {_script(part, repr(node.with_['value']))}"}
+    if node.node == "flow/compute" and (code := _computed(part, node)) is not None:
+        return "Script", {"code": code}
     used[manifest.id] = manifest
     said: dict[str, str] = {}
     for name, value in node.with_.items():

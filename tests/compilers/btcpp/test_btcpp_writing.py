@@ -232,6 +232,27 @@ def test_ports_keys_and_switches_come_back() -> None:
     assert "_failureIf=\"!(n &gt; 1 &amp;&amp; !(word == 'no'))\"" in written
 
 
+def test_computed_values_are_scripts_and_come_back() -> None:
+    def compute(expression: str, out: str, **inputs: str) -> dict[str, Any]:
+        return {"node": "flow/compute", "with": {"expression": expression}, "in": inputs, "out": {"value": out}}
+
+    root = {
+        "kind": "sequence",
+        "children": {
+            "first": {"node": "flow/set", "with": {"value": 2}, "out": {"value": "n"}},
+            "more": compute("a * (a + 1)", "n", a="n"),
+            "both": compute("a > 1 and not a == 3", "good", a="n"),
+            "copy": compute("a", "other", a="n"),
+        },
+    }
+    before = task(root, data={"n": "int", "good": "bool", "other": "int"})
+    written = to_xml(before, CATALOG)
+    assert 'code="n := n * (n + 1)"' in written
+    assert 'code="good := n &gt; 1 &amp;&amp; !(n == 3)"' in written
+    assert "TreeNodesModel" not in written
+    assert dumps(from_xml(written, CATALOG).task) == dumps(before)
+
+
 WORK = {"node": "test/work"}
 REFUSALS: list[tuple[dict[str, Any], dict[str, Any], str]] = [
     ({"kind": "guard", "if": "true", "child": {"a": WORK}}, {}, "/: a guard can't be expressed exactly as"),
