@@ -73,6 +73,8 @@ class Control:
             self.send("held", **facts_of(place))
 
         runner.debugger.on_held(held)
+        if journal is not None:
+            journal.flush()  # whatever happens to this process, the run is in the journal
         self.send("started", run=runner.run_id, journal=str(journal.file) if journal is not None else None)
         if runner.pacing.state == "paused":
             self.send("state", state="paused")

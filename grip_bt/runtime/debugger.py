@@ -179,10 +179,13 @@ class Debugger(Silent):
                 self._points.pop(point.id, None)
             self._arrange()
             self.at = held
-        for listener in list(self._listeners):
-            listener(held)
+
+        def tell() -> None:
+            for listener in list(self._listeners):
+                listener(held)
+
         try:
-            self._pacing.hold()
+            self._pacing.hold(tell)
         finally:
             with self._lock:
                 if self.at is held:

@@ -95,8 +95,11 @@ class Pacing:
             self._waker.wake_at(self._next)
             self._waker.wait(seen, None)
 
-    def hold(self) -> None:
+    def hold(self, tell: Callable[[], None] = lambda: None) -> None:
         """Pause here, in the middle of a tick, until the next command.
+
+        Args:
+            tell: called first; a command that comes while it tells counts already.
 
         Raises:
             Halted: the command is a stop.
@@ -107,7 +110,8 @@ class Pacing:
             seen = self._releases
             self._holding += 1
         try:
-            self._change(paused=True)
+            tell()
+            self._change(paused=True, unless_released=seen)
             with self._gate:
                 while self._releases == seen and not self._stopped:
                     self._gate.wait()
@@ -140,8 +144,12 @@ class Pacing:
         """Halt: everything that runs is interrupted, at once, and nothing recovers."""
         self._change(stopped=True)
 
-    def _change(self, paused: bool | None = None, steps: int = 0, stopped: bool = False) -> None:
+    def _change(
+        self, paused: bool | None = None, steps: int = 0, stopped: bool = False, unless_released: int | None = None
+    ) -> None:
         with self._gate:
+            if unless_released not in (None, self._releases):
+                return
             before = self.state
             if paused is not None:
                 self._paused = paused

@@ -156,6 +156,15 @@ def test_a_breakpoint_set_while_a_leaf_runs_is_met(target: Any) -> None:
     assert run.join().status == "success"
 
 
+@both
+def test_a_command_that_comes_while_the_place_is_told_is_not_lost(target: Any) -> None:
+    run = Debugged(target)
+    run.runner.debugger.set("a/x")
+    run.runner.debugger.on_held(lambda held: run.runner.resume())
+    run.start()
+    assert run.join().status == "success"
+
+
 def test_what_is_not_there_is_refused_with_what_is() -> None:
     debugger = Debugged(to_tree).runner.debugger
     with pytest.raises(UnknownNameError, match="unknown node 'a/q'.*there are: /, a, a/x"):
