@@ -27,6 +27,8 @@ ACKNOWLEDGE = 0.05
 """How long [s] the run's process may take to acknowledge a stop."""
 WIND_DOWN = 5.0
 """How long [s] it may take after that to close its parts."""
+STILL = 0.5
+"""How long [s] after a stop it may show no sign of life before it has ended; it shows several in that time."""
 HOLD = 0.04
 """How long [s] a simulator may take to say that the robot holds."""
 LOOK = 0.25
@@ -147,9 +149,18 @@ class Supervisor:
         self._send({"command": "stop"})
         if not self._acknowledged.wait(called + ACKNOWLEDGE - time.monotonic()):
             held = self._hold()
+            self._told({"event": "state", "state": "stopping"})
             self._kill(f"did not acknowledge the stop within {1000 * ACKNOWLEDGE:.0f} ms{held}")
-        elif not self._over.wait(WIND_DOWN):
-            self._kill(f"did not end within {WIND_DOWN:g} s of the stop")
+            return
+        while time.monotonic() < called + WIND_DOWN:
+            count = self._pulse.count
+            if self._over.wait(STILL):
+                return
+            if self._run is not None and self._ended is None and self._pulse.count == count:
+                held = self._hold()
+                self._kill(f"stood still after it had acknowledged the stop{held}")
+                return
+        self._kill(f"did not end within {WIND_DOWN:g} s of the stop")
 
     def _hold(self) -> str:
         """Have the simulator hold the robot; return what came of it."""

@@ -170,7 +170,7 @@ def _tell_failures(started: Mapping[str, Any], said: str) -> None:
 def _pass_on(send: Callable[[Mapping[str, Any]], None]) -> None:
     """Pass commands on, line by line; the end of input is a stop."""
     try:
-        for line in sys.stdin:
+        for line in open(0, closefd=False):  # not sys.stdin, whose lock would be held at our exit
             try:
                 command = json.loads(line)
             except ValueError:
