@@ -1,0 +1,93 @@
+"""The package in the place of `smach_ros`: names, profiles, conditions, on the ROS 1 stand-in in this process."""
+
+import subprocess
+import sys
+
+import pytest
+import standin_messages
+import standin_rospy
+
+from grip_bt import smach_compat
+from grip_bt.ros.smach_rospy import connect
+from grip_bt.smach_compat import UserData, smach_ros
+from grip_bt.smach_compat.exceptions import InvalidStateError, InvalidUserCodeError
+
+NOETIC = """
+    set_preempt_handler ActionServerWrapper IntrospectionClient IntrospectionServer
+    SimpleActionState ServiceState MonitorState ConditionState
+""".split()
+
+
+@pytest.fixture(autouse=True)
+def ros():
+    standin_rospy.master.reset()
+    smach_ros.use(connect(standin_messages.modules().__getitem__))
+    yield
+    smach_ros.use(None)
+
+
+@pytest.mark.parametrize(("profile", "more"), [("noetic", set()), ("ros2", {"RosState"})])
+def test_a_star_import_gives_upstreams_names_of_the_profile(profile, more):
+    smach_compat.configure(profile=profile)
+    assert {*NOETIC, *more} == set(smach_ros.__all__) - {"SmachNode"}
+    assert ("SmachNode" in smach_ros.__all__) == (profile == "ros2")
+
+
+def test_sub_modules_are_found_under_upstreams_names_and_nothing_of_ros_is_loaded():
+    code = (
+        "from grip_bt import smach_compat; smach_compat.install()\n"
+        "import sys, smach_ros.util\n"
+        "from smach_ros.simple_action_state import SimpleActionState\n"
+        "from smach_ros.introspection import IntrospectionServer\n"
+        "sys.exit(bool({'rospy', 'rclpy'} & set(sys.modules)))"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
+
+
+@pytest.mark.parametrize(("profile", "checks"), [("noetic", 4), ("ros2", 3)])
+def test_a_condition_is_checked_once_more_in_noetic(profile, checks):
+    smach_compat.configure(profile=profile)
+    seen = []
+    rate = 1000 if profile == "ros2" else standin_rospy.Duration(0.001)
+    state = smach_ros.ConditionState(seen.append, poll_rate=rate, max_checks=3)
+    assert (state.execute(UserData()), len(seen)) == ("false", checks)
+
+
+def test_a_condition_ends_when_it_holds_is_preempted_runs_out_of_time_or_raises():
+    assert smach_ros.ConditionState(lambda ud: True).execute(UserData()) == "true"
+    state = smach_ros.ConditionState(lambda ud: False, max_checks=-1)
+    state.request_preempt()
+    assert (state.execute(UserData()), state.preempt_requested()) == ("preempted", False)
+    state = smach_ros.ConditionState(lambda ud: False, poll_rate=0.001, timeout=0.02, max_checks=-1)
+    assert state.execute(UserData()) == "false"
+    with pytest.raises(InvalidUserCodeError, match="ZeroDivisionError"):
+        smach_ros.ConditionState(lambda ud: 1 / 0).execute(UserData())
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"goal": print}, "give it as goal_cb"),
+        ({"goal_slots": ["speed"]}, "has \\['goal'\\]"),
+        ({"result_slots": ["speed"]}, "has \\['result'\\]"),
+        ({"goal_cb": 3}, "goal callback .* no function"),
+    ],
+)
+def test_wrong_arguments_of_an_action_state_are_refused_with_what_there_is(options, said):
+    with pytest.raises(InvalidStateError, match=said):
+        smach_ros.SimpleActionState("a", standin_messages.TestAction, **options)
+
+
+def test_a_service_state_aborts_without_what_its_request_needs_and_when_the_server_fails():
+    standin_rospy.Service("/add", standin_messages.AddSrv, lambda request: 1 / 0)
+    assert smach_ros.ServiceState("add", standin_messages.AddSrv, request_key="r").execute(UserData()) == "aborted"
+    assert smach_ros.ServiceState("add", standin_messages.AddSrv).execute(UserData()) == "aborted"
+    unknown = smach_ros.ServiceState("add", standin_messages.AddSrv, request_cb=lambda ud, request: 1 / 0)
+    assert unknown.execute(UserData()) == "aborted"
+
+
+def test_a_shutdown_of_ros_1_preempts_the_machine():
+    machine = smach_compat.StateMachine(["done"])
+    smach_ros.set_preempt_handler(machine)
+    standin_rospy.signal_shutdown("test")
+    assert machine.preempt_requested()
