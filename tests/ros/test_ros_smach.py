@@ -380,3 +380,41 @@ def test_an_interrupt_preempts_the_machine_and_the_program_ends_by_itself(domain
     finally:
         process.kill()
         process.wait()
+
+
+LEGACY = """
+import smach
+import smach_ros
+from std_srvs.srv import SetBool
+
+
+def build():
+    sm = smach.StateMachine(outcomes=["succeeded", "aborted", "preempted"])
+    sm.userdata.given = True
+    with sm:
+        ask = smach_ros.ServiceState("answer", SetBool, request_slots=["data"], response_slots=["success"])
+        smach.StateMachine.add("ASK", ask, {"succeeded": "CHECK"}, remapping={"data": "given", "success": "said"})
+        smach.StateMachine.add(
+            "CHECK",
+            smach_ros.ConditionState(lambda ud: ud.said, input_keys=["said"]),
+            {"true": "succeeded", "false": "aborted"},
+        )
+    return sm
+"""
+
+
+def test_a_legacy_file_that_calls_a_service_is_imported_and_run_by_the_commands(domain, server, tmp_path):
+    from grip_bt.ros.process import child_environment
+
+    (tmp_path / "legacy_ask.py").write_text(LEGACY)
+    for words in (["import", "legacy_ask.py", "--from", "smach", "-o", "tasks/ask.yaml"], ["run", "tasks/ask.yaml"]):
+        done = subprocess.run(
+            [sys.executable, "-m", "grip_bt.cli", *words],
+            env=child_environment((), domain),
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            timeout=60,
+        )
+        assert done.returncode == 0, (words, done.stdout, done.stderr)
+    assert "succeeded" in done.stdout
