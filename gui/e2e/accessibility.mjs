@@ -18,11 +18,33 @@ async function check(page, where) {
 for (const colorScheme of ["light", "dark"]) {
   await onPage(
     url,
-    async (page, { button, choose, nodeIs, runIs }) => {
+    async (page, { button, choose, item, nodeIs, pick, runIs }) => {
       await choose("Task", "tasks/short.yaml");
       await choose("Robot", "fake");
       await nodeIs("machine", "not started");
       await check(page, `${colorScheme}, before`);
+      await pick("machine");
+      for (const view of ["Flow", "Split", "Text"]) {
+        await button(view).click();
+        await page.locator({ Flow: ".flow .ports", Split: ".react-flow", Text: ".cm-content" }[view]).first().waitFor();
+        await check(page, `${colorScheme}, ${view}`);
+      }
+      await button("Tree").click();
+      await pick("second");
+      await check(page, `${colorScheme}, form of a leaf`);
+      for (const tab of ["History", "Run", "Problems"]) {
+        await page.getByRole("tab", { name: tab }).click();
+        await check(page, `${colorScheme}, ${tab}`);
+      }
+      for (const key of ["/", "F2", "Control+k"]) {
+        await item("second").focus();
+        await page.keyboard.press(key);
+        await page.getByRole("dialog").waitFor();
+        await check(page, `${colorScheme}, dialog of ${key}`);
+        await page.keyboard.press("Escape");
+        await page.getByRole("dialog").waitFor({ state: "detached" });
+        assert.equal(await page.evaluate(() => document.activeElement?.getAttribute("data-row")), "attempts/second");
+      }
       await button("Run").click();
       await runIs("success: success");
       await nodeIs("machine", "done \\(success\\)");

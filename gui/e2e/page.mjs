@@ -1,4 +1,6 @@
 // Opens the editor in the system's Chromium and gives tests a few words of their own.
+import assert from "node:assert/strict";
+
 import { chromium } from "playwright-core";
 
 const EXECUTABLE = process.env.CHROMIUM ?? "/usr/bin/chromium";
@@ -17,11 +19,15 @@ export async function onPage(url, test, options = {}) {
     page.setDefaultTimeout(PATIENCE);
     page.on("pageerror", (error) => complaints.push(String(error)));
     page.on("console", (message) => {
-      if (message.type() === "error") complaints.push(message.text());
+      // A conflict (409) is a refusal that the page shows and the person decides.
+      if (message.type() === "error" && !message.text().includes("status of 409")) complaints.push(message.text());
     });
     await page.goto(url);
     await page.getByRole("tree").waitFor();
-    await test(page, words(page));
+    await test(page, words(page)).catch(async (error) => {
+      if (process.env.SHOT) await page.screenshot({ path: process.env.SHOT });
+      throw error;
+    });
     if (complaints.length > 0) throw new Error(`the page complains: ${complaints.join("\n")}`);
   } finally {
     await browser.close();
@@ -38,6 +44,29 @@ export function words(page) {
     nodeIs: (node, status) =>
       page.getByRole("treeitem", { name: new RegExp(`^${node} [a-z ]+, ${status}$`) }).waitFor({ state: "attached" }),
     choose: (label, value) => page.getByLabel(label, { exact: true }).selectOption(value),
+    item: (name) => page.getByRole("treeitem", { name: new RegExp(`^${name} `) }),
+    /** Select a node in the outline, with the focus on it. */
+    pick: async (name) => {
+      await page.getByRole("treeitem", { name: new RegExp(`^${name} `) }).click();
+    },
+    /** The names in the outline, in order. */
+    names: () => page.getByRole("treeitem").evaluateAll((rows) => rows.map((row) => row.getAttribute("data-row"))),
+    /** Wait until the outline has these rows. */
+    rowsAre: async (rows) => {
+      const now = () => page.getByRole("treeitem").evaluateAll((all) => all.map((row) => row.getAttribute("data-row")));
+      const deadline = Date.now() + 8000;
+      while (Date.now() < deadline && JSON.stringify(await now()) !== JSON.stringify(rows)) await page.waitForTimeout(40);
+      assert.deepEqual(await now(), rows);
+    },
+    /** Wait until the file's state says `text`. */
+    fileIs: (text) => page.getByLabel("State of the file").getByText(text, { exact: true }).waitFor(),
+    /** Answer the open dialog: type, then Enter. */
+    answer: async (text) => {
+      const title = await page.getByRole("dialog").getByRole("heading").textContent();
+      await page.getByRole("dialog").locator("input").fill(text);
+      await page.keyboard.press("Enter");
+      await page.getByRole("dialog").getByRole("heading", { name: title, exact: true }).waitFor({ state: "detached" });
+    },
     slider: () => page.getByRole("slider", { name: "Moment of the run" }),
   };
 }

@@ -10,6 +10,7 @@ from .messages import Meaning, TaskView, Wire
 
 TaskPath = Annotated[str, Field(max_length=1024)]
 View = Literal["flow", "tree"]
+Form = Literal["tree", "machine"]
 Change = Literal["", "changed", "deleted"]
 FieldType = Literal["bool", "int", "float", "choice", "text", "expression", "variable", "child", "json"]
 
@@ -140,6 +141,22 @@ class FormsView(Wire):
     trouble: str = ""
 
 
+class ConversionView(Wire):
+    """What a conversion would make of a container, and what came of running both forms with scripted leaves."""
+
+    before: list[str]
+    """Kinds and names, a line a node, indented."""
+    after: list[str]
+    kept: list[str]
+    """What stays as it is, and why."""
+    same: bool
+    compared: str
+    script: list[str]
+    """Where they differ: how each leaf ends."""
+    does_before: list[str]
+    does_after: list[str]
+
+
 class PlacesView(Wire):
     """Where the nodes stand in the text: path -> 1-based line."""
 
@@ -219,6 +236,15 @@ class NewTask(Wire):
 
     path: TaskPath
     text: str | None = None
+
+
+class ConvertWish(Wire):
+    """Convert a container, or (`/`) the whole task, to the other form."""
+
+    path: TaskPath
+    base: int
+    node: str
+    form: Form
 
 
 class ExpressionWish(Wire):

@@ -15,11 +15,14 @@ from grip_bt.graph.edit import AnyCommand, command_of
 from .documents import catalog_of
 from .edit_messages import (
     CatalogView,
+    ConversionView,
+    ConvertWish,
     DiskWish,
     DocumentView,
     EditWish,
     ExpressionView,
     ExpressionWish,
+    Form,
     FormsView,
     NewTask,
     PartsView,
@@ -30,6 +33,7 @@ from .edit_messages import (
     TextWish,
 )
 from .editing import EditDesk, Sheet, StaleEditError
+from .editing.conversion import conversion_view, convert
 from .editing.forms import forms_view
 from .editing.palette import catalog_view
 from .editing.views import check_expression, document_view, parts_view, places_view
@@ -78,6 +82,11 @@ def _add_questions(api: APIRouter, desk: EditDesk) -> None:
         with desk.reading(path) as sheet:
             return parts_view(sheet, node)
 
+    @api.get("/document/conversion")
+    def conversion(path: str, node: str, form: Form) -> ConversionView:
+        with desk.reading(path) as sheet:
+            return conversion_view(sheet, catalog_of(folder)[0], node, form)
+
     @api.post("/document/expression")
     def expression(wish: ExpressionWish) -> ExpressionView:
         with desk.reading(wish.path) as sheet:
@@ -99,6 +108,11 @@ def _add_wishes(api: APIRouter, desk: EditDesk, notify: Callable[[], None]) -> N
     async def edit(wish: EditWish) -> DocumentView:
         command = understood(wish.command)
         return await change(wish.path, lambda sheet: sheet.do(command, wish.base))
+
+    @api.post("/document/convert")
+    async def convert_container(wish: ConvertWish) -> DocumentView:
+        found = catalog_of(desk.folder)[0]
+        return await change(wish.path, lambda sheet: convert(sheet, found, wish.node, wish.form, wish.base))
 
     @api.post("/document/text")
     async def text(wish: TextWish) -> DocumentView:

@@ -125,7 +125,7 @@ def wait_for(condition: Callable[[], object], patience: float = 15.0) -> None:
         time.sleep(0.02)
 
 
-def browser(script: str, url: str) -> list[str]:
+def browser(script: str, url: str, *more: str) -> list[str]:
     """Return the command that drives the page, or skip with the reason why it can't be."""
     if shutil.which("node") is None:
         pytest.skip("NOT RUN: Node isn't installed")
@@ -133,7 +133,7 @@ def browser(script: str, url: str) -> list[str]:
         pytest.skip(f"NOT RUN: no Chromium at {CHROMIUM}; apt install chromium, or set CHROMIUM")
     if not (E2E / "node_modules" / "playwright-core").is_dir():
         pytest.skip("NOT RUN: the browser driver isn't installed; npm ci in gui/e2e")
-    return ["node", str(E2E / script), url]
+    return ["node", str(E2E / script), url, *more]
 
 
 @pytest.mark.e2e
@@ -144,6 +144,15 @@ def test_the_page_in_a_browser(folder: Path, script: str) -> None:
         done = subprocess.run(browser(script, url), capture_output=True, text=True, timeout=120)
         assert done.returncode == 0, done.stdout + done.stderr
         wait_for(lambda: not run_processes(folder))
+
+
+@pytest.mark.e2e
+@pytest.mark.slow
+@pytest.mark.parametrize("script", ["edit_tree.mjs", "edit_flow.mjs", "edit_text.mjs"])
+def test_tasks_are_edited_in_a_browser(folder: Path, script: str) -> None:
+    with editing(folder) as (_, url):
+        done = subprocess.run(browser(script, url, str(folder)), capture_output=True, text=True, timeout=180)
+        assert done.returncode == 0, done.stdout + done.stderr
 
 
 @pytest.mark.e2e

@@ -2,6 +2,8 @@
 import type {
   CatalogView,
   Control,
+  ConversionView,
+  ConvertWish,
   DiskWish,
   DocumentView,
   EditWish,
@@ -56,6 +58,9 @@ export const server = {
   places: (path: string) => ask<PlacesView>(`document/places?path=${encodeURIComponent(path)}`),
   parts: (path: string, nodes: readonly string[]) =>
     ask<PartsView>(`document/parts?path=${encodeURIComponent(path)}${nodes.map((node) => `&node=${encodeURIComponent(node)}`).join("")}`),
+  conversion: (path: string, node: string, form: ConvertWish["form"]) =>
+    ask<ConversionView>(`document/conversion?path=${encodeURIComponent(path)}&node=${encodeURIComponent(node)}&form=${form}`),
+  convert: (wish: ConvertWish) => ask<DocumentView>("document/convert", wish),
   edit: (wish: EditWish) => ask<DocumentView>("document/edit", wish),
   text: (wish: TextWish) => ask<DocumentView>("document/text", wish),
   step: (wish: StepWish) => ask<DocumentView>("document/step", wish),

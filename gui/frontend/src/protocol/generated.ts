@@ -12,6 +12,26 @@ export interface Control {
   command: "pause" | "resume" | "step" | "stop";
 }
 
+/** What a conversion would make of a container, and what came of running both forms with scripted leaves. */
+export interface ConversionView {
+  before: string[];
+  after: string[];
+  kept: string[];
+  same: boolean;
+  compared: string;
+  script: string[];
+  does_before: string[];
+  does_after: string[];
+}
+
+/** Convert a container, or (`/`) the whole task, to the other form. */
+export interface ConvertWish {
+  path: string;
+  base: number;
+  node: string;
+  form: "tree" | "machine";
+}
+
 /** Take the file's text for what is here. */
 export interface DiskWish {
   path: string;

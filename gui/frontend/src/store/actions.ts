@@ -1,6 +1,7 @@
 /** Every action by name and key: for the keyboard, the buttons, and the list of commands. */
 import { KINDS } from "../model/words";
 import { askChoice } from "./ask";
+import { askConversion } from "./converting";
 import { useDocument } from "./document";
 import { redo, save, undo } from "./editing";
 import { find } from "./finding";
@@ -42,6 +43,7 @@ export const ACTIONS: readonly Action[] = [
   { id: "wrap", title: "Wrap in a container", keys: ["w"], run: () => wrap() },
   { id: "unwrap", title: "Unwrap", keys: ["Shift+W"], run: unwrap },
   { id: "kind", title: "Change kind", keys: ["k"], run: () => changeKind() },
+  { id: "convert", title: "Convert to the other form", keys: ["Shift+K"], run: () => askConversion() },
   { id: "up", title: "Move up", keys: ["Alt+ArrowUp"], run: () => shift("up") },
   { id: "down", title: "Move down", keys: ["Alt+ArrowDown"], run: () => shift("down") },
   { id: "out", title: "Move out of the container", keys: ["Alt+ArrowLeft"], run: () => shift("out") },

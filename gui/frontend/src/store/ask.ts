@@ -27,6 +27,8 @@ export interface ChoiceQuestion {
   readonly options: readonly Option[];
   /** Said above the list. */
   readonly lead?: string;
+  /** Texts that are shown side by side above the list. */
+  readonly columns?: readonly { readonly title: string; readonly lines: readonly string[] }[];
 }
 
 export type Question = TextQuestion | ChoiceQuestion;

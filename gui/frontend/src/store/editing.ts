@@ -74,8 +74,11 @@ export async function edit(command: Command, select?: string | readonly string[]
     useRun.getState().setTrouble("What is shown is the record of a run; go back to the task to edit it.");
     return false;
   }
+  const before = usePage.getState().selected;
   const done = await send(({ path, revision }) => server.edit({ path, base: revision, command }));
-  if (done && select !== undefined) {
+  // Who has turned to another node meanwhile stays there.
+  const stayed = usePage.getState().selected === before || !useRun.getState().index.byPath.has(before ?? "");
+  if (done && select !== undefined && stayed) {
     const known = useRun.getState().index.byPath;
     const paths = (typeof select === "string" ? [select] : select).filter((path) => known.has(path));
     if (paths.length > 0) usePage.getState().markAll(paths);
@@ -99,6 +102,10 @@ export function typeText(text: string, base: number | null): Promise<boolean> {
 
 export function pin(view: PinWish["view"], positions: Record<string, [number, number] | null>): Promise<boolean> {
   return send(({ path }) => server.pin({ path, view, positions }));
+}
+
+export function convert(node: string, form: "tree" | "machine"): Promise<boolean> {
+  return send(({ path, revision }) => server.convert({ path, base: revision, node, form }));
 }
 
 export function save(over = false): Promise<boolean> {

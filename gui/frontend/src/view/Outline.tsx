@@ -59,6 +59,7 @@ function OutlineRow({ row, isClosed, isTabStop }: { row: Row; isClosed: boolean;
   const { select, mark, setClosed } = usePage.getState();
   const target = useDropTarget(node.path);
   const box = useRef<HTMLDivElement>(null);
+  const pointed = useRef(false);
   // After an edit the row of the selected node is another element: the focus goes along.
   useEffect(() => {
     const tree = box.current?.closest("[role=tree]");
@@ -81,8 +82,16 @@ function OutlineRow({ row, isClosed, isTabStop }: { row: Row; isClosed: boolean;
       tabIndex={isTabStop ? 0 : -1}
       style={{ paddingInlineStart: `${level * 14 - 6}px` }}
       onClick={(event) => (event.ctrlKey || event.metaKey || event.shiftKey ? mark(node.path) : select(node.path))}
+      onPointerDown={() => {
+        pointed.current = true;
+      }}
+      onPointerUp={() => {
+        pointed.current = false;
+      }}
       onFocus={() => {
-        if (!usePage.getState().marked.has(node.path)) select(node.path);
+        // A press selects by its click, which knows of the keys that are held.
+        if (!pointed.current && !usePage.getState().marked.has(node.path)) select(node.path);
+        pointed.current = false;
       }}
       ref={box}
       {...target}

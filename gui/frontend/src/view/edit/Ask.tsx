@@ -89,6 +89,18 @@ function Chooser({ question, answer }: { question: ChoiceQuestion; answer: (valu
   return (
     <div className="chooser">
       {question.lead && <p>{question.lead}</p>}
+      {question.columns && (
+        <div className="ask-columns">
+          {question.columns.map((column) => (
+            <figure key={column.title}>
+              <figcaption>{column.title}</figcaption>
+              <pre tabIndex={0} aria-label={column.title}>
+                {column.lines.join("\n")}
+              </pre>
+            </figure>
+          ))}
+        </div>
+      )}
       <label htmlFor={id}>{question.label}</label>
       <input
         id={id}

@@ -78,14 +78,14 @@ function RunStatus({ node }: { node: NodeView }): JSX.Element | null {
   );
 }
 
-const FOR_ALL = ["rename", "wrap", "unwrap", "copy", "cut", "paste", "up", "down", "connect", "free", "remove"];
+const FOR_ALL = ["rename", "wrap", "unwrap", "copy", "cut", "paste", "up", "down", "connect", "free", "convert", "remove"];
 
 function Actions({ node }: { node: NodeView }): JSX.Element {
   const parent = useRun((s) => s.index.byPath.get(parentOf(node.path) ?? ""));
   const machine = node.kind === "state_machine" || parent?.kind === "state_machine";
   const not = new Set([
     ...(node.path === "/" ? ["cut", "remove", "up", "down"] : []),
-    ...(node.kind === "leaf" ? ["unwrap"] : []),
+    ...(node.kind === "leaf" ? ["unwrap", "convert"] : []),
     ...(machine ? [] : ["free"]),
   ]);
   return (
@@ -99,7 +99,7 @@ function Actions({ node }: { node: NodeView }): JSX.Element {
   );
 }
 
-const SHORT: Record<string, string> = { wrap: "Wrap", connect: "Connect", free: "Connect free", up: "Up", down: "Down" };
+const SHORT: Record<string, string> = { wrap: "Wrap", connect: "Connect", free: "Connect free", convert: "Convert", up: "Up", down: "Down" };
 
 function run(id: string): void {
   void ACTIONS.find((action) => action.id === id)?.run();

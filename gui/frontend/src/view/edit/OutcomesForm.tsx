@@ -80,7 +80,7 @@ function OutcomeRow({ node, outcome, locked, declared }: RowProps): JSX.Element 
           disabled={locked}
           onChange={(event) => void (event.target.value === "" ? disconnect(node.path, outcome, false) : connect(node.path, outcome, event.target.value))}
         >
-          <option value="">{machine ? "(nowhere)" : "(by its meaning)"}</option>
+          <option value="">{machine ? "(nowhere)" : "(by meaning)"}</option>
           {target !== "" && !targets.includes(target) && <option value={target}>{target}?</option>}
           {targets.map((each) => (
             <option key={each} value={each}>

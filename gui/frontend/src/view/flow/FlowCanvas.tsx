@@ -2,6 +2,7 @@
 import { Background, type Connection, Controls, type Edge, MarkerType, MiniMap, type Node, Position, ReactFlow, type ReactFlowInstance, useReactFlow } from "@xyflow/react";
 import { type DragEvent, type JSX, useCallback, useEffect, useMemo, useState } from "react";
 
+import { parentOf } from "../../model/commands";
 import { type Flow, FLOW_HEAD, flowOf, PORT_HEIGHT, START, targetName } from "../../model/flow";
 import { layoutFlow } from "../../model/flowLayout";
 import type { Box } from "../../model/layout";
@@ -27,6 +28,7 @@ export function FlowCanvas(): JSX.Element {
   const index = useRun((s) => s.index);
   const locked = useRun((s) => s.record !== null);
   const container = usePage((s) => s.container);
+  useSelectedContainer();
   const pins = useDocument((s) => s.document?.layout.flow) ?? NO_PINS;
   const flow = useMemo(() => flowOf(task, index.byPath, container), [task, index, container]);
   const boxes = useMemo(() => layoutFlow(flow, pins), [flow, pins]);
@@ -124,6 +126,19 @@ function Pinned({ flow, pins, locked }: { flow: Flow; pins: Record<string, numbe
       Tidy up ({here.length} pinned)
     </button>
   );
+}
+
+/** Goes to the container of a node that was selected elsewhere. */
+function useSelectedContainer(): void {
+  const selected = usePage((s) => s.selected);
+  useEffect(() => {
+    const { container, enter } = usePage.getState();
+    const { byPath } = useRun.getState().index;
+    const parent = selected === null ? null : parentOf(selected);
+    if (selected === null || selected === container || parent === container || !byPath.has(selected)) return;
+    if (selected === "/" || parent === null) enter("/");
+    else enter(parent);
+  }, [selected]);
 }
 
 /** Brings a node that was selected elsewhere into sight. */

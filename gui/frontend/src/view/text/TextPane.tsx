@@ -98,7 +98,7 @@ class Pane {
         ...searchKeymap,
         ...defaultKeymap,
       ]),
-      EditorView.contentAttributes.of({ "aria-label": "Text of the task" }),
+      EditorView.contentAttributes.of({ "aria-label": "Text of the task", tabindex: "0" }),
       this.lock.of([]),
       EditorView.updateListener.of((update) => {
         if (!update.docChanged || update.transactions.every((t) => t.annotation(Transaction.remote))) return;
