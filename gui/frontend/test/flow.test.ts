@@ -1,0 +1,91 @@
+import fc from "fast-check";
+import { describe, expect, it } from "vitest";
+
+import { endId, flowOf, START } from "../src/model/flow";
+import { layoutFlow } from "../src/model/flowLayout";
+import { TaskIndex } from "../src/model/status";
+import type { NodeView } from "../src/protocol/generated";
+import { node, task } from "./tasks";
+
+function chart(kind: string, children: NodeView[], part: Partial<NodeView> = {}) {
+  const root = node("/", { kind, children: children.map((child) => child.path), ...part });
+  const whole = task([root, ...children]);
+  return flowOf(whole, new TaskIndex(whole).byPath, "/");
+}
+const lines = (flow: ReturnType<typeof chart>): string[] => flow.edges.map((edge) => `${edge.source}.${edge.outcome} ${edge.derived ? "~" : "-"} ${edge.target}`);
+
+describe("a container as a flow chart", () => {
+  it("shows the edges of a state machine as they stand in the file", () => {
+    const a = node("a", { initial: true, on: [{ outcome: "success", target: "b", ends: false }, { outcome: "failure.no_plan", target: "gone", ends: true }] });
+    const flow = chart("state_machine", [a, node("b")], { outcomes: { gone: "failure", never: "success" } });
+    expect(lines(flow)).toEqual([`${START}. ~ a`, "a.success - b", `a.failure.no_plan - ${endId("gone")}`]);
+    expect(flow.items.filter((item) => item.kind === "end").map((item) => item.outcome)).toEqual(["gone", "never"]);
+    expect(flow.items.find((item) => item.id === "a")?.ports.map((port) => [port.outcome, port.led])).toEqual([
+      ["success", true],
+      ["failure", false],
+      ["failure.no_plan", true],
+    ]);
+  });
+
+  it("derives the edges of a sequence and of a fallback, with success and failure changed round", () => {
+    const children = [node("a"), node("b")];
+    expect(lines(chart("sequence", children))).toEqual([`${START}. ~ a`, "a.success ~ b", `a.failure ~ ${endId("failure")}`, `b.success ~ ${endId("success")}`, `b.failure ~ ${endId("failure")}`]);
+    expect(lines(chart("fallback", children))).toContain("a.failure ~ b");
+    expect(lines(chart("fallback", children))).toContain(`a.success ~ ${endId("success")}`);
+  });
+
+  it("shows exits as stored, a retry as a loop, an inversion crossed, and nothing where edges can't say it", () => {
+    const a = node("a", { on: [{ outcome: "failure", target: "lost", ends: true }] });
+    expect(lines(chart("sequence", [a], { outcomes: { success: "success", failure: "failure", lost: "failure" } }))).toContain(`a.failure - ${endId("lost")}`);
+    expect(lines(chart("retry", [node("a")], { fields: { times: 3 } }))).toEqual([`a.success ~ ${endId("success")}`, "a.failure ~ a"]);
+    expect(lines(chart("invert", [node("a")]))).toContain(`a.success ~ ${endId("failure")}`);
+    expect(lines(chart("parallel", [node("a"), node("b")]))).toEqual([]);
+    expect(chart("sequence", [node("a")], { fields: { memory: false } }).strip).toMatch(/every tick/);
+  });
+});
+
+const randomChart = fc.integer({ min: 1, max: 14 }).chain((count) =>
+  fc.array(fc.tuple(fc.nat(count - 1), fc.nat(count - 1)), { maxLength: 30 }).map((pairs) => {
+    const children = Array.from({ length: count }, (_, i) =>
+      node(`n${i}`, { initial: i === 0, on: pairs.filter(([from]) => from === i).slice(0, 2).map(([, to], k) => ({ outcome: k === 0 ? "success" : "failure", target: `n${to}`, ends: false })) }),
+    );
+    return chart("state_machine", children, { outcomes: { success: "success" } });
+  }),
+);
+
+describe("the layout", () => {
+  it("is the same every time, and nothing lies on anything else", () => {
+    fc.assert(
+      fc.property(randomChart, (flow) => {
+        const boxes = [...layoutFlow(flow).values()];
+        expect(boxes).toEqual([...layoutFlow(flow).values()]);
+        for (const [i, one] of boxes.entries()) {
+          for (const other of boxes.slice(i + 1)) {
+            const apart = one.x + one.width <= other.x || other.x + other.width <= one.x || one.y + one.height <= other.y || other.y + other.height <= one.y;
+            expect(apart).toBe(true);
+          }
+        }
+      }),
+      { numRuns: 60 },
+    );
+  });
+
+  it("never moves what was pinned, and lets nothing lie on it", () => {
+    fc.assert(
+      fc.property(randomChart, fc.array(fc.tuple(fc.integer({ min: -900, max: 900 }), fc.integer({ min: -900, max: 900 })), { maxLength: 3 }), (flow, spots) => {
+        const pins = Object.fromEntries(spots.map((spot, i) => [`n${i}`, spot]));
+        const boxes = layoutFlow(flow, pins);
+        const pinned = flow.items.filter((item) => pins[item.id]).map((item) => item.id);
+        for (const id of pinned) expect([boxes.get(id)?.x, boxes.get(id)?.y]).toEqual(pins[id]);
+        for (const id of pinned) {
+          const one = boxes.get(id)!;
+          for (const [other, box] of boxes) {
+            if (pinned.includes(other)) continue;
+            expect(one.x + one.width <= box.x || box.x + box.width <= one.x || one.y + one.height <= box.y || box.y + box.height <= one.y).toBe(true);
+          }
+        }
+      }),
+      { numRuns: 60 },
+    );
+  });
+});
