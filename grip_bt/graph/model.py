@@ -16,41 +16,20 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, StringConstraints, Tag, model_validator
+from pydantic import BaseModel, Discriminator, Field, StringConstraints, Tag, model_validator
 
 from .frozen import FrozenDict
-
-FORMAT_VERSION = 1
-
-Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_ -]*$")]
-"""Name of a node, a variable or an outcome: no dot and no slash, since these separate names."""
-
-Meaning = Literal["success", "failure"]
-Case = bool | int | float | str | None
-"""A literal that a value is compared with."""
-
-
-class _Model(BaseModel):
-    # built on first use: every node's model holds the union of all of them, and few programs need each
-    model_config = ConfigDict(frozen=True, extra="forbid", populate_by_name=True, defer_build=True)
+from .parts import FORMAT_VERSION as FORMAT_VERSION
+from .parts import Case as Case
+from .parts import Meaning as Meaning
+from .parts import Name as Name
+from .parts import ParallelRule as ParallelRule
+from .parts import Shape as Shape
+from .parts import Variable as Variable
+from .parts import type_of as type_of
 
 
-class Variable(_Model):
-    """A variable that nodes below the declaring container may read and write."""
-
-    type: str
-    """Name of a value type, a builtin, `list[T]`, `dict[str, T]`, `T | None`, a ROS type or `Any`."""
-    value: Any = None
-    """Initial value; a literal. Absent means that the variable must be written before it is read."""
-    doc: str = ""
-
-    @property
-    def has_value(self) -> bool:
-        """Whether an initial value was given."""
-        return "value" in self.model_fields_set
-
-
-class _Node(_Model):
+class _Node(Shape):
     doc: str = ""
     precondition: str = ""
     """An expression over the variables around the node; where it is false on entry, the node fails at once."""
@@ -101,21 +80,6 @@ class Fallback(_Composite):
 
     kind: Literal["fallback"]
     memory: bool = True
-
-
-class ParallelRule(_Model):
-    """A way in which a parallel ends, from how its children have ended; all of its conditions have to hold.
-
-    Without conditions it is for the rest: it holds when everybody whom the parallel waits for has ended.
-    """
-
-    when: FrozenDict[Name, str | list[str]] = FrozenDict()
-    """Child -> its outcome, or `outcome.code`, or a list of these."""
-    at_least: int | None = Field(default=None, ge=1)
-    """How many children have ended with the meaning `ends`."""
-    ends: Meaning = "success"
-    then: str
-    """The outcome of the parallel."""
 
 
 class Parallel(_Composite):
@@ -328,26 +292,12 @@ AnyNode = Leaf | Container
 Childless = Leaf | Foreign | Subtask
 """Nodes that hold no children in the document."""
 KINDS = (
-    "sequence",
-    "fallback",
-    "parallel",
-    "state_machine",
-    "retry",
-    "repeat",
-    "timeout",
-    "guard",
-    "switch",
-    "for_each",
-    "loop",
-    "cooldown",
-    "foreign",
-    "subtask",
-    "invert",
-    "force",
-)
+    "sequence", "fallback", "parallel", "state_machine", "retry", "repeat", "timeout", "guard", "switch", "for_each",
+    "loop", "cooldown", "foreign", "subtask", "invert", "force",
+)  # fmt: skip
 
 
-class Task(_Model):
+class Task(Shape):
     """One task: what one file holds."""
 
     grip: Literal[1]
@@ -378,11 +328,6 @@ class Task(_Model):
     def variables(self) -> Mapping[str, Variable | str]:
         """The variables of the whole task: inputs, outputs and data."""
         return {**self.outputs, **self.inputs, **self.data} if self.inputs or self.outputs else self.data
-
-
-def type_of(declared: Variable | str) -> str:
-    """Return the name of a variable's type."""
-    return declared if isinstance(declared, str) else declared.type
 
 
 def children_of(node: AnyNode) -> FrozenDict[str, AnyNode]:
