@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import os
+import threading
 
 import coal
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from .model import Chain, link_of
+from .model import Chain
+from .outline import radii, reaches
 from .scene import Box, Cylinder, SceneObject, SceneSnapshot
 
 HELD_SLACK = 0.01
@@ -20,10 +22,14 @@ shift a little in the fingers: a check of its full size would refuse every lift.
 takes nothing off: there the held object keeps the margin too, else it would brush past its neighbours.
 """
 _ENOUGH_FOR_THREADS = 64
+_Pool = pin.TreeBroadPhaseManagerPool_DynamicAABBTreeCollisionManager
 
 
 class CollisionChecker:
     """Checks configurations of a chain in one scene. It belongs to one thread.
+
+    Attributes:
+        reaches: how far each joint moves what is furthest from it [m/rad], shape (n,).
 
     Args:
         chain: what moves.
@@ -34,19 +40,20 @@ class CollisionChecker:
 
     def __init__(self, chain: Chain, scene: SceneSnapshot, hand: str = "", margin: float = 0.0):
         self.chain, self.scene = chain, scene
-        self._geometry = chain.geometry.copy()
-        self._names = [link_of(chain.model, s) for s in self._geometry.geometryObjects]
+        self._geometry, self._outline = chain.geometry.copy(), chain.outline.geometry.copy()
+        self._place = dict(chain.outline.place)
+        self._names = list(chain.links)
         robot = range(self._geometry.ngeoms)
         slack = HELD_SLACK if margin == 0 else 0.0
         held = [self._add(o, chain.model.frames[chain.frame], -slack) for o in scene.attached(hand)]
-        others = [o for o in scene.objects.values() if not o.hand]
-        world = [self._add(o, None, margin) for o in others]
+        world = [self._add(o, None, margin) for o in scene.objects.values() if not o.hand]
         moving = [k for k in robot if self._geometry.geometryObjects[k].parentJoint > 0]
         self._pair([k for k in robot if k not in chain.hand], held)
         self._pair([*moving, *held], world)
-        threads = min(os.cpu_count() or 1, 8)
-        self._threads = threads
-        self._pool = pin.TreeBroadPhaseManagerPool_DynamicAABBTreeCollisionManager(chain.model, self._geometry, threads)
+        carried = radii(chain.model, [self._geometry.geometryObjects[k] for k in held])
+        self.reaches = reaches(chain.model, np.maximum(chain.radii, carried))
+        self._threads = min(os.cpu_count() or 1, 8)
+        self._pool, self._rough = self._pool_of(self._geometry), self._pool_of(self._outline)
         self._data = self._geometry.createData()
 
     def free(self, q: NDArray[np.float64]) -> bool:
@@ -69,26 +76,80 @@ class CollisionChecker:
         names = ((self._names[p.first], self._names[p.second]) for p, result in touching if result.isCollision())
         return tuple(dict.fromkeys(names))
 
+    def clear_each(self, configurations: NDArray[np.float64], margin: float) -> NDArray[np.bool_]:
+        """Tell of which configurations, shape (k, n), it is certain that whatever could touch is `margin` [m] apart.
+
+        A hand counts as its hull here: False doesn't mean that it isn't so.
+        """
+        self._keep_apart(margin)
+        result: NDArray[np.bool_] = ~self._ask(self._rough, configurations, stop_at_first=False)
+        self._keep_apart(0.0)
+        return result
+
     def _collide(self, configurations: NDArray[np.float64], stop_at_first: bool) -> NDArray[np.bool_]:
+        """Ask the outline first: nearly all that is free is seen to be free by it."""
+        result = self._ask(self._rough, configurations, stop_at_first=False)
+        suspects = np.flatnonzero(result)
+        if len(suspects):
+            result[suspects] = self._ask(self._pool, configurations[suspects], stop_at_first)
+        return result
+
+    def _ask(self, pool: _Pool, configurations: NDArray[np.float64], stop_at_first: bool) -> NDArray[np.bool_]:
         columns = np.asfortranarray(configurations.T)
         threads = self._threads if columns.shape[1] >= _ENOUGH_FOR_THREADS else 1
-        result = pin.computeCollisionsInParallel(threads, self._pool, columns, True, stop_at_first)
-        return np.asarray(result, dtype=bool)
+        return np.array(pin.computeCollisionsInParallel(threads, pool, columns, True, stop_at_first), dtype=bool)
+
+    def _pool_of(self, geometry: pin.GeometryModel) -> _Pool:
+        return _Pool(self.chain.model, geometry, self._threads)
+
+    def _keep_apart(self, margin: float) -> None:
+        count = self._outline.ngeoms
+        for manager in self._rough.getBroadPhaseManagers():
+            manager.getGeometryData().setSecurityMargins(self._outline, np.full((count, count), margin))
 
     def _add(self, item: SceneObject, frame: pin.Frame | None, margin: float) -> int:
         placement = pin.SE3(item.pose.matrix())
         joint = 0
         if frame is not None:
             joint, placement = frame.parentJoint, frame.placement * placement
-        shape = _shape(item.shape.grown(margin))
+        shape, name = _shape(item.shape.grown(margin)), f"scene/{item.name}"
         self._names.append(item.name)
-        return int(self._geometry.addGeometryObject(pin.GeometryObject(f"scene/{item.name}", joint, placement, shape)))
+        index = int(self._geometry.addGeometryObject(pin.GeometryObject(name, joint, placement, shape)))
+        self._place[index] = int(self._outline.addGeometryObject(pin.GeometryObject(name, joint, placement, shape)))
+        return index
 
     def _pair(self, ones: list[int], others: list[int]) -> None:
+        rough = set()
         for one in ones:
             for other in others:
                 if not self.scene.may_touch(self._names[one], self._names[other]):
                     self._geometry.addCollisionPair(pin.CollisionPair(one, other))
+                    rough.add((self._place[one], self._place[other]))
+        for one, other in rough:
+            self._outline.addCollisionPair(pin.CollisionPair(one, other))
+
+
+class _Recent(threading.local):
+    """The checkers that a thread made last, the newest first."""
+
+    def __init__(self) -> None:
+        self.checkers: list[tuple[tuple[Chain, SceneSnapshot, str, float], CollisionChecker]] = []
+
+
+_recent = _Recent()
+_KEPT = 6
+
+
+def recent_checker(chain: Chain, scene: SceneSnapshot, hand: str = "", margin: float = 0.0) -> CollisionChecker:
+    """Return a checker as `CollisionChecker` would make it, the same one as before when nothing has changed.
+
+    Making one takes milliseconds, and a task plans many motions in one scene.
+    """
+    key = (chain, scene, hand, margin)
+    checker = next((made for known, made in _recent.checkers if known == key), None) or CollisionChecker(*key)
+    others = [entry for entry in _recent.checkers if entry[1] is not checker]
+    _recent.checkers = [(key, checker), *others][:_KEPT]
+    return checker
 
 
 def _shape(shape: Box | Cylinder) -> coal.ShapeBase:
@@ -97,4 +158,4 @@ def _shape(shape: Box | Cylinder) -> coal.ShapeBase:
     return coal.Cylinder(shape.radius, shape.height)
 
 
-__all__ = ["HELD_SLACK", "CollisionChecker"]
+__all__ = ["HELD_SLACK", "CollisionChecker", "recent_checker"]

@@ -9,6 +9,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 
 import numpy as np
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 
 from grip_bt.values import JointState, Pose
 
+from .outline import Outline, outlined, radii
 from .robots import RobotDescription
 from .shapes import simplified
 
@@ -53,6 +55,7 @@ class Chain:
         limits: of these joints.
         frame: id of the grasp frame.
         hand: indices of the hand's shapes in `geometry`.
+        links: names of the shapes' links.
     """
 
     def __init__(
@@ -70,6 +73,17 @@ class Chain:
         self.data = model.createData()
         links = [link_of(model, shape) for shape in geometry.geometryObjects]
         self.hand = frozenset(k for k, link in enumerate(links) if link in hand_links)
+        self.links = tuple(links)
+
+    @cached_property
+    def outline(self) -> Outline:
+        """The collision shapes with each hand as one hull."""
+        return outlined(self.geometry, self.hand)
+
+    @cached_property
+    def radii(self) -> NDArray[np.float64]:
+        """How far from each joint's frame what moves with it reaches [m], shape (n + 1,); the base comes first."""
+        return radii(self.model, self.geometry.geometryObjects)
 
     def grasp_pose(self, q: NDArray[np.float64]) -> pin.SE3:
         """Return the grasp frame in world for a configuration of shape (n,)."""

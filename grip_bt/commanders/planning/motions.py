@@ -24,18 +24,17 @@ from grip_bt.errors import (
 from grip_bt.values import JointState, Plan, Pose, Trajectory
 from grip_bt.values.pose import check_frame
 
-from ..collision import CollisionChecker
+from ..collision import CollisionChecker, recent_checker
 from ..ik import Target, solver
 from ..model import Chain, RobotModel
 from ..trajectory.timing import timed
+from .continuous import continuously_free
 from .free import RESOLUTION, plan_free
 from .grasps import choose_grasp
 from .paths import Path, interpolated
 from .requests import ChooseGrasp, ChosenGrasp, PlanStraight, PlanTo, Request, Situation
 from .straight import BrokenLineError, straight_path
 
-FINE = 0.004
-"""Joint step of the last check, on the timed result [rad]."""
 START_SLACK = 0.03
 """A measured start may be outside the limits by this much [rad]; it is drawn in."""
 _GOALS = 4
@@ -78,7 +77,7 @@ def plan_to(model: RobotModel, request: PlanTo, canceled: Callable[[], bool]) ->
         goals = [_joint_goal(chain, checker, request.goal, start)]
     else:
         goals = _pose_goals(chain, checker, request, start)
-    roomy = CollisionChecker(chain, situation.scene, situation.hand, settings.margin)
+    roomy = recent_checker(chain, situation.scene, situation.hand, settings.margin)
     wide = roomy.free(start)
     tries = [(goal, c) for goal in goals for c in ([roomy] if wide and roomy.free(goal) else []) + [checker]]
     failure: ExpectedError = NoPlanError("there is no goal to plan to")
@@ -137,7 +136,7 @@ def _searched_and_timed(
 
 def _chain_and_checker(model: RobotModel, situation: Situation, margin: float) -> tuple[Chain, CollisionChecker]:
     chain = model.chain(situation.group, situation.start)
-    return chain, CollisionChecker(chain, situation.scene, situation.hand, margin)
+    return chain, recent_checker(chain, situation.scene, situation.hand, margin)
 
 
 def _drawn_in(chain: Chain, situation: Situation) -> NDArray[np.float64]:
@@ -211,7 +210,7 @@ def _refuse_collisions(checker: CollisionChecker, path: Path) -> None:
 
 def _finely_free(checker: CollisionChecker, positions: NDArray[np.float64]) -> bool:
     within = checker.chain.within_limits(positions, slack=1e-3)
-    return within and checker.all_free(interpolated(positions, FINE))
+    return within and continuously_free(checker, positions)
 
 
 def _out_of_limits(chain: Chain, q: NDArray[np.float64], what: str) -> OutOfLimitsError:

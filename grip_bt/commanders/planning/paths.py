@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 Path = NDArray[np.float64]
 EdgeCheck = Callable[[NDArray[np.float64], NDArray[np.float64]], bool]
 """`(one, other) -> whether the straight motion between two configurations is free`."""
+_WORTH = 0.01
+"""A shortcut that makes the path shorter by less than this part isn't worth its collision check."""
+_PATIENCE = 18
 
 
 def interpolated(path: Path, resolution: float) -> Path:
@@ -30,20 +33,23 @@ def shortened(path: Path, edge_free: EdgeCheck, rng: np.random.Generator, rounds
     """Return a path with the same ends that is no longer.
 
     First every row that can be skipped is skipped, from the far end on; then random pairs of points on the path
-    are joined where the straight motion is free (Geraerts and Overmars 2007). The number of rounds is fixed, so
-    the result depends on nothing but the arguments.
+    are joined where the straight motion is free (Geraerts and Overmars 2007). It ends after so many rounds, or when
+    a dozen in a row had nothing to gain, so the result depends on nothing but the arguments.
     """
-    path = _pruned(path, edge_free)
+    path, idle = _pruned(path, edge_free), 0
     for _ in range(rounds):
-        if len(path) < 3:
+        if len(path) < 3 or idle >= _PATIENCE:
             break
+        idle += 1
         at = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
         low, high = np.sort(rng.uniform(0.0, at[-1], 2))
         i, j = int(np.searchsorted(at, low, "right")) - 1, int(np.searchsorted(at, high, "right")) - 1
         if i == j:
             continue
         one, other = _point(path, at, i, low), _point(path, at, j, high)
-        if edge_free(one, other):
+        gain = high - low - float(np.linalg.norm(other - one))
+        if gain > _WORTH * at[-1] and edge_free(one, other):
+            idle = 0
             path = np.concatenate([path[: i + 1], [one, other], path[j + 1 :]])
     return _pruned(path, edge_free)
 

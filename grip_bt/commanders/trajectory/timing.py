@@ -17,6 +17,9 @@ from ..model import Limits
 
 SAMPLING = 0.02
 """Time between two points of a trajectory [s]."""
+_GRID = 0.02
+"""Distance along the path [rad] between the points where the limits are held; TOPP-RA's own choice takes as long as its
+solution."""
 _SPACINGS = (0.25, 0.12, 0.06)
 toppra.setup_logging("ERROR")
 
@@ -72,7 +75,8 @@ def _timed_spline(
         toppra.constraint.JointVelocityConstraint(np.stack([-velocity, velocity], axis=1)),
         toppra.constraint.JointAccelerationConstraint(np.stack([-acceleration, acceleration], axis=1)),
     ]
-    method = toppra.algorithm.TOPPRA(constraints, spline, parametrizer="ParametrizeConstAccel")
+    grid = np.linspace(0.0, at[-1], int(np.clip(np.ceil(at[-1] / _GRID), 40, 400)) + 1)
+    method = toppra.algorithm.TOPPRA(constraints, spline, gridpoints=grid, parametrizer="ParametrizeConstAccel")
     timing = method.compute_trajectory(0, 0)
     if timing is None:
         return None
