@@ -199,8 +199,31 @@ def test_unsaved_edits_outlive_the_server(project: Path) -> None:
     assert not again.view["saved"]
     assert again.view["history"]["moments"][-1]["title"] == "recover unsaved changes"
     again.post("save")
-    assert Pen(served()).view["history"]["moments"][-1]["title"] == "opened"
     assert not [*(project / ".grip" / "unsaved").iterdir()]
+
+
+def test_undo_reaches_back_over_a_restart(project: Path) -> None:
+    def served() -> TestClient:
+        client = TestClient(
+            create_app(project, PlayedLauncher(), token="right"), base_url=BASE, headers={"origin": BASE}
+        )
+        client.get("/?token=right")
+        return client
+
+    first = Pen(served())
+    first.post("pin", view="flow", positions={"machine/a": [8.0, 16.0]})
+    first.edit(do="rename", path="machine", name="m")
+    first.post("save")
+    again = Pen(served())
+    assert again.view["saved"]
+    assert again.view["layout"]["flow"] == {"m/a": [8, 16]}
+    again.step("undo")
+    again.step("undo")
+    assert again.view["text"] == TASK
+    assert again.view["layout"]["flow"] == {"machine/a": [8, 16]}
+    again.post("save")
+    (project / "tasks" / ".grip" / "history" / "tiny.yaml.json").write_text("damaged")
+    assert Pen(served()).view["history"]["moments"][-1]["title"] == "opened"
 
 
 def test_windows_line_ends_and_marks_of_byte_order_stay(page: TestClient, project: Path) -> None:
@@ -308,3 +331,44 @@ def test_the_palette_has_every_node_and_kind(page: TestClient) -> None:
 def test_containers_say_whether_both_forms_edit_them(pen: Pen) -> None:
     answer = pen.client.get("/api/document/forms", params={"path": TINY}).json()
     assert {form["path"]: form["both"] for form in answer["forms"]} == {"/": True, "machine": True}
+
+
+TANGLED = """\
+grip: 1
+name: tangled
+root:
+  kind: state_machine
+  # the first
+  initial: a
+  outcomes: {success: success}
+  children:
+    a: {node: flow/fail, with: {code: x, message: m}, on: {failure: b, failure.failed: c}}
+    b: {node: flow/wait, with: {seconds: 1}, on: {success: c}}
+    c: {node: flow/fail, with: {code: x, message: m}, on: {failure: b, failure.failed: success}}
+"""
+
+
+def test_a_tangled_machine_says_which_edges_are_in_the_way(page: TestClient, project: Path) -> None:
+    (project / "tasks/tangled.yaml").write_text(TANGLED)
+    (form,) = page.get("/api/document/forms", params={"path": "tasks/tangled.yaml"}).json()["forms"]
+    assert not form["both"]
+    assert form["edges"]
+    names = {node["path"] for node in Pen(page, "tasks/tangled.yaml").view["task"]["nodes"]}
+    assert all(path in names for path, _ in form["edges"])
+    refused = page.get("/api/document/conversion", params={"path": "tasks/tangled.yaml", "node": "/", "form": "tree"})
+    assert refused.status_code == 400
+    assert "more than one state" in refused.json()["detail"]
+
+
+def test_a_conversion_is_shown_first_and_undone_to_the_byte(pen: Pen) -> None:
+    query = {"path": TINY, "node": "machine", "form": "tree"}
+    shown = pen.client.get("/api/document/conversion", params=query).json()
+    assert shown["same"]
+    assert shown["before"][0] == "machine: state_machine"
+    assert shown["after"][0] == "machine: sequence"
+    assert pen.open()["text"] == TASK
+    pen.post("convert", base=pen.view["revision"], node="machine", form="tree")
+    assert next(n for n in pen.view["task"]["nodes"] if n["path"] == "machine")["kind"] == "sequence"
+    assert not [p for p in pen.view["task"]["problems"] if p["severity"] == "error"]
+    assert pen.step("undo")["text"] == TASK
+    assert pen.post("convert", 409, base=1, node="machine", form="tree")["kind"] == "stale"

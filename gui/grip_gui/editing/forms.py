@@ -6,6 +6,7 @@ from grip_bt.catalog import Catalog
 from grip_bt.compilers.restructure import to_state_machines, to_trees
 from grip_bt.errors import GripError, InvalidTaskError
 from grip_bt.graph import Fallback, Sequence, StateMachine, Task, walk
+from grip_bt.graph.model import join
 
 from ..edit_messages import FormsView, FormView
 from .sheet import Sheet
@@ -24,12 +25,18 @@ def forms_view(sheet: Sheet, catalog: Catalog) -> FormsView:
         return FormsView(revision=sheet.revision, forms=[], trouble=str(error))
 
 
+def _edge(machine: str, label: str) -> tuple[str, str]:
+    """Return the path and the outcome of `state.outcome -> target`."""
+    state, _, outcome = label.partition(" -> ")[0].partition(".")
+    return join(machine, state), outcome
+
+
 def _forms(task: Task, catalog: Catalog) -> list[FormView]:
     notes = {note.path: note for note in (*to_trees(task, catalog).notes, *to_state_machines(task, catalog).notes)}
     forms = []
     for path, node in walk(task.root):
         if isinstance(node, StateMachine | Sequence | Fallback):
             note = notes.get(path)
-            edges = list(getattr(note, "edges", ()))
+            edges = [_edge(path, label) for label in note.edges] if note else []
             forms.append(FormView(path=path, both=note is None, reason=note.reason if note else "", edges=edges))
     return forms

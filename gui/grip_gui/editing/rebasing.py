@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from grip_bt.graph.edit import AnyCommand, command_of, path_after
+from grip_bt.graph.edit import AnyCommand, Group, Patch, command_of, path_after
 from grip_bt.graph.edit.steps import Step
 
 from .errors import StaleEditError
@@ -23,7 +23,16 @@ def rebased(command: AnyCommand, since: Iterable[tuple[Step, ...]]) -> AnyComman
     taken = tuple(step for steps in since for step in steps)
     if not taken:
         return command
+    if _is_exact(command):
+        raise StaleEditError("the task has just been changed elsewhere; look at it, then do this again")
     return command_of(_moved(command.model_dump(mode="json"), taken))
+
+
+def _is_exact(command: AnyCommand) -> bool:
+    """Tell whether a command fits one state of a task alone."""
+    if isinstance(command, Group):
+        return any(_is_exact(part) for part in command.commands)
+    return isinstance(command, Patch)
 
 
 def _moved(data: Any, steps: tuple[Step, ...]) -> Any:

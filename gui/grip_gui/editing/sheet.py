@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 from grip_bt.errors import DocumentError, EditError
 from grip_bt.graph import History, read_text
 from grip_bt.graph.edit import AnyCommand, Edited, Group, rewrite
+from grip_bt.graph.edit.history_file import history_path, load_history, save_history
 from grip_bt.graph.edit.steps import Step
 from grip_bt.graph.layout import Layout, read_layout, write_layout
 
@@ -16,6 +18,7 @@ from .files import TextFile
 from .rebasing import rebased
 from .recovery import Recovery, Unsaved
 
+log = logging.getLogger(__name__)
 KEPT = 1000
 """So many edits back an edit of a page that was late is still carried over."""
 FROM_DISK = "take the file's text"
@@ -52,7 +55,9 @@ class Sheet:
         self.revision = 1
         self._dropped: str | None = None
         self._past: list[_Past] = []
+        self._first_layout = Layout()
         self._layouts: dict[int, Layout] = {}
+        self._history_file = history_path(file.path)
         text = file.read()
         try:
             self._begin(text)
@@ -77,8 +82,15 @@ class Sheet:
             self._recovery.keep(Unsaved(self.text, self.file.known))
 
     def _begin(self, text: str) -> None:
-        self.history = History(read_text(text, self.file.name))
-        self._layouts = {0: self._read_layout()}
+        """Go on with the history that was kept beside the file; begin a new one where there is none."""
+        document = read_text(text, self.file.name)
+        try:
+            self.history = load_history(self._history_file, document)
+        except DocumentError as error:
+            log.warning("%s", error)
+            self.history = History(document)
+        self._first_layout = self._read_layout()
+        self._layouts = {self.history.at.number: self._first_layout}
 
     def _read_layout(self) -> Layout:
         try:
@@ -99,7 +111,7 @@ class Sheet:
     @property
     def layout(self) -> Layout:
         """The pinned positions at this moment."""
-        return self._layouts[self.history.at.number] if self.history else Layout()
+        return self._layouts.get(self.history.at.number, self._first_layout) if self.history else Layout()
 
     @property
     def saved(self) -> bool:
@@ -128,6 +140,7 @@ class Sheet:
         """
         history = self._settled()
         edited = history.do(rebased(command, self._since(base)))
+        self._dropped = None
         self._enter(edited.steps, self._previous().after(edited.steps))
         return edited
 
@@ -186,8 +199,8 @@ class Sheet:
             self._dropped, self.draft = self.draft, None
             self._enter((), self.layout)
             return
-        edited = self._settled().undo()
-        self._enter(edited.steps)
+        before, edited = self.layout, self._settled().undo()
+        self._enter(edited.steps, before.after(edited.steps))
 
     def redo(self, number: int | None = None) -> None:
         """Go to the moment that was left last, or to the one of this number that was made from here.
@@ -200,7 +213,8 @@ class Sheet:
             self.draft, self._dropped = self._dropped, None
             self.revision += 1
             return
-        self._enter(history.redo(number).steps)
+        before, edited = self.layout, history.redo(number)
+        self._enter(edited.steps, before.after(edited.steps))
 
     def go(self, number: int) -> None:
         """Go to any moment of any branch.
@@ -208,8 +222,9 @@ class Sheet:
         Raises:
             EditError: there is no such moment.
         """
-        done = self._settled().go(number)
-        self._enter(tuple(step for edited in done for step in edited.steps))
+        before, done = self.layout, self._settled().go(number)
+        steps = tuple(step for edited in done for step in edited.steps)
+        self._enter(steps, before.after(steps))
 
     def _settled(self) -> History:
         """Return the history, unless a draft is in the way."""
@@ -225,7 +240,7 @@ class Sheet:
     def _previous(self) -> Layout:
         assert self.history is not None
         assert self.history.at.parent is not None
-        return self._layouts[self.history.at.parent]
+        return self._layouts.get(self.history.at.parent, self._first_layout)
 
     def _since(self, base: int) -> Iterable[tuple[Step, ...]]:
         if base == self.revision:
@@ -235,13 +250,11 @@ class Sheet:
             raise StaleEditError(f"{self.file.name}: revision {base} isn't known here; the page shows the newest now")
         return [past.steps for past in self._past if past.revision > base]
 
-    def _enter(self, steps: tuple[Step, ...], layout: Layout | None = None) -> None:
-        """Note that the document has changed; a moment that is new gets its layout."""
+    def _enter(self, steps: tuple[Step, ...], layout: Layout) -> None:
+        """Note that the document has changed; a moment whose layout isn't known gets this one."""
         assert self.history is not None
         self.revision += 1
-        if layout is not None:
-            self._dropped = None if steps else self._dropped
-            self._layouts.setdefault(self.history.at.number, layout)
+        self._layouts.setdefault(self.history.at.number, layout)
         self._past.append(_Past(self.revision, steps))
         del self._past[:-KEPT]
 
@@ -266,7 +279,17 @@ class Sheet:
         if layout != self._saved_layout and self.history is not None:
             self._layout_file.write(layout) if layout else self._layout_file.remove()
         self._saved, self._saved_layout = self.text, layout
+        self._keep_history()
         self.revision += 1
+
+    def _keep_history(self) -> None:
+        """Keep the way back for later; that it can't be kept keeps nobody from saving."""
+        if self.history is None or self.draft is not None:
+            return
+        try:
+            save_history(self.history, self._history_file)
+        except DocumentError as error:
+            log.warning("the history of %s isn't kept: %s", self.file.name, error)
 
     def take_from_disk(self) -> None:
         """Take the file's text as an edit, so that undo brings back what was here.
