@@ -131,11 +131,17 @@ class Scopes:
 
     def writer(self, path: str, port: str, cell: Cell) -> Callable[[Any], None]:
         """Return what the port of the node at `path` writes with; a value of a wrong type is refused."""
+        of_class_alone = cell.parsed.item is None
+        fitting: type | None = None
 
         def write(value: Any) -> None:
-            wrong = check_value(cell.parsed, value)
-            if wrong is not None:
-                raise DataError(path, port, f"variable {cell.name!r} is {cell.type}: {wrong}")
+            nonlocal fitting
+            if type(value) is not fitting:
+                wrong = check_value(cell.parsed, value)
+                if wrong is not None:
+                    raise DataError(path, port, f"variable {cell.name!r} is {cell.type}: {wrong}")
+                if of_class_alone:
+                    fitting = type(value)
             cell.value = value
             if self.on_write is not None:
                 self.on_write(path, cell.name, cell.type, value)

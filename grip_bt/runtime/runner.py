@@ -9,8 +9,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from py_trees.behaviour import Behaviour
+
 from grip_bt.compilers import CompiledMachine, CompiledTree, Halted, TaskEnd
 from grip_bt.errors import NodeError
+from grip_bt.nodes.control import Foreign
 from grip_bt.nodes.observer import SILENT, Observer, Observers
 from grip_bt.ports import Clock
 from grip_bt.values import Failure
@@ -224,7 +227,9 @@ class Runner:
         if self._stale or self._plan is None:
             self._stale = False
             self._install()
-            self._plan = Plan(self.compiled.root)  # type: ignore[union-attr]
+            root: Behaviour = self.compiled.root  # type: ignore[union-attr]
+            # Our nodes keep their methods; somebody's own behaviours may do what they like.
+            self._plan = Plan(root, fixed_methods=not any(isinstance(node, Foreign) for node in root.iterate()))
         self._plan.tick()
 
     def _install(self) -> None:

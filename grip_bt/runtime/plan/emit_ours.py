@@ -1,7 +1,6 @@
 """Source of what our nodes add to those of py_trees: activations that are reported, labelled ends, exits, NodeErrors.
 
-Line by line what `Node`, `Leaf` and `Container` do, for classes that have left `begin`, `conclude`, `exit_of` and `leave`
-as they are; `plain` tells.
+What `Node`, `Leaf` and `Container` do, line by line, for classes that leave `begin` and `conclude` as they are.
 """
 
 from __future__ import annotations
@@ -39,10 +38,7 @@ def plain(node: Any) -> bool:
     cls: Any = type(node)
     base: Any = Leaf if isinstance(node, Leaf) else Container
     same = cls.begin is Node.begin and cls.conclude is base.conclude
-    if base is Container:
-        same = same and cls.exit_of is Container.exit_of and cls.leave is Container.leave
-    names = ("begin", "conclude", *(("exit_of", "leave") if base is Container else ()))
-    return same and not conditional(node) and not any(replaced_on(node, name) for name in names)
+    return same and not conditional(node) and not any(replaced_on(node, name) for name in ("begin", "conclude"))
 
 
 def emit_begin(write: Writer, name: str) -> None:

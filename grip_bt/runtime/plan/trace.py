@@ -17,9 +17,11 @@ from py_trees import decorators
 from py_trees.behaviour import Behaviour
 from py_trees.common import ParallelPolicy, Status
 
+from .emit_ours import failed
 from .kinds import Kind, replaced_on
 from .parts import INVALID, F, Inside, Part, R, S
 from .regions import code_of
+from .trace_ours import emit_before, emit_behind, stays
 from .watch import Classes, Methods
 from .writer import Writer
 
@@ -160,9 +162,12 @@ class _Writing:
     def way(self, part: Part) -> None:
         """Write the tick of a node that runs, and goes on to run."""
         inside, node = part.inside, part.node
-        if inside is None or node.status is not R or inside.ours or part.relink is not None:
+        if inside is None or node.status is not R:
             raise Unsettled
         name = self._name(node, R)
+        if inside.ours:
+            self._ours(node, inside, name)
+            return
         if inside.kind is Kind.LEAF:
             self._call(node, name, R)
             return
@@ -249,6 +254,50 @@ class _Writing:
         self.write("t = decorators.time.monotonic()", f"if t > {name}.finish_time: return missed({len(self.calls)})")
         self.write(f'{name}.feedback_message = f"time still ticking ... [remaining: {{{name}.finish_time - t}}s]"')
 
+    def _ours(self, node: Any, inside: Inside, name: str) -> None:
+        """Write what a node of ours does, which reports nothing as long as it runs on."""
+        if inside.kind is Kind.LEAF:
+            with self.write.block("try:"):
+                self.write(f"s = {name}.update()")
+            self.write(f"except Exception as e: raise {self.write.bind('failed', failed)}({name}, e) from e")
+            self._expect(node, name, R)
+            return
+        if not stays(node, inside.kind):
+            raise Unsettled
+        missed = f"return missed({len(self.calls)})"
+        emit_before(self.write, node, name, inside.kind, missed)
+        if inside.kind is Kind.ROUNDS:
+            self._rounds(node, inside, name)
+        elif inside.kind in (Kind.DECORATOR, Kind.GATE):
+            kid = inside.kids[0]
+            self.checks.append(f"{name}.decorated is {self.write.bind(f'{name}d', kid.node)}")
+            self.way(kid)
+        else:
+            if inside.kind in (Kind.SEQUENCE, Kind.SELECTOR):
+                self.checks.append(f"{name}.memory")
+            kids = [kid.node for kid in inside.kids]
+            at = self._points(node, kids, name)
+            if inside.kind is Kind.SELECTOR:
+                for before in kids[:at]:
+                    self._waits(before)
+            self.way(inside.kids[at])
+        emit_behind(self.write, node, name, f"return missed({len(self.calls)})")
+        self.write(f"{name}.status = R")
+
+    def _rounds(self, node: Any, inside: Inside, name: str) -> None:
+        kids = [kid.node for kid in inside.kids]
+        if node.retick or not kids or node.current_child is not kids[-1]:
+            raise Unsettled
+        self._unchanged(node, kids, name)
+        self.checks += [f"not {name}.retick", f"{name}.current_child is {self.write.bind(f'{name}c', kids[-1])}"]
+        for kid in inside.kids:
+            if kid.node.status is R:
+                self.way(kid)
+            elif kid.node.status in (S, F):
+                self._name(kid.node, kid.node.status)
+            else:
+                raise Unsettled
+
     # --- pieces ---
 
     def _name(self, node: Any, status: Status) -> str:
@@ -276,10 +325,13 @@ class _Writing:
         self._name(node, INVALID)
 
     def _call(self, node: Any, name: str, expected: Status) -> None:
+        self.write(f"s = {name}.update()")
+        self._expect(node, name, expected)
+
+    def _expect(self, node: Any, name: str, expected: Status) -> None:
         at, letter = len(self.calls), expected.name[0]
         self.calls.append((node, expected))
-        self.write(f"s = {name}.update()", f"if s is not {letter}: return missed({at}, s)")
-        self.write(f"{name}.status = {letter}")
+        self.write(f"if s is not {letter}: return missed({at}, s)", f"{name}.status = {letter}")
 
     def _points(self, node: Any, kids: list[Any], name: str) -> int:
         """Check that the node points to the child that it goes on with; return which one."""

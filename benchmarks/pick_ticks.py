@@ -1,0 +1,177 @@
+"""A pick task of 39 of our nodes, ticked with the journal on while the arm approaches; ports; the machine target.
+
+    .venv/bin/python benchmarks/pick_ticks.py
+
+CPU time of the thread that ticks, sides in turns, medians. The peer is the pick task of `plan_families.py`, also of 39
+nodes, ticked by py_trees with a SnapshotVisitor, which is what its users log with.
+"""
+
+import statistics
+import tempfile
+from pathlib import Path
+
+import py_trees
+from plan_families import pick_task
+from plan_timing import seconds
+from py_trees.common import Status
+from py_trees.visitors import SnapshotVisitor
+
+from grip_bt.catalog import Catalog, Manifest
+from grip_bt.compilers import Rushing, to_machine, to_tree
+from grip_bt.graph.model import Task
+from grip_bt.nodes import Leaf
+from grip_bt.runtime import Journal, Plan, RunContext, WallClock
+from grip_bt.runtime.plan import ticker
+from grip_bt.runtime.recorder import Recorder
+
+PORTS = {"inputs": {"x": {"type": "int"}}, "outputs": {"y": {"type": "int", "on": ["success"]}}}
+CATALOG = Catalog(
+    [
+        Manifest(id="bench/leaf", doc="Ends at once.", implementation="bench:Quick"),
+        Manifest(id="bench/ports", doc="Reads and writes.", implementation="bench:Quick", **PORTS),
+    ]
+)
+ROUNDS = 9
+SUCCESS, RUNNING = Status.SUCCESS, Status.RUNNING
+
+
+class Quick(Leaf):
+    runs = False
+
+    def update(self):
+        return RUNNING if self.runs else SUCCESS
+
+
+def compiled(root, target=to_tree, data=None):
+    task = Task.model_validate({"grip": 1, "name": "bench", "root": root, "data": data or {}})
+    made = target(task, CATALOG, leaf_factory=lambda path, node, face: Quick(path, path, face, {}, {}))
+    made.prepare(RunContext())
+    return made
+
+
+def leaf():
+    return {"node": "bench/leaf"}
+
+
+def steps(*children):
+    return {"kind": "sequence", "children": {f"s{i}": child for i, child in enumerate(children)}}
+
+
+def motion():
+    return {"kind": "timeout", "seconds": 1e6, "child": {"steps": steps(leaf(), leaf(), leaf())}}
+
+
+def pick():
+    """As in `plan_families`: a guard, a retry over candidates, time-outs, a watch beside the motion."""
+    watch = {"kind": "parallel", "children": {"approach": motion(), "contact": leaf()}}
+    attempt = steps(leaf(), leaf(), watch, motion(), leaf(), motion())
+    found = {
+        "kind": "fallback",
+        "children": {"none": {"kind": "invert", "child": {"look": leaf()}}, "propose": leaf()},
+    }
+    recover = steps(leaf(), leaf(), motion(), leaf())
+    either = {
+        "kind": "fallback",
+        "children": {"retry": {"kind": "retry", "times": 3, "child": {"attempt": attempt}}, "recover": recover},
+    }
+    task = steps(leaf(), found, either)
+    return {"kind": "guard", "if": "ready", "child": {"task": task}}
+
+
+def picking(observer=None):
+    """Return the compiled task, two of its leaves running: the motion and the watch."""
+    made = compiled(pick(), data={"ready": {"type": "bool", "value": True}})
+    for path, node in made.leaves.items():
+        node.runs = path.endswith(("approach/steps/s1", "contact"))
+    if observer is not None:
+        made.observe(observer)
+    return made
+
+
+def pick_ticks():
+    theirs = py_trees.trees.BehaviourTree(pick_task())
+    theirs.add_visitor(SnapshotVisitor())
+    with tempfile.TemporaryDirectory() as folder, Journal(Path(folder) / "runs.sqlite") as journal:
+        made = picking(Recorder(journal.begin("pick"), WallClock()))
+        plan, unwatched = (Plan(side.root, fixed_methods=True) for side in (made, picking()))  # as the runner does
+        whole = picking(Recorder(journal.begin("whole"), WallClock()))
+        for side in (plan, unwatched):
+            side.optimise()
+            for _ in range(10):
+                side.tick()
+        count = sum(1 for _ in made.root.iterate())
+        sides = (theirs.tick, plan.tick, unwatched.tick, whole.root.tick_once)
+        taken = [[seconds(side) for side in sides] for _ in range(ROUNDS)]
+    snapshot, ours, bare, ticked = (statistics.median(side) * 1e6 for side in zip(*taken, strict=True))
+    print(f"pick task of {count} nodes, the arm approaches: py_trees with a SnapshotVisitor {snapshot:.1f} us a tick;")
+    print(f"  our nodes, journal on: plan {ours:.2f} us ({snapshot / ours:.0f}x), without journal {bare:.2f};", end=" ")
+    print(f"by py_trees itself {ticked:.1f}")
+
+
+def whole_ticks():
+    """Every node is entered and ends in each tick, with the journal on."""
+    with tempfile.TemporaryDirectory() as folder, Journal(Path(folder) / "runs.sqlite") as journal:
+        for width, depth in ((100, 1), (5, 3), (10, 3)):
+
+            def nested(depth, width=width):
+                return leaf() if depth == 0 else steps(*(nested(depth - 1) for _ in range(width)))
+
+            sides = []
+            for observed in (False, True):
+                made = compiled(nested(depth))
+                if observed:
+                    made.observe(Recorder(journal.begin("whole"), WallClock()))
+                plan = Plan(made.root, fixed_methods=True)
+                plan.optimise()
+                sides += [made.root.tick_once] if not observed else []
+                sides.append(plan.tick)
+            count = sum(1 for _ in made.root.iterate())
+            taken = zip(*[[seconds(side) for side in sides] for _ in range(ROUNDS)], strict=True)
+            theirs, bare, logged = (statistics.median(side) / count * 1e6 for side in taken)
+            print(f"{count} of our nodes, all entered and ended: py_trees {theirs:.2f} us a node,", end=" ")
+            print(f"plan {bare:.2f} ({theirs / bare:.0f}x), with the journal {logged:.2f}")
+
+
+def ports():
+    root = steps({"node": "bench/ports", "in": {"x": "a"}, "out": {"y": "b"}})
+    made = compiled(root, data={"a": {"type": "int", "value": 1}, "b": "int"})
+    (node,) = made.leaves.values()
+    made.data[""].reset()
+    read, write = node.readers["x"], node.writers["y"]
+
+    def reads():
+        for _ in range(100):
+            read()
+
+    def writes():
+        for _ in range(100):
+            write(3)
+
+    def asks():
+        for _ in range(100):
+            node.read("x")
+
+    def nothing():
+        for _ in range(100):
+            pass
+
+    taken = zip(*[[seconds(f) / 100 * 1e9 for f in (reads, writes, asks, nothing)] for _ in range(ROUNDS)], strict=True)
+    read_ns, write_ns, ask_ns, loop = (statistics.median(side) for side in taken)
+    print(f"typed port: read {read_ns - loop:.0f} ns, write {write_ns - loop:.0f} ns;", end=" ")
+    print(f"`leaf.read(port)` {ask_ns - loop:.0f} ns")
+
+
+def machine():
+    times = 5000
+    root = {"kind": "repeat", "times": times, "child": {"a": leaf()}}
+    sides = [(compiled(root, to_machine), planner) for planner in (None, ticker)]
+    taken = [[seconds(lambda made=made, p=p: made.execute(Rushing(), p)) for made, p in sides] for _ in range(ROUNDS)]
+    plain, planned = (2 * times / statistics.median(side) / 1e6 for side in zip(*taken, strict=True))
+    print(f"machine target: {planned:.2f} M transitions/s, {plain:.2f} without plans")
+
+
+if __name__ == "__main__":
+    pick_ticks()
+    whole_ticks()
+    ports()
+    machine()
