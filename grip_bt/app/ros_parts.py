@@ -6,7 +6,7 @@ import os
 from collections.abc import Collection
 from contextlib import ExitStack
 
-from grip_bt.catalog.component_file import load_component
+from grip_bt.catalog.component_file import Start, load_component
 from grip_bt.errors import GripError
 from grip_bt.ros.frames import FrameTree
 
@@ -72,12 +72,16 @@ def _domain(
 ) -> int | None:
     """Return a domain of the run's own, or the user's when something that runs already is part of the task."""
     folders = project.component_folders()
-    started = all(name in folders and load_component(folders[name]).start is not None for name in names)
-    driven = all(project.file.sensors[name].driver is not None for name in sensors)
+    started = all(name in folders and _starts(load_component(folders[name]).start) for name in names)
+    driven = all(_starts(project.file.sensors[name].driver) for name in sensors)
     if started and driven and not any(node.startswith("ros/") for node in needs):
         return stack.enter_context(own_domain())
     chosen = os.environ.get("ROS_DOMAIN_ID")
     return int(chosen) if chosen else None
+
+
+def _starts(start: Start | None) -> bool:
+    return start is not None and start.run
 
 
 def _robot_frames(project: Project) -> FrameTree:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, model_validator
 
 from grip_bt.graph.frozen import FrozenDict
 
@@ -48,12 +48,43 @@ class PortType(Part):
 
 
 class Start(Part):
-    """How to start the software. Without this part it is expected to be running already."""
+    """How to start the software: a command, an executable of a ROS package, or a launch file.
 
-    command: tuple[str, ...] = Field(min_length=1)
+    Without this part, or with `run: false`, it is expected to be running already.
+    """
+
+    command: tuple[str, ...] = ()
     """Program and arguments, run in the component's folder; `{python}` is the Python that runs GRIP."""
+    package: str | None = None
+    """A ROS package, with `executable` or `launch`."""
+    executable: str | None = None
+    """Name of a program of the package."""
+    args: tuple[str, ...] = ()
+    """Arguments of the executable."""
+    launch: str | None = None
+    """A launch file: in the component's folder, or in the package's `launch/`."""
+    arguments: FrozenDict[str, str | bool | int | float] = FrozenDict()
+    """Arguments of the launch file, by name."""
     env: FrozenDict[str, str] = FrozenDict()
     """More environment variables."""
+    run: bool = True
+    """Whether we start it at all; `false` keeps what is written here for later."""
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Start:
+        ways = [w for w in ("command", "executable", "launch") if getattr(self, w)]
+        if len(ways) != 1:
+            said = " and ".join(ways) or "none of them"
+            raise ValueError(f"say one of `command`, `package` with `executable`, `launch`; here: {said}")
+        if (self.executable is not None or (self.package is not None and self.launch is None)) and not (
+            self.package and self.executable
+        ):
+            raise ValueError("`package` and `executable` go together")
+        if self.args and not self.executable:
+            raise ValueError("`args` are those of an `executable`; a command has its own, a launch file `arguments`")
+        if self.arguments and not self.launch:
+            raise ValueError("`arguments` are those of a `launch` file")
+        return self
 
 
 class Timeouts(Part):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -20,6 +19,7 @@ from .frames import FrameTree
 from .interfaces import build_interfaces
 from .overlay import activate
 from .process import Process, child_environment
+from .starting import command_of, uses_our_python
 
 INTERFACES = "interfaces"
 """Sub-folder of a component with its interface packages."""
@@ -190,11 +190,10 @@ def _start(
 ) -> _Running:
     client = _client(bus, file)
     process = None
-    if file.start is not None:
-        ours = any("{python}" in word for word in file.start.command)
+    if file.start is not None and file.start.run:
+        ours = uses_our_python(file.start)
         env = child_environment(overlays if ours else (), domain_id) | dict(file.start.env)
-        command = [word.replace("{python}", sys.executable) for word in file.start.command]
-        process = Process(file.name, command, folder, env, log)
+        process = Process(file.name, command_of(file.start, folder), folder, env, log)
         if isinstance(client, (ServiceClient, ActionClient)):
             calls = client
             calls.server_started()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -18,6 +17,7 @@ from .door import RosDoor
 from .fields import ConversionError
 from .frames import frame_of, transformed
 from .process import Process, child_environment
+from .starting import command_of
 
 
 class TopicSensor:
@@ -133,9 +133,9 @@ def close_sensors(sensors: Mapping[str, TopicSensor | BrokenSensor]) -> None:
 
 
 def _driver(name: str, config: SensorConfig, project: Path, domain_id: int | None) -> Process | None:
-    if config.driver is None:
+    if config.driver is None or not config.driver.run:
         return None
-    command = [word.replace("{python}", sys.executable) for word in config.driver.command]
+    command = command_of(config.driver, project)
     env = child_environment((), domain_id) | dict(config.driver.env)
     return Process(f"sensor {name}", command, project, env, project / ".grip" / "logs" / f"sensor-{name}.log")
 
