@@ -57,6 +57,8 @@ class ProjectFile(_Config):
     """Folder of the project's own nodes, each with a `manifest.yaml`."""
     world: str | None = None
     """The world that is simulated."""
+    simulated_time: bool = False
+    """Whether the time of a run is that of the topic `/clock`, from a simulator that isn't ours."""
 
 
 @dataclass(frozen=True)

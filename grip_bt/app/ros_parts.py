@@ -5,14 +5,21 @@ from __future__ import annotations
 import os
 from collections.abc import Collection
 from contextlib import ExitStack
+from typing import TYPE_CHECKING
 
 from grip_bt.catalog.component_file import Start, load_component
-from grip_bt.errors import GripError
+from grip_bt.errors import GripError, ServerLostError
 from grip_bt.ros.frames import FrameTree
 
 from .domain import own_domain
 from .project import Project
 from .resources import Progress, Resources
+
+if TYPE_CHECKING:
+    from grip_bt.ros.bus import Bus
+
+TIME_STARTS = 10.0
+"""How long to wait for the first message of `/clock` [s]."""
 
 
 def open_ros(
@@ -52,6 +59,8 @@ def open_ros(
     resources.components = {name: components.client(name) for name in names}
     door = RosDoor(components.bus, Transforms(components.bus, frames))
     resources.ros = door
+    if project.file.simulated_time:
+        _take_time(components.bus, resources, stack)
     built = (
         f"interfaces built in {components.build_seconds:.1f} s" if components.build_seconds else "interfaces in cache"
     )
@@ -67,15 +76,36 @@ def open_ros(
         progress("sensor", f"{name}: {topics}")
 
 
+def _take_time(bus: Bus, resources: Resources, stack: ExitStack) -> None:
+    """Have the run's clock follow `/clock`.
+
+    Raises:
+        ServerLostError: nobody publishes it.
+    """
+    from grip_bt.ros.clock import RosClock
+
+    clock = stack.enter_context(RosClock(bus))
+    if not clock.wait_started(TIME_STARTS):
+        reason = f"nobody published the simulated time within {TIME_STARTS:.0f} s; start the simulator"
+        raise ServerLostError(f"/clock: {reason}, or take `simulated_time` out of grip.yaml", server="/clock")
+    resources.clock = clock
+
+
 def _domain(
     project: Project, names: list[str], sensors: list[str], needs: Collection[str], stack: ExitStack
 ) -> int | None:
     """Return a domain of the run's own, or the user's when something that runs already is part of the task."""
     folders = project.component_folders()
+    if project.file.simulated_time:
+        return _users_domain()
     started = all(name in folders and _starts(load_component(folders[name]).start) for name in names)
     driven = all(_starts(project.file.sensors[name].driver) for name in sensors)
     if started and driven and not any(node.startswith("ros/") for node in needs):
         return stack.enter_context(own_domain())
+    return _users_domain()
+
+
+def _users_domain() -> int | None:
     chosen = os.environ.get("ROS_DOMAIN_ID")
     return int(chosen) if chosen else None
 

@@ -35,6 +35,7 @@ from grip_bt.operation import Operation
 from .action import ActionClient
 from .client import ServiceClient
 from .environment import require
+from .shared_memory import sweep
 from .topic import TopicReader, TopicWriter
 from .types import load_type, type_name
 
@@ -59,6 +60,7 @@ class Bus:
 
     def __init__(self, name: str = "grip", domain_id: int | None = None):
         require()
+        sweep()
         self._context = Context()
         rclpy.init(args=[], context=self._context, domain_id=domain_id, signal_handler_options=SignalHandlerOptions.NO)
         with warnings.catch_warnings():

@@ -1,0 +1,231 @@
+"""What ROS costs through a ticking tree, beside bare rclpy in the same layout of processes.
+
+    python benchmarks/ros_calls.py
+
+The server runs in a process of its own. Bare calls are `call_async` with one executor thread and an event; GRIP's are
+the leaves of components in a task that is run, with its journal. Some 40 s.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from grip_bt.ros.process import child_environment
+
+DATA = Path(__file__).resolve().parents[1] / "tests" / "ros" / "data"
+DOMAIN = 91
+CALLS, GOALS, WARM = 600, 200, 20
+COMPONENTS = {
+    "ask": "interface: std_srvs/srv/Trigger\nserver: /work/counts\noutcomes: {done: success}\n",
+    "act": "interface: trial_interfaces/action/Work\nserver: /work\noutcomes: {done: 'true'}\n"
+    'fixed: {input: "0", seconds: 0.0}\n',
+}
+
+
+def told(name: str, milliseconds: list[float]) -> None:
+    low, high = np.percentile(milliseconds, (50, 95))
+    print(f"{name:<58} median {low:6.2f} ms, 95 % {high:6.2f} ms ({len(milliseconds)} times)")
+
+
+def start_server(overlay: Path) -> subprocess.Popen[bytes]:
+    server = subprocess.Popen(
+        [sys.executable, str(DATA / "action_server.py"), "/work"],
+        env=child_environment([overlay], DOMAIN),
+        stdout=subprocess.PIPE,
+    )
+    assert server.stdout is not None
+    server.stdout.readline()
+    return server
+
+
+def timed(work: Callable[[], None], times: int) -> list[float]:
+    taken = []
+    for _ in range(times + WARM):
+        began = time.perf_counter()
+        work()
+        taken.append((time.perf_counter() - began) * 1e3)
+    return taken[WARM:]
+
+
+def bare() -> None:
+    """The same calls and goals with rclpy alone."""
+    import rclpy
+    from rclpy.action import ActionClient
+    from rclpy.context import Context
+    from rclpy.executors import SingleThreadedExecutor
+    from std_srvs.srv import Trigger
+    from trial_interfaces.action import Work
+
+    context = Context()
+    rclpy.init(context=context, domain_id=DOMAIN)
+    node = rclpy.create_node("bare", context=context, enable_rosout=False, start_parameter_services=False)
+    client, action = node.create_client(Trigger, "/work/counts"), ActionClient(node, Work, "/work")
+    executor = SingleThreadedExecutor(context=context)
+    executor.add_node(node)
+    stop = threading.Event()
+
+    def spin() -> None:
+        while not stop.is_set():
+            executor.spin_once(timeout_sec=0.5)
+
+    thread = threading.Thread(target=spin)
+    thread.start()
+    client.wait_for_service(10)
+    action.wait_for_server(10)
+
+    def call() -> None:
+        done = threading.Event()
+        client.call_async(Trigger.Request()).add_done_callback(lambda _: done.set())
+        done.wait(10)
+
+    def goal() -> None:
+        done = threading.Event()
+
+        def taken(future) -> None:
+            future.result().get_result_async().add_done_callback(lambda _: done.set())
+
+        def send() -> None:  # on the executor's thread: elsewhere, answers are lost
+            action.send_goal_async(Work.Goal(input="0", seconds=0.0)).add_done_callback(taken)
+
+        executor.create_task(send)
+        done.wait(10)
+
+    told("bare: call_async to another process", timed(call, CALLS))
+    told("bare: goal -> accepted -> result", timed(goal, GOALS))
+    stop.set()
+    executor.wake()
+    thread.join()
+    action.destroy()
+    node.destroy_node()
+    context.try_shutdown()
+
+
+def in_trees(folder: Path) -> None:
+    """The same from a task that is run, and how long an answer waits for the tick that takes it."""
+    from grip_bt.app import run
+    from grip_bt.nodes.component import ComponentLeaf
+
+    stamps: dict[str, list[float]] = {"began": [], "answered": [], "taken": []}
+    start, finish = ComponentLeaf.start, ComponentLeaf.finish
+
+    def timed_start(leaf):
+        stamps["began"].append(time.perf_counter())
+        operation = start(leaf)
+        operation.add_done_callback(lambda: stamps["answered"].append(time.perf_counter()))
+        return operation
+
+    def timed_finish(leaf, result):
+        stamps["taken"].append(time.perf_counter())
+        return finish(leaf, result)
+
+    ComponentLeaf.start, ComponentLeaf.finish = timed_start, timed_finish
+    for name, what, times in (("ask", "service call", CALLS), ("act", "goal -> result", GOALS)):
+        for times_of in stamps.values():
+            times_of.clear()
+        task = folder / f"{name}.yaml"
+        task.write_text(
+            f"grip: 1\nname: {name}\nroot:\n  kind: repeat\n  times: {times + WARM}\n  child:\n"
+            f"    call: {{node: component/{name}}}\n"
+        )
+        result = run(task)
+        assert result.outcome == "success", result
+        began, answered, taken = (np.array(stamps[k][WARM:]) * 1e3 for k in ("began", "answered", "taken"))
+        told(f"tree: {what}, from the tick that asks to the one that takes", list(taken - began))
+        told(f"tree: {what}, from the answer to the tick that takes it", list(taken - answered))
+    ComponentLeaf.start, ComponentLeaf.finish = start, finish
+
+
+def idle() -> None:
+    """Fifty components that are connected and have nothing to do."""
+    from rclpy.executors import SingleThreadedExecutor  # noqa: F401 - loaded before the time is taken
+
+    from grip_bt.ros.bus import Bus
+
+    script = (
+        "import sys, rclpy\nfrom rclpy.node import Node\nfrom std_srvs.srv import Trigger\nrclpy.init()\n"
+        "node = Node('many')\n"
+        "for i in range(50): node.create_service(Trigger, f'/s{i}', lambda request, response: response)\n"
+        "print('serving', flush=True)\nrclpy.spin(node)\n"
+    )
+    server = subprocess.Popen([sys.executable, "-c", script], env=child_environment((), DOMAIN), stdout=subprocess.PIPE)
+    assert server.stdout is not None
+    server.stdout.readline()
+    with Bus("idle", domain_id=DOMAIN) as bus:
+        clients = [bus.service("std_srvs/srv/Trigger", f"/s{i}") for i in range(50)]
+        waits = [client.wait_ready(20) for client in clients]
+        for wait in waits:
+            wait.wait(20)
+            wait.result()
+        time.sleep(1.0)
+        before, began = sum(os.times()[:2]), time.monotonic()
+        time.sleep(8.0)
+        used = (sum(os.times()[:2]) - before) / (time.monotonic() - began)
+    server.kill()
+    server.wait()
+    print(f"{'50 components, connected and idle':<58} {used:.1%} of a core")
+
+
+def lost(overlay: Path) -> None:
+    """Servers that aren't ours and are killed with a goal under way."""
+    from trial_interfaces.action import Work
+
+    from grip_bt.ros.bus import Bus
+
+    taken = []
+    with Bus("watcher", domain_id=DOMAIN) as bus:
+        client = bus.action(Work, "/work")
+        for _ in range(6):
+            server = start_server(overlay)
+            client.wait_ready(10).wait(10)
+            operation = client.send(Work.Goal(input="0", seconds=60.0), wait=10.0)
+            time.sleep(0.5)
+            server.kill()
+            began = time.perf_counter()
+            operation.wait(30)
+            taken.append((time.perf_counter() - began) * 1e3)
+            server.wait()
+    told("killed server, not ours, noticed", taken)
+
+
+def main() -> None:
+    from grip_bt.cli.component import generate
+    from grip_bt.ros.interfaces import build_interfaces
+    from grip_bt.ros.overlay import activate
+
+    print(f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
+    os.environ["ROS_DOMAIN_ID"] = str(DOMAIN)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "grip.yaml").write_text("grip: 1\n")
+        (built,) = build_interfaces(DATA / "trial_interfaces", folder / ".grip" / "interfaces")
+        activate(built.prefix)
+        for component, text in COMPONENTS.items():
+            home = folder / "components" / component
+            home.mkdir(parents=True)
+            (home / "component.yaml").write_text(f"name: {component}\n{text}")
+            if "trial" in text:
+                shutil.copytree(DATA / "trial_interfaces", home / "interfaces" / "trial_interfaces")
+            generate([home])
+        server = start_server(built.prefix)
+        bare()
+        in_trees(folder)
+        bare()
+        server.kill()
+        server.wait()
+        idle()
+        lost(built.prefix)
+    print(f"load {os.getloadavg()[0]:.1f}")
+
+
+if __name__ == "__main__":
+    main()

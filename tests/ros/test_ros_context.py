@@ -1,0 +1,139 @@
+"""Starting and leaving ROS: every way out of an interpreter, children, name spaces, domains, and simulated time."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+from conftest import ended
+
+from grip_bt.errors import ServerLostError
+from grip_bt.ros.bus import Bus
+from grip_bt.ros.process import child_environment
+
+pytestmark = pytest.mark.ros
+OPEN = "import time, sys, os\nfrom grip_bt.ros.bus import Bus\nbus = Bus('leaves')\n"
+PENDING = "operation = bus.service('std_srvs/srv/SetBool', '/nobody').wait_ready(30)\n"
+
+
+def leave(code, domain, **more):
+    return subprocess.run(
+        [sys.executable, "-c", OPEN + PENDING + code],
+        env=child_environment((), domain),
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+        **more,
+    )
+
+
+@pytest.mark.parametrize(
+    ("code", "status"),
+    [
+        ("", 0),
+        ("sys.exit(3)", 3),
+        ("raise RuntimeError('a bug')", 1),
+        ("bus.close(); bus.close()", 0),
+        ("bus.close(); Bus('again'); Bus('and_again')", 0),
+        ("raise KeyboardInterrupt", 130),
+    ],
+)
+def test_an_interpreter_ends_as_it_wanted_to(domain, code, status):
+    """None aborts, hangs, or loses its status; a call is under way in each."""
+    done = leave(code, domain)
+    assert (done.returncode % 256 if done.returncode >= 0 else 128 - done.returncode) == status, done.stderr
+    assert "terminate called" not in done.stderr
+
+
+def test_ctrl_c_ends_an_interpreter_that_waits(domain):
+    process = subprocess.Popen(
+        [sys.executable, "-c", OPEN + PENDING + "print('up', flush=True)\noperation.wait(60)"],
+        env=child_environment((), domain),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout.readline() == "up\n"
+    process.send_signal(signal.SIGINT)
+    _, told = process.communicate(timeout=10)
+    assert process.returncode in (-signal.SIGINT, 130)
+    assert "KeyboardInterrupt" in told
+
+
+@pytest.mark.parametrize("method", ["fork", "spawn"])
+def test_a_child_process_ends_and_leaves_the_parents_bus_alone(domain, method, tmp_path):
+    script = tmp_path / "parent.py"
+    script.write_text(
+        "import multiprocessing, sys, warnings\nwarnings.simplefilter('ignore')\n"
+        "def work(queue):\n    queue.put(6 * 7)\n"
+        "if __name__ == '__main__':\n"
+        "    from grip_bt.ros.bus import Bus\n"
+        "    with Bus('parent') as bus:\n"
+        f"        kind = multiprocessing.get_context({method!r})\n"
+        "        queue = kind.Queue(); child = kind.Process(target=work, args=(queue,)); child.start()\n"
+        "        assert queue.get(timeout=20) == 42; child.join(20); assert child.exitcode == 0, child.exitcode\n"
+        "        posted = bus.post(lambda: 'alive'); assert posted.wait(5) and posted.result() == 'alive'\n"
+        "    sys.exit(5)\n"
+    )
+    done = subprocess.run([sys.executable, str(script)], env=child_environment((), domain), timeout=60, check=False)
+    assert done.returncode == 5
+
+
+def test_a_domain_hears_only_itself(domain, serve):
+    serve("std_srvs/SetBool", "/set")
+    with Bus("same", domain_id=domain) as same, Bus("other", domain_id=domain % 90 + 5) as other:
+        ended(same.service("std_srvs/srv/SetBool", "/set").wait_ready(10))
+        with pytest.raises(ServerLostError):
+            ended(other.service("std_srvs/srv/SetBool", "/set").wait_ready(0.5))
+
+
+def test_names_below_a_name_space_are_found_and_others_are_not(bus, serve):
+    serve("std_srvs/SetBool", "/left/arm/set")
+    ended(bus.service("std_srvs/srv/SetBool", "/left/arm/set").wait_ready(10))
+    with pytest.raises(ServerLostError, match="/right/arm/set"):
+        ended(bus.service("std_srvs/srv/SetBool", "/right/arm/set").wait_ready(0.3))
+
+
+def test_simulated_time_is_the_clock_topics(bus):
+    from grip_bt.ros.clock import RosClock
+
+    with RosClock(bus) as clock:
+        assert clock.now() == 0.0
+        assert not clock.wait_started(0.1)
+        for second in (5.0, 6.5, 6.0, 7.0):
+            clock_message = ended(bus.post(lambda s=second: _stamp(s)))
+            ended(bus.writer("rosgraph_msgs/msg/Clock", "/clock").publish(clock_message, subscribers=1, timeout=10.0))
+        deadline = time.monotonic() + 5
+        while clock.now() < 7.0 and time.monotonic() < deadline:
+            time.sleep(0.01)
+        assert clock.now() == 7.0
+        assert clock.wait_started(0.1)
+
+
+def test_simulated_time_never_goes_back_and_wakes_who_waits(bus):
+    from grip_bt.ros.clock import RosClock
+
+    clock = RosClock(bus)
+    woken = []
+    clock.on_advance(lambda: woken.append(clock.now()))
+    for second in (2.0, 1.0, 3.0):
+        clock._hear(_stamp(second))
+    assert woken == [2.0, 3.0]
+
+
+def _stamp(seconds):
+    from builtin_interfaces.msg import Time
+    from rosgraph_msgs.msg import Clock
+
+    return Clock(clock=Time(sec=int(seconds), nanosec=int(seconds % 1 * 1e9)))
+
+
+def test_the_profile_reaches_children(domain):
+    assert (
+        os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] == child_environment((), domain)["FASTRTPS_DEFAULT_PROFILES_FILE"]
+    )
