@@ -21,7 +21,7 @@ from .emit_ours import failed
 from .kinds import Kind, replaced_on
 from .parts import INVALID, F, Inside, Part, R, S
 from .regions import code_of
-from .trace_ours import emit_before, emit_behind, stays
+from .trace_ours import emit_deadline, stays, watches_time
 from .watch import Classes, Methods
 from .writer import Writer
 
@@ -54,40 +54,45 @@ class Unsettled(Exception):
 
 
 class Handed:
-    """Results that leaves have given already, waiting for the ordinary plan to ask."""
+    """Results that nodes have given already, waiting for the ordinary plan to ask.
+
+    A status is what `update` has returned, a truth value what `open` of a guard has.
+    """
 
     def __init__(self) -> None:
-        self._waiting: list[tuple[Any, Any]] = []
+        self._waiting: list[tuple[Any, str, Any]] = []
         self._given = False
 
-    def give(self, node: Any, result: Status) -> None:
-        """Have the next call of `node.update` return `result`, and only that one."""
+    def give(self, node: Any, expected: Status | bool, result: Any) -> None:
+        """Have the next call of `update`, or of `open` where True was expected, return `result`; only that one."""
         if not self._given:
             self._given = True
             Methods.passing += 1
-        own = node.update if replaced_on(node, "update") else None
+        name = "open" if expected is True else "update"
+        waiting = node, name, getattr(node, name) if replaced_on(node, name) else None
 
-        def update() -> Status:
-            self._restore(node, own)
+        def once() -> Any:
+            self._restore(waiting)
             return result
 
-        self._waiting.append((node, own))
-        node.update = update
+        self._waiting.append(waiting)
+        setattr(node, name, once)
 
     def end(self) -> None:
         """The tick is over: forget what nobody asked for."""
-        for node, own in list(self._waiting):
-            self._restore(node, own)
+        for waiting in list(self._waiting):
+            self._restore(waiting)
         if self._given:
             self._given = False
             Methods.passing -= 1
 
-    def _restore(self, node: Any, own: Any) -> None:
-        self._waiting.remove((node, own))
+    def _restore(self, waiting: tuple[Any, str, Any]) -> None:
+        self._waiting.remove(waiting)
+        node, name, own = waiting
         if own is None:
-            del node.update
+            delattr(node, name)
         else:
-            node.update = own
+            setattr(node, name, own)
 
 
 class Tracer:
@@ -120,11 +125,11 @@ class Tracer:
             writing.checks += ["([*map(len, watched)] == sizes or not replaced())", "not classes_changed()"]
         handed = self._handed
 
-        def missed(at: int, *result: Status) -> bool:
+        def missed(at: int, *result: Any) -> bool:
             for node, expected in calls[:at]:
-                handed.give(node, expected)
-            for status in result:
-                handed.give(calls[at][0], status)
+                handed.give(node, expected, expected)
+            for said in result:
+                handed.give(*calls[at], said)
             return False
 
         names["missed"] = missed
@@ -148,7 +153,7 @@ class _Writing:
 
     Attributes:
         checks: expressions that are true while the tree is as it was.
-        calls: the nodes whose `update` is called, with the result that is expected.
+        calls: the nodes whose `update` or `open` is called, with the result that is expected.
         nodes: whose methods matter.
     """
 
@@ -156,7 +161,7 @@ class _Writing:
         self.write = Writer()
         self.write.names.update(S=S, F=F, R=R, I=INVALID)
         self.checks: list[str] = []
-        self.calls: list[tuple[Any, Status]] = []
+        self.calls: list[tuple[Any, Status | bool]] = []
         self.nodes: list[Behaviour] = []
 
     def way(self, part: Part) -> None:
@@ -264,8 +269,10 @@ class _Writing:
             return
         if not stays(node, inside.kind):
             raise Unsettled
-        missed = f"return missed({len(self.calls)})"
-        emit_before(self.write, node, name, inside.kind, missed)
+        if inside.kind is Kind.GATE:
+            at = len(self.calls)
+            self.calls.append((node, True))
+            self.write(f"if not {name}.open(): return missed({at}, False)")
         if inside.kind is Kind.ROUNDS:
             self._rounds(node, inside, name)
         elif inside.kind in (Kind.DECORATOR, Kind.GATE):
@@ -281,7 +288,9 @@ class _Writing:
                 for before in kids[:at]:
                     self._waits(before)
             self.way(inside.kids[at])
-        emit_behind(self.write, node, name, f"return missed({len(self.calls)})")
+        if watches_time(node):
+            emit_deadline(self.write, name, len(self.calls))
+            self.calls.append((node, R))
         self.write(f"{name}.status = R")
 
     def _rounds(self, node: Any, inside: Inside, name: str) -> None:

@@ -42,13 +42,11 @@ def stays(node: Any, kind: Kind) -> bool:
     return False
 
 
-def emit_before(write: Writer, node: Any, name: str, kind: Kind, missed: str) -> None:
-    """Write what comes before the child; it may be done again when the trace is left there."""
-    if kind is Kind.GATE:
-        write(f"if not {name}.open(): {missed}")
+def watches_time(node: Any) -> bool:
+    """Tell whether the node looks at the clock after its child was ticked."""
+    return bool(type(node).update is control.Timeout.update)
 
 
-def emit_behind(write: Writer, node: Any, name: str, missed: str) -> None:
-    """Write what comes after the child."""
-    if type(node).update is control.Timeout.update:
-        write(f"if not {name}.context.clock.now() < {name}.finish_time: {missed}")
+def emit_deadline(write: Writer, name: str, at: int) -> None:
+    """Write that the trace is left where the time is over."""
+    write(f"if not {name}.context.clock.now() < {name}.finish_time: return missed({at})")
