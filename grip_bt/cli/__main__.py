@@ -26,6 +26,7 @@ VERBS = (
     "interfaces",
     "edit",
     "runs",
+    "replay",
     "doctor",
 )
 INVALID, NODE_ERROR, STOPPED = 1, 4, 130

@@ -32,6 +32,7 @@ def add_parser(subparsers: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Print a line per run, or do what is asked with one run."""
     from grip_bt.app import find_project
+    from grip_bt.app.replay import find_run
     from grip_bt.runtime import JournalReader
 
     if (args.to is None) != (args.output is None):
@@ -54,23 +55,12 @@ def run(args: argparse.Namespace) -> int:
         if not one:
             return _list(reader, args.json)
         name = "last" if place.exists() else args.what
-        found = _find(reader, name)
+        found = find_run(reader, name)
         if args.to is not None:
             return _export(reader, found, args.output, args.to)
         if args.timing:
             return _timing(reader, found, args.json)
         return _data(reader, found, args.json) if args.data else _list(reader, args.json, found)
-
-
-def _find(reader: JournalReader, name: str) -> str:
-    """Return the id that is meant: an id, its beginning, or `last`."""
-    ids = [record.id for record in reader.runs()]
-    if name == "last" and ids:
-        return ids[0]
-    fitting = [id for id in ids if id.startswith(name)]
-    if name in ids or len(fitting) == 1:
-        return name if name in ids else fitting[0]
-    raise UnknownNameError("run", name, (fitting or ids)[:20], str(reader.file))
 
 
 def _export(reader: JournalReader, run: str, file: Path, to: str) -> int:

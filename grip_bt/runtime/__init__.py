@@ -5,6 +5,7 @@ from .context import RunContext
 from .control import serve_control
 from .journal import Journal, JournalError, RunLog
 from .journal_reader import Event, JournalReader, RunRecord
+from .moment import Moment, NodeState
 from .pacing import Pacing
 from .plan import Plan
 from .runner import Runner, RunResult
@@ -16,6 +17,8 @@ __all__ = [
     "JournalError",
     "JournalReader",
     "ManualClock",
+    "Moment",
+    "NodeState",
     "Pacing",
     "Plan",
     "RunContext",

@@ -1,0 +1,88 @@
+"""`grip replay`: a run of the journal again, in the terminal or on the page."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from grip_bt.errors import MissingPartError, UnknownNameError
+
+if TYPE_CHECKING:
+    from grip_bt.runtime import Event, Moment
+
+
+def add_parser(subparsers: Any) -> None:
+    """Add the verb."""
+    parser = subparsers.add_parser("replay", help="show a run again, event by event, or one that is under way")
+    parser.add_argument("run_name", metavar="RUN", help="a run's id, its beginning, or `last`")
+    parser.add_argument("--journal", type=Path, metavar="FILE", help="another journal than that of this project")
+    parser.add_argument(
+        "--speed",
+        type=_speed,
+        metavar="X",
+        help="seconds of the run in a second (default: 1 in a terminal; else as fast as it goes, which is 0)",
+    )
+    parser.add_argument("--until", default="", metavar="PLACE", help="end after SEQ, NODE or NODE:OUTCOME")
+    parser.add_argument("--step", action="store_true", help="wait for Enter after each event; q ends")
+    parser.add_argument("--json", action="store_true", help="an event a line, as JSON")
+    parser.add_argument("--gui", action="store_true", help="open the page on this run")
+    parser.add_argument("--no-browser", action="store_true", help="with --gui: only print the address")
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Show the events."""
+    from grip_bt.app.replay import Until, events_of, find_run, journal_of, line_of, moment_lines, replay
+    from grip_bt.runtime import JournalReader
+
+    file = journal_of(None, args.journal)
+    with JournalReader(file) as reader:
+        found = find_run(reader, args.run_name)
+        if args.gui:
+            return _open_page(file, found, not args.no_browser)
+        until = Until(args.until) if args.until else None
+        speed = args.speed if args.speed is not None else float(sys.stdout.isatty())
+
+        def show(event: Event, moment: Moment) -> None:
+            print(json.dumps(asdict(event), ensure_ascii=False) if args.json else line_of(event), flush=bool(speed))
+            if args.step and not (until is not None and until.reached(event)):
+                _wait_for_enter()
+
+        try:
+            moment, reached = replay(events_of(reader, found), show, None if args.step else speed or None, until)
+        except EOFError:
+            return 0
+        if not reached:
+            there = sorted(moment.nodes) if not args.until.isdigit() else [f"1 to {moment.seq}"]
+            raise UnknownNameError("place in the run", args.until, there, f"run {found}")
+        if not args.json:
+            print("\n".join(moment_lines(moment)))
+    return 0
+
+
+def _wait_for_enter() -> None:
+    """Wait for a line; `q`, or the end of input, ends the replay."""
+    if not (line := sys.stdin.readline()) or line.strip().lower() == "q":
+        raise EOFError
+
+
+def _open_page(journal: Path, run: str, open_browser: bool) -> int:
+    try:
+        from grip_gui import serve
+    except ImportError as error:
+        raise MissingPartError(f"the page ({error.name})", "pip install 'grip-bt[gui]'") from error
+    from grip_bt.app import find_project
+
+    folder = journal.resolve().parent.parent if journal.parent.name == ".grip" else find_project(Path()).folder
+    return serve(folder, show_run=run, journal=journal, open_browser=open_browser)
+
+
+def _speed(text: str) -> float:
+    value = float(text)
+    if not value >= 0:
+        raise argparse.ArgumentTypeError(f"{text!r} isn't a number, 0 or more")
+    return value
