@@ -13,6 +13,7 @@ from random_edits import random_command, random_typing
 from grip_bt.errors import DocumentError, EditError
 from grip_bt.graph import read_text
 from grip_bt.graph.edit import command_of
+from grip_bt.graph.edit.history import LIMIT
 from grip_gui.editing import ChangedOnDiskError, EditDesk, StaleEditError, UnfinishedTextError
 from grip_gui.project import ProjectFolder
 
@@ -99,7 +100,7 @@ def test_undo_and_redo_of_everything_is_the_identity_on_bytes(project: Path) -> 
     random = Random(SEED)
     desk = EditDesk(ProjectFolder(project))
     with desk.changing(PATH) as sheet:
-        while len(sheet.history.moments) < EDITS // 6:
+        while len(sheet.history.moments) < min(EDITS // 6, LIMIT):
             try:
                 if random.random() < 0.8:
                     sheet.do(command_of(random_command(random, sheet.history.document.task)), sheet.revision)

@@ -1,17 +1,31 @@
 /** Where a flow chart's nodes go: layered by a library, except those that a person has pinned, which never move. */
 import dagre from "@dagrejs/dagre";
 
-import type { Flow } from "./flow";
+import type { Flow, FlowItem } from "./flow";
 import type { Box } from "./layout";
 
 const GAP = 24;
 type Pins = Readonly<Record<string, readonly [number, number] | number[]>>;
 
+export interface FlowLayout {
+  readonly boxes: ReadonlyMap<string, Box>;
+  /** Where an edge bends, between its ends, so that it goes round the nodes; none where nodes were pinned. */
+  readonly bends: ReadonlyMap<string, readonly Point[]>;
+}
+
+export interface Point {
+  readonly x: number;
+  readonly y: number;
+}
+
 /** Boxes by id. Pinned nodes are where they were put; the others keep their layers and make room. */
-export function layoutFlow(flow: Flow, pins: Pins = {}): Map<string, Box> {
-  const free = layered(flow);
+export function layoutFlow(flow: Flow, pins: Pins = {}): FlowLayout {
+  const layout = layered(flow);
   const pinned = flow.items.filter((item) => pins[item.id] !== undefined);
-  if (pinned.length === 0) return free;
+  return pinned.length === 0 ? layout : { boxes: withPins(flow, pinned, pins, layout.boxes), bends: new Map() };
+}
+
+function withPins(flow: Flow, pinned: readonly FlowItem[], pins: Pins, free: ReadonlyMap<string, Box>): Map<string, Box> {
   const boxes = new Map<string, Box>();
   let dx = 0;
   let dy = 0;
@@ -30,7 +44,7 @@ export function layoutFlow(flow: Flow, pins: Pins = {}): Map<string, Box> {
   return boxes;
 }
 
-function layered(flow: Flow): Map<string, Box> {
+function layered(flow: Flow): FlowLayout {
   const graph = new dagre.graphlib.Graph({ multigraph: true });
   graph.setGraph({ rankdir: "LR", nodesep: 28, ranksep: 64, marginx: 8, marginy: 8 });
   graph.setDefaultEdgeLabel(() => ({}));
@@ -38,13 +52,24 @@ function layered(flow: Flow): Map<string, Box> {
   for (const edge of flow.edges) {
     if (edge.source !== edge.target) graph.setEdge(edge.source, edge.target, { weight: edge.source === "#start" ? 4 : 1 }, edge.id);
   }
+  // An end that nothing leads to stands where ends stand, not where it all begins.
+  const last = flow.items.filter((item) => item.kind === "node").at(-1)?.id;
+  const led = new Set(flow.edges.map((edge) => edge.target));
+  for (const item of flow.items) if (item.kind === "end" && !led.has(item.id) && last) graph.setEdge(last, item.id, { weight: 0 }, `#${item.id}`);
   dagre.layout(graph);
   const boxes = new Map<string, Box>();
   for (const { id, width, height } of flow.items) {
     const { x, y } = graph.node(id) as { x: number; y: number };
     boxes.set(id, { x: Math.round(x - width / 2), y: Math.round(y - height / 2), width, height });
   }
-  return boxes;
+  const bends = new Map<string, readonly Point[]>();
+  for (const edge of flow.edges) {
+    if (edge.source === edge.target) continue;
+    const { points } = graph.edge(edge.source, edge.target, edge.id) as { points: Point[] };
+    // The first and the last are on the borders of the boxes, where the ports aren't.
+    bends.set(edge.id, points.slice(1, -1));
+  }
+  return { boxes, bends };
 }
 
 /** The box, moved down until it overlaps none of the others. */

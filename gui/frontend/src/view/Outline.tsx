@@ -9,6 +9,7 @@ import { useRun } from "../store/run";
 import { KindIcon, PhaseIcon } from "./icons";
 import { lensMark, ProblemMark } from "./marks";
 import { useDropTarget } from "./useDropTarget";
+import { ROW_HEIGHT, useWindow } from "./useWindow";
 
 export function Outline(): JSX.Element {
   const nodes = useRun((s) => s.task.nodes);
@@ -18,6 +19,7 @@ export function Outline(): JSX.Element {
   const rows = useMemo(() => visibleRows(nodes, closed), [nodes, closed]);
   const focused = rows.some((row) => row.node.path === selected) ? selected : rows[0]?.node.path;
   const list = useRef<HTMLDivElement>(null);
+  const { first, last, onScroll } = useWindow(list, rows.length, rows.findIndex((row) => row.node.path === focused));
 
   function onKeyDown(event: KeyboardEvent): void {
     if (event.altKey || event.ctrlKey || event.metaKey) {
@@ -42,10 +44,12 @@ export function Outline(): JSX.Element {
   return (
     <section className="panel outline" aria-labelledby="outline-title">
       <h2 id="outline-title">Outline</h2>
-      <div className="scroll" role="tree" aria-multiselectable="true" aria-labelledby="outline-title" ref={list} onKeyDown={onKeyDown}>
-        {rows.map((row) => (
+      <div className="scroll" role="tree" aria-multiselectable="true" aria-labelledby="outline-title" ref={list} onKeyDown={onKeyDown} onScroll={onScroll}>
+        <div role="presentation" style={{ height: first * ROW_HEIGHT }} />
+        {rows.slice(first, last).map((row) => (
           <OutlineRow key={row.node.path} row={row} isClosed={closed.has(row.node.path)} isTabStop={row.node.path === focused} />
         ))}
+        <div role="presentation" style={{ height: (rows.length - last) * ROW_HEIGHT }} />
       </div>
     </section>
   );
@@ -64,7 +68,6 @@ function OutlineRow({ row, isClosed, isTabStop }: { row: Row; isClosed: boolean;
   useEffect(() => {
     const tree = box.current?.closest("[role=tree]");
     if (focused && (document.activeElement === document.body || (tree?.contains(document.activeElement) ?? false))) box.current?.focus({ preventScroll: true });
-    if (focused) box.current?.scrollIntoView({ block: "nearest" });
   }, [focused]);
   const isContainer = node.children.length > 0;
   const lens = usePage((s) => s.lens);

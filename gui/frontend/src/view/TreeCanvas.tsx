@@ -54,7 +54,7 @@ export function TreeCanvas(): JSX.Element {
     >
       <Background gap={24} />
       <Controls showInteractive={false} />
-      {nodes.length > 12 && <MiniMap pannable zoomable />}
+      {nodes.length > 12 && <MiniMap pannable zoomable style={{ width: 140, height: 96 }} />}
       <Detail />
       <Follower boxes={boxes} />
     </ReactFlow>

@@ -16,6 +16,7 @@ export function Ask(): JSX.Element | null {
     if (!question) return;
     const before = document.activeElement;
     if (!dialog.current?.open) dialog.current?.showModal();
+    dialog.current?.querySelector("input")?.focus();
     return () => {
       if (before instanceof HTMLElement && before.isConnected) before.focus();
     };
@@ -47,7 +48,7 @@ function TextForm({ question, answer }: { question: TextQuestion; answer: (text:
       }}
     >
       <label htmlFor={id}>{question.label}</label>
-      <input id={id} ref={field} value={text} aria-invalid={fault !== ""} aria-describedby={`${id}-hint`} autoFocus onChange={(event) => setText(event.target.value)} />
+      <input id={id} ref={field} value={text} aria-invalid={fault !== ""} aria-describedby={`${id}-hint`} onChange={(event) => setText(event.target.value)} />
       <p id={`${id}-hint`} className={fault ? "fault" : "hint"}>
         {fault || question.hint}
       </p>
@@ -109,7 +110,6 @@ function Chooser({ question, answer }: { question: ChoiceQuestion; answer: (valu
         aria-controls={`${id}-list`}
         aria-autocomplete="list"
         {...(shown[active] ? { "aria-activedescendant": `${id}-${active}` } : {})}
-        autoFocus
         autoComplete="off"
         value={text}
         onKeyDown={onKeyDown}

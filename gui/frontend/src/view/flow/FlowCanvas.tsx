@@ -4,7 +4,7 @@ import { type DragEvent, type JSX, useCallback, useEffect, useMemo, useState } f
 
 import { parentOf } from "../../model/commands";
 import { type Flow, FLOW_HEAD, flowOf, PORT_HEIGHT, START, targetName } from "../../model/flow";
-import { layoutFlow } from "../../model/flowLayout";
+import { type FlowLayout, layoutFlow } from "../../model/flowLayout";
 import type { Box } from "../../model/layout";
 import { useDocument } from "../../store/document";
 import { pin } from "../../store/editing";
@@ -16,9 +16,11 @@ import { Detail } from "../Detail";
 import { drop, isDrag } from "../edit/dragging";
 import { FormBadge } from "../edit/FormBadge";
 import { Breadcrumbs } from "./Breadcrumbs";
+import { FlowEdgeLine } from "./FlowEdgeLine";
 import { EndNode, FlowNode, StartNode } from "./FlowNode";
 
 const NODE_TYPES = { node: FlowNode, end: EndNode, start: StartNode };
+const EDGE_TYPES = { line: FlowEdgeLine };
 /** Zoom at which a chart can be read. */
 const READABLE = 0.75;
 const NO_PINS: Record<string, number[]> = {};
@@ -31,11 +33,11 @@ export function FlowCanvas(): JSX.Element {
   useSelectedContainer();
   const pins = useDocument((s) => s.document?.layout.flow) ?? NO_PINS;
   const flow = useMemo(() => flowOf(task, index.byPath, container), [task, index, container]);
-  const boxes = useMemo(() => layoutFlow(flow, pins), [flow, pins]);
+  const { boxes, bends } = useMemo(() => layoutFlow(flow, pins), [flow, pins]);
   const [edge, setEdge] = useState<string | null>(null);
   const [dragged, setDragged] = useState<{ id: string; x: number; y: number } | null>(null);
   const nodes = useMemo(() => flowNodes(flow, boxes, dragged), [flow, boxes, dragged]);
-  const edges = useMemo(() => flowEdges(flow, edge), [flow, edge]);
+  const edges = useMemo(() => flowEdges(flow, bends, edge), [flow, bends, edge]);
   useEffect(() => setDragged(null), [boxes]);
 
   const onConnect = useCallback(({ source, sourceHandle, target }: Connection): void => {
@@ -63,6 +65,7 @@ export function FlowCanvas(): JSX.Element {
         nodes={nodes}
         edges={edges}
         nodeTypes={NODE_TYPES}
+        edgeTypes={EDGE_TYPES}
         nodesDraggable={canEdit}
         nodesConnectable={canEdit}
         nodesFocusable={false}
@@ -94,7 +97,7 @@ export function FlowCanvas(): JSX.Element {
       >
         <Background gap={24} />
         <Controls showInteractive={false} />
-        {nodes.length > 12 && <MiniMap pannable zoomable />}
+        {nodes.length > 12 && <MiniMap pannable zoomable style={{ width: 140, height: 96 }} />}
         <Detail />
         <Keeper boxes={boxes} />
       </ReactFlow>
@@ -178,9 +181,11 @@ function flowNodes(flow: Flow, boxes: ReadonlyMap<string, Box>, dragged: { id: s
   });
 }
 
-function flowEdges(flow: Flow, selected: string | null): Edge[] {
+function flowEdges(flow: Flow, bends: FlowLayout["bends"], selected: string | null): Edge[] {
   return flow.edges.map((edge) => ({
     id: edge.id,
+    type: "line",
+    data: { bends: bends.get(edge.id) ?? [] },
     source: edge.source,
     sourceHandle: edge.outcome,
     target: edge.target,
