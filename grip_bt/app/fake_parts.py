@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 
 from grip_bt.catalog.component_file import load_component
+from grip_bt.catalog.manifest import Manifest
+from grip_bt.catalog.types import parse_type
 from grip_bt.commanders.fake import FakeArm, FakeCamera, FakeComponent, FakeHand
 from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.scene import PlanningScene
@@ -25,7 +27,9 @@ def open_robot(project: Project, resources: Resources) -> None:
     resources.arms, resources.pausable = arms, list(arms.values())
     resources.hands = {name: _hand(name) for name in file.hands}
     resources.cameras = {name: FakeCamera(_CAMERA, [_empty_table()]) for name, s in file.sensors.items() if s.camera}
-    resources.scene = PlanningScene({hand: arm.grasp_pose for hand, arm in hands.items()}, _CRATE)
+    resources.scene = PlanningScene(
+        {hand: arm.grasp_pose for hand, arm in hands.items()}, _CRATE, project.room()
+    )
 
 
 def open_components(project: Project, names: list[str], resources: Resources) -> None:
@@ -39,10 +43,22 @@ def open_components(project: Project, names: list[str], resources: Resources) ->
         if name not in folders:
             raise UnknownNameError("component", name, folders, str(project.folder))
     files = {name: load_component(folders[name]) for name in names}
+    catalog = project.catalog()
     resources.components = {
-        name: FakeComponent([{"outcome": number, "returned_object": [_GRASP]} for number in range(len(file.outcomes))])
+        name: FakeComponent(
+            [
+                {**_nothing(catalog.get(f"component/{name}")), "outcome": number, "returned_object": [_GRASP]}
+                for number in range(len(file.outcomes))
+            ]
+        )
         for name, file in files.items()
     }
+
+
+def _nothing(manifest: Manifest) -> dict[str, Any]:
+    """Return an empty value for each output, so that outcomes by rule can be told."""
+    empty: dict[str, Any] = {"bool": False, "int": 0, "float": 0.0, "str": "", "list": [], "dict": {}}
+    return {port: empty.get(parse_type(face.type).name) for port, face in manifest.outputs.items()}
 
 
 def _hand(name: str) -> HandCommander:

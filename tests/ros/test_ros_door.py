@@ -14,7 +14,7 @@ from conftest import DATA, ended
 
 from grip_bt.app import find_project, run
 from grip_bt.catalog.sensor_config import SensorConfig
-from grip_bt.errors import BadReplyError, DocumentError, SensorError, ServerLostError, ServerTimeOutError
+from grip_bt.errors import BadReplyError, CanceledError, DocumentError, SensorError, ServerLostError, ServerTimeOutError
 from grip_bt.ros.door import BadRequestError, RosDoor
 from grip_bt.ros.frames import FrameError, FrameTree
 from grip_bt.ros.process import child_environment
@@ -117,6 +117,22 @@ def test_values_are_published_and_waited_for(door):
         ended(door.recent("/target", "geometry_msgs/msg/PoseStamped", "JointState", 60.0, 0.1))
     with pytest.raises(ServerTimeOutError, match="/target: no message within"):
         ended(door.recent("/target", "geometry_msgs/msg/PoseStamped", "Pose", 0.0, 0.2))
+
+
+@ros
+def test_a_wait_is_stopped_at_once_and_costs_nothing_until_then(door):
+    """The original waited in a loop that nobody could stop (its fault B43)."""
+    waiting = door.next("/silent", "std_msgs/msg/Float64", "float", 60.0)
+    before, began = time.process_time(), time.monotonic()
+    time.sleep(1.0)
+    assert time.process_time() - before < 0.3 * (time.monotonic() - began)
+    waiting.cancel()
+    with pytest.raises(CanceledError):
+        ended(waiting, 1.0)
+    together = door.together({"/silent": "std_msgs/msg/Float64", "/mute": "std_msgs/msg/Bool"}, 0.1, 60.0)
+    together.cancel()
+    with pytest.raises(CanceledError):
+        ended(together, 1.0)
 
 
 @ros
