@@ -292,6 +292,12 @@ class PathInvalidError(ExpectedError):
     code = "path_invalid"
 
 
+class ConstraintBrokenError(ExpectedError):
+    """The start or the goal of a motion breaks what its whole path must keep to."""
+
+    code = "constraint_broken"
+
+
 class ExecutionAbortedError(ExpectedError):
     """The robot didn't reach the end of the motion."""
 

@@ -15,8 +15,12 @@ from numpy.typing import NDArray
 from grip_bt.errors import CanceledError, NoPlanError, TimeOutError, UnknownNameError
 
 from ..collision import CollisionChecker
+from .bitrrt import bitrrt, costs, highest_cost
+from .cbirrt import cbirrt
+from .constraints import PathConstraint
 from .paths import Path, interpolated, shortened
 
+BITRRT = "BiTRRT"
 RESOLUTION = 0.02
 """No joint moves more than this [rad] between two checks while planning; the timed result is checked more finely."""
 _COARSE = 8
@@ -27,9 +31,9 @@ only get a time limit, and are cancelled by ending their process."""
 
 @cache
 def planners() -> tuple[str, ...]:
-    """Return the names of the planners that OMPL offers here."""
+    """Return the names of the planners: those that OMPL's wheel binds, and our own BiTRRT."""
     classes = ((name, getattr(og, name)) for name in dir(og))
-    return tuple(n for n, c in classes if isinstance(c, type) and issubclass(c, ob.Planner))
+    return tuple(sorted([n for n, c in classes if isinstance(c, type) and issubclass(c, ob.Planner)] + [BITRRT]))
 
 
 class MotionCheck:
@@ -77,24 +81,66 @@ def plan_free(
     if planner not in planners():
         raise UnknownNameError("planner", planner, planners())
     motion_free = MotionCheck(checker, resolution)
-    if motion_free(start, goal):
-        return np.stack([start, goal])
 
     def over() -> bool:
         return canceled() or time.monotonic() > deadline
 
+    if planner == BITRRT:
+        path = bitrrt(checker, motion_free, start, goal, np.random.default_rng(seed), over)
+        return _shortened_without_cost(checker, motion_free, _found(path, planner, deadline, canceled), seed)
+    if motion_free(start, goal):
+        return np.stack([start, goal])
     if planner in _THREADED:
         until: object = max(0.01, deadline - time.monotonic())
     else:
         until = ob.PlannerTerminationCondition(over)
     path = _solved(checker, motion_free, start, goal, planner, seed, until)
+    return shortened(_found(path, planner, deadline, canceled), motion_free, np.random.default_rng(seed))
+
+
+def plan_constrained(
+    checker: CollisionChecker,
+    constraint: PathConstraint,
+    start: NDArray[np.float64],
+    goal: NDArray[np.float64],
+    seed: int,
+    deadline: float,
+    canceled: Callable[[], bool],
+    resolution: float = RESOLUTION,
+) -> Path:
+    """Return a short free path, shape (k, n), that keeps to a constraint, by CBiRRT; arguments as for `plan_free`.
+
+    Raises:
+        CanceledError: it was cancelled.
+        TimeOutError: the deadline passed.
+    """
+
+    def over() -> bool:
+        return canceled() or time.monotonic() > deadline
+
+    rng = np.random.default_rng(seed)
+    path = cbirrt(checker, MotionCheck(checker, resolution), constraint, start, goal, rng, over)
+    return _found(path, "CBiRRT", deadline, canceled)
+
+
+def _found(path: Path | None, planner: str, deadline: float, canceled: Callable[[], bool]) -> Path:
     if canceled():
         raise CanceledError("planning was cancelled")
     if path is None:
         if time.monotonic() > deadline:
             raise TimeOutError(f"{planner} found no path in time", planner=planner)
         raise NoPlanError(f"{planner} found no path", planner=planner)
-    return shortened(path, motion_free, np.random.default_rng(seed))
+    return path
+
+
+def _shortened_without_cost(checker: CollisionChecker, motion_free: MotionCheck, path: Path, seed: int) -> Path:
+    """Shorten a path where that comes no closer to things than where it leaves the path or joins it again."""
+
+    def no_worse(one: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
+        ends = np.stack([one, other])
+        return motion_free(one, other) and highest_cost(checker, ends) <= float(costs(checker, ends).max())
+
+    return shortened(path, no_worse, np.random.default_rng(seed))
 
 
 def _solved(

@@ -8,6 +8,7 @@ from grip_bt.values import Grasp, JointState, Pose
 
 from ..ik.target import Free
 from ..scene import SceneSnapshot
+from .constraints import PathConstraint
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,8 +18,10 @@ class PlanningSettings:
     Attributes:
         planner: an OMPL planner by its name; see `planning.free.planners`.
         kinematics: an inverse kinematics solver by its name; see `ik.SOLVERS`.
-        speed: part of the velocity and acceleration limits to use, in (0, 1].
-        time_limit: wall time for one plan [s].
+        speed: part of the velocity limits to use, in (0, 1].
+        acceleration: part of the acceleration limits, in (0, 1]; None: as `speed`.
+        time_limit: wall time for one plan, all attempts together [s].
+        attempts: how often to search with other random numbers before giving up.
         margin: distance to keep from the scene's objects where start and goal leave room for it [m].
         seed: the same request with the same seed gives the same plan.
     """
@@ -26,13 +29,18 @@ class PlanningSettings:
     planner: str = "RRTConnect"
     kinematics: str = "damped_least_squares"
     speed: float = 0.6
+    acceleration: float | None = None
     time_limit: float = 5.0
+    attempts: int = 3
     margin: float = 0.01
     seed: int = 0
 
     def __post_init__(self) -> None:
-        if not 0 < self.speed <= 1:
-            raise ValueError(f"speed is a part of the limits, in (0, 1], not {self.speed}")
+        for name, value in (("speed", self.speed), ("acceleration", self.acceleration)):
+            if value is not None and not 0 < value <= 1:
+                raise ValueError(f"{name} is a part of the limits, in (0, 1], not {value}")
+        if self.attempts < 1:
+            raise ValueError(f"attempts are 1 or more, not {self.attempts}")
         if not self.time_limit > 0 or not self.margin >= 0:
             raise ValueError(f"time_limit {self.time_limit} s and margin {self.margin} m can't be negative")
 
@@ -62,15 +70,17 @@ class PlanTo:
 
     Attributes:
         situation: where it begins.
-        goal: where it ends.
+        goal: where it ends; of several poses, whichever is reached best.
         hints: for a pose: joint positions that reach it, to be tried first.
         free: for a pose: what of it doesn't matter; see `ik.Target`.
+        constraint: what the whole path keeps to.
     """
 
     situation: Situation
-    goal: JointState | Pose
+    goal: JointState | Pose | tuple[Pose, ...]
     hints: tuple[JointState, ...] = ()
     free: Free = "none"
+    constraint: PathConstraint | None = None
 
 
 @dataclass(frozen=True, slots=True)

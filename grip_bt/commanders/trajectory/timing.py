@@ -30,6 +30,7 @@ def timed(
     limits: Limits,
     speed: float,
     acceptable: Callable[[NDArray[np.float64]], bool],
+    acceleration: float | None = None,
 ) -> Trajectory:
     """Return the path as a smooth trajectory that starts and ends at rest.
 
@@ -40,8 +41,9 @@ def timed(
         names: the n joints.
         path: shape (k, n) [rad].
         limits: of the joints.
-        speed: part of the velocity and acceleration limits to use, in (0, 1].
+        speed: part of the velocity limits to use, in (0, 1].
         acceptable: takes the trajectory's positions, shape (m, n), and tells whether they are free.
+        acceleration: part of the acceleration limits to use, in (0, 1]; as `speed` when it isn't given.
 
     Raises:
         PathInvalidError: no spacing of the knots is acceptable, or there is no timing.
@@ -49,7 +51,7 @@ def timed(
     if np.abs(path - path[0]).max() < 1e-6:
         return Trajectory(names, np.zeros(1), path[:1], np.zeros((1, len(names))), np.zeros((1, len(names))))
     for spacing in _SPACINGS:
-        trajectory = _timed_spline(names, _knots(path, spacing), limits, speed)
+        trajectory = _timed_spline(names, _knots(path, spacing), limits, speed, acceleration or speed)
         if trajectory is not None and acceptable(trajectory.positions):
             return trajectory
     raise PathInvalidError("the path can't be timed without leaving the free space", knots=len(path))
@@ -66,14 +68,14 @@ def _knots(path: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
 
 
 def _timed_spline(
-    names: tuple[str, ...], knots: NDArray[np.float64], limits: Limits, speed: float
+    names: tuple[str, ...], knots: NDArray[np.float64], limits: Limits, speed: float, acceleration: float
 ) -> Trajectory | None:
     at = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(knots, axis=0), axis=1))])
     spline = toppra.SplineInterpolator(at, knots, bc_type="natural")
-    velocity, acceleration = limits.velocity * speed, limits.acceleration * speed
+    fastest, hardest = limits.velocity * speed, limits.acceleration * acceleration
     constraints = [
-        toppra.constraint.JointVelocityConstraint(np.stack([-velocity, velocity], axis=1)),
-        toppra.constraint.JointAccelerationConstraint(np.stack([-acceleration, acceleration], axis=1)),
+        toppra.constraint.JointVelocityConstraint(np.stack([-fastest, fastest], axis=1)),
+        toppra.constraint.JointAccelerationConstraint(np.stack([-hardest, hardest], axis=1)),
     ]
     grid = np.linspace(0.0, at[-1], int(np.clip(np.ceil(at[-1] / _GRID), 40, 400)) + 1)
     method = toppra.algorithm.TOPPRA(constraints, spline, gridpoints=grid, parametrizer="ParametrizeConstAccel")

@@ -1,0 +1,132 @@
+"""Where a motion may end: configurations for joint positions, for a pose, or for the best of several poses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from grip_bt.errors import (
+    ConstraintBrokenError,
+    GoalInCollisionError,
+    NoIkError,
+    OutOfLimitsError,
+    UnknownNameError,
+)
+from grip_bt.values import JointState, Pose
+from grip_bt.values.pose import check_frame
+
+from ..collision import CollisionChecker
+from ..ik import Target, solver
+from ..model import Chain
+from .requests import PlanTo
+
+_GOALS = 4
+_RESTARTS = 20
+
+
+def goals_of(
+    chain: Chain, checker: CollisionChecker, request: PlanTo, start: NDArray[np.float64]
+) -> list[NDArray[np.float64]]:
+    """Return free configurations that end the motion, each of shape (n,), the best ones first.
+
+    Raises:
+        GoalInCollisionError: `data['pairs']` names what touches.
+        OutOfLimitsError: joint positions break the limits; `data['joints']` names them.
+        NoIkError: nothing reaches the pose, or any of the poses.
+        ConstraintBrokenError: what was found breaks the path's constraint.
+        UnknownNameError: the goal names a joint that isn't of the group.
+    """
+    if isinstance(request.goal, JointState):
+        goals = [_joint_goal(chain, checker, request.goal, start)]
+    else:
+        goals = _pose_goals(chain, checker, request, start)
+    if request.constraint is None:
+        return goals
+    kept = [q for q in goals if request.constraint.kept(chain, q[None, :])]
+    if not kept:
+        raise ConstraintBrokenError("the goal breaks what the path must keep to; widen its tolerances or its box")
+    return kept
+
+
+def _joint_goal(
+    chain: Chain, checker: CollisionChecker, goal: JointState, start: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the goal's configuration; joints that it doesn't name stay where they are."""
+    q = np.array(start)
+    for name, position in zip(goal.names, goal.position, strict=True):
+        if name not in chain.joints:
+            raise UnknownNameError("joint", name, chain.joints, where="goal")
+        q[chain.joints.index(name)] = position
+    if not np.all(np.isfinite(q)) or not chain.within_limits(q):
+        raise out_of_limits(chain, q, "the goal is")
+    if pairs := checker.pairs(q):
+        raise GoalInCollisionError(f"at the goal, {touching(pairs)}", pairs=pairs)
+    return q
+
+
+def _pose_goals(
+    chain: Chain, checker: CollisionChecker, request: PlanTo, start: NDArray[np.float64]
+) -> list[NDArray[np.float64]]:
+    """Return a few free configurations that reach the pose: those of hints first, then by their distance."""
+    hinted = [q for q in _reaching(chain, request, start, hints_only=True) if checker.free(q)]
+    found: list[NDArray[np.float64]] = []
+    pairs: tuple[tuple[str, str], ...] = ()
+    for q in _reaching(chain, request, start, hints_only=False):
+        touching = checker.pairs(q)
+        if not touching:
+            found.append(q)
+        pairs = touching or pairs
+        if len(found) + len(hinted) >= _GOALS:
+            break
+    if hinted or found:
+        return hinted + sorted(found, key=lambda q: float(np.linalg.norm(q - start)))
+    if pairs:
+        raise GoalInCollisionError(f"wherever the pose is reached, {touching(pairs)}", pairs=pairs)
+    poses = _poses(request)
+    what = f"{poses[0]}" if len(poses) == 1 else f"any of {len(poses)} poses"
+    raise NoIkError(f"no joint positions reach {what}", pose=poses[0])
+
+
+def _reaching(
+    chain: Chain, request: PlanTo, start: NDArray[np.float64], hints_only: bool
+) -> Iterator[NDArray[np.float64]]:
+    """Yield configurations that reach the poses, a few of each in turn."""
+    settings = request.situation.settings
+    rng, find = np.random.default_rng(settings.seed), solver(settings.kinematics)
+    seeds = tuple(h.ordered(chain.joints) for h in request.hints) if hints_only else (start,)
+    waiting = [
+        find(chain, Target(pin.SE3(pose.matrix()), request.free), rng, seeds, 0 if hints_only else _RESTARTS)
+        for pose in _poses(request)
+    ]
+    while waiting:
+        for search in list(waiting):
+            q = next(search, None)
+            if q is None:
+                waiting.remove(search)
+            else:
+                yield q
+
+
+def _poses(request: PlanTo) -> tuple[Pose, ...]:
+    assert not isinstance(request.goal, JointState)
+    poses = (request.goal,) if isinstance(request.goal, Pose) else request.goal
+    for pose in poses:
+        check_frame(pose, "world")
+    return poses
+
+
+def out_of_limits(chain: Chain, q: NDArray[np.float64], what: str) -> OutOfLimitsError:
+    """Return the error about a configuration, shape (n,), that breaks position limits."""
+    rows = zip(chain.joints, q, chain.limits.lower, chain.limits.upper, strict=True)
+    outside = {name: (float(x), float(low), float(high)) for name, x, low, high in rows if not low <= x <= high}
+    text = ", ".join(f"{n} = {x:.3f} (allowed {low:.3f} .. {high:.3f})" for n, (x, low, high) in outside.items())
+    return OutOfLimitsError(f"{what} out of limits: {text}", joints=tuple(outside))
+
+
+def touching(pairs: Sequence[tuple[str, str]]) -> str:
+    """Return up to three pairs of names in words."""
+    shown = "; ".join(f"{a} touches {b}" for a, b in pairs[:3])
+    return shown + (f"; and {len(pairs) - 3} more pairs" if len(pairs) > 3 else "")
