@@ -28,7 +28,7 @@ def open_robot(project: Project, resources: Resources) -> None:
     resources.hands = {name: _hand(name) for name in file.hands}
     resources.cameras = {name: FakeCamera(_CAMERA, [_empty_table()]) for name, s in file.sensors.items() if s.camera}
     resources.scene = PlanningScene(
-        {hand: arm.grasp_pose for hand, arm in hands.items()}, _CRATE, project.room()
+        {hand: arm.grasp_pose for hand, arm in hands.items()}, _CRATE, project.room(), folder=project.folder
     )
 
 

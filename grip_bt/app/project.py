@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
 from grip_bt.catalog import Catalog, TaskFolder, find_manifests
+from grip_bt.catalog.process_config import ProcessConfig
 from grip_bt.catalog.sensor_config import SensorConfig
 from grip_bt.catalog.sensors import sensor_manifest
 from grip_bt.graph.settings_file import read_model
+
+if TYPE_CHECKING:
+    from grip_bt.commanders.scene import SceneObject
 
 FILE_NAME = "grip.yaml"
 Key = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]
@@ -51,12 +55,16 @@ class ProjectFile(_Config):
     arms: dict[Key, ArmConfig] = {}
     hands: dict[Key, HandConfig] = {}
     sensors: dict[Key, SensorConfig] = {}
+    processes: dict[Key, ProcessConfig] = {}
+    """What `grip launch` runs: drivers, a vendor's launch file, anything."""
     components: str | None = "components"
     """Folder of external components, each with a `component.yaml`."""
     nodes: str | None = "nodes"
     """Folder of the project's own nodes, each with a `manifest.yaml`."""
     world: str | None = None
     """The world that is simulated."""
+    scene: str | None = None
+    """A `.scene` file of what belongs to the room besides the world's own."""
     simulated_time: bool = False
     """Whether the time of a run is that of the topic `/clock`, from a simulator that isn't ours."""
 
@@ -91,6 +99,16 @@ class Project:
             if folder is not None and (self.folder / folder).is_dir():
                 manifests += find_manifests(self.folder / folder)
         return Catalog.builtin().with_manifests(manifests).with_tasks(TaskFolder(self.folder))
+
+    def room(self) -> tuple[SceneObject, ...]:
+        """Return what the project's `.scene` file holds; nothing where there is none.
+
+        Raises:
+            DocumentError: the file can't be read.
+        """
+        from grip_bt.commanders.scene_file import load_scene
+
+        return () if self.file.scene is None else load_scene(self.folder / self.file.scene)
 
     def _files(self, folder: str | None, pattern: str) -> list[Path]:
         return [] if folder is None else sorted((self.folder / folder).glob(pattern))

@@ -45,6 +45,7 @@ def open_robot(
         from grip_bt.commanders.hand import HandCommander
         from grip_bt.commanders.model import RobotModel
         from grip_bt.commanders.planning.requests import PlanningSettings
+        from grip_bt.commanders.robot_links import links_of_groups
         from grip_bt.commanders.robots import build_robot
         from grip_bt.commanders.scene import PlanningScene
         from grip_bt.commanders.worker import PlanningProcess
@@ -69,6 +70,9 @@ def open_robot(
     scene = PlanningScene(
         {hand: lambda arm=arm: model.grasp_pose(executors[arm].state()) for hand, arm in carried.items()},
         {box.name: (box.size, Pose(box.centre)) for box in spec.boxes()},
+        project.room(),
+        links_of_groups(description, {name: part.group for name, part in (*file.arms.items(), *file.hands.items())}),
+        project.folder,
     )
     resources.arms = {
         arm: ArmCommander(

@@ -10,9 +10,12 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from grip_bt.values import Box, Cylinder, Mesh, Solid, Sphere
+
+from .meshes import coal_mesh
 from .model import Chain
 from .outline import radii, reaches
-from .scene import Box, Cylinder, SceneObject, SceneSnapshot
+from .scene import SceneObject, SceneSnapshot
 
 HELD_SLACK = 0.01
 """What is held is checked with this much [m] taken off every side.
@@ -152,10 +155,14 @@ def recent_checker(chain: Chain, scene: SceneSnapshot, hand: str = "", margin: f
     return checker
 
 
-def _shape(shape: Box | Cylinder) -> coal.ShapeBase:
+def _shape(shape: Solid) -> coal.CollisionGeometry:
     if isinstance(shape, Box):
         return coal.Box(*shape.size)
-    return coal.Cylinder(shape.radius, shape.height)
+    if isinstance(shape, Cylinder):
+        return coal.Cylinder(shape.radius, shape.height)
+    if isinstance(shape, Sphere):
+        return coal.Sphere(shape.radius)
+    return coal_mesh(shape) if isinstance(shape, Mesh) else coal.makeOctree(shape.middles(), shape.resolution)
 
 
 __all__ = ["HELD_SLACK", "CollisionChecker", "recent_checker"]

@@ -8,51 +8,17 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grip_bt.errors import UnknownNameError
-from grip_bt.values import Pose
+from grip_bt.values import Box, CellMap, Cylinder, Mesh, Pose, Solid
 from grip_bt.values.pose import check_frame
 
-
-@dataclass(frozen=True, slots=True)
-class Box:
-    """A box, centred at its pose; `size` holds its edge lengths [m]."""
-
-    size: tuple[float, float, float]
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "size", _lengths("box", self.size, 3))
-
-    def extents(self) -> tuple[float, float, float]:
-        """Return the edge lengths of the bounding box along the shape's own axes [m]."""
-        return self.size
-
-    def grown(self, margin: float) -> Box:
-        """Return the box with `margin` [m] more on every side; a negative one shrinks it, down to a sliver."""
-        x, y, z = (max(length + 2 * margin, 1e-3) for length in self.size)
-        return Box((x, y, z))
-
-
-@dataclass(frozen=True, slots=True)
-class Cylinder:
-    """A cylinder about its z axis, centred at its pose; lengths in m."""
-
-    radius: float
-    height: float
-
-    def __post_init__(self) -> None:
-        _lengths("cylinder", (self.radius, self.height), 2)
-
-    def extents(self) -> tuple[float, float, float]:
-        """Return the edge lengths of the bounding box along the shape's own axes [m]."""
-        return (2 * self.radius, 2 * self.radius, self.height)
-
-    def grown(self, margin: float) -> Cylinder:
-        """Return the cylinder with `margin` [m] more on every side; a negative one shrinks it, down to a sliver."""
-        return Cylinder(max(self.radius + margin, 5e-4), max(self.height + 2 * margin, 1e-3))
+ANYTHING = "*"
+"""In an allowed collision, stands for every object and link."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,14 +27,14 @@ class SceneObject:
 
     Attributes:
         name: unique in its scene.
-        shape: a box or a cylinder.
+        shape: of any kind.
         pose: in world; in the hand's grasp frame when it is attached.
         hand: the hand that it moves with, or empty.
         fixed: part of the room (a table, a crate): never grasped and never removed.
     """
 
     name: str
-    shape: Box | Cylinder
+    shape: Solid
     pose: Pose
     hand: str = ""
     fixed: bool = False
@@ -80,7 +46,7 @@ class SceneSnapshot:
 
     Attributes:
         objects: name -> object.
-        allowed: sorted pairs of names (objects or links) that may touch.
+        allowed: sorted pairs of names (objects or links) that may touch; `ANYTHING` stands for every name.
     """
 
     objects: Mapping[str, SceneObject] = field(default_factory=dict)
@@ -106,15 +72,21 @@ class SceneSnapshot:
 
     def may_touch(self, one: str, other: str) -> bool:
         """Tell whether a contact of two names is allowed."""
-        return (min(one, other), max(one, other)) in self.allowed
+        if not self.allowed:
+            return False
+        pairs = ((one, other), (one, ANYTHING), (other, ANYTHING))
+        return any(_sorted(*pair) in self.allowed for pair in pairs)
 
     def around(self, point: NDArray[np.float64], within: float) -> tuple[str, ...]:
-        """Return the names of objects at most `within` [m] from a point, nearest first; not fixed or held ones."""
+        """Return the names of objects at most `within` [m] from a point, nearest first.
+
+        What is fixed, what a hand holds, and maps of cells, which aren't one thing, are left out.
+        """
         found = []
         for item in self.objects.values():
-            if item.fixed or item.hand:
+            if item.fixed or item.hand or isinstance(item.shape, CellMap):
                 continue
-            local = np.abs(item.pose.rotation().T @ (point - item.pose.position))
+            local = np.abs(item.pose.rotation().T @ (point - item.pose.position) - item.shape.centre())
             distance = float(np.linalg.norm(np.maximum(local - np.array(item.shape.extents()) / 2, 0.0)))
             if distance <= within:
                 found.append((distance, item.name))
@@ -127,32 +99,91 @@ class PlanningScene:
     Args:
         hands: hand -> function that returns the measured pose of its grasp frame in world.
         fixed: name -> (edge lengths [m], pose in world) of boxes that belong to the room.
+        room: further objects that belong to it, of any shape, such as those of a `.scene` file.
+        links: name -> links that it stands for in allowed collisions: a hand's or an arm's, for instance.
+        folder: that relative paths of scene and mesh files begin in.
     """
 
     def __init__(
         self,
         hands: Mapping[str, Callable[[], Pose]],
         fixed: Mapping[str, tuple[Sequence[float], Pose]] | None = None,
+        room: Iterable[SceneObject] = (),
+        links: Mapping[str, Sequence[str]] | None = None,
+        folder: Path | None = None,
     ):
+        self._folder = folder or Path()
         self._hands = dict(hands)
+        self._links = {name: tuple(names) for name, names in (links or {}).items()}
         self._lock = threading.Lock()
         objects = {
             name: SceneObject(name, Box(tuple(size)), _in_world(pose), fixed=True)  # type: ignore[arg-type]
             for name, (size, pose) in (fixed or {}).items()
         }
+        objects |= {item.name: replace(item, pose=_in_world(item.pose), fixed=True) for item in room}
         self._snapshot = SceneSnapshot(objects)
 
     def snapshot(self) -> SceneSnapshot:
         """Return the present state."""
         return self._snapshot
 
+    def restore(self, snapshot: SceneSnapshot) -> None:
+        """Go back to an earlier state: its objects, what hands hold, and allowed collisions.
+
+        Raises:
+            TypeError: it isn't a snapshot.
+            UnknownNameError: in it, something moves with a hand that isn't there.
+        """
+        if not isinstance(snapshot, SceneSnapshot):
+            raise TypeError(
+                f"a scene is restored from what `snapshot()` returned, not from a {type(snapshot).__name__}"
+            )
+        for item in snapshot.objects.values():
+            if item.hand:
+                self._hand(item.hand)
+        with self._lock:
+            self._snapshot = snapshot
+
+    def put(self, name: str, solid: Solid, pose: Pose) -> None:
+        """Add or replace an object of any shape; see `ports.Scene`."""
+        self._put(SceneObject(name, solid, _in_world(pose)))
+
+    def load(self, file: str) -> tuple[str, ...]:
+        """Add the objects of a `.scene` file; see `ports.Scene`."""
+        from .scene_file import load_scene
+
+        objects = load_scene(self._folder / file)
+        for item in objects:
+            self._refuse_fixed(item.name)
+        for item in objects:
+            self._put(item)
+        return tuple(item.name for item in objects)
+
+    def mesh(self, file: str, scale: Sequence[float] = (1.0, 1.0, 1.0), hollow: bool = False) -> Mesh:
+        """Read a mesh file; see `ports.Scene`."""
+        from .meshes import load_mesh
+
+        x, y, z = scale
+        beside = {folder.name: folder for folder in self._folder.iterdir() if folder.is_dir()}
+        return load_mesh(file, (x, y, z), hollow=hollow, packages=beside, folder=self._folder)
+
+    def solid(self, name: str) -> tuple[Solid, Pose]:
+        """Return an object's shape and its present pose in world; see `ports.Scene`."""
+        item = self._object(self._snapshot, name)
+        return item.shape, self._hand(item.hand)() @ item.pose if item.hand else item.pose
+
+    def fixed(self, name: str) -> bool:
+        """Tell whether an object belongs to the room; False too for a name that isn't there."""
+        item = self._snapshot.objects.get(name)
+        return item is not None and item.fixed
+
     def set_box(self, name: str, size: Sequence[float], pose: Pose) -> None:
         """Add or replace a box; see `ports.Scene`."""
-        self._put(SceneObject(name, Box(tuple(size)), _in_world(pose)))  # type: ignore[arg-type]
+        self.put(name, Box(tuple(size)), pose)  # type: ignore[arg-type]
 
     def set_cylinder(self, name: str, radius: float, height: float, pose: Pose) -> None:
         """Add or replace a cylinder about the z axis of `pose` in world; lengths in m."""
-        self._put(SceneObject(name, Cylinder(radius, height), _in_world(pose)))
+        self.put(name, Cylinder(radius, height), pose)
 
     def remove(self, name: str) -> None:
         """Remove an object; nothing happens when it isn't there.
@@ -172,9 +203,8 @@ class PlanningScene:
 
     def box(self, name: str) -> tuple[NDArray[np.float64], Pose]:
         """Return an object's edge lengths and its present pose in world; see `ports.Scene`."""
-        item = self._object(self._snapshot, name)
-        pose = self._hand(item.hand)() @ item.pose if item.hand else item.pose
-        return np.array(item.shape.extents()), pose
+        solid, pose = self.solid(name)
+        return np.array(solid.extents()), pose.moved(pose.rotation() @ solid.centre())
 
     def attached(self, hand: str) -> tuple[str, ...]:
         """Return the names of the objects that move with the hand."""
@@ -202,18 +232,33 @@ class PlanningScene:
             self._snapshot = self._detached(self._snapshot, name)
 
     def allow(self, one: str, other: str, allowed: bool = True) -> None:
-        """Allow or forbid contact between two names, of objects or of links."""
-        pair = (min(one, other), max(one, other))
+        """Allow contact between two names, or forbid it again; see `ports.Scene`."""
+        meant = {_sorted(a, b) for a in self._stands_for(one) for b in self._stands_for(other)}
         with self._lock:
-            pairs = self._snapshot.allowed | {pair} if allowed else self._snapshot.allowed - {pair}
+            pairs = self._snapshot.allowed | meant if allowed else self._snapshot.allowed - meant
             self._snapshot = replace(self._snapshot, allowed=pairs)
+
+    def _stands_for(self, name: str) -> tuple[str, ...]:
+        """Return the names that a name means: a hand's links, a link, an object, everything.
+
+        Raises:
+            UnknownNameError: it is none of these; told only where the robot's links are known.
+        """
+        if name in self._links:
+            return self._links[name]
+        known = {ANYTHING, *self._snapshot.objects, *(link for links in self._links.values() for link in links)}
+        if self._links and name not in known:
+            raise UnknownNameError("object or link", name, {*known, *self._links}, where="planning scene")
+        return (name,)
 
     def _put(self, item: SceneObject) -> None:
         with self._lock:
-            old = self._snapshot.objects.get(item.name)
-            if old is not None and old.fixed:
-                raise ValueError(f"scene object {item.name!r} is part of the room; choose another name")
+            self._refuse_fixed(item.name)
             self._snapshot = self._snapshot.with_object(item)
+
+    def _refuse_fixed(self, name: str) -> None:
+        if self.fixed(name):
+            raise ValueError(f"scene object {name!r} is part of the room; choose another name")
 
     def _detached(self, snapshot: SceneSnapshot, name: str) -> SceneSnapshot:
         item = snapshot.objects.get(name)
@@ -234,13 +279,13 @@ class PlanningScene:
         return snapshot.objects[name]
 
 
+def _sorted(one: str, other: str) -> tuple[str, str]:
+    return (min(one, other), max(one, other))
+
+
 def _in_world(pose: Pose) -> Pose:
     check_frame(pose, "world")
     return pose
 
 
-def _lengths(what: str, values: Sequence[float], count: int) -> tuple[float, ...]:
-    lengths = tuple(float(v) for v in values)
-    if len(lengths) != count or not all(np.isfinite(v) and v > 0 for v in lengths):
-        raise ValueError(f"a {what} has {count} positive lengths, not {lengths}")
-    return lengths
+__all__ = ["ANYTHING", "Box", "Cylinder", "PlanningScene", "SceneObject", "SceneSnapshot"]

@@ -32,13 +32,13 @@ def without(scene: Scene, names: Sequence[str], plan: Callable[[], Operation[T]]
 
     Attached objects and names that aren't in the scene are left as they are.
     """
-    boxes = {name: scene.box(name) for name in names if name in scene.names()}
-    for name in boxes:
+    taken = {name: scene.solid(name) for name in names if name in scene.names()}
+    for name in taken:
         scene.remove(name)
 
     def restore() -> None:
-        for name, (size, pose) in boxes.items():
-            scene.set_box(name, size, pose)
+        for name, (solid, pose) in taken.items():
+            scene.put(name, solid, pose)
 
     try:
         operation = plan()

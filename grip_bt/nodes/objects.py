@@ -105,11 +105,11 @@ def _bounds(size: ArrayLike, pose: Pose) -> tuple[NDArray[np.float64], NDArray[n
 
 
 def rename(scene: Scene, name: str, new_name: str) -> None:
-    """Put the box `name` under another name, where it is now, free of any hand."""
-    size, pose = scene.box(name)
+    """Put the object `name` under another name, where it is now, free of any hand."""
+    solid, pose = scene.solid(name)
     scene.detach(name)
     scene.remove(name)
-    scene.set_box(new_name, size, pose)
+    scene.put(new_name, solid, pose)
 
 
 def free_name(scene: Scene, prefix: str) -> str:

@@ -1,0 +1,96 @@
+"""Meshes from files, as values for the scene, and for coal."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+import coal
+import numpy as np
+
+from grip_bt.errors import DocumentError, UnknownNameError
+from grip_bt.values import Mesh
+
+PACKAGE = "package://"
+FORMATS = ("dae", "obj", "ply", "stl")
+
+
+def load_mesh(
+    file: str | Path,
+    scale: tuple[float, float, float] = (1.0, 1.0, 1.0),
+    *,
+    hollow: bool = False,
+    packages: Mapping[str, Path] | None = None,
+    folder: Path | None = None,
+) -> Mesh:
+    """Read a mesh file.
+
+    Args:
+        file: a path, relative to `folder`, or `package://NAME/PATH`.
+        scale: factors along x, y and z; 0.001 each for a file in mm.
+        hollow: keep its surface; without it, its convex hull is taken, which is solid and quicker to check.
+        packages: package name -> folder; what it lacks is looked for in the shares of `AMENT_PREFIX_PATH`.
+        folder: that relative paths begin in; the current one when None.
+
+    Raises:
+        DocumentError: there is no such file, or it isn't a mesh.
+        UnknownNameError: the package isn't known.
+    """
+    path = _found(str(file), packages or {}, folder)
+    if path.suffix.lower().lstrip(".") not in FORMATS:
+        raise DocumentError(f"a mesh is a file of one of the formats {', '.join(FORMATS)}", str(path))
+    if not path.is_file():
+        raise DocumentError("there is no such mesh file", str(path))
+    try:
+        surface = coal.MeshLoader().load(str(path), np.asarray(scale, dtype=float))
+        points = np.array(surface.vertices())
+    except ValueError as error:
+        reason = str(error).rpartition("message: ")[2].splitlines()
+        raise DocumentError(f"it can't be read as a mesh: {' '.join(reason[1:]) or reason[0]}", str(path)) from None
+    try:
+        if hollow:
+            corners = (surface.tri_indices(k) for k in range(surface.num_tris))
+            return Mesh(points, np.array([[each[0], each[1], each[2]] for each in corners], np.int32).reshape(-1, 3))
+        return hull_of(Mesh(points))
+    except ValueError as error:
+        raise DocumentError(str(error), str(path)) from None
+
+
+def hull_of(mesh: Mesh) -> Mesh:
+    """Return the hull of a mesh with no more points than its corners; what is checked depends on these only."""
+    return Mesh(np.array(_hull(mesh).points()), margin=mesh.margin)
+
+
+def coal_mesh(mesh: Mesh) -> coal.CollisionGeometry:
+    """Return the mesh as coal's convex body, or as its surface of triangles."""
+    if not mesh.hollow:
+        body = _hull(mesh)
+        body.setSweptSphereRadius(mesh.margin)
+        return body
+    surface = coal.BVHModelOBBRSS()
+    surface.beginModel(len(mesh.triangles), len(mesh.points))
+    surface.addVertices(np.array(mesh.points))
+    surface.addTriangles(np.array(mesh.triangles, dtype=np.int32))
+    surface.endModel()
+    return surface
+
+
+def _hull(mesh: Mesh) -> coal.ConvexBase:
+    rows = coal.StdVec_Vec3s()
+    rows.extend(list(np.array(mesh.points)))
+    return coal.Convex.convexHull(rows, True, "Qt")
+
+
+def _found(file: str, packages: Mapping[str, Path], folder: Path | None) -> Path:
+    if not file.startswith(PACKAGE):
+        return (folder or Path()) / Path(file).expanduser()
+    package, _, rest = file.removeprefix(PACKAGE).partition("/")
+    if package in packages:
+        return packages[package] / rest
+    prefixes = [Path(prefix) for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if prefix]
+    shares = [prefix / "share" / package for prefix in prefixes]
+    for share in shares:
+        if share.is_dir():
+            return share / rest
+    raise UnknownNameError("package", package, packages, where=file)

@@ -1,0 +1,39 @@
+"""Which links belong to a group of joints: what an arm's or a hand's name stands for in allowed collisions."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Mapping, Sequence
+
+from .robots import RobotDescription
+
+
+def links_of_groups(robot: RobotDescription, groups: Mapping[str, str]) -> dict[str, tuple[str, ...]]:
+    """Return the links that the joints of groups move, up to the next joint of another group.
+
+    Args:
+        robot: its URDF and its groups.
+        groups: name, such as an arm's in the project, -> group of the robot.
+
+    Raises:
+        UnknownNameError: the robot has no such group.
+    """
+    joints = [(j.get("name", ""), *_ends(j)) for j in ET.fromstring(robot.urdf).iter("joint") if len(j)]
+    grouped = {joint for group in robot.groups for joint in robot.group(group)}
+    return {name: _moved(robot.group(group), joints, grouped) for name, group in groups.items()}
+
+
+def _moved(mine: Sequence[str], joints: Sequence[tuple[str, str, str]], grouped: set[str]) -> tuple[str, ...]:
+    """Follow the joints outwards from the group's own; those of no group, fixed ones mostly, belong to it."""
+    links = [child for name, _, child in joints if name in mine]
+    for link in links:  # it grows while it is walked through
+        links += [c for name, parent, c in joints if parent == link and name not in grouped and c not in links]
+    return tuple(dict.fromkeys(links))
+
+
+def _ends(joint: ET.Element) -> tuple[str, str]:
+    parent, child = joint.find("parent"), joint.find("child")
+    return (
+        parent.get("link", "") if parent is not None else "",
+        child.get("link", "") if child is not None else "",
+    )

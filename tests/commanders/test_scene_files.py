@@ -1,0 +1,172 @@
+"""`.scene` files: both forms, every shape, and what is wrong with a file is said with its line."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from grip_bt.commanders.scene import PlanningScene
+from grip_bt.commanders.scene_file import load_scene, parse_scene
+from grip_bt.errors import DocumentError
+from grip_bt.values import Box, Cylinder, Mesh, Pose, Sphere
+
+NEW = """(noname)+
+* table top
+1 0 0.5
+0 0 0.70710678 0.70710678
+2
+box
+0.2 0.4 0.1
+0.1 0 0
+0 0 0 1
+0.5 0.5 0.5 1
+sphere
+0.05
+0 0 0.1
+0 0 0 1
+0 0 0 0
+1
+handle
+0 0 0.1
+0 0 0 1
+* can
+0 0 0
+0 0 0 1
+1
+cylinder
+0.03 0.12
+0.3 0 0.06
+0 0 0 1
+0 0 0 0
+0
+.
+"""
+OLD = """(noname)+
+* can
+1
+cylinder
+0.03 0.12
+0.3 0 0.06
+0 0 0 1
+0 0 0 0
+* shelf
+1
+mesh
+4 2
+0 0 0
+1 0 0
+0 1 0
+0 0 1
+0 1 2
+0 1 3
+0.5 0 0
+0 0 0 1
+0 0 0 0
+* roof
+1
+cone
+0.1 0.2
+0 0 1
+0 0 0 1
+0 0 0 0
+* floor
+1
+plane
+0 0 2 0.4
+0 0 0
+0 0 0 1
+0 0 0 0
+.
+"""
+
+
+def test_the_new_form_puts_shapes_into_their_objects_pose():
+    table, ball, can = parse_scene(NEW)
+    assert [o.name for o in (table, ball, can)] == ["table top", "table top.2", "can"]
+    assert table.shape == Box((0.2, 0.4, 0.1))
+    assert table.pose.position == pytest.approx([1.0, 0.1, 0.5])
+    assert table.pose.rotation() @ [1, 0, 0] == pytest.approx([0, 1, 0], abs=1e-6)
+    assert ball.shape == Sphere(0.05)
+    assert ball.pose.position == pytest.approx([1, 0, 0.6])
+    assert can.shape == Cylinder(0.03, 0.12)
+    assert can.pose.position == pytest.approx([0.3, 0, 0.06])
+
+
+def test_the_old_form_puts_shapes_into_the_world():
+    can, shelf, roof, floor = parse_scene(OLD)
+    assert can.pose == Pose((0.3, 0, 0.06))
+    assert isinstance(shelf.shape, Mesh)
+    assert shelf.shape.hollow
+    assert shelf.shape.triangles.tolist() == [[0, 1, 2], [0, 1, 3]]
+    assert isinstance(roof.shape, Mesh)
+    assert roof.shape.extents() == pytest.approx((0.2, 0.2, 0.2), rel=0.01)
+    size, top = np.array(floor.shape.extents()), floor.pose.position[2] + 0.05
+    assert size == pytest.approx([10, 10, 0.1])
+    assert top == pytest.approx(-0.2)
+
+
+def test_a_cone_is_contained_in_what_stands_for_it():
+    roof = parse_scene(OLD)[2].shape
+    rim = roof.points[:-1, :2]
+    sides = (rim + np.roll(rim, 1, axis=0)) / 2
+    assert np.linalg.norm(sides, axis=1).min() >= 0.1 - 1e-9
+
+
+@pytest.mark.parametrize(
+    ("change", "line", "says"),
+    [
+        (("cylinder", "cilinder"), 24, "did you mean 'cylinder'"),
+        (("0.03 0.12", "0.03 x"), 25, "'x' isn't a number"),
+        (("0.03 0.12", "0.03 -0.12"), 25, "positive"),
+        (("0.3 0 0.06\n0 0 0 1", "0.3 0 0.06\n0 0 0 0"), 27, "quaternion"),
+        ((".\n", ""), 30, "file ends"),
+        (("* can", "can"), 20, "begins with `\\*`"),
+        (("* can", "*"), 20, "needs a name"),
+        (("* can", "* table top"), 20, "two objects"),
+        (("\n2\nbox", "\n99999999\nbox"), 5, "whole number up to"),
+    ],
+)
+def test_what_is_wrong_is_said_with_its_line(change, line, says):
+    assert change[0] in NEW
+    with pytest.raises(DocumentError, match=says) as caught:
+        parse_scene(NEW.replace(*change, 1), "room.scene")
+    assert abs(caught.value.line - line) <= 1
+
+
+def test_no_text_at_all_is_refused_and_so_is_a_file_that_is_not_there(tmp_path):
+    with pytest.raises(DocumentError, match="file ends"):
+        parse_scene("")
+    with pytest.raises(DocumentError, match="can't be read"):
+        load_scene(tmp_path / "no.scene")
+    (tmp_path / "binary.scene").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(DocumentError, match="UTF-8"):
+        load_scene(tmp_path / "binary.scene")
+
+
+def test_mutated_files_are_read_or_refused_never_worse():
+    rng = np.random.default_rng(0)
+    for _ in range(300):
+        text = list(rng.choice([NEW, OLD]))
+        for _ in range(rng.integers(1, 8)):
+            at = int(rng.integers(len(text)))
+            text[at : at + int(rng.integers(0, 6))] = str(
+                rng.choice(["", " ", "\n", "-1", "nan", "*", "1e999", "mesh"])
+            )
+        try:
+            parse_scene("".join(text))
+        except DocumentError:
+            pass
+
+
+def test_a_scene_loads_files_of_its_project(tmp_path):
+    (tmp_path / "room.scene").write_text(NEW)
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts" / "corner.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n")
+    scene = PlanningScene({}, room=parse_scene(OLD), folder=tmp_path)
+    with pytest.raises(ValueError, match="part of the room"):
+        scene.load("room.scene")  # its can has the name of the room's
+    scene = PlanningScene({}, folder=tmp_path)
+    assert scene.load("room.scene") == ("table top", "table top.2", "can")
+    assert not scene.fixed("can")
+    assert scene.mesh("package://parts/corner.obj").extents() == pytest.approx((1, 1, 1))
+    assert scene.mesh("parts/corner.obj", (2, 1, 1), hollow=True).hollow
