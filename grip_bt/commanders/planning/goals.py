@@ -75,10 +75,10 @@ def _pose_goals(
     found: list[NDArray[np.float64]] = []
     pairs: tuple[tuple[str, str], ...] = ()
     for q in _reaching(chain, request, start, hints_only=False):
-        touching = checker.pairs(q)
-        if not touching:
+        contacts = checker.pairs(q)
+        if not contacts:
             found.append(q)
-        pairs = touching or pairs
+        pairs = contacts or pairs
         if len(found) + len(hinted) >= _GOALS:
             break
     if hinted or found:
