@@ -35,9 +35,13 @@ class ArmConfig(_Config):
     planner: str = "RRTConnect"
     kinematics: str = "damped_least_squares"
     speed: float = Field(default=0.5, gt=0, le=1)
-    """Fraction of the joints' speed and acceleration limits."""
+    """Fraction of the joints' speed limits."""
+    acceleration: float | None = Field(default=None, gt=0, le=1)
+    """Fraction of the joints' acceleration limits; as `speed` when it isn't given."""
     planning_time: float = Field(default=2.0, gt=0)
-    """Longest planning time of one request [s]."""
+    """Longest planning time of one request, all attempts together [s]."""
+    attempts: int = Field(default=3, ge=1)
+    """How often a plan is searched with other random numbers before it is given up."""
 
 
 class HandConfig(_Config):
