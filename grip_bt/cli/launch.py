@@ -1,0 +1,122 @@
+"""`grip launch`: run and watch over a launch file, or the processes of a project."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shlex
+import signal
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from grip_bt.errors import GripError
+
+if TYPE_CHECKING:
+    from grip_bt.ros.launch.group import Member
+
+FAILED, STOPPED = 4, 130
+
+
+def add_parser(subparsers: Any) -> None:
+    """Add the verb."""
+    parser = subparsers.add_parser("launch", help="run and watch over a launch file or a project's processes")
+    parser.add_argument(
+        "what",
+        nargs="*",
+        metavar="FILE|NAME",
+        help="a launch file with NAME:=VALUE ..., or processes of the project (default: all of them)",
+    )
+    parser.add_argument("--project", type=Path, default=Path(), help="project folder (default: here)")
+    parser.add_argument("--follow", action="store_true", help="print what the processes print")
+    parser.add_argument("--check", action="store_true", help="start nothing; print what would be run")
+    parser.add_argument("--own", action="store_true", help="read the file ourselves, also where `ros2 launch` is")
+    parser.add_argument("--write", type=Path, metavar="FILE", help="write the project as a ROS 2 launch file (.xml)")
+    parser.add_argument("--json", action="store_true", help="with --check: one JSON list")
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run until all have ended, a required one has failed, or we are told to stop."""
+    if args.write is not None:
+        return _write(args)
+    members, logs = _members(args)
+    if args.check:
+        _print_members(members, args.json)
+        return 0
+    if not members:
+        raise GripError(f"{args.project / 'grip.yaml'} declares no processes; name a launch file, or add `processes:`")
+    return _supervise(members, logs, args.follow)
+
+
+def _members(args: argparse.Namespace) -> tuple[list[Member], Path]:
+    from grip_bt.app.launching import project_members
+    from grip_bt.app.project import find_project
+    from grip_bt.ros.launch.run import is_launch_file, members_of_file
+
+    project = find_project(args.project)
+    logs = project.state_folder / "logs" / "launch"
+    if args.what and is_launch_file(args.what[0]):
+        return members_of_file(Path(args.what[0]), _arguments(args.what[1:]), own_reader=args.own), logs
+    return project_members(project, args.what), logs
+
+
+def _arguments(words: Sequence[str]) -> dict[str, str]:
+    found = {}
+    for word in words:
+        name, sign, value = word.partition(":=")
+        if not sign or not name:
+            raise GripError(f"{word!r} isn't an argument of a launch file: NAME:=VALUE")
+        found[name] = value
+    return found
+
+
+def _print_members(members: Sequence[Member], as_json: bool) -> None:
+    if as_json:
+        print(json.dumps([{"name": m.name, "command": list(m.command)} for m in members], indent=2))
+        return
+    for member in members:
+        print(f"{member.name}: {shlex.join(member.command)}")
+
+
+def _write(args: argparse.Namespace) -> int:
+    from grip_bt.app.launch_file import launch_file_of
+    from grip_bt.app.project import find_project
+
+    project = find_project(args.project)
+    args.write.write_text(launch_file_of(project), encoding="utf-8")
+    print(f"{args.write}: run it by `ros2 launch {args.write}` or `grip launch {args.write}`")
+    return 0
+
+
+def _supervise(members: Sequence[Member], logs: Path, follow: bool) -> int:
+    from grip_bt.ros.launch.follow import Follower
+    from grip_bt.ros.launch.group import ProcessGroup
+
+    stopped: list[int] = []
+    group = ProcessGroup(members, logs, told=_tell)
+
+    def stop(number: int, frame: object) -> None:
+        stopped.append(number)
+        group.ask_to_stop()
+
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, stop)
+    follower = Follower(group, [member.name for member in members], sys.stdout) if follow else None
+    try:
+        group.start()
+        why = group.run()
+    finally:
+        if follower is not None:
+            follower.close()
+    if stopped:
+        return STOPPED
+    if why:
+        print(f"grip: {why}", file=sys.stderr)
+    return FAILED if why else 0
+
+
+def _tell(name: str, state: str, detail: str) -> None:
+    first = detail.splitlines()[0] if detail else ""
+    print(f"  {name:<20} {state}{': ' + first if first else ''}", file=sys.stderr, flush=True)

@@ -1,0 +1,6 @@
+"""ROS 2 launch files without ROS's own tools: XML and YAML files read, resolved to processes, run and watched over."""
+
+from .errors import LaunchError
+from .interpreter import LaunchedProcess, read_launch_file
+
+__all__ = ["LaunchError", "LaunchedProcess", "read_launch_file"]

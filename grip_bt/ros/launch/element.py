@@ -1,0 +1,126 @@
+"""A launch file as elements: the one shape of its XML and its YAML form."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from xml.parsers import expat
+
+from grip_bt.errors import DocumentError
+from grip_bt.graph.document import read_file
+from grip_bt.graph.syntax import Listing, Mapping, Scalar, Value, parse
+
+from .errors import LaunchError
+
+_MANY = {"param", "remap", "env", "arg", "let"}
+"""Keys of YAML whose list holds sub-elements."""
+
+
+@dataclass
+class Element:
+    """One element: its tag, its attributes as text, what is in it, and its line."""
+
+    tag: str
+    attributes: dict[str, str]
+    children: list[Element] = field(default_factory=list)
+    line: int = 0
+
+    def of(self, tag: str) -> Iterator[Element]:
+        """Yield the children of one tag."""
+        return (child for child in self.children if child.tag == tag)
+
+
+def read_elements(path: Path) -> Element:
+    """Return the root `launch` element of an XML or a YAML file.
+
+    Raises:
+        LaunchError: it can't be read or isn't well-formed.
+    """
+    try:
+        text = read_file(path)
+        if path.suffix in (".yaml", ".yml"):
+            return _from_yaml(text, str(path))
+    except DocumentError as error:
+        raise LaunchError(str(path), error.line, error.message) from None
+    return _from_xml(text, str(path))
+
+
+def _from_xml(text: str, source: str) -> Element:
+    """Read XML; entities are refused, so that nothing expands."""
+    parser = expat.ParserCreate()
+    root = Element("", {})
+    stack = [root]
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        element = Element(tag, attributes, line=parser.CurrentLineNumber)
+        stack[-1].children.append(element)
+        stack.append(element)
+
+    def refuse(*_: object) -> None:
+        raise LaunchError(source, parser.CurrentLineNumber, "a launch file declares no entities")
+
+    parser.StartElementHandler = start
+    parser.EndElementHandler = lambda tag: stack.pop()
+    parser.EntityDeclHandler = refuse
+    try:
+        parser.Parse(text.encode(), True)
+    except expat.ExpatError as error:
+        reason = f"isn't well-formed XML: {expat.errors.messages[error.code]}"
+        raise LaunchError(source, error.lineno, reason) from None
+    (top,) = root.children
+    if top.tag != "launch":
+        raise LaunchError(source, top.line, f"a launch file begins with <launch>, not with <{top.tag}>")
+    return top
+
+
+def _from_yaml(text: str, source: str) -> Element:
+    tree = parse(text, source)
+    if not isinstance(tree, Mapping) or list(tree.entries) != ["launch"]:
+        raise LaunchError(source, 1, "a launch file in YAML holds the one key `launch`, with a list")
+    root = Element("launch", {}, line=tree.entries["launch"].line)
+    root.children = list(_listed(tree.entries["launch"].value, source))
+    return root
+
+
+def _listed(value: Value, source: str) -> Iterator[Element]:
+    if not isinstance(value, Listing):
+        raise LaunchError(source, value.line, "a list of `- tag: {...}` is expected")
+    for item in value.entries:
+        inner = item.value
+        if not isinstance(inner, Mapping) or len(inner.entries) != 1:
+            raise LaunchError(source, item.line, "each item is one `tag: {...}`")
+        ((tag, entry),) = inner.entries.items()
+        yield _tagged(tag, entry.value, entry.line, source)
+
+
+def _tagged(tag: str, value: Value, line: int, source: str) -> Element:
+    element = Element(tag, {}, line=line)
+    if isinstance(value, Listing):  # a group is a list of what is in it
+        element.children = list(_listed(value, source))
+    elif isinstance(value, Mapping):
+        for key, entry in value.entries.items():
+            _add(element, key, entry.value, entry.line, source)
+    else:
+        raise LaunchError(source, line, f"`{tag}` holds a mapping or a list")
+    return element
+
+
+def _add(element: Element, key: str, value: Value, line: int, source: str) -> None:
+    """Add one key of a mapping: an attribute, or sub-elements where it holds a list."""
+    if isinstance(value, Scalar):
+        element.attributes[key] = text_of(value.value)
+    elif isinstance(value, Listing) and key == "children":
+        element.children += _listed(value, source)
+    elif isinstance(value, Listing) and key in _MANY:
+        for item in value.entries:
+            element.children.append(_tagged(key, item.value, item.line, source))
+    elif isinstance(value, Listing) and all(isinstance(item.value, Scalar) for item in value.entries):
+        element.attributes[key] = "[" + ", ".join(text_of(item.value.value) for item in value.entries) + "]"
+    else:
+        raise LaunchError(source, line, f"`{element.tag}`: `{key}` can't be given like this")
+
+
+def text_of(value: object) -> str:
+    """Return a scalar of YAML as a launch file's text."""
+    return "true" if value is True else "false" if value is False else "" if value is None else str(value)

@@ -1,0 +1,263 @@
+"""Processes that belong together: started, watched until they are ready, started again, and ended all at once.
+
+Each has a warden (`grip_bt.ros.warden`): whatever becomes of us, nothing of the group is left behind. What each prints
+goes into a file of its own.
+"""
+
+from __future__ import annotations
+
+import re
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+from grip_bt.catalog.process_config import Ready, Restart
+from grip_bt.errors import GripError
+
+from ..process import Process
+from .watch import GraphWatch
+
+State = Literal["waiting", "starting", "ready", "restarting", "silent", "ended", "failed", "stopped"]
+LOOK = 0.1
+"""How often the group is looked at [s]."""
+SILENCE = 5.0
+"""How long the service or topic of a process that was ready may be missing before it counts as silent [s]."""
+
+
+@dataclass(frozen=True)
+class Member:
+    """What the group has to know of a process.
+
+    Attributes:
+        name: unique in the group.
+        command: program and arguments.
+        folder: working directory.
+        env: all of its environment.
+        ready: the sign that it does its work; None: as soon as it runs.
+        restart: when it is started again after it ended by itself.
+        restarts: how often, at most.
+        restart_delay: how long to wait before [s].
+        required: whether the group ends when it is given up.
+        ends_all: whether the group ends when it ends, however.
+    """
+
+    name: str
+    command: Sequence[str]
+    folder: Path
+    env: Mapping[str, str]
+    ready: Ready | None = None
+    restart: Restart = "never"
+    restarts: int = 3
+    restart_delay: float = 1.0
+    required: bool = True
+    ends_all: bool = False
+
+
+@dataclass
+class _Running:
+    member: Member
+    process: Process | None = None
+    state: State = "waiting"
+    began: float = 0.0
+    starts: int = 0
+    again_at: float = 0.0
+    seen: float = 0.0
+    why: str = ""
+    logs: list[Path] = field(default_factory=list)
+
+
+class StartError(GripError):
+    """A process of a group didn't become ready, or ended before; with the end of its log."""
+
+
+Told = Callable[[str, State, str], None]
+"""Told `(name, state, detail)`."""
+
+
+class ProcessGroup:
+    """Runs processes together.
+
+    Args:
+        members: the processes, in the order in which they are started; each waits until those before it are ready.
+        logs: folder of the log files.
+        domain_id: the DDS domain in which services and topics are looked for.
+        told: told of every change.
+    """
+
+    def __init__(
+        self,
+        members: Sequence[Member],
+        logs: Path,
+        domain_id: int | None = None,
+        told: Told = lambda name, state, detail: None,
+    ):
+        self._all = {member.name: _Running(member) for member in members}
+        self._logs, self._told = logs, told
+        self._watch = GraphWatch(domain_id)
+        self._lock = threading.RLock()
+        self._stopping = threading.Event()
+        self._over = threading.Event()
+
+    def states(self) -> dict[str, State]:
+        """Return how each process is."""
+        return {name: running.state for name, running in self._all.items()}
+
+    def process(self, name: str) -> Process | None:
+        """Return a member's present process."""
+        return self._all[name].process
+
+    def log(self, name: str) -> Path | None:
+        """Return the log of a member's present process."""
+        logs = self._all[name].logs
+        return logs[-1] if logs else None
+
+    def start(self) -> None:
+        """Start all, each when those before it are ready.
+
+        Raises:
+            StartError: one isn't ready in time or ended before; all are ended again.
+        """
+        try:
+            for running in self._all.values():
+                if self._stopping.is_set():
+                    return
+                self._begin(running)
+                self._until_ready(running)
+        except BaseException:
+            self.stop()
+            raise
+
+    def run(self) -> str:
+        """Watch over all until none is left, a required one is given up, or `ask_to_stop` is called.
+
+        Returns:
+            What failed; empty when nothing did.
+        """
+        try:
+            while not self._stopping.wait(LOOK):
+                for running in self._all.values():
+                    self._look(running)
+                failed = [r for r in self._all.values() if r.state == "failed"]
+                if given_up := [r for r in failed if r.member.required or r.member.ends_all]:
+                    return given_up[0].why
+                over = [r for r in self._all.values() if r.state in ("ended", "failed")]
+                if len(over) == len(self._all) or any(r.member.ends_all for r in over):
+                    return failed[0].why if failed else ""
+            return ""
+        finally:
+            self.stop()
+
+    def stop(self) -> None:
+        """End all processes together, with all that they have started; at most 3 s."""
+        self._stopping.set()
+        with self._lock:
+            processes = [r.process for r in self._all.values() if r.process is not None]
+            for process in processes:
+                process.ask_to_stop()
+            for process in processes:
+                process.stop()
+            for running in self._all.values():
+                if running.state not in ("ended", "failed", "stopped", "waiting"):
+                    self._say(running, "stopped", "")
+            self._watch.close()
+
+    def ask_to_stop(self) -> None:
+        """Have `run` come to its end; may be called from a signal handler."""
+        self._stopping.set()
+
+    def __enter__(self) -> ProcessGroup:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()
+
+    # --- one process ---
+
+    def _begin(self, running: _Running) -> None:
+        member = running.member
+        running.starts += 1
+        number = f".{running.starts}" if running.starts > 1 else ""
+        log = self._logs / f"{_file_name(member.name)}{number}.log"
+        with self._lock:
+            if self._stopping.is_set():
+                return
+            running.process = Process(member.name, member.command, member.folder, member.env, log)
+        running.logs.append(log)
+        running.began = running.seen = time.monotonic()
+        self._say(running, "starting", f"process {running.process.pid}, log {log}")
+        if member.ready is None:
+            self._say(running, "ready", "")
+
+    def _until_ready(self, running: _Running) -> None:
+        ready = running.member.ready
+        while running.state == "starting" and not self._stopping.wait(LOOK / 2):
+            self._look(running)
+            if running.state == "failed" and running.member.required:
+                raise StartError(running.why)
+            if ready is not None and running.state == "starting" and time.monotonic() > running.began + ready.within:
+                tail = running.process.log_tail() if running.process else ""
+                said = f"; its log ({running.logs[-1]}) ends with:\n{tail}" if tail else "; it printed nothing"
+                raise StartError(f"{running.member.name}: {ready} didn't come within {ready.within:g} s{said}")
+
+    def _look(self, running: _Running) -> None:
+        process, now = running.process, time.monotonic()
+        if running.state == "restarting":
+            if now >= running.again_at:
+                self._begin(running)
+        elif process is None or running.state in ("ended", "failed", "stopped"):
+            return
+        elif not process.alive:
+            self._ended(running, process)
+        elif running.state == "starting" and self._is_ready(running):
+            self._say(running, "ready", f"after {now - running.began:.1f} s")
+        elif running.state in ("ready", "silent"):
+            self._check_health(running, now)
+
+    def _is_ready(self, running: _Running) -> bool:
+        ready = running.member.ready
+        if ready is None:
+            return True
+        if ready.log is not None:
+            text = running.logs[-1].read_text(encoding="utf-8", errors="replace")
+            return re.search(ready.log, text, re.MULTILINE) is not None
+        return self._watch.sees(ready)
+
+    def _check_health(self, running: _Running, now: float) -> None:
+        ready = running.member.ready
+        if ready is None or ready.log is not None:
+            return
+        if self._watch.sees(ready):
+            running.seen = now
+            if running.state == "silent":
+                self._say(running, "ready", "again")
+        elif running.state == "ready" and now > running.seen + SILENCE:
+            self._say(running, "silent", f"{ready} is gone; the process runs")
+            if running.member.restart != "never" and running.process is not None:
+                running.process.ask_to_stop()
+
+    def _ended(self, running: _Running, process: Process) -> None:
+        member, status = running.member, process.returncode
+        wanted = member.restart == "always" or (
+            member.restart == "on_failure" and (status != 0 or running.state == "silent")
+        )
+        if wanted and running.starts <= member.restarts and not self._stopping.is_set():
+            running.again_at = time.monotonic() + member.restart_delay
+            self._say(running, "restarting", f"ended with status {status}; start {running.starts + 1}")
+        elif status == 0 and not wanted and running.state != "starting":
+            running.why = f"{member.name}: ended"
+            self._say(running, "ended", "with status 0")
+        else:
+            times = f" after {running.starts} starts" if running.starts > 1 else ""
+            running.why = f"{process.describe_end()}{times}"
+            self._say(running, "failed", running.why)
+
+    def _say(self, running: _Running, state: State, detail: str) -> None:
+        running.state = state
+        self._told(running.member.name, state, detail)
+
+
+def _file_name(name: str) -> str:
+    return re.sub(r"[^A-Za-z0-9_.-]", "_", name).strip(".") or "process"

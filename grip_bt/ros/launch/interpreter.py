@@ -1,0 +1,327 @@
+"""From a launch file to the processes that it asks for; arguments, conditions, groups and includes resolved."""
+
+from __future__ import annotations
+
+import os
+import shlex
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from grip_bt.errors import listing, nearest
+
+from ..packages import PackageError, executable_of
+from .element import Element, read_elements
+from .errors import LaunchError
+from .legacy import check_not_legacy
+from .parameters import parameters_of
+from .substitutions import Place, substitute, truth
+
+DEEPEST = 30
+"""Files that include each other."""
+_CONDITIONS = {"if", "unless"}
+
+
+@dataclass(frozen=True)
+class LaunchedProcess:
+    """One process that a launch file asks for.
+
+    Attributes:
+        name: of the node or the executable, made unique.
+        command: program and arguments.
+        env: environment variables beside the inherited ones.
+        unset: inherited variables that are taken away.
+        folder: working directory, or None for the present one.
+        respawn: whether it is started again when it ends.
+        respawn_delay: how long to wait before [s].
+        required: whether everything ends when it ends (`on_exit="shutdown"`).
+        place: where it is written, for messages.
+    """
+
+    name: str
+    command: tuple[str, ...]
+    env: Mapping[str, str] = field(default_factory=dict)
+    unset: frozenset[str] = frozenset()
+    folder: Path | None = None
+    respawn: bool = False
+    respawn_delay: float = 0.0
+    required: bool = False
+    place: str = ""
+
+
+@dataclass(frozen=True)
+class Argument:
+    """An argument that a launch file declares."""
+
+    name: str
+    default: str | None
+    doc: str
+    choices: tuple[str, ...] = ()
+
+
+@dataclass
+class Launch:
+    """What a launch file asks for."""
+
+    processes: list[LaunchedProcess] = field(default_factory=list)
+    arguments: list[Argument] = field(default_factory=list)
+
+
+@dataclass
+class _Scope:
+    """What a group has of its own; children change a copy, elements of one group share it."""
+
+    variables: dict[str, str]
+    env: dict[str, str]
+    unset: frozenset[str] = frozenset()
+    namespace: str = ""
+    remaps: tuple[tuple[str, str], ...] = ()
+    parameters: tuple[str, ...] = ()
+
+    def copy(self) -> _Scope:
+        return replace(self, variables=dict(self.variables), env=dict(self.env))
+
+
+def read_launch_file(
+    path: Path | str, arguments: Mapping[str, str] | None = None, prefixes: Sequence[Path] | None = None
+) -> Launch:
+    """Read an XML or YAML launch file and return the processes that it asks for.
+
+    Args:
+        path: the file.
+        arguments: values of its arguments.
+        prefixes: where packages are; the usual places by default.
+
+    Raises:
+        LaunchError: it is wrong, asks for something that isn't here, or uses what isn't understood; by name and line.
+        LegacyLaunchFileError: it is one of ROS 1; it says what to change.
+    """
+    reader = _Reader(prefixes)
+    reader.read_file(Path(path), dict(arguments or {}), _Scope({}, {}), ())
+    return reader.launch
+
+
+class _Reader:
+    def __init__(self, prefixes: Sequence[Path] | None):
+        self.launch = Launch()
+        self._prefixes = prefixes
+        self._names: dict[str, int] = {}
+        self._files: tuple[Path, ...] = ()
+        self._given: dict[str, str] = {}
+
+    def read_file(self, path: Path, given: dict[str, str], scope: _Scope, above: tuple[Path, ...]) -> None:
+        if len(above) >= DEEPEST:
+            raise LaunchError(str(path), None, f"files include each other more than {DEEPEST} deep")
+        if path.suffix == ".py":
+            raise LaunchError(
+                str(path),
+                None,
+                "a launch file in Python is a program of ROS's own `launch` package, which isn't here; "
+                "source a ROS that has it (source /opt/ros/jazzy/setup.bash), or say the same in XML or YAML",
+            )
+        root = read_elements(path)
+        check_not_legacy(root, path)
+        files, outer, self._files, self._given = self._files, self._given, (*above, path), given
+        scope.variables.update(given)
+        declared = {e.attributes.get("name", "") for e in root.of("arg")}
+        unknown = sorted(set(given) - declared) if not above else []
+        if unknown:
+            hint = nearest(unknown[0], declared)
+            known = listing(sorted(declared))
+            raise LaunchError(str(path), None, f"no argument {unknown[0]!r}{hint} (there are: {known})")
+        self._all(root.children, scope)
+        self._files, self._given = files, outer
+
+    def _all(self, elements: Sequence[Element], scope: _Scope) -> None:
+        for element in elements:
+            handler = _HANDLERS.get(element.tag)
+            if handler is None:
+                known = listing(sorted(_HANDLERS))
+                reason = f"<{element.tag}> isn't understood here{nearest(element.tag, _HANDLERS)} (what is: {known})"
+                raise self._place(element, scope).error(
+                    f"{reason}; with ROS's own tools on the path, files are run by `ros2 launch`"
+                )
+            if self._holds(element, scope):
+                handler[0](self, element, scope)
+
+    def _place(self, element: Element, scope: _Scope) -> Place:
+        return Place(self._files[-1], element.line, scope.variables, {**os.environ, **scope.env}, self._prefixes)
+
+    def _holds(self, element: Element, scope: _Scope) -> bool:
+        """Tell whether the element's conditions hold, after a look at its attributes."""
+        allowed = _HANDLERS[element.tag][1] | _CONDITIONS
+        place = self._place(element, scope)
+        for name in element.attributes:
+            if name not in allowed:
+                hint = nearest(name, allowed)
+                known = listing(sorted(allowed))
+                raise place.error(
+                    f"<{element.tag}>: the attribute {name!r} isn't understood here{hint} (what is: {known})"
+                )
+        for child in element.children:
+            if element.tag != "group" and child.tag not in _INNER.get(element.tag, frozenset()):
+                raise self._place(child, scope).error(f"<{child.tag}> can't stand in <{element.tag}> here")
+        if_, unless = element.attributes.get("if"), element.attributes.get("unless")
+        return (if_ is None or truth(if_, place)) and (unless is None or not truth(unless, place))
+
+    def _text(self, element: Element, scope: _Scope, name: str, default: str | None = None) -> str:
+        """Return an attribute with its substitutions made."""
+        if name not in element.attributes:
+            if default is None:
+                raise self._place(element, scope).error(f"<{element.tag}> needs the attribute {name!r}")
+            return default
+        return substitute(element.attributes[name], self._place(element, scope))
+
+    # --- elements ---
+
+    def _arg(self, element: Element, scope: _Scope) -> None:
+        name = self._text(element, scope, "name")
+        if "value" in element.attributes and "default" not in element.attributes:
+            raise self._place(element, scope).error(
+                "<arg value=...> is of ROS 1 here; a constant is <let name= value=>"
+            )
+        default = self._text(element, scope, "default") if "default" in element.attributes else None
+        choices = tuple(self._text(c, scope, "value") for c in element.of("choice"))
+        if len(self._files) == 1:
+            self.launch.arguments.append(Argument(name, default, element.attributes.get("description", ""), choices))
+        if name not in self._given and name not in scope.variables:
+            if default is None:
+                doc = element.attributes.get("description", "")
+                raise self._place(element, scope).error(
+                    f"the argument {name!r} is needed{f' ({doc})' if doc else ''}: {name}:=VALUE"
+                )
+            scope.variables[name] = default
+        if choices and scope.variables[name] not in choices:
+            said = scope.variables[name]
+            raise self._place(element, scope).error(f"{name}:={said}: not one of {', '.join(choices)}")
+
+    def _let(self, element: Element, scope: _Scope) -> None:
+        scope.variables[self._text(element, scope, "name")] = self._text(element, scope, "value")
+
+    def _set_env(self, element: Element, scope: _Scope) -> None:
+        name = self._text(element, scope, "name")
+        scope.env[name] = self._text(element, scope, "value")
+        scope.unset -= {name}
+
+    def _unset_env(self, element: Element, scope: _Scope) -> None:
+        name = self._text(element, scope, "name")
+        scope.env.pop(name, None)
+        scope.unset |= {name}
+
+    def _namespace(self, element: Element, scope: _Scope) -> None:
+        scope.namespace = _joined(scope.namespace, self._text(element, scope, "namespace"))
+
+    def _set_remap(self, element: Element, scope: _Scope) -> None:
+        scope.remaps = (*scope.remaps, (self._text(element, scope, "from"), self._text(element, scope, "to")))
+
+    def _set_parameter(self, element: Element, scope: _Scope) -> None:
+        name, value = self._text(element, scope, "name"), self._text(element, scope, "value")
+        scope.parameters = (*scope.parameters, "-p", f"{name}:={value}")
+
+    def _group(self, element: Element, scope: _Scope) -> None:
+        scoped = truth(element.attributes.get("scoped", "true"), self._place(element, scope))
+        self._all(element.children, scope.copy() if scoped else scope)
+
+    def _include(self, element: Element, scope: _Scope) -> None:
+        file = Path(self._text(element, scope, "file"))
+        if not file.is_absolute():
+            file = self._files[-1].parent / file
+        inner = [*element.of("arg"), *element.of("let")]
+        given = {self._text(a, scope, "name"): self._text(a, scope, "value") for a in inner}
+        try:
+            self.read_file(file, given, scope, self._files)  # its settings reach what follows, as in ROS itself
+        except LaunchError as error:
+            if error.source == str(file) and error.line is None:
+                raise self._place(element, scope).error(f"<include>: {error}") from None
+            raise
+
+    def _node(self, element: Element, scope: _Scope) -> None:
+        place = self._place(element, scope)
+        package, program = self._text(element, scope, "pkg"), self._text(element, scope, "exec")
+        try:
+            file = str(executable_of(package, program, self._prefixes))
+        except PackageError as error:
+            raise place.error(str(error)) from None
+        name = self._text(element, scope, "name", "")
+        own = self._text(element, scope, "namespace", "")
+        namespace = _joined(scope.namespace, own) if own else scope.namespace
+        remaps = [
+            *scope.remaps,
+            *((self._text(r, scope, "from"), self._text(r, scope, "to")) for r in element.of("remap")),
+        ]
+        ros = [*(["-r", f"__node:={name}"] if name else []), *(["-r", f"__ns:={namespace}"] if namespace else [])]
+        for source, target in remaps:
+            ros += ["-r", f"{source}:={target}"]
+        ros += scope.parameters
+        for parameter in element.of("param"):
+            ros += parameters_of(parameter, lambda e, n, d=None: self._text(e, scope, n, d), place)
+        ros += shlex.split(self._text(element, scope, "ros_args", ""))
+        words = shlex.split(self._text(element, scope, "args", ""))
+        command = [file, *words, *(["--ros-args", *ros] if ros else [])]
+        self._start(element, scope, command, name or program)
+
+    def _executable(self, element: Element, scope: _Scope) -> None:
+        words = shlex.split(self._text(element, scope, "cmd"))
+        if not words:
+            raise self._place(element, scope).error("<executable>: `cmd` is empty")
+        if truth(self._text(element, scope, "shell", "false"), self._place(element, scope)):
+            words = ["/bin/sh", "-c", self._text(element, scope, "cmd")]
+        self._start(element, scope, words, self._text(element, scope, "name", Path(words[0]).stem))
+
+    def _start(self, element: Element, scope: _Scope, command: list[str], name: str) -> None:
+        place = self._place(element, scope)
+        prefix = shlex.split(self._text(element, scope, "launch-prefix", ""))
+        env = {**scope.env, **{self._text(e, scope, "name"): self._text(e, scope, "value") for e in element.of("env")}}
+        on_exit = self._text(element, scope, "on_exit", "")
+        if on_exit not in ("", "shutdown"):
+            raise place.error(f'on_exit={on_exit!r} isn\'t understood here; only "shutdown" is')
+        folder = self._text(element, scope, "cwd", "")
+        count = self._names[name] = self._names.get(name, 0) + 1
+        try:
+            delay = float(self._text(element, scope, "respawn_delay", "0"))
+        except ValueError:
+            raise place.error("respawn_delay is a number of seconds") from None
+        self.launch.processes.append(
+            LaunchedProcess(
+                name if count == 1 else f"{name}-{count}",
+                tuple([*prefix, *command]),
+                env,
+                scope.unset,
+                Path(folder) if folder else None,
+                truth(self._text(element, scope, "respawn", "false"), place),
+                delay,
+                on_exit == "shutdown",
+                f"{self._files[-1]}:{element.line}",
+            )
+        )
+
+
+def _joined(outer: str, inner: str) -> str:
+    """Return a name space within another; one that begins with a slash stands alone."""
+    if inner.startswith("/"):
+        return inner.rstrip("/")
+    return f"{outer}/{inner.rstrip('/')}" if inner else outer
+
+
+_COMMON = {"name", "output", "respawn", "respawn_delay", "launch-prefix", "on_exit", "cwd"}
+_NAMED = {"name", "value"}
+_HANDLERS: dict[str, tuple[Callable[[_Reader, Element, _Scope], None], set[str]]] = {
+    "arg": (_Reader._arg, {"name", "default", "description", "value"}),
+    "let": (_Reader._let, _NAMED),
+    "set_env": (_Reader._set_env, _NAMED),
+    "unset_env": (_Reader._unset_env, {"name"}),
+    "push_ros_namespace": (_Reader._namespace, {"namespace"}),
+    "push-ros-namespace": (_Reader._namespace, {"namespace"}),
+    "set_remap": (_Reader._set_remap, {"from", "to"}),
+    "set_parameter": (_Reader._set_parameter, _NAMED),
+    "group": (_Reader._group, {"scoped"}),
+    "include": (_Reader._include, {"file"}),
+    "node": (_Reader._node, _COMMON | {"pkg", "exec", "namespace", "args", "ros_args"}),
+    "executable": (_Reader._executable, _COMMON | {"cmd", "shell"}),
+}
+_INNER = {
+    "arg": {"choice"},
+    "include": {"arg", "let"},
+    "node": {"param", "remap", "env"},
+    "executable": {"env"},
+}

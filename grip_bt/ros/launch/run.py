@@ -1,0 +1,73 @@
+"""Which way a launch file is run here: by `ros2 launch`, by ROS's `launch` package, or by our own reader."""
+
+from __future__ import annotations
+
+import importlib.util
+import shutil
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+
+from ..process import child_environment
+from .errors import LaunchError
+from .group import Member
+from .interpreter import LaunchedProcess, read_launch_file
+
+SUFFIXES = (".launch.py", ".launch.xml", ".launch.yaml", ".launch.yml", ".launch", ".xml", ".yaml", ".yml", ".py")
+
+
+def is_launch_file(name: str) -> bool:
+    """Tell whether a name is that of a launch file."""
+    return name.endswith(SUFFIXES)
+
+
+def members_of_file(
+    path: Path, arguments: Mapping[str, str], domain_id: int | None = None, own_reader: bool = False
+) -> list[Member]:
+    """Return the processes that run a launch file.
+
+    With ROS's tools there is one, which sees to all others; without them, one for each node and executable.
+
+    Args:
+        path: the file.
+        arguments: values of its arguments.
+        domain_id: the DDS domain; ROS_DOMAIN_ID, else 0, by default.
+        own_reader: whether our own reader is used also where ROS's tools are.
+
+    Raises:
+        LaunchError: the file can't be run here; it says why, and what to do.
+    """
+    if not path.is_file():
+        raise LaunchError(str(path), None, "there is no such file")
+    env = child_environment((), domain_id)
+    given = [f"{name}:={value}" for name, value in arguments.items()]
+    ros2 = None if own_reader else shutil.which("ros2")
+    if ros2 is not None:
+        return [Member(path.name, [ros2, "launch", str(path), *given], Path.cwd(), env)]
+    if path.suffix == ".py" and has_launch_package():
+        command = [sys.executable, "-m", "grip_bt.ros.launch.with_package", str(path), *given]
+        return [Member(path.name, command, Path.cwd(), env)]
+    return [member_of(process, env) for process in read_launch_file(path, arguments).processes]
+
+
+def member_of(process: LaunchedProcess, env: Mapping[str, str]) -> Member:
+    """Return a process of a launch file as a member of a group."""
+    inherited = {name: value for name, value in env.items() if name not in process.unset}
+    return Member(
+        process.name,
+        process.command,
+        process.folder or Path.cwd(),
+        {**inherited, **process.env},
+        restart="always" if process.respawn else "never",
+        restarts=sys.maxsize if process.respawn else 0,
+        restart_delay=process.respawn_delay,
+        required=False,
+        ends_all=process.required,
+    )
+
+
+def has_launch_package() -> bool:
+    """Tell whether ROS's own `launch` is importable; another project on PyPI has the same name."""
+    spec = importlib.util.find_spec("launch")
+    folders = list(spec.submodule_search_locations or ()) if spec is not None else []
+    return any((Path(folder) / "launch_description_sources").is_dir() for folder in folders)

@@ -1,0 +1,171 @@
+"""`$(...)` of launch files: variables, the environment, packages, folders, and simple logic. Nothing is executed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from grip_bt.errors import listing, nearest
+
+from ..packages import PackageError, executable_of, prefix_of, share_of
+from .errors import LaunchError
+
+TRUE, FALSE = ("true", "1"), ("false", "0")
+_REFUSED = {
+    "eval": "it runs Python code of the file; write the condition with if/unless, `equals`, `not`, `and`, `or`",
+    "command": "it runs a program while the file is read; give its output as an argument",
+    "param": "it asks for a parameter that is set while nodes start",
+    "find": "it is of ROS 1; write $(find-pkg-share PACKAGE)",
+    "optenv": "it is of ROS 1; write $(env NAME DEFAULT)",
+    "arg": "it is of ROS 1; write $(var NAME)",
+}
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a text stands, and what its substitutions see.
+
+    Attributes:
+        source: the launch file.
+        line: of the element.
+        variables: what `arg` and `let` have set.
+        env: the environment.
+        prefixes: where packages are; None for the usual places.
+    """
+
+    source: Path
+    line: int
+    variables: Mapping[str, str]
+    env: Mapping[str, str]
+    prefixes: Sequence[Path] | None = None
+
+    def error(self, reason: str) -> LaunchError:
+        """Return an error of this place."""
+        return LaunchError(str(self.source), self.line, reason)
+
+
+def substitute(text: str, place: Place) -> str:
+    r"""Return a text with its substitutions made; `\$` is a dollar.
+
+    Raises:
+        LaunchError: an unknown or refused substitution, or one that fails; with its place.
+    """
+    made, at = [], 0
+    while at < len(text):
+        if text.startswith(r"\$", at):
+            made.append("$")
+            at += 2
+        elif text.startswith("$(", at):
+            value, at = _inside(text, at + 2, place)
+            made.append(value)
+        else:
+            made.append(text[at])
+            at += 1
+    return "".join(made)
+
+
+def truth(text: str, place: Place) -> bool:
+    """Return the truth value that a text, after substitution, spells.
+
+    Raises:
+        LaunchError: it is neither true nor false.
+    """
+    word = substitute(text, place).strip().lower()
+    if word in TRUE or word in FALSE:
+        return word in TRUE
+    raise place.error(f"a condition is true, false, 1 or 0, not {word!r}")
+
+
+def _inside(text: str, at: int, place: Place) -> tuple[str, int]:
+    """Read from behind `$(` to its closing bracket; return the value and where it goes on."""
+    words: list[str] = []
+    began = at
+    while True:
+        while at < len(text) and text[at].isspace():
+            at += 1
+        if at >= len(text):
+            raise place.error(f"$({text[began:]!s}: the closing bracket is missing")
+        if text[at] == ")":
+            break
+        word, at = _word(text, at, place)
+        words.append(word)
+    if not words:
+        raise place.error("$() is empty")
+    return _apply(words[0], words[1:], place), at + 1
+
+
+def _word(text: str, at: int, place: Place) -> tuple[str, int]:
+    """Read one word, of which parts may be quoted or substitutions themselves."""
+    made = []
+    while at < len(text) and not text[at].isspace() and text[at] != ")":
+        if text[at] in "'\"":
+            end = text.find(text[at], at + 1)
+            if end < 0:
+                raise place.error(f"a quotation mark is missing in {text!r}")
+            made.append(substitute(text[at + 1 : end], place))
+            at = end + 1
+        elif text.startswith("$(", at):
+            value, at = _inside(text, at + 2, place)
+            made.append(value)
+        else:
+            made.append(text[at])
+            at += 1
+    return "".join(made), at
+
+
+def _apply(name: str, words: list[str], place: Place) -> str:
+    if name in _REFUSED:
+        raise place.error(f"$({name} ...) isn't run here: {_REFUSED[name]}")
+    if name not in _KNOWN:
+        hint = nearest(name, _KNOWN)
+        raise place.error(f"unknown substitution $({name} ...){hint} (there are: {listing(sorted(_KNOWN))})")
+    fewest, most, function = _KNOWN[name]
+    if not fewest <= len(words) <= most:
+        amount = str(fewest) if fewest == most else f"{fewest} or {most}"
+        raise place.error(f"$({name} ...) takes {amount} word{'' if most == 1 else 's'}, not {len(words)}")
+    try:
+        return function(words, place)
+    except PackageError as error:
+        raise place.error(f"$({name} {' '.join(words)}): {error}") from None
+
+
+def _variable(words: list[str], place: Place) -> str:
+    if words[0] in place.variables:
+        return place.variables[words[0]]
+    if len(words) > 1:
+        return words[1]
+    known = listing(sorted(place.variables))
+    raise place.error(f"$(var {words[0]}): no such argument{nearest(words[0], place.variables)} (there are: {known})")
+
+
+def _environment(words: list[str], place: Place) -> str:
+    if words[0] in place.env:
+        return place.env[words[0]]
+    if len(words) > 1:
+        return words[1]
+    raise place.error(f"$(env {words[0]}): the environment has no such variable; a default: $(env {words[0]} VALUE)")
+
+
+def _logic(words: list[str], place: Place) -> list[bool]:
+    return [truth(word, place) for word in words]
+
+
+def _said(value: bool) -> str:
+    return "true" if value else "false"
+
+
+_KNOWN: dict[str, tuple[int, int, Callable[[list[str], Place], str]]] = {
+    "var": (1, 2, _variable),
+    "env": (1, 2, _environment),
+    "dirname": (0, 0, lambda words, place: str(place.source.resolve().parent)),
+    "filename": (0, 0, lambda words, place: place.source.name),
+    "find-pkg-share": (1, 1, lambda words, place: str(share_of(words[0], place.prefixes))),
+    "find-pkg-prefix": (1, 1, lambda words, place: str(prefix_of(words[0], place.prefixes))),
+    "exec-in-pkg": (2, 2, lambda words, place: str(executable_of(words[1], words[0], place.prefixes))),
+    "not": (1, 1, lambda words, place: _said(not _logic(words, place)[0])),
+    "and": (2, 2, lambda words, place: _said(all(_logic(words, place)))),
+    "or": (2, 2, lambda words, place: _said(any(_logic(words, place)))),
+    "equals": (2, 2, lambda words, place: _said(words[0] == words[1])),
+    "not-equals": (2, 2, lambda words, place: _said(words[0] != words[1])),
+}
