@@ -24,6 +24,7 @@ VERBS = (
     "import_",
     "component",
     "interfaces",
+    "launch",
     "edit",
     "runs",
     "replay",
