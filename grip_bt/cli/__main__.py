@@ -28,6 +28,7 @@ VERBS = (
     "edit",
     "runs",
     "replay",
+    "capsule",
     "doctor",
 )
 INVALID, NODE_ERROR, STOPPED = 1, 4, 130

@@ -30,6 +30,7 @@ class Box:
         lines: further lines.
         title: shown when the pointer rests on it.
         frame: whether other things are drawn inside.
+        path: of the node.
     """
 
     x: float
@@ -41,6 +42,7 @@ class Box:
     lines: tuple[str, ...] = ()
     title: str = ""
     frame: bool = False
+    path: str = ""
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from grip_bt.catalog import Catalog
-from grip_bt.graph import AnyNode, Fallback, Leaf, Sequence, Task, children_of
+from grip_bt.graph import AnyNode, Fallback, Leaf, Sequence, Task, children_of, join
 
 from .chain import is_long, rows_figure
 from .figure import NAME_SIZE, TEXT_SIZE, Box, Figure, Line, Pill, Point, text_width
@@ -18,20 +20,20 @@ _PORT_GAP = 16.0
 
 def flow_figure(task: Task, catalog: Catalog) -> Figure:
     """Lay out a task as nested flow charts."""
-    inner = _figure(task.name, task.root, catalog)
+    inner = _figure(task.name, "/", task.root, catalog)
     figure = Figure(inner.width + 2 * _MARGIN, inner.height + 2 * _MARGIN)
     figure.add(inner, _MARGIN, _MARGIN)
     return figure
 
 
-def _figure(name: str, node: AnyNode, catalog: Catalog) -> Figure:
+def _figure(name: str, path: str, node: AnyNode, catalog: Catalog) -> Figure:
     if isinstance(node, Leaf):
         lines = [describe(node), *([f"only if {node.precondition}"] if node.precondition else [])]
         if node.with_:
             lines.append(", ".join(f"{k}={v}" for k, v in node.with_.items()))
-        box = box_of(name, node, catalog, lines)
+        box = replace(box_of(name, node, catalog, lines), path=path)
         return Figure(box.width, box.height, [box])
-    children = {n: _figure(n, child, catalog) for n, child in children_of(node).items()}
+    children = {n: _figure(n, join(path, n), child, catalog) for n, child in children_of(node).items()}
     outcomes, links, parts = outcomes_shown(node), links_of(node), list(children.values())
     if isinstance(node, Sequence | Fallback) and not outcomes and is_long(parts):
         inside = rows_figure(parts, links[0].label)
@@ -41,7 +43,7 @@ def _figure(name: str, node: AnyNode, catalog: Catalog) -> Figure:
     header = ICON + text_width(name, NAME_SIZE, bold=True) + 10 + text_width(words, TEXT_SIZE)
     width = max(inside.width, header) + 2 * _PAD
     height = _HEADER + inside.height + _PAD
-    frame = Box(0, 0, width, height, kind_of(node), name, (words,), node.doc, frame=True)
+    frame = Box(0, 0, width, height, kind_of(node), name, (words,), node.doc, True, path)
     figure = Figure(width, height, [frame])
     figure.add(inside, (width - inside.width) / 2, _HEADER)
     return figure

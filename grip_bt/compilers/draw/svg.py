@@ -42,8 +42,14 @@ _ICONS = {
 _TICK = {"success": "M-4 0l3 3l5-6", "failure": "M-3-3l6 6M3-3l-6 6"}
 
 
-def svg(figure: Figure, name: str) -> str:
-    """Return the figure as an SVG document; `name` is its accessible title."""
+def svg(figure: Figure, name: str, paths: bool = False) -> str:
+    """Return the figure as an SVG document.
+
+    Args:
+        figure: what to draw.
+        name: its accessible title.
+        paths: whether each node's group says its path (`data-path`), for pages that light nodes.
+    """
     width, height = round(figure.width), round(figure.height)
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" '
@@ -57,7 +63,7 @@ def svg(figure: Figure, name: str) -> str:
         f"<title>{escape(name)}</title>",
         arrow,
         f'<rect width="{width}" height="{height}" fill="{_PAPER}"/>',
-        *(_box(box) for box in figure.boxes),
+        *(_box(box, paths) for box in figure.boxes),
         *(_path(line) for line in figure.lines),
         *(_pill(pill) for pill in figure.pills),
         *(label for line in figure.lines for label in _label(line)),
@@ -74,7 +80,7 @@ def _text(x: float, y: float, words: str, **attributes: str) -> str:
     return f'<text x="{_number(x)}" y="{_number(y)}"{more}>{escape(words)}</text>'
 
 
-def _box(box: Box) -> str:
+def _box(box: Box, path: bool) -> str:
     fill, border = _COLOURS.get(box.kind, _DECORATOR)
     radius = 10 if box.frame else 6
     parts = [f"<title>{escape(box.title)}</title>"] if box.title else []
@@ -97,7 +103,8 @@ def _box(box: Box) -> str:
         parts.extend(_text(beside, y, line, fill=_QUIET) for line in box.lines)
     else:
         parts.extend(_text(x, y + LINE_HEIGHT * row, line, fill=_QUIET) for row, line in enumerate(box.lines, 1))
-    return f"<g>{''.join(parts)}</g>"
+    mark = f" data-path={quoteattr(box.path)}" if path else ""
+    return f"<g{mark}>{''.join(parts)}</g>"
 
 
 def _path(line: Line) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from dataclasses import replace
 
 from grip_bt.catalog import Catalog
 from grip_bt.graph import AnyNode, Leaf, Task, walk
@@ -66,7 +67,7 @@ def _placed(boxes: dict[str, Box], twigs: dict[str, Twig], columns: dict[int, fl
     )
     for path, box in boxes.items():
         x, y = left[depth[path]], twigs[path].y - up
-        figure.boxes.append(Box(x, y - box.height / 2, box.width, box.height, box.kind, box.name, box.lines, box.title))
+        figure.boxes.append(replace(box, x=x, y=y - box.height / 2, path=path))
         if path != "/":
             parent = boxes[_parent(path)]
             start = left[depth[path] - 1] + parent.width
