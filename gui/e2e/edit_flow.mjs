@@ -22,6 +22,11 @@ await onPage(url, async (page, { answer, button, choose, fileIs, item, pick }) =
   await page.getByRole("navigation", { name: "Containers" }).getByRole("button", { name: "short" }).waitFor();
   await page.getByText("= both forms").first().waitFor();
 
+  // The container in a pane of its own.
+  const [pane] = await Promise.all([page.waitForEvent("popup"), page.getByRole("link", { name: "Open this container in a pane of its own" }).click()]);
+  await pane.locator('.flow [data-path="machine/b"]').waitFor();
+  await pane.close();
+
   // Add into the chart, connect its free outcome by keys, then all that is free at once.
   await page.keyboard.press("/");
   await answer("flow/fail");
@@ -84,6 +89,20 @@ await onPage(url, async (page, { answer, button, choose, fileIs, item, pick }) =
   await item("short").getByText("state machine").waitFor({ state: "attached" });
   await page.keyboard.press("Control+z");
   await item("short").getByText("sequence").waitFor({ state: "attached" });
+
+  // Another task of the project as a step; its outcomes are ports.
+  await pick("first");
+  await page.keyboard.press("/");
+  await answer("tasks/long.yaml");
+  await item("long").getByText("subtask").waitFor({ state: "attached" });
+  await page.keyboard.press("Delete");
+  await item("long").waitFor({ state: "detached" });
+
+  // An outcome is renamed with all that leads to it.
+  await pick("machine");
+  await page.getByRole("button", { name: "Rename the outcome done" }).click();
+  await answer("finished");
+  await page.getByRole("button", { name: "Rename the outcome finished" }).waitFor();
 
   // Convert: compared first, and one edit.
   await pick("attempts");

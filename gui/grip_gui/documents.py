@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from grip_bt.app.project import project_catalog
-from grip_bt.catalog import Catalog
-from grip_bt.errors import DocumentError, GripError, UnknownNameError
+from grip_bt.catalog import Catalog, face_of
+from grip_bt.errors import DocumentError, GripError, SubtaskError, UnknownNameError
 from grip_bt.graph.document import Document, read_file, read_text
 from grip_bt.validation import Issue, validate
 from grip_bt.validation.fixes import Fixer
@@ -62,10 +62,12 @@ def catalog_of(folder: ProjectFolder) -> tuple[Catalog, Problem | None]:
 
 
 def _finder(catalog: Catalog) -> FindManifest:
+    """Return what finds the face of a leaf by its id, and of a subtask by its file."""
+
     def find(node: str) -> object:
         try:
-            return catalog.get(node)
-        except UnknownNameError:
+            return face_of(node, catalog.tasks.read(node)) if node.endswith((".yaml", ".yml")) else catalog.get(node)
+        except (UnknownNameError, SubtaskError):
             return None
 
     return find  # type: ignore[return-value]

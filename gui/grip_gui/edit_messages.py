@@ -75,6 +75,8 @@ class CatalogView(Wire):
 
     nodes: list[NodeFace]
     kinds: list[KindFace]
+    tasks: list[NodeFace] = []
+    """Task files of the project, as subtasks see them; their id is the file."""
     trouble: str = ""
     """Why the project's own nodes are missing."""
 

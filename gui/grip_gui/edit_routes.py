@@ -60,7 +60,8 @@ def _add_questions(api: APIRouter, desk: EditDesk) -> None:
     @api.get("/catalog")
     def catalog() -> CatalogView:
         found, trouble = catalog_of(folder)
-        return catalog_view(found, trouble.message if trouble else "")
+        files = [entry.path for entry in folder.tasks()]
+        return catalog_view(found, files, trouble.message if trouble else "")
 
     @api.get("/document")
     def document(path: str) -> DocumentView:

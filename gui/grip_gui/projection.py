@@ -9,7 +9,18 @@ from typing import Any, TypeAlias
 from grip_bt.catalog.manifest import Manifest
 from grip_bt.graph.canonical import data_of
 from grip_bt.graph.edit.draft import deep as plain_data
-from grip_bt.graph.model import AnyNode, Leaf, StateMachine, Task, Variable, children_of, join, outcomes_of, walk
+from grip_bt.graph.model import (
+    AnyNode,
+    Leaf,
+    StateMachine,
+    Subtask,
+    Task,
+    Variable,
+    children_of,
+    join,
+    outcomes_of,
+    walk,
+)
 
 from .messages import Meaning, NodeView, Problem, TaskView, Transition, VariableView
 
@@ -79,12 +90,18 @@ def _node(
         label=container_label(node),
         doc=node.doc,
         children=[join(path, child) for child in children_of(node)],
-        outcomes=outcomes_of(node),
+        outcomes=_subtask_outcomes(node, find(node.task)) if isinstance(node, Subtask) else outcomes_of(node),
         inputs=dict(getattr(node, "in_", {})),
         outputs=dict(getattr(node, "out", {})),
         parameters=dict(getattr(node, "with_", {})),
         fields=_fields(node),
     )
+
+
+def _subtask_outcomes(node: Subtask, face: Manifest | None) -> dict[str, Meaning]:
+    if face is not None:
+        return face.outcomes_for(dict(node.meaning))
+    return {"success": "success", "failure": "failure", **node.meaning}
 
 
 def _fields(node: AnyNode) -> dict[str, Any]:
@@ -137,8 +154,8 @@ def container_label(node: AnyNode) -> str:
             return ", ".join(part for part in (f"while {text}" if text else "", limit) if part)
         case {"kind": "cooldown", "seconds": seconds}:
             return f"not again for {seconds:g} s"
-        case {"kind": "foreign", "behaviour": behaviour}:
-            return str(behaviour)
+        case {"kind": "subtask", "task": said} | {"kind": "foreign", "behaviour": said}:
+            return str(said)
         case {"kind": "guard", "if_": text}:
             return f"only while {text}"
         case {"kind": "force", "as_": meaning}:

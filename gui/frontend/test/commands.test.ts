@@ -15,6 +15,7 @@ const MACHINE = task([
 const machine = new TaskIndex(MACHINE);
 const CATALOG: CatalogView = {
   trouble: "",
+  tasks: [{ id: "tasks/fetch.yaml", doc: "", parameters: [], inputs: [], outputs: [], outcomes: { done: "success" }, codes: [] }],
   nodes: [
     {
       id: "eye/find",
@@ -45,6 +46,12 @@ describe("where something new goes", () => {
     const { command, path } = addNew(SMALL, index.byPath, CATALOG, "sequence", { parent: "/", index: 0 });
     expect(path).toBe("sequence");
     expect(command).toEqual({ do: "add", parent: "/", name: "sequence", node: { kind: "sequence", children: {} }, index: 0 });
+  });
+
+  it("may be another task of the project", () => {
+    const { command, path } = addNew(SMALL, index.byPath, CATALOG, "tasks/fetch.yaml", { parent: "/", index: 0 });
+    expect(path).toBe("fetch");
+    expect(command["node"]).toEqual({ kind: "subtask", task: "tasks/fetch.yaml" });
   });
 
   it("binds the ports for which one variable can be meant, and no other", () => {

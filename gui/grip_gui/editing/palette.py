@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import types
+from collections.abc import Iterable
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
-from grip_bt.catalog import Catalog, Manifest
+from grip_bt.catalog import Catalog, Manifest, face_of
+from grip_bt.errors import SubtaskError
 from grip_bt.graph import model
 
 from ..edit_messages import CatalogView, FieldFace, FieldType, KindFace, NodeFace, ParameterFace, PortFace
@@ -29,10 +31,27 @@ _BLANKS: dict[str, dict[str, Any]] = {
 }
 
 
-def catalog_view(catalog: Catalog, trouble: str = "") -> CatalogView:
-    """Return everything that a task can be made of."""
-    kinds = [_kind(shape) for shape in _containers()]
-    return CatalogView(nodes=[_node(manifest) for manifest in catalog], kinds=kinds, trouble=trouble)
+def catalog_view(catalog: Catalog, tasks: Iterable[str] = (), trouble: str = "") -> CatalogView:
+    """Return everything that a task can be made of.
+
+    Args:
+        catalog: the nodes that exist.
+        tasks: the project's task files; those that can't be read aren't offered.
+        trouble: why nodes are missing.
+    """
+    return CatalogView(
+        nodes=[_node(manifest) for manifest in catalog],
+        kinds=[_kind(shape) for shape in _containers()],
+        tasks=[face for file in tasks if (face := _subtask(catalog, file)) is not None],
+        trouble=trouble,
+    )
+
+
+def _subtask(catalog: Catalog, file: str) -> NodeFace | None:
+    try:
+        return _node(face_of(file, catalog.tasks.read(file)))
+    except SubtaskError:
+        return None
 
 
 def _containers() -> list[Any]:

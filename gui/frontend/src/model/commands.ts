@@ -105,9 +105,12 @@ export function newContainer(catalog: CatalogView, kind: string): Record<string,
 
 /** Add a leaf or a container of the palette at a spot. */
 export function addNew(task: TaskView, nodes: Nodes, catalog: CatalogView, what: string, spot: Spot): { command: Command; path: string } {
-  const leaf = catalog.nodes.find((face) => face.id === what);
-  const name = freshName(childNames(nodes, spot.parent), leaf ? nameOf(what) : what);
-  const node = leaf ? newLeaf(leaf, visibleVariables(task, spot.parent)) : newContainer(catalog, what);
+  const file = catalog.tasks.find((face) => face.id === what);
+  const leaf = file ?? catalog.nodes.find((face) => face.id === what);
+  const wanted = file ? nameOf(what).replace(/\.ya?ml$/, "") : leaf ? nameOf(what) : what;
+  const name = freshName(childNames(nodes, spot.parent), wanted);
+  const { node: _, ...bound } = leaf ? newLeaf(leaf, visibleVariables(task, spot.parent)) : { node: "" };
+  const node = file ? { kind: "subtask", task: file.id, ...bound } : leaf ? { node: leaf.id, ...bound } : newContainer(catalog, what);
   return { command: { do: "add", parent: spot.parent, name, node, index: spot.index }, path: join(spot.parent, name) };
 }
 

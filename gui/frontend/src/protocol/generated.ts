@@ -4,6 +4,7 @@
 export interface CatalogView {
   nodes: NodeFace[];
   kinds: KindFace[];
+  tasks: NodeFace[];
   trouble: string;
 }
 

@@ -17,7 +17,7 @@ import {
 } from "../model/commands";
 import { KINDS } from "../model/words";
 import { server } from "../protocol/client";
-import type { NodeView } from "../protocol/generated";
+import type { NodeFace, NodeView } from "../protocol/generated";
 import { askChoice, askText, type Option } from "./ask";
 import { keepParts, keptParts } from "./clipboard";
 import { useDocument } from "./document";
@@ -42,7 +42,8 @@ export function paletteOptions(): Option[] {
   const first = (doc: string): string => doc.split("\n")[0] ?? "";
   return [
     ...catalog.nodes.map((face) => ({ value: face.id, label: face.id, detail: first(face.doc), mark: "leaf" })),
-    ...catalog.kinds.map((face) => ({ value: face.kind, label: KINDS[face.kind] ?? face.kind, detail: first(face.doc), mark: "container" })),
+    ...subtasks().map((face) => ({ value: face.id, label: face.id, detail: first(face.doc), mark: "subtask" })),
+    ...catalog.kinds.filter((face) => face.kind !== "subtask").map((face) => ({ value: face.kind, label: KINDS[face.kind] ?? face.kind, detail: first(face.doc), mark: "container" })),
   ];
 }
 
@@ -56,6 +57,12 @@ export async function add(what: string, at?: Spot): Promise<void> {
   }
   const { command, path } = addNew(task, nodes(), useDocument.getState().catalog, what, spot);
   await edit(command, path, `${nameOf(path)} was added to ${spot.parent}`);
+}
+
+/** Tasks that this one may run: the others. */
+export function subtasks(): readonly NodeFace[] {
+  const { catalog, document } = useDocument.getState();
+  return catalog.tasks.filter((face) => face.id !== document?.path);
 }
 
 /** In the flow chart something new goes into the container that is shown. */
@@ -145,6 +152,12 @@ function kindOption(kind: string): Option {
 export async function unwrap(): Promise<void> {
   const path = usePage.getState().selected;
   if (path !== null) await edit({ do: "unwrap", path }, parentOf(path) ?? "/", `${path} unwrapped`);
+}
+
+export async function renameOutcome(node: NodeView, outcome: string): Promise<void> {
+  const check = nameCheck(Object.keys(node.outcomes).filter((each) => each !== outcome));
+  const name = await askText({ title: `Rename the outcome ${outcome}`, label: "Name", initial: outcome, hint: "Edges, exits and rules that name it follow.", check });
+  if (name !== null && name !== outcome) await edit({ do: "rename_outcome", path: node.path, outcome, to: name }, node.path);
 }
 
 export async function changeKind(path = usePage.getState().selected): Promise<void> {

@@ -4,6 +4,7 @@ import { type JSX, useEffect, useState } from "react";
 import { server } from "../protocol/client";
 import { connect, openTask } from "../store/desk";
 import { useDocument } from "../store/document";
+import { usePage } from "../store/page";
 import { useRun } from "../store/run";
 import { loadProject, newTask, useProject } from "../store/tasks";
 import { Ask } from "./edit/Ask";
@@ -29,8 +30,10 @@ export function Page(): JSX.Element {
     loadProject()
       .then(async (found) => {
         if (left) return;
-        const first = found.selected ?? found.tasks[0]?.path;
+        const wanted = new URLSearchParams(location.search);
+        const first = wanted.get("task") ?? found.selected ?? found.tasks[0]?.path;
         if (first) await openTask(first);
+        showContainer(wanted.get("at"));
         if (!left) disconnect = connect();
       })
       .catch((error: unknown) => setTrouble(String(error)));
@@ -76,4 +79,12 @@ export function Page(): JSX.Element {
       </output>
     </div>
   );
+}
+
+/** Show the inside of a container: a pane of its own was opened for it. */
+function showContainer(path: string | null): void {
+  if (path === null || !useRun.getState().index.byPath.has(path)) return;
+  usePage.getState().select(path);
+  usePage.getState().enter(path);
+  usePage.getState().setView("flow");
 }

@@ -12,7 +12,7 @@ import { ChoiceField, ValueField } from "./fields";
 const NEW = "\n";
 
 export function LeafForm({ node, locked }: { node: NodeView; locked: boolean }): JSX.Element {
-  const known = useDocument((s) => s.catalog.nodes.find((face) => face.id === node.label));
+  const known = useDocument((s) => [...s.catalog.nodes, ...s.catalog.tasks].find((face) => face.id === node.label));
   const face = known ?? faceOf(node);
   return (
     <>

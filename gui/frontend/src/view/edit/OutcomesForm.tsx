@@ -6,7 +6,7 @@ import type { NodeView } from "../../protocol/generated";
 import { edit } from "../../store/editing";
 import { askChoice, askText } from "../../store/ask";
 import { connect, disconnect } from "../../store/flowing";
-import { nameCheck } from "../../store/gestures";
+import { nameCheck, renameOutcome } from "../../store/gestures";
 import { useRun } from "../../store/run";
 
 /** Kinds that may declare outcomes of their own. */
@@ -88,6 +88,11 @@ function OutcomeRow({ node, outcome, locked, declared }: RowProps): JSX.Element 
             </option>
           ))}
         </select>
+        {declared && !locked && (
+          <button className="link" aria-label={`Rename the outcome ${outcome}`} onClick={() => void renameOutcome(node, outcome)}>
+            Rename
+          </button>
+        )}{" "}
         {declared && !locked && (
           <button className="link" aria-label={`Remove the outcome ${outcome}`} onClick={() => void edit({ do: "unset", path: node.path, key: ["outcomes", outcome] }, node.path)}>
             Remove

@@ -20,16 +20,18 @@ interface Entry {
 export function Palette(): JSX.Element {
   const catalog = useDocument((s) => s.catalog);
   const disabled = useRun((s) => s.record !== null);
+  const path = useRun((s) => s.task.path);
   const [text, setText] = useState("");
   const groups = useMemo(() => {
     const entries: Entry[] = [
-      ...catalog.kinds.map((face) => ({ id: face.kind, label: KINDS[face.kind] ?? face.kind, detail: face.doc, mark: "containers", kind: face.kind })),
+      ...catalog.kinds.filter((face) => face.kind !== "subtask").map((face) => ({ id: face.kind, label: KINDS[face.kind] ?? face.kind, detail: face.doc, mark: "containers", kind: face.kind })),
       ...catalog.nodes.map((face) => ({ id: face.id, label: face.id, detail: face.doc, mark: face.id.split("/")[0] ?? "", kind: "leaf" })),
+      ...catalog.tasks.filter((face) => face.id !== path).map((face) => ({ id: face.id, label: face.id, detail: face.doc, mark: "tasks", kind: "subtask" })),
     ];
     const found = new Map<string, Entry[]>();
     for (const entry of matching(entries, text)) found.set(entry.mark, [...(found.get(entry.mark) ?? []), entry]);
     return found;
-  }, [catalog, text]);
+  }, [catalog, text, path]);
   return (
     <section className="panel palette" aria-labelledby="palette-title">
       <h2 id="palette-title">Palette</h2>

@@ -8,6 +8,7 @@ import { useRun } from "../../store/run";
 export function Breadcrumbs(): JSX.Element {
   const container = usePage((s) => s.container);
   const index = useRun((s) => s.index);
+  const file = useRun((s) => s.task.path);
   const name = useRun((s) => s.task.name);
   const { enter, select } = usePage.getState();
   const chain: string[] = [];
@@ -30,6 +31,12 @@ export function Breadcrumbs(): JSX.Element {
           </li>
         ))}
       </ol>
+      <a className="new-pane" href={`/?${new URLSearchParams({ task: file, at: container })}`} target="_blank" rel="noopener" title="Open this container in a pane of its own">
+        <svg className="icon" viewBox="0 0 16 16" aria-hidden="true">
+          <path d="M6 3H2.5v10.5H13V10M9 2.5h4.5V7M13 3 7.5 8.5" />
+        </svg>
+        <span className="hidden">Open this container in a pane of its own</span>
+      </a>
     </nav>
   );
 }
