@@ -19,11 +19,13 @@ from .edit_routes import make_edit_router
 from .editing import ChangedOnDiskError, EditDesk, StaleEditError, UnfinishedTextError
 from .journal import JournalRuns, RunSource
 from .launcher import CommandLineLauncher, Launcher, RunOptions
+from .lease import HeldElsewhereError
 from .messages import Trouble
 from .project import OutsideProjectError, ProjectFolder
 from .routes import make_router
+from .run_desk import BusyError, RunDesk
+from .run_routes import make_run_router
 from .security import Gate
-from .session import BusyError, RunDesk
 
 log = logging.getLogger(__name__)
 STATIC = Path(__file__).parent / "static"
@@ -32,6 +34,7 @@ _STATUS: tuple[tuple[type[GripError], int], ...] = (
     (UnknownNameError, 404),
     (DocumentError, 404),
     (BusyError, 409),
+    (HeldElsewhereError, 409),
     (StaleEditError, 409),
     (ChangedOnDiskError, 409),
     (UnfinishedTextError, 409),
@@ -40,6 +43,7 @@ _KIND: dict[type[GripError], str] = {
     StaleEditError: "stale",
     ChangedOnDiskError: "disk",
     UnfinishedTextError: "unfinished",
+    HeldElsewhereError: "held",
 }
 
 
@@ -51,6 +55,7 @@ def create_app(
     source: RunSource | None = None,
     task: str | None = None,
     autostart: RunOptions | None = None,
+    show_run: str | None = None,
 ) -> FastAPI:
     """Return the server of one project.
 
@@ -61,8 +66,10 @@ def create_app(
         source: where runs are read; the project's journal by default.
         task: the task that the page opens first, relative to the folder.
         autostart: run `task` with these options as soon as the server is up.
+        show_run: the run that the page shows first.
 
     Raises:
+        UnknownNameError: that run isn't in the journal.
         DocumentError: the folder, or the task, isn't there.
         OutsideProjectError: the task isn't in the folder.
         MissingPartError: the page wasn't built.
@@ -73,6 +80,9 @@ def create_app(
     task_file = folder.task_file(task) if task is not None else None
     runs = source or JournalRuns(folder.journal, folder.folder)
     desk = RunDesk(launcher or CommandLineLauncher(), folder.journal, runs)
+
+    if show_run is not None:
+        desk.show(show_run)
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
@@ -88,6 +98,7 @@ def create_app(
     app.add_exception_handler(RequestValidationError, _refuse_malformed)
     edits = EditDesk(folder)
     app.include_router(make_edit_router(edits, desk.notify))
+    app.include_router(make_run_router(folder, desk))
     app.include_router(make_router(folder, desk, runs, task, edits))
     app.mount("/", StaticFiles(directory=STATIC, html=True))
     return app

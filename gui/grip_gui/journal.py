@@ -7,11 +7,12 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Literal, Protocol
 
-from grip_bt.errors import UnknownNameError
+from grip_bt.errors import GripError, UnknownNameError
 from grip_bt.runtime import Event, Journal, JournalError, JournalReader, RunLog
 from grip_bt.runtime import RunRecord as JournalRecord
 
-from .messages import RunEvent, RunRecord
+from .run_messages import RunEvent, RunRecord, ValueView
+from .values import unkept_view, value_view
 
 LISTED = 100
 """Most runs that are offered."""
@@ -34,6 +35,14 @@ class RunSource(Protocol):
 
     def events(self, run: str, from_seq: int, limit: int) -> list[RunEvent]:
         """Return at most `limit` events from `from_seq` on, in order."""
+        ...
+
+    def value(self, run: str, seq: int) -> ValueView:
+        """Return what the write with this number wrote.
+
+        Raises:
+            UnknownNameError: there is no such write.
+        """
         ...
 
     def end_run(self, run: str, status: Literal["stopped", "error"]) -> None:
@@ -74,6 +83,18 @@ class JournalRuns:
         reader = self._reader()
         found = [] if reader is None else reader.events(run, from_seq - 1, limit)
         return [_wire_event(event) for event in found]
+
+    def value(self, run: str, seq: int) -> ValueView:
+        """Return what the write with this number wrote."""
+        reader = self._reader()
+        found = [] if reader is None else reader.events(run, seq - 1, 1)
+        if reader is None or not found or found[0].seq != seq or found[0].event != "write":
+            raise UnknownNameError("write of a variable", str(seq), (), f"the run {run}")
+        facts = found[0].data
+        try:
+            return value_view(str(facts.get("type", "")), reader.value(found[0]))
+        except GripError as error:  # too big, of a class that can't be restored, or written by an earlier version
+            return unkept_view(str(facts.get("type", "")), str(facts.get("preview", "")), error)
 
     def end_run(self, run: str, status: Literal["stopped", "error"]) -> None:
         """Enter that a run has ended whose process could not do so itself."""

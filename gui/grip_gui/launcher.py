@@ -7,14 +7,14 @@ import json
 import os
 import sys
 from collections import deque
-from collections.abc import AsyncIterator
-from dataclasses import dataclass
+from collections.abc import AsyncIterator, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from secrets import token_hex
 from typing import Any, Protocol
 
-from .messages import Command, Robot, Target
 from .processes import MARK, end_marked
+from .run_messages import Robot, Target
 
 LINES_KEPT = 40
 """How many of the last lines of output are kept, to say why a process died."""
@@ -26,21 +26,24 @@ class RunOptions:
     """What a run is started with.
 
     Attributes:
-        robot: `sim` or `fake`.
+        robot: `sim`, `fake` or `ros`.
         target: `bt` (behaviour tree) or `sm` (state machine).
         seed: seed of everything random.
         pace: simulated seconds in a second; None for as fast as it goes.
+        mocks: node -> script that is played in its place.
     """
 
     robot: Robot = "sim"
     target: Target = "bt"
     seed: int = 0
     pace: float | None = 1.0
+    mocks: Mapping[str, str] = field(default_factory=dict)
 
     def arguments(self) -> tuple[str, ...]:
         """Return them as `grip run` takes them."""
         pace = () if self.pace is None else ("--pace", f"{self.pace:g}")
-        return ("--robot", self.robot, "--seed", str(self.seed), "--as", self.target, *pace)
+        mocks = (f"--mock={node}={script}" for node, script in self.mocks.items())
+        return ("--robot", self.robot, "--seed", str(self.seed), "--as", self.target, *pace, *mocks)
 
 
 class RunProcess(Protocol):
@@ -50,8 +53,8 @@ class RunProcess(Protocol):
         """Yield what the process says, one object a line, until its output ends; `{"event": "log"}` for plain text."""
         ...
 
-    async def send(self, command: Command) -> None:
-        """Send a command; nothing happens when the process is gone."""
+    async def send(self, command: Mapping[str, Any]) -> None:
+        """Send a command of the control protocol; nothing happens when the process is gone."""
         ...
 
     async def wait(self) -> int:
@@ -152,13 +155,13 @@ class CommandLineProcess:
         self._tail.append(text)
         return {"event": "log", "text": text}
 
-    async def send(self, command: Command) -> None:
+    async def send(self, command: Mapping[str, Any]) -> None:
         """Write one line to the process's stdin."""
         stdin = self._process.stdin
         if stdin is None or stdin.is_closing():
             return
         try:
-            stdin.write(json.dumps({"command": command}).encode() + b"\n")
+            stdin.write(json.dumps(dict(command)).encode() + b"\n")
             await stdin.drain()
         except (BrokenPipeError, ConnectionResetError):
             return

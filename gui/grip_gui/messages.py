@@ -5,15 +5,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict
 
 Meaning = Literal["success", "failure"]
-RunState = Literal["starting", "running", "paused", "stopping", "ended"]
-Robot = Literal["sim", "fake"]
-Target = Literal["bt", "sm"]
-Command = Literal["pause", "resume", "step", "stop"]
 
 
 class Wire(BaseModel):
@@ -130,128 +126,9 @@ class ProjectView(Wire):
     """The task that `grip edit` was asked to open."""
 
 
-# --- runs -------------------------------------------------------------------------------------------------------------
-
-
-class RunRecord(Wire):
-    """A run of the journal."""
-
-    id: str
-    task_name: str
-    task_path: str
-    target: str
-    seed: int | None
-    started: float
-    """Seconds since the epoch."""
-    ended: float | None
-    status: str
-    outcome: str | None
-
-
-class RunView(Wire):
-    """A run with the task as it was when it ran."""
-
-    run: RunRecord
-    task: TaskView
-
-
-class RunEvent(Wire):
-    """One line of the journal."""
-
-    seq: int
-    t: float
-    """On the run's clock [s]."""
-    path: str
-    event: str
-    outcome: str | None = None
-    code: str | None = None
-    data: dict[str, Any] = {}
-
-
-class StartRun(Wire):
-    """Start a run of a task."""
-
-    task: Annotated[str, Field(max_length=1024)]
-    robot: Robot = "sim"
-    target: Target = "bt"
-    seed: Annotated[int, Field(ge=0, le=2**31 - 1)] = 0
-    pace: Annotated[float, Field(gt=0, le=1000)] | None = 1.0
-    """Simulated seconds in a second; None for as fast as it goes."""
-
-
-class Control(Wire):
-    """Ask the run under way for something."""
-
-    command: Command
-
-
-class SessionView(Wire):
-    """The run that this server started last, and how its process is."""
-
-    state: RunState
-    task: str
-    robot: Robot
-    target: Target
-    seed: int
-    pace: float | None
-    run: str | None = None
-    """Id in the journal; None until the process has said it."""
-    status: str | None = None
-    """How it ended: success, failure, error, stopped, killed, or died."""
-    outcome: str | None = None
-    message: str = ""
-    """What a person should know: the last line of output while starting, or why the process is gone."""
-
-
-# --- socket -----------------------------------------------------------------------------------------------------------
-
-
-class Subscribe(Wire):
-    """Page to server: send this run's events from `from_seq` on."""
-
-    type: Literal["subscribe"] = "subscribe"
-    run: Annotated[str, Field(min_length=1, max_length=200)]
-    from_seq: Annotated[int, Field(ge=0)] = 0
-
-
-class SessionFrame(Wire):
-    """Server to page: how the run under way is; None when none was started."""
-
-    type: Literal["session"] = "session"
-    session: SessionView | None
-
-
-class EventsFrame(Wire):
-    """Server to page: more of a run, in order and without gaps."""
-
-    type: Literal["events"] = "events"
-    run: str
-    events: list[RunEvent]
-    complete: bool
-    """Whether the run has ended and this was its last part."""
-
-
-class RefusedFrame(Wire):
-    """Server to page: a message that wasn't understood."""
-
-    type: Literal["refused"] = "refused"
-    reason: str
-
-
-class RevisionsFrame(Wire):
-    """Server to page: the revision of each open task file."""
-
-    type: Literal["revisions"] = "revisions"
-    revisions: dict[str, int]
-
-
-ServerFrame = Annotated[SessionFrame | EventsFrame | RefusedFrame | RevisionsFrame, Field(discriminator="type")]
-ClientFrame = Subscribe
-
-
 class Trouble(Wire):
     """Body of every refused request."""
 
     detail: str
     kind: str = ""
-    """`stale`, `disk` or `unfinished` where the page can do something about it."""
+    """`stale`, `disk`, `unfinished` or `held` where the page can do something about it."""

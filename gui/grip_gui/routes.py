@@ -1,21 +1,22 @@
-"""The server's questions and answers: project, tasks, runs, and the run under way."""
+"""The server's questions and answers about the project, its tasks and the runs of its journal."""
 
 from __future__ import annotations
 
-from fastapi import APIRouter, WebSocket
+from typing import Annotated
 
-from grip_bt.errors import GripError, UnknownNameError
+from fastapi import APIRouter, Path, WebSocket
+
+from grip_bt.errors import UnknownNameError
 
 from .documents import task_view, view_of_text
 from .editing import EditDesk
 from .journal import RunSource
-from .launcher import RunOptions
-from .messages import Control, ProjectView, RunRecord, RunView, SessionView, StartRun, TaskView
+from .messages import ProjectView, TaskView
 from .project import ProjectFolder
-from .session import RunDesk
+from .run_desk import RunDesk
+from .run_messages import PageId, RunRecord, RunView, ValueView
+from .run_routes import robots
 from .stream import Viewer
-
-ROBOTS = ["sim", "fake"]
 
 
 def make_router(
@@ -27,7 +28,7 @@ def make_router(
     @api.get("/project")
     def project() -> ProjectView:
         return ProjectView(
-            name=folder.name, folder=str(folder.folder), tasks=folder.tasks(), robots=ROBOTS, selected=selected
+            name=folder.name, folder=str(folder.folder), tasks=folder.tasks(), robots=robots(), selected=selected
         )
 
     @api.get("/task")
@@ -45,25 +46,13 @@ def make_router(
             raise UnknownNameError("run", run, (r.id for r in source.runs()[:10]))
         return RunView(run=record, task=view_of_text(folder, source.task_text(run), record.task_path))
 
-    @api.get("/session")
-    async def session() -> SessionView | None:
-        return desk.view
-
-    @api.post("/session", status_code=201)
-    async def start(wish: StartRun) -> SessionView:
-        options = RunOptions(robot=wish.robot, target=wish.target, seed=wish.seed, pace=wish.pace)
-        try:
-            return await desk.start(wish.task, folder.task_file(wish.task), options)
-        except OSError as error:
-            raise GripError(f"the run's process can't be started: {error}") from error
-
-    @api.post("/session/control")
-    async def control(wish: Control) -> SessionView:
-        return await desk.command(wish.command)
+    @api.get("/runs/{run}/values/{seq}")
+    def value(run: str, seq: Annotated[int, Path(ge=1, le=2**53)]) -> ValueView:
+        return source.value(run, seq)
 
     @api.websocket("/socket")
-    async def socket(websocket: WebSocket) -> None:
+    async def socket(websocket: WebSocket, page: PageId = "") -> None:
         await websocket.accept()
-        await Viewer(websocket, desk, source, edits.revisions).serve()
+        await Viewer(websocket, desk, source, edits.revisions, page).serve()
 
     return api

@@ -16,6 +16,7 @@ from grip_bt.app.project import find_project
 from grip_bt.errors import GripError
 
 from .application import create_app
+from .journal import JournalRuns
 from .launcher import RunOptions
 from .project import ProjectFolder
 
@@ -30,6 +31,8 @@ def serve(
     autostart: RunOptions | None = None,
     port: int = 0,
     open_browser: bool = True,
+    show_run: str | None = None,
+    journal: Path | None = None,
 ) -> int:
     """Serve a project's editor until Ctrl-C; afterwards no process of it is left.
 
@@ -39,6 +42,8 @@ def serve(
         autostart: start a run of `task` at once, with these options.
         port: 0 takes a free one.
         open_browser: open the page when there is a display. The address is printed in any case.
+        show_run: the run that the page shows first.
+        journal: where runs are read; None for the project's own.
 
     Returns:
         the exit status: 0.
@@ -48,7 +53,8 @@ def serve(
     """
     folder = find_project(project).folder
     name = ProjectFolder(folder).relative(Path(task)) if task is not None else None
-    app = create_app(folder, task=name, autostart=autostart)
+    source = JournalRuns(journal, folder) if journal is not None else None
+    app = create_app(folder, task=name, autostart=autostart, source=source, show_run=show_run)
     with _listen(port) as listener:
         url = f"http://{HOST}:{listener.getsockname()[1]}/?" + urlencode({"token": app.state.token})
         print(f"GRIP editor of {folder}\n  {url}\nCtrl-C ends it.", flush=True)  # noqa: T201 - this is for the person

@@ -4,21 +4,22 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from pathlib import Path
 from typing import Any, Literal
 
-from grip_bt.errors import GripError
+from pydantic import ValidationError
 
 from .journal import RunSource
-from .launcher import Launcher, RunOptions, RunProcess
-from .messages import Command, RunState, SessionView
+from .launcher import RunProcess
+from .run_messages import Breakpoint, Held, RunState, SessionView
 
 log = logging.getLogger(__name__)
 
-ACKNOWLEDGE = 2.0
-"""A run that hasn't acknowledged a stop after this time is killed [s]."""
+ACKNOWLEDGE = 0.5
+"""A run that hasn't acknowledged a stop after this time is killed [s]; its parent needs a tenth of that."""
+ACKNOWLEDGE_STARTING = 2.0
+"""Likewise while it is being started, when Python may still be loading and nothing moves [s]."""
 WIND_DOWN = 10.0
 """A run that has acknowledged a stop may take this long to end [s]."""
 DRAIN = 1.0
@@ -26,8 +27,7 @@ DRAIN = 1.0
 _STATES: dict[str, RunState] = {"running": "running", "paused": "paused", "stopping": "stopping"}
 
 
-class BusyError(GripError):
-    """A run is under way, or none is where one is needed."""
+STOP: Mapping[str, Any] = {"command": "stop"}
 
 
 class Session:
@@ -52,6 +52,8 @@ class Session:
         self._acknowledged = asyncio.Event()
         self._killed_because = ""
         self._run: str | None = None
+        self._wanted: set[tuple[str, str, str | None, str]] = set()
+        self._set_points: dict[tuple[str, str, str | None, str], int] = {}
         self._stopping: asyncio.Task[None] | None = None
         self._life = asyncio.create_task(self._live())
 
@@ -60,26 +62,40 @@ class Session:
         """Whether its process has ended."""
         return self.view.state == "ended"
 
-    async def command(self, command: Command) -> None:
-        """Pass a command on; `stop` returns when the process has ended."""
+    async def command(self, fields: Mapping[str, Any]) -> None:
+        """Pass a command of the control protocol on; `stop` returns when the process has ended."""
         if self.over:
             return
-        if command != "stop":
-            await self._process.send(command)
+        if fields["command"] != "stop":
+            self._set(message="" if self.view.state != "starting" else self.view.message)
+            await self._process.send(fields)
             return
         if self._stopping is None:
             self._stopping = asyncio.create_task(self._stop())
         await asyncio.shield(self._stopping)
+
+    async def hold_at(self, points: Sequence[Breakpoint]) -> None:
+        """Set these breakpoints, and clear all others."""
+        self._wanted = {_key(point) for point in points}
+        for key, number in list(self._set_points.items()):
+            if key not in self._wanted:
+                del self._set_points[key]
+                await self._process.send({"command": "clear", "id": number})
+        for key in self._wanted - self._set_points.keys():
+            node, when, outcome, condition = key
+            wish = {"command": "break", "node": node, "when": when, "outcome": outcome, "if": condition}
+            await self._process.send({name: value for name, value in wish.items() if value})
 
     async def wait(self) -> None:
         """Wait until the process has ended."""
         await asyncio.shield(self._life)
 
     async def _stop(self) -> None:
-        self._set(state="stopping")
-        await self._process.send("stop")
-        if not await _within(ACKNOWLEDGE, self._acknowledged.wait()):
-            await self._kill(f"The run did not answer STOP within {ACKNOWLEDGE:g} s, so its processes were killed.")
+        patience = ACKNOWLEDGE_STARTING if self.view.state == "starting" else ACKNOWLEDGE
+        self._set(state="stopping", held=None)
+        await self._process.send(STOP)
+        if not await _within(patience, self._acknowledged.wait()):
+            await self._kill(f"The run did not answer STOP within {patience:g} s, so its processes were killed.")
         elif not await _within(WIND_DOWN, asyncio.shield(self._life)):
             await self._kill(f"The run did not end within {WIND_DOWN:g} s of STOP, so its processes were killed.")
         await asyncio.shield(self._life)
@@ -100,9 +116,9 @@ class Session:
 
     async def _read(self) -> None:
         async for message in self._process.lines():
-            self._heard(message)
+            await self._heard(message)
 
-    def _heard(self, message: dict[str, Any]) -> None:
+    async def _heard(self, message: dict[str, Any]) -> None:
         match message:
             case {"event": "started", "run": str(run)}:
                 self._run = run
@@ -115,20 +131,39 @@ class Session:
                 if word == "stopping":
                     self._acknowledged.set()
                 if self._stopping is None or word == "stopping":
-                    self._set(state=_STATES[word])
+                    held = self.view.held if word == "paused" else None
+                    self._set(state=_STATES[word], held=held)
+            case {"event": "held"}:
+                self._set(held=_held(message))
+            case {"event": "breakpoint", "id": int(number)}:
+                await self._breakpoint_is_set(message, number)
+            case {"event": "refused", "message": str(why)}:
+                log.warning("the run refused: %s", why)
+                self._set(message=f"The run refused: {why}"[:1000])
             case {"event": "ended", "status": str(status)}:
                 self._acknowledged.set()
-                self._set(status=status, outcome=message.get("outcome"), message="")
+                zombies = [str(zombie)[:500] for zombie in message.get("zombies") or ()]
+                said = str(message.get("message") or "") if status == "error" else ""
+                self._set(
+                    status=status, outcome=message.get("outcome"), held=None, message=said[:4000], zombies=zombies
+                )
                 self._changed()
             case {"event": "log", "text": str(text)}:
                 log.info("run: %s", text)
                 if self.view.state == "starting" and text.strip():
                     self._set(message=text.strip()[:200])
 
+    async def _breakpoint_is_set(self, facts: Mapping[str, Any], number: int) -> None:
+        key = (str(facts.get("node")), str(facts.get("when")), facts.get("outcome"), str(facts.get("if") or ""))
+        if key in self._wanted:
+            self._set_points[key] = number
+        else:  # it was taken back before the run had answered
+            await self._process.send({"command": "clear", "id": number})
+
     async def _ended(self, exit_status: int) -> None:
         self._acknowledged.set()
         if self.view.status is not None:
-            self._set(state="ended", message=self._killed_because)
+            self._set(state="ended", message=self._killed_because or self.view.message)
         elif self._killed_because:
             await self._enter_end("stopped")
             self._set(state="ended", status="killed", message=self._killed_because)
@@ -147,6 +182,18 @@ class Session:
             self._changed()
 
 
+def _key(point: Breakpoint) -> tuple[str, str, str | None, str]:
+    return point.node.strip("/") or "/", point.when, point.outcome, point.condition
+
+
+def _held(facts: Mapping[str, Any]) -> Held | None:
+    """Return where a run holds; None when the process says nothing that can be understood."""
+    try:
+        return Held.model_validate({key: facts[key] for key in Held.model_fields if key in facts})
+    except ValidationError:
+        return None
+
+
 def _obituary(exit_status: int, tail: str) -> str:
     how = f"was ended by signal {-exit_status}" if exit_status < 0 else f"ended with exit status {exit_status}"
     said = f" Its last words:\n{tail}" if tail else " It said nothing."
@@ -159,85 +206,3 @@ async def _within(seconds: float, something: Any) -> bool:
     except TimeoutError:
         return False
     return True
-
-
-class RunDesk:
-    """Starts runs, one at a time, and tells the viewers when something has changed.
-
-    Args:
-        launcher: makes the processes.
-        journal: the file that runs are written to.
-        source: where the end of a run is entered whose process died.
-    """
-
-    def __init__(self, launcher: Launcher, journal: Path, source: RunSource):
-        self._launcher, self.journal, self._source = launcher, journal, source
-        self.session: Session | None = None
-        self._starting = False
-        self._viewers: set[asyncio.Event] = set()
-
-    @property
-    def view(self) -> SessionView | None:
-        """How the run under way, or the last one, is."""
-        return self.session.view if self.session else None
-
-    async def start(self, task: str, task_file: Path, options: RunOptions) -> SessionView:
-        """Start a run.
-
-        Raises:
-            BusyError: another one is under way.
-            OSError: its process can't be started.
-        """
-        if self._starting or (self.session and not self.session.over):
-            raise BusyError("a run is under way; stop it before starting another one")
-        self._starting = True
-        try:
-            process = await self._launcher.start(task_file, self.journal, options)
-        finally:
-            self._starting = False
-        view = SessionView(
-            state="starting",
-            task=task,
-            robot=options.robot,
-            target=options.target,
-            seed=options.seed,
-            pace=options.pace,
-        )
-        self.session = Session(process, view, self.notify, self._source)
-        self.notify()
-        return self.session.view
-
-    async def command(self, command: Command) -> SessionView:
-        """Pass a command to the run under way; `stop` returns when its process has ended.
-
-        Raises:
-            BusyError: there is no run.
-        """
-        if self.session is None:
-            raise BusyError("no run was started")
-        await self.session.command(command)
-        return self.session.view
-
-    async def close(self) -> None:
-        """Stop the run under way; afterwards no process of it is left."""
-        if self.session is not None:
-            await self.session.command("stop")
-            await self.session.wait()
-
-    # --- viewers ---
-
-    def watch(self) -> asyncio.Event:
-        """Return an event that is set whenever something has changed; give it back to `unwatch`."""
-        event = asyncio.Event()
-        event.set()
-        self._viewers.add(event)
-        return event
-
-    def unwatch(self, event: asyncio.Event) -> None:
-        """Forget a viewer."""
-        self._viewers.discard(event)
-
-    def notify(self) -> None:
-        """Wake all viewers."""
-        for event in self._viewers:
-            event.set()

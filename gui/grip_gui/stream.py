@@ -11,8 +11,17 @@ from fastapi import WebSocket, WebSocketDisconnect
 from pydantic import BaseModel, ValidationError
 
 from .journal import RunSource
-from .messages import EventsFrame, RefusedFrame, RevisionsFrame, SessionFrame, SessionView, Subscribe
-from .session import RunDesk
+from .run_desk import RunDesk
+from .run_messages import (
+    DeskFrame,
+    DeskView,
+    EventsFrame,
+    RefusedFrame,
+    RevisionsFrame,
+    SessionFrame,
+    SessionView,
+    Subscribe,
+)
 
 log = logging.getLogger(__name__)
 
@@ -37,7 +46,9 @@ class Viewer:
         desk: RunDesk,
         source: RunSource,
         revisions: Callable[[], dict[str, int]] = dict,
+        page: str = "",
     ):
+        self._page = page
         self._socket, self._desk, self._source, self._revisions = socket, desk, source, revisions
         self._changed = desk.watch()
         self._run: str | None = None
@@ -45,9 +56,11 @@ class Viewer:
         self._complete = False
         self._told_revisions: dict[str, int] = {}
         self._told: SessionView | str | None = "nothing"
+        self._told_desk: DeskView | None = None
 
     async def serve(self) -> None:
         """Talk until the page leaves or breaks the rules too often."""
+        self._desk.lease.come(self._page)
         sender = asyncio.create_task(self._send())
         try:
             await self._receive()
@@ -55,6 +68,7 @@ class Viewer:
             pass
         finally:
             self._desk.unwatch(self._changed)
+            self._desk.lease.go(self._page)
             sender.cancel()
             with suppress(asyncio.CancelledError, WebSocketDisconnect, RuntimeError):
                 await sender
@@ -93,6 +107,9 @@ class Viewer:
             if self._desk.view != self._told:
                 self._told = self._desk.view
                 await self._write(SessionFrame(session=self._told))
+            if self._desk.desk_view != self._told_desk:
+                self._told_desk = self._desk.desk_view
+                await self._write(DeskFrame(desk=self._told_desk))
             await self._send_revisions()
             more = await self._send_events()
             if more:
@@ -133,7 +150,7 @@ class Viewer:
 
     def _is_over(self, run: str) -> bool:
         view = self._desk.view
-        if view is not None and view.run == run:
+        if self._desk.session is not None and view is not None and view.run == run:
             return view.state == "ended"
         record = self._source.run(run)
         return record is None or record.status != "running"

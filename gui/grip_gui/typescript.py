@@ -9,10 +9,10 @@ from typing import Any
 from pydantic import TypeAdapter
 from pydantic.json_schema import models_json_schema
 
-from . import edit_messages, messages
+from . import edit_messages, messages, run_messages
 
 TARGET = Path(__file__).parent.parent / "frontend" / "src" / "protocol" / "generated.ts"
-_HEAD = "// Written by `python -m grip_gui.typescript` from gui/grip_gui/messages.py; don't edit.\n"
+_HEAD = "// Written by `python -m grip_gui.typescript` from gui/grip_gui/*messages.py; don't edit.\n"
 _SCALARS = {"string": "string", "integer": "number", "number": "number", "boolean": "boolean", "null": "null"}
 
 
@@ -20,11 +20,11 @@ def schema() -> dict[str, Any]:
     """Return the JSON Schema of all wire models under `$defs`; defaults count as present, as the server sends them."""
     models = [
         model
-        for model in (vars(messages) | vars(edit_messages)).values()
+        for model in (vars(messages) | vars(edit_messages) | vars(run_messages)).values()
         if isinstance(model, type) and issubclass(model, messages.Wire) and model is not messages.Wire
     ]
     _, definitions = models_json_schema([(model, "serialization") for model in models], ref_template="#/$defs/{model}")
-    frame = TypeAdapter(messages.ServerFrame).json_schema(ref_template="#/$defs/{model}", mode="serialization")
+    frame = TypeAdapter(run_messages.ServerFrame).json_schema(ref_template="#/$defs/{model}", mode="serialization")
     frame.pop("$defs", None)
     return {"$defs": {**definitions["$defs"], "ServerFrame": frame}}
 

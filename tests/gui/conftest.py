@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import warnings
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -49,6 +49,8 @@ EVENTS: list[tuple[str, str, str | None, dict[str, Any]]] = [
     ("machine/a", "enter", None, {}),
 ]
 
+POINT = ("node", "when", "outcome", "if")
+
 
 def record(file: Path, events: list[Any] = EVENTS, status: str | None = None) -> str:
     """Write a run, as the runner does; return its id."""
@@ -73,9 +75,11 @@ class PlayedRun:
     deaf: bool = False
     dies: bool = False
     said: list[str] = field(default_factory=list)
+    heard: list[dict[str, Any]] = field(default_factory=list)
     killed: bool = False
 
     def __post_init__(self) -> None:
+        self.points = 0
         self.messages: asyncio.Queue[dict[str, Any] | None] = asyncio.Queue()
         self.ended: asyncio.Future[int] = asyncio.get_running_loop().create_future()
         self.file = Journal(self.journal)
@@ -102,11 +106,22 @@ class PlayedRun:
         while (message := await self.messages.get()) is not None:
             yield message
 
-    async def send(self, command: str) -> None:
+    async def send(self, fields: Mapping[str, Any]) -> None:
+        command = fields["command"]
         self.said.append(command)
+        self.heard.append(dict(fields))
         if self.deaf:
             return
-        if command in {"pause", "resume"}:
+        if command == "break":
+            self.points += 1
+            self.tell(event="breakpoint", id=self.points, **{key: fields.get(key) for key in POINT})
+        elif command == "run_to" and fields["node"] == "nowhere":
+            self.tell(event="refused", message="unknown node 'nowhere'", command="run_to")
+        elif command in {"run_to", "step"}:
+            place = {"path": fields.get("node", "first"), "when": "before", "why": command}
+            self.tell(event="held", **place, breakpoint=None, outcome=None, code=None, message=None)
+            self.tell(event="state", state="paused")
+        elif command in {"pause", "resume"}:
             self.tell(event="state", state="paused" if command == "pause" else "running")
         elif command == "stop":
             self.tell(event="state", state="stopping")

@@ -6,9 +6,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from conftest import EVENTS, SOCKET, PlayedLauncher, TestClient, record
+from conftest import BASE, EVENTS, SOCKET, PlayedLauncher, TestClient, record
 
+from grip_gui import lease as lease_module
 from grip_gui import session as session_module
+from grip_gui.application import create_app
 from grip_gui.stream import STRIKES
 
 WISH = {"task": "tasks/tiny.yaml", "robot": "fake", "target": "sm", "seed": 7, "pace": 2.5}
@@ -167,10 +169,154 @@ def test_an_unknown_run_is_named(page: TestClient) -> None:
 
 
 def test_leaving_the_server_stops_the_run(project: Path, launcher: PlayedLauncher) -> None:
-    from grip_gui.application import create_app
     from grip_gui.launcher import RunOptions
 
     app = create_app(project, launcher, token="t", task="tasks/tiny.yaml", autostart=RunOptions("fake"))
     with TestClient(app):
         assert launcher.last is not None
     assert launcher.last.said == ["stop"]
+
+
+# --- places to hold, steps, and running from and to a node ---
+
+POINT = {"node": "machine/a", "when": "after", "outcome": "failure.no_plan", "condition": "count > 2"}
+
+
+def test_breakpoints_are_kept_shown_to_all_and_set_before_the_run_begins(
+    page: TestClient, launcher: PlayedLauncher, project: Path
+) -> None:
+    wish = {"task": "tasks/tiny.yaml", "breakpoints": [POINT, {"node": "first"}], "page": "one"}
+    with page.websocket_connect(SOCKET) as other:
+        assert page.post("/api/breakpoints", json=wish).status_code == 200
+        shown = until(other, lambda f: f["type"] == "desk" and f["desk"]["breakpoints"])["desk"]["breakpoints"]
+    assert [point["node"] for point in shown["tasks/tiny.yaml"]] == ["machine/a", "first"]
+    page.post("/api/session", json={**WISH, "page": "one"})
+    assert launcher.last is not None
+    assert sorted(launcher.last.heard, key=lambda c: c["node"]) == [
+        {"command": "break", "node": "first", "when": "before"},
+        {"command": "break", "node": "machine/a", "when": "after", "outcome": "failure.no_plan", "if": "count > 2"},
+    ]
+    again = create_app(project, PlayedLauncher(), token="right")
+    with TestClient(again, base_url=BASE, headers={"origin": BASE}) as later:
+        later.get("/?token=right")
+        assert later.get("/api/desk").json()["breakpoints"] == shown
+
+
+def test_a_breakpoint_that_is_taken_back_is_cleared_in_the_run(page: TestClient, launcher: PlayedLauncher) -> None:
+    wish = {"task": "tasks/tiny.yaml", "breakpoints": [{"node": "first"}]}
+    with page.websocket_connect(SOCKET) as socket:
+        page.post("/api/breakpoints", json=wish)
+        page.post("/api/session", json=WISH)
+        until(socket, in_state("running"))
+        page.post("/api/breakpoints", json={**wish, "breakpoints": []})
+    assert launcher.last is not None
+    assert launcher.last.heard[-1] == {"command": "clear", "id": 1}
+
+
+@pytest.mark.parametrize(
+    "change", [{"when": "before"}, {"node": ""}, {"when": "never"}, {"outcome": "x" * 201}, {"condition": "x" * 2001}]
+)
+def test_a_breakpoint_that_makes_no_sense_is_refused(page: TestClient, change: dict[str, str]) -> None:
+    wish = {"task": "tasks/tiny.yaml", "breakpoints": [{**POINT, **change}]}
+    assert page.post("/api/breakpoints", json=wish).status_code == 422
+
+
+def test_breakpoints_that_cannot_be_read_are_left_out_and_the_server_starts(project: Path) -> None:
+    (project / ".grip").mkdir()
+    (project / ".grip" / "breakpoints.json").write_text('{"tasks/tiny.yaml": [{"node": 3}]}')
+    with TestClient(create_app(project, PlayedLauncher(), token="t"), base_url=BASE) as client:
+        client.get("/?token=t")
+        assert client.get("/api/desk").json()["breakpoints"] == {}
+
+
+@pytest.mark.parametrize("how", ["tick", "in", "over", "out"])
+def test_a_step_says_how_and_where_the_run_holds_is_told(page: TestClient, launcher: PlayedLauncher, how: str) -> None:
+    with page.websocket_connect(SOCKET) as socket:
+        page.post("/api/session", json=WISH)
+        until(socket, in_state("running"))
+        page.post("/api/session/control", json={"command": "step", "how": how})
+        view = until(socket, in_state("paused"))["session"]
+        assert (view["held"]["path"], view["held"]["when"]) == ("first", "before")
+        page.post("/api/session/control", json={"command": "resume"})
+        assert until(socket, in_state("running"))["session"]["held"] is None
+    assert launcher.last is not None
+    assert {"command": "step", "how": how} in launcher.last.heard
+
+
+@pytest.mark.parametrize("body", [{"command": "run_to"}, {"command": "pause", "node": "first"}, {"command": "clear"}])
+def test_a_command_without_its_place_is_refused(page: TestClient, body: dict[str, str]) -> None:
+    page.post("/api/session", json=WISH)
+    assert page.post("/api/session/control", json=body).status_code == 422
+
+
+def test_what_the_run_refuses_is_told_to_people(page: TestClient) -> None:
+    with page.websocket_connect(SOCKET) as socket:
+        page.post("/api/session", json=WISH)
+        until(socket, in_state("running"))
+        page.post("/api/session/control", json={"command": "run_to", "node": "nowhere"})
+        assert (
+            "nowhere"
+            in until(socket, lambda f: f["type"] == "session" and f["session"]["message"])["session"]["message"]
+        )
+
+
+def test_a_run_from_a_node_passes_over_what_comes_before_it(page: TestClient, launcher: PlayedLauncher) -> None:
+    answer = page.post("/api/session", json={**WISH, "begin_at": "machine/b", "run_to": "machine/b"})
+    assert answer.json()["mocks"] == {"first": "success", "machine/a": "success"}
+    assert launcher.last is not None
+    assert launcher.last.heard == [{"command": "run_to", "node": "machine/b"}]
+    assert "--mock=first=success" in launcher.started[0][1].arguments()
+
+
+def test_a_run_cannot_begin_where_nothing_leads(page: TestClient, project: Path) -> None:
+    text = (project / "tasks" / "tiny.yaml").read_text().replace("on: {success: b}", "on: {success: success}")
+    (project / "tasks" / "tiny.yaml").write_text(text)
+    answer = page.post("/api/session", json={**WISH, "begin_at": "machine/b"})
+    assert answer.status_code == 400
+    assert "no way leads there" in answer.json()["detail"]
+    unknown = page.post("/api/session", json={**WISH, "begin_at": "machine/x"})
+    assert (unknown.status_code, "machine/a" in unknown.json()["detail"]) == (404, True)
+
+
+def test_a_robot_that_runs_cannot_be_started_on_is_refused_with_those_that_can(page: TestClient) -> None:
+    offered = page.get("/api/project").json()["robots"]
+    for robot in {"sim", "fake", "ros"} - set(offered):
+        answer = page.post("/api/session", json={**WISH, "robot": robot})
+        assert answer.status_code == 404
+        assert "sim" in answer.json()["detail"]
+
+
+# --- who holds control ---
+
+
+def test_one_page_controls_and_another_may_look_stop_and_take_over(page: TestClient) -> None:
+    with page.websocket_connect(SOCKET + "?page=one") as one, page.websocket_connect(SOCKET + "?page=two") as two:
+        assert page.post("/api/session", json={**WISH, "page": "one"}).status_code == 201
+        assert until(two, lambda f: f["type"] == "desk" and f["desk"]["holder"])["desk"]["holder"] == "one"
+        refused = page.post("/api/session/control", json={"command": "pause", "page": "two"})
+        assert (refused.status_code, refused.json()["kind"]) == (409, "held")
+        assert page.post("/api/lease", json={"page": "two"}).status_code == 409
+        assert page.post("/api/lease", json={"page": "two", "over": True}).json()["holder"] == "two"
+        until(one, lambda f: f["type"] == "desk" and f["desk"]["holder"] == "two")
+        assert page.post("/api/session/control", json={"command": "pause", "page": "two"}).status_code == 200
+        stopped = page.post("/api/session/control", json={"command": "stop", "page": "one"})
+        assert stopped.json()["status"] == "stopped"
+
+
+def test_control_is_free_again_when_its_page_has_gone_and_not_before(
+    page: TestClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(lease_module, "GRACE", 0.5)
+    with page.websocket_connect(SOCKET + "?page=watcher") as watcher:
+        with page.websocket_connect(SOCKET + "?page=one"):
+            page.post("/api/lease", json={"page": "one"})
+            until(watcher, lambda f: f["type"] == "desk" and f["desk"]["holder"] == "one")
+        with page.websocket_connect(SOCKET + "?page=one") as back:  # a reload
+            assert until(back, lambda f: f["type"] == "desk")["desk"]["holder"] == "one"
+        until(watcher, lambda f: f["type"] == "desk" and f["desk"]["holder"] is None)
+
+
+def test_control_can_be_given_back(page: TestClient) -> None:
+    page.post("/api/lease", json={"page": "one"})
+    assert page.post("/api/lease", json={"page": "one", "take": False}).json()["holder"] is None
+    assert page.post("/api/lease", json={"page": "not/one"}).status_code == 422

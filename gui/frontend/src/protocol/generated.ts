@@ -1,4 +1,19 @@
-// Written by `python -m grip_gui.typescript` from gui/grip_gui/messages.py; don't edit.
+// Written by `python -m grip_gui.typescript` from gui/grip_gui/*messages.py; don't edit.
+
+/** Where runs of a task are to hold. */
+export interface Breakpoint {
+  node: string;
+  when: "before" | "after";
+  outcome: string | null;
+  condition: string;
+}
+
+/** Set the breakpoints of a task; those that aren't named are cleared. */
+export interface BreakpointsWish {
+  task: string;
+  breakpoints: Breakpoint[];
+  page: string;
+}
 
 /** Everything that the palette offers. */
 export interface CatalogView {
@@ -10,7 +25,11 @@ export interface CatalogView {
 
 /** Ask the run under way for something. */
 export interface Control {
-  command: "pause" | "resume" | "step" | "stop";
+  command: "pause" | "resume" | "step" | "run_to" | "preempt" | "stop";
+  how: "tick" | "in" | "over" | "out";
+  node: string;
+  when: "before" | "after";
+  page: string;
 }
 
 /** What a conversion would make of a container, and what came of running both forms with scripted leaves. */
@@ -31,6 +50,19 @@ export interface ConvertWish {
   base: number;
   node: string;
   form: "tree" | "machine";
+}
+
+/** Server to page: who holds control, and where runs hold. */
+export interface DeskFrame {
+  type: "desk";
+  desk: DeskView;
+}
+
+/** What all pages share: who holds control, and where runs hold. */
+export interface DeskView {
+  holder: string | null;
+  viewers: number;
+  breakpoints: Record<string, Breakpoint[]>;
 }
 
 /** Take the file's text for what is here. */
@@ -110,6 +142,16 @@ export interface FormsView {
   trouble: string;
 }
 
+/** Where the run holds. */
+export interface Held {
+  path: string;
+  when: "before" | "after";
+  why: string;
+  outcome: string | null;
+  code: string | null;
+  message: string | null;
+}
+
 /** What can be undone and redone, and the branches. */
 export interface HistoryView {
   at: number;
@@ -131,6 +173,13 @@ export interface KindFace {
 export interface LayoutView {
   flow: Record<string, [number, number]>;
   tree: Record<string, [number, number]>;
+}
+
+/** Take control, or give it back. */
+export interface LeaseWish {
+  page: string;
+  take: boolean;
+  over: boolean;
 }
 
 /** One state of a document in its history. */
@@ -287,7 +336,7 @@ export interface SaveWish {
   over: boolean;
 }
 
-export type ServerFrame = SessionFrame | EventsFrame | RefusedFrame | RevisionsFrame;
+export type ServerFrame = SessionFrame | DeskFrame | EventsFrame | RefusedFrame | RevisionsFrame;
 
 /** Server to page: how the run under way is; None when none was started. */
 export interface SessionFrame {
@@ -299,23 +348,30 @@ export interface SessionFrame {
 export interface SessionView {
   state: "starting" | "running" | "paused" | "stopping" | "ended";
   task: string;
-  robot: "sim" | "fake";
+  robot: "sim" | "fake" | "ros";
   target: "bt" | "sm";
   seed: number;
   pace: number | null;
+  mocks: Record<string, string>;
   run: string | null;
+  held: Held | null;
   status: string | null;
   outcome: string | null;
   message: string;
+  zombies: string[];
 }
 
 /** Start a run of a task. */
 export interface StartRun {
   task: string;
-  robot: "sim" | "fake";
+  robot: "sim" | "fake" | "ros";
   target: "bt" | "sm";
   seed: number;
   pace: number | null;
+  mocks: Record<string, string>;
+  begin_at: string;
+  run_to: string;
+  page: string;
 }
 
 /** Undo, redo, or go to a moment of any branch. */
@@ -369,6 +425,15 @@ export interface Transition {
 export interface Trouble {
   detail: string;
   kind: string;
+}
+
+/** What was written to a variable, for looking at. */
+export interface ValueView {
+  type: string;
+  text: string;
+  rows: string[][];
+  picture: string;
+  caption: string;
 }
 
 /** A variable that the task declares. */

@@ -1,0 +1,53 @@
+"""Where runs hold, for each task of the project: kept beside the journal, not in the task."""
+
+from __future__ import annotations
+
+import json
+import logging
+from collections.abc import Sequence
+from pathlib import Path
+
+from pydantic import TypeAdapter, ValidationError
+
+from .run_messages import Breakpoint
+
+log = logging.getLogger(__name__)
+_FILE: TypeAdapter[dict[str, list[Breakpoint]]] = TypeAdapter(dict[str, list[Breakpoint]])
+
+
+class Breakpoints:
+    """Task file -> breakpoints.
+
+    Args:
+        file: where they are kept; one that can't be read counts as empty.
+    """
+
+    def __init__(self, file: Path):
+        self._file = file
+        self.all: dict[str, list[Breakpoint]] = {}
+        try:
+            self.all = _FILE.validate_json(file.read_bytes())
+        except FileNotFoundError:
+            pass
+        except (OSError, ValidationError) as error:
+            log.warning("breakpoints of %s left out: %s", file, str(error).splitlines()[0])
+
+    def of(self, task: str) -> list[Breakpoint]:
+        """Return those of one task."""
+        return self.all.get(task, [])
+
+    def set(self, task: str, points: Sequence[Breakpoint]) -> None:
+        """Replace those of a task; each place once.
+
+        Raises:
+            OSError: they can't be kept.
+        """
+        once = {(p.node, p.when, p.outcome): p for p in points}
+        self.all = {**self.all, task: list(once.values())}
+        if not once:
+            del self.all[task]
+        self._file.parent.mkdir(parents=True, exist_ok=True)
+        text = json.dumps(_FILE.dump_python(self.all, mode="json"), indent=1)
+        new = self._file.with_suffix(".new")
+        new.write_text(text + "\n", encoding="utf-8")
+        new.replace(self._file)

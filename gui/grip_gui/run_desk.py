@@ -1,0 +1,166 @@
+"""Starts and controls runs, one at a time, for the one page that holds control; tells all viewers of every change."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Sequence
+from pathlib import Path
+
+from grip_bt.errors import GripError, UnknownNameError
+
+from .breakpoints import Breakpoints
+from .journal import RunSource
+from .launcher import Launcher, RunOptions
+from .lease import Lease
+from .run_messages import Breakpoint, Control, DeskView, SessionView
+from .session import STOP, Session
+
+
+class BusyError(GripError):
+    """A run is under way, or none is where one is needed."""
+
+
+class RunDesk:
+    """The run under way, if any.
+
+    Args:
+        launcher: makes the processes.
+        journal: the file that runs are written to; breakpoints are kept beside it.
+        source: where the end of a run is entered whose process died.
+    """
+
+    def __init__(self, launcher: Launcher, journal: Path, source: RunSource):
+        self._launcher, self.journal, self._source = launcher, journal, source
+        self.session: Session | None = None
+        self._shown: SessionView | None = None
+        self.lease = Lease(self.notify)
+        self._breakpoints = Breakpoints(journal.parent / "breakpoints.json")
+        self._starting = False
+        self._shown: SessionView | None = None
+        self._viewers: set[asyncio.Event] = set()
+
+    @property
+    def view(self) -> SessionView | None:
+        """How the run under way, or the last one, is."""
+        return self.session.view if self.session else self._shown
+
+    def show(self, run: str) -> None:
+        """Have pages show a run of the journal as if it had just ended here, until one is started.
+
+        Raises:
+            UnknownNameError: the journal has no such run.
+        """
+        record = self._source.run(run)
+        if record is None:
+            raise UnknownNameError("run", run, (known.id for known in self._source.runs()))
+        self._shown = SessionView(
+            state="ended",
+            task=record.task_path,
+            robot="sim",
+            target="sm" if record.target == "sm" else "bt",
+            seed=record.seed or 0,
+            pace=None,
+            run=run,
+            status=record.status,
+            outcome=record.outcome,
+        )
+
+    @property
+    def desk_view(self) -> DeskView:
+        """What all pages share."""
+        lease = self.lease
+        return DeskView(holder=lease.holder, viewers=lease.viewers, breakpoints=self._breakpoints.all)
+
+    async def start(
+        self, task: str, task_file: Path, options: RunOptions, page: str = "", run_to: str = ""
+    ) -> SessionView:
+        """Start a run.
+
+        Args:
+            task: the task file as pages call it.
+            task_file: where it is.
+            options: how it runs.
+            page: who asks.
+            run_to: node before which it holds; empty for none.
+
+        Raises:
+            HeldElsewhereError: another page holds control.
+            BusyError: another one is under way.
+            OSError: its process can't be started.
+        """
+        self.lease.require(page)
+        if self._starting or (self.session and not self.session.over):
+            raise BusyError("a run is under way; stop it before starting another one")
+        self._starting = True
+        try:
+            process = await self._launcher.start(task_file, self.journal, options)
+        finally:
+            self._starting = False
+        view = SessionView(
+            state="starting",
+            task=task,
+            robot=options.robot,
+            target=options.target,
+            seed=options.seed,
+            pace=options.pace,
+            mocks=dict(options.mocks),
+        )
+        self.session = Session(process, view, self.notify, self._source)
+        # The process keeps what comes before there is a run, so that no breakpoint is set too late.
+        await self.session.hold_at(self._breakpoints.of(task))
+        if run_to:
+            await self.session.command({"command": "run_to", "node": run_to})
+        self.notify()
+        return self.session.view
+
+    async def command(self, wish: Control) -> SessionView:
+        """Pass a command to the run under way; `stop` returns when its process has ended, and is anybody's.
+
+        Raises:
+            HeldElsewhereError: another page holds control.
+            BusyError: there is no run.
+        """
+        if self.session is None:
+            raise BusyError("no run was started")
+        if wish.command != "stop":
+            self.lease.require(wish.page)
+        await self.session.command(wish.fields())
+        return self.session.view
+
+    async def set_breakpoints(self, task: str, points: Sequence[Breakpoint], page: str = "") -> DeskView:
+        """Replace the breakpoints of a task, also in the run under way.
+
+        Raises:
+            HeldElsewhereError: another page holds control.
+            OSError: they can't be kept.
+        """
+        self.lease.require(page)
+        self._breakpoints.set(task, points)
+        if self.session is not None and not self.session.over and self.session.view.task == task:
+            await self.session.hold_at(self._breakpoints.of(task))
+        self.notify()
+        return self.desk_view
+
+    async def close(self) -> None:
+        """Stop the run under way; afterwards no process of it is left."""
+        if self.session is not None:
+            await self.session.command(STOP)
+            await self.session.wait()
+
+    # --- viewers ---
+
+    def watch(self) -> asyncio.Event:
+        """Return an event that is set whenever something has changed; give it back to `unwatch`."""
+        event = asyncio.Event()
+        event.set()
+        self._viewers.add(event)
+        return event
+
+    def unwatch(self, event: asyncio.Event) -> None:
+        """Forget a viewer."""
+        self._viewers.discard(event)
+
+    def notify(self) -> None:
+        """Wake all viewers."""
+        for event in self._viewers:
+            event.set()

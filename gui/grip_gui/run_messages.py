@@ -1,0 +1,262 @@
+"""What goes over the wire about runs: starting, controlling and watching them, and who may."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, model_validator
+
+from .messages import TaskView, Wire
+
+RunState = Literal["starting", "running", "paused", "stopping", "ended"]
+Robot = Literal["sim", "fake", "ros"]
+Target = Literal["bt", "sm"]
+Command = Literal["pause", "resume", "step", "run_to", "preempt", "stop"]
+How = Literal["tick", "in", "over", "out"]
+When = Literal["before", "after"]
+Path = Annotated[str, Field(max_length=4096)]
+NodePath = Annotated[str, Field(min_length=1, max_length=4096)]
+PageId = Annotated[str, Field(max_length=64, pattern=r"^[A-Za-z0-9_-]*$")]
+"""How a page is called among the viewers; it makes it up itself. Empty for somebody who watches nothing."""
+MOST = 500
+"""Most breakpoints of a task, and most mocks of a run."""
+
+
+# --- runs of the journal ----------------------------------------------------------------------------------------------
+
+
+class RunRecord(Wire):
+    """A run of the journal."""
+
+    id: str
+    task_name: str
+    task_path: str
+    target: str
+    seed: int | None
+    started: float
+    """Seconds since the epoch."""
+    ended: float | None
+    status: str
+    outcome: str | None
+
+
+class RunView(Wire):
+    """A run with the task as it was when it ran."""
+
+    run: RunRecord
+    task: TaskView
+
+
+class RunEvent(Wire):
+    """One line of the journal."""
+
+    seq: int
+    t: float
+    """On the run's clock [s]."""
+    path: str
+    event: str
+    outcome: str | None = None
+    code: str | None = None
+    data: dict[str, Any] = {}
+
+
+class ValueView(Wire):
+    """What was written to a variable, for looking at."""
+
+    type: str
+    text: str
+    """One line."""
+    rows: list[list[str]] = []
+    """Name and value of its parts; of lists, the first ones."""
+    picture: str = ""
+    """A drawing of it as a `data:` address; empty where there is none."""
+    caption: str = ""
+    """What the drawing shows."""
+
+
+# --- the run under way ------------------------------------------------------------------------------------------------
+
+
+class Breakpoint(Wire):
+    """Where runs of a task are to hold."""
+
+    node: NodePath
+    when: When = "before"
+    outcome: Annotated[str, Field(max_length=200)] | None = None
+    """Only after this outcome, or `outcome.code`; None for any."""
+    condition: Annotated[str, Field(max_length=2000)] = ""
+    """An expression over the variables that the node sees; empty for always."""
+
+    @model_validator(mode="after")
+    def _outcomes_come_after(self) -> Breakpoint:
+        if self.outcome is not None and self.when == "before":
+            raise ValueError("a breakpoint on an outcome holds after the node: when is `after`")
+        return self
+
+
+class BreakpointsWish(Wire):
+    """Set the breakpoints of a task; those that aren't named are cleared."""
+
+    task: Annotated[str, Field(max_length=1024)]
+    breakpoints: Annotated[list[Breakpoint], Field(max_length=MOST)]
+    page: PageId = ""
+
+
+class Held(Wire):
+    """Where the run holds."""
+
+    path: str
+    when: When
+    why: str
+    """`breakpoint`, `step` or `run_to`."""
+    outcome: str | None = None
+    code: str | None = None
+    message: str | None = None
+    """Why a condition couldn't be computed, and the like."""
+
+
+class StartRun(Wire):
+    """Start a run of a task."""
+
+    task: Annotated[str, Field(max_length=1024)]
+    robot: Robot = "sim"
+    target: Target = "bt"
+    seed: Annotated[int, Field(ge=0, le=2**31 - 1)] = 0
+    pace: Annotated[float, Field(gt=0, le=1000)] | None = 1.0
+    """Simulated seconds in a second; None for as fast as it goes."""
+    mocks: Annotated[dict[NodePath, Annotated[str, Field(min_length=1, max_length=1000)]], Field(max_length=MOST)] = {}
+    """Node -> script that is played in its place, such as `failure.no_ik,success`."""
+    begin_at: Path = ""
+    """Run from here: what comes before this node is passed over as if it had gone well; empty for the beginning."""
+    run_to: Path = ""
+    """Hold before this node; empty for nowhere."""
+    page: PageId = ""
+
+
+class Control(Wire):
+    """Ask the run under way for something."""
+
+    command: Command
+    how: How = "tick"
+    """Of `step`."""
+    node: Path = ""
+    """Of `run_to`."""
+    when: When = "before"
+    """Of `run_to`."""
+    page: PageId = ""
+
+    @model_validator(mode="after")
+    def _a_place_where_one_is_needed(self) -> Control:
+        if (self.command == "run_to") != bool(self.node):
+            raise ValueError("`run_to`, and it alone, needs the node to run to")
+        return self
+
+    def fields(self) -> dict[str, Any]:
+        """Return it as the control protocol of a run has it."""
+        more: dict[str, Any] = {}
+        if self.command == "step":
+            more = {"how": self.how}
+        elif self.command == "run_to":
+            more = {"node": self.node, "when": self.when}
+        return {"command": self.command, **more}
+
+
+class SessionView(Wire):
+    """The run that this server started last, and how its process is."""
+
+    state: RunState
+    task: str
+    robot: Robot
+    target: Target
+    seed: int
+    pace: float | None
+    mocks: dict[str, str] = {}
+    run: str | None = None
+    """Id in the journal; None until the process has said it."""
+    held: Held | None = None
+    """Where it holds; None while it runs, and when it was just paused."""
+    status: str | None = None
+    """How it ended: success, failure, error, stopped, killed, or died."""
+    outcome: str | None = None
+    message: str = ""
+    """What a person should know: the last line of output while starting, what was refused, or why it is gone."""
+    zombies: list[str] = []
+    """What hung at the end and was left behind."""
+
+
+# --- who holds control ------------------------------------------------------------------------------------------------
+
+
+class LeaseWish(Wire):
+    """Take control, or give it back."""
+
+    page: Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[A-Za-z0-9_-]+$")]
+    take: bool = True
+    over: bool = False
+    """Also from a page that holds it now."""
+
+
+class DeskView(Wire):
+    """What all pages share: who holds control, and where runs hold."""
+
+    holder: str | None = None
+    """Id of the page that holds control; None when nobody does."""
+    viewers: int = 0
+    """How many pages look on."""
+    breakpoints: dict[str, list[Breakpoint]] = {}
+    """Task file -> breakpoints."""
+
+
+# --- socket -----------------------------------------------------------------------------------------------------------
+
+
+class Subscribe(Wire):
+    """Page to server: send this run's events from `from_seq` on."""
+
+    type: Literal["subscribe"] = "subscribe"
+    run: Annotated[str, Field(min_length=1, max_length=200)]
+    from_seq: Annotated[int, Field(ge=0)] = 0
+
+
+class SessionFrame(Wire):
+    """Server to page: how the run under way is; None when none was started."""
+
+    type: Literal["session"] = "session"
+    session: SessionView | None
+
+
+class DeskFrame(Wire):
+    """Server to page: who holds control, and where runs hold."""
+
+    type: Literal["desk"] = "desk"
+    desk: DeskView
+
+
+class EventsFrame(Wire):
+    """Server to page: more of a run, in order and without gaps."""
+
+    type: Literal["events"] = "events"
+    run: str
+    events: list[RunEvent]
+    complete: bool
+    """Whether the run has ended and this was its last part."""
+
+
+class RefusedFrame(Wire):
+    """Server to page: a message that wasn't understood."""
+
+    type: Literal["refused"] = "refused"
+    reason: str
+
+
+class RevisionsFrame(Wire):
+    """Server to page: the revision of each open task file."""
+
+    type: Literal["revisions"] = "revisions"
+    revisions: dict[str, int]
+
+
+ServerFrame = Annotated[
+    SessionFrame | DeskFrame | EventsFrame | RefusedFrame | RevisionsFrame, Field(discriminator="type")
+]
+ClientFrame = Subscribe

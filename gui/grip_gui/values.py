@@ -1,0 +1,105 @@
+"""Values of a run for looking at: a line, the parts, and a drawing where one helps."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from grip_bt.errors import GripError
+from grip_bt.values import DepthImage, Image, PointCloud, Pose
+
+from .pictures import address, drawn_cloud, drawn_depth, drawn_image
+from .run_messages import ValueView
+
+ROWS = 60
+"""Most parts that are listed."""
+LINE = 300
+"""Longest text of a part, in characters."""
+
+
+def value_view(type_name: str, value: Any) -> ValueView:
+    """Return what a page shows of a value.
+
+    Args:
+        type_name: how the journal calls its type.
+        value: anything.
+    """
+    rows = [[name, _line(part)] for name, part in _first(_parts(value))]
+    picture, caption = _drawing(value)
+    return ValueView(type=type_name, text=_line(value), rows=rows, picture=picture, caption=caption)
+
+
+def unkept_view(type_name: str, preview: str, why: GripError) -> ValueView:
+    """Return what a page shows of a value that wasn't kept."""
+    return ValueView(type=type_name, text=preview, rows=[["not kept", str(why)]])
+
+
+def _drawing(value: Any) -> tuple[str, str]:
+    match value:
+        case PointCloud(points=points, colors=colors):
+            size = np.ptp(points, axis=0) if len(points) else np.zeros(3)
+            extent = " x ".join(f"{side:.3g}" for side in size)
+            return address(drawn_cloud(points, colors)), f"{len(points)} points from above, {extent} m, {value.frame}"
+        case Image(pixels=pixels):
+            return address(drawn_image(pixels)), f"{pixels.shape[1]} x {pixels.shape[0]} pixels"
+        case DepthImage(depth=depth):
+            seen = depth[depth > 0]
+            reach = f"{seen.min():.3g} to {seen.max():.3g} m" if seen.size else "nothing seen"
+            return address(drawn_depth(depth)), f"{depth.shape[1]} x {depth.shape[0]} pixels, {reach}"
+    return "", ""
+
+
+def _parts(value: Any) -> Iterable[tuple[str, Any]]:
+    if isinstance(value, Pose):
+        yield "position", value.position
+        yield "quaternion", value.quaternion
+        yield "frame", value.frame
+        yield "turns", _turns(value)
+    elif dataclasses.is_dataclass(value):
+        for field in dataclasses.fields(value):
+            yield field.name, getattr(value, field.name)
+    elif isinstance(value, Mapping):
+        yield from ((str(key), part) for key, part in value.items())
+    elif isinstance(value, Sequence) and not isinstance(value, str | bytes):
+        yield from ((str(i), part) for i, part in enumerate(value))
+
+
+def _first(parts: Iterable[tuple[str, Any]]) -> Iterable[tuple[str, Any]]:
+    for i, part in enumerate(parts):
+        if i == ROWS:
+            yield "...", "there is more"
+            return
+        yield part
+
+
+def _line(value: Any) -> str:
+    """Return a value in one line."""
+    match value:
+        case Pose():
+            return f"at {_numbers(value.position)} m in {value.frame}, {_turns(value)}"
+        case np.ndarray() if value.size <= 12:
+            return _numbers(value.ravel())
+        case np.ndarray():
+            return f"{' x '.join(map(str, value.shape))} of {value.dtype}"
+        case float():
+            return f"{value:.6g}"
+        case str():
+            text = value
+        case _:
+            text = repr(value)
+    return text if len(text) <= LINE else text[: LINE - 3] + "..."
+
+
+def _numbers(values: Iterable[float]) -> str:
+    return "(" + ", ".join(f"{float(v):.4g}" for v in values) + ")"
+
+
+def _turns(pose: Pose) -> str:
+    """Return a rotation as roll, pitch, yaw: about the fixed axes x, y, z [deg]."""
+    r = pose.rotation()
+    pitch = np.arctan2(-r[2, 0], np.hypot(r[0, 0], r[1, 0]))
+    roll, yaw = np.arctan2(r[2, 1], r[2, 2]), np.arctan2(r[1, 0], r[0, 0])
+    return "roll {:.1f}, pitch {:.1f}, yaw {:.1f} deg".format(*np.degrees([roll, pitch, yaw]).round(1) + 0.0)

@@ -1,0 +1,102 @@
+"""Values of runs as a page shows them."""
+
+from __future__ import annotations
+
+import zlib
+from base64 import b64decode
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import TASK, TestClient
+from numpy.typing import NDArray
+
+from grip_bt.runtime import Journal
+from grip_bt.runtime.run_log import Noted
+from grip_bt.runtime.value_codec import snapshot
+from grip_bt.values import CameraInfo, DepthImage, Image, PointCloud, Pose
+from grip_gui.pictures import LARGEST, drawn_cloud, drawn_depth, png
+from grip_gui.values import ROWS, value_view
+
+
+def pixels_of(data: bytes) -> NDArray[np.uint8]:
+    """Read back a PNG with one piece of data and no filters."""
+    assert data.startswith(b"\x89PNG\r\n\x1a\n")
+    width, height = (int.from_bytes(data[at : at + 4], "big") for at in (16, 20))
+    start = data.index(b"IDAT") + 4
+    rows = np.frombuffer(zlib.decompress(data[start : data.index(b"IEND") - 8]), dtype=np.uint8)
+    return rows.reshape(height, 1 + 3 * width)[:, 1:].reshape(height, width, 3)
+
+
+def test_a_picture_comes_back_pixel_by_pixel() -> None:
+    picture = np.random.default_rng(1).integers(0, 256, (7, 5, 3), dtype=np.uint8)
+    assert (pixels_of(png(picture)) == picture).all()
+
+
+def test_the_highest_point_of_a_cloud_is_seen_from_above_with_y_upwards() -> None:
+    points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0.5], [0, 1, 0.1]], dtype=np.float32)
+    colors = np.array([[9, 0, 0], [0, 9, 0], [0, 0, 9], [9, 9, 9]], dtype=np.uint8)
+    picture = drawn_cloud(points, colors)
+    assert picture[-1, 0].tolist() == [9, 0, 0]
+    assert picture[-1, -1].tolist() == [0, 9, 0]
+    assert picture[0, 0].tolist() == [0, 0, 9]
+
+
+@pytest.mark.parametrize("points", [np.zeros((0, 3)), np.zeros((1, 3)), np.full((3, 3), np.nan)])
+def test_clouds_without_extent_are_drawn(points: NDArray[Any]) -> None:
+    assert drawn_cloud(points.astype(np.float32)).shape[2] == 3
+
+
+def test_near_is_lighter_than_far_and_nothing_seen_is_neither() -> None:
+    picture = drawn_depth(np.array([[0.5, 2.0, 0.0]], dtype=np.float32))
+    assert picture[0, 0, 0] > picture[0, 1, 0]
+    assert picture[0, 2].tolist() == [16, 16, 48]
+
+
+def test_a_large_image_is_made_smaller() -> None:
+    view = value_view("Image", Image(np.zeros((480, 640, 3), dtype=np.uint8)))
+    assert pixels_of(b64decode(view.picture.partition(",")[2])).shape == (240, 320, 3)
+    assert LARGEST == 320
+    assert view.caption == "640 x 480 pixels"
+
+
+def test_a_pose_is_said_in_metres_and_degrees() -> None:
+    view = value_view("Pose", Pose([0.1, 0.2, 0.3], [np.sqrt(0.5), 0, 0, np.sqrt(0.5)], "table"))
+    assert view.text == "at (0.1, 0.2, 0.3) m in table, roll 0.0, pitch 0.0, yaw 90.0 deg"
+    assert ["frame", "table"] in view.rows
+
+
+def test_long_lists_show_their_beginning() -> None:
+    rows = value_view("list[int]", list(range(1000))).rows
+    assert rows[0] == ["0", "0"]
+    assert len(rows) == ROWS + 1
+    assert rows[-1][0] == "..."
+
+
+@pytest.fixture
+def written(project: Path) -> str:
+    """A run that has written a cloud, a depth image and a number."""
+    info = CameraInfo(2, 1, np.diag([100.0, 100.0, 1.0]))
+    with Journal(project / ".grip" / "runs.sqlite") as journal:
+        log = journal.begin("tiny", "tasks/tiny.yaml", TASK, "bt", 7)
+        for value in (PointCloud(np.ones((40, 3))), DepthImage(np.array([[1.0, 2.0]]), info), 3):
+            facts = {"variable": "count", "type": type(value).__name__}
+            log.note(0.0, "first", Noted("write", data=facts, written=(snapshot(value),)))
+        log.append(1.0, "first", "exit", "success", None, {})
+        log.end("success", None)
+    return str(log.id)
+
+
+def test_what_a_write_wrote_is_shown_with_its_drawing(page: TestClient, written: str) -> None:
+    cloud, depth, number = (page.get(f"/api/runs/{written}/values/{seq}").json() for seq in (1, 2, 3))
+    assert cloud["picture"].startswith("data:image/png;base64,")
+    assert "40 points" in cloud["caption"]
+    assert depth["caption"] == "2 x 1 pixels, 1 to 2 m"
+    assert (number["text"], number["picture"]) == ("3", "")
+
+
+@pytest.mark.parametrize("seq", ["4", "99", "0", "-1", "x", str(2**70)])
+def test_what_is_no_write_is_refused(page: TestClient, written: str, seq: str) -> None:
+    assert page.get(f"/api/runs/{written}/values/{seq}").status_code in {404, 422}
+    assert page.get("/api/runs/nobody/values/1").status_code == 404
