@@ -106,7 +106,7 @@ class BehaviourState(TaskState):
 
     def prepare(self, context: Context) -> None:
         """Give every node below its context, in which a preempt request of this state is seen."""
-        prepare(self.node.iterate(), _StateContext(context, self))
+        prepare(self.node.iterate(), StateContext(context, self))
 
     def execute(self, userdata: Any) -> str:
         """Tick to the end; a stop interrupts everything below, and unwinds."""
@@ -123,7 +123,7 @@ class BehaviourState(TaskState):
         return label(self.outcome, self.failure, self.refined)
 
 
-class _StateContext:
+class StateContext:
     """The run's context, with the preempt request that has reached this state."""
 
     def __init__(self, context: Context, state: State):

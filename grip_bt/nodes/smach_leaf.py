@@ -13,7 +13,7 @@ from __future__ import annotations
 import logging
 import re
 import threading
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, ClassVar
 from weakref import WeakKeyDictionary
 
@@ -217,6 +217,8 @@ class SmachLeaf(KeysLeaf):
         if new_status == Status.INVALID and activation is not None and not activation.done():
             self._zombie = activation
             self.state.request_preempt()
+            for tree in _trees_below(self.state):
+                tree.request_halt()
             self.observer.message(self.path, "interrupted: execute() was asked to return and still runs")
 
     @property
@@ -227,6 +229,8 @@ class SmachLeaf(KeysLeaf):
     def _bury(self) -> None:
         if self._zombie is not None:
             self.state.recall_preempt()
+            for tree in _trees_below(self.state):
+                tree.recall_halt()
             self._zombie = None
 
     def shutdown(self) -> None:
@@ -237,6 +241,14 @@ class SmachLeaf(KeysLeaf):
     def _run(self) -> _Run:
         # A run has one clock; contexts are wrapped for states of a machine.
         return _runs.setdefault(self.context.clock, _Run())
+
+
+def _trees_below(state: Any) -> Iterator[Any]:
+    """Yield the states below that tick a tree of ours: unlike legacy code, these can be halted."""
+    if hasattr(state, "request_halt"):
+        yield state
+    for child in state.get_children().values() if hasattr(state, "get_children") else ():
+        yield from _trees_below(child)
 
 
 class NextItem(Leaf):

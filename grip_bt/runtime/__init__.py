@@ -9,10 +9,15 @@ from .moment import Moment, NodeState
 from .pacing import Pacing
 from .plan import Plan
 from .runner import Runner, RunResult
+from .tree_containers import Each, Joining
+from .tree_state import BehaviourTree, TreeRun
 from .waker import Waker
 
 __all__ = [
+    "BehaviourTree",
+    "Each",
     "Event",
+    "Joining",
     "Journal",
     "JournalError",
     "JournalReader",
@@ -26,6 +31,7 @@ __all__ = [
     "RunRecord",
     "RunResult",
     "Runner",
+    "TreeRun",
     "Waker",
     "WallClock",
     "serve_control",
