@@ -20,6 +20,9 @@ _HOME = {
     "to_tree": "grip_bt.compilers",
     "to_machine": "grip_bt.compilers",
     "Leaf": "grip_bt.nodes",
+    "BehaviourTree": "grip_bt.runtime",
+    "TreeRun": "grip_bt.runtime",
+    "tree_run": "grip_bt.app",
     "run": "grip_bt.app",
 }
 

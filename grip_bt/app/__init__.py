@@ -4,7 +4,7 @@ from typing import Any
 
 from .project import Project, find_project, project_catalog
 
-__all__ = ["Project", "RunOptions", "check_task", "find_project", "open_session", "project_catalog", "run"]
+__all__ = ["Project", "RunOptions", "check_task", "find_project", "open_session", "project_catalog", "run", "tree_run"]
 
 
 def __getattr__(name: str) -> Any:
@@ -13,4 +13,8 @@ def __getattr__(name: str) -> Any:
         from . import execute
 
         return getattr(execute, name)
+    if name == "tree_run":
+        from .tree_run import tree_run
+
+        return tree_run
     raise AttributeError(f"module 'grip_bt.app' has no attribute {name!r}")

@@ -62,6 +62,12 @@ def _stand_alone(document: Document, catalog: Catalog, args: argparse.Namespace)
     return export(document.task, catalog, None if args.output == "-" else Path(args.output).parent)
 
 
+def _smach(document: Document, catalog: Catalog, args: argparse.Namespace) -> str:
+    from grip_bt.codegen.smach import export
+
+    return export(document.task, catalog, None if args.output == "-" else Path(args.output).parent)
+
+
 def _pytrees_xml(document: Document, catalog: Catalog, args: argparse.Namespace) -> str:
     from grip_bt.compilers.pytrees_xml import to_xml
 
@@ -84,6 +90,7 @@ CONVERTERS: dict[str, Converter] = {
     "bt": _restructured,
     "sm": _restructured,
     "pytrees-py": _stand_alone,
+    "smach-py": _smach,
     "pytrees-xml": _pytrees_xml,
     "btcpp": _btcpp,
 }
@@ -98,7 +105,8 @@ def add_parser(subparsers: Any) -> None:
         required=True,
         choices=sorted(CONVERTERS),
         help="the form; bt and sm: the task itself, made of composites or of state machines;"
-        " pytrees-py: a stand-alone Python file; pytrees-xml: py_trees' XML; btcpp: BehaviorTree.CPP 4's XML",
+        " pytrees-py: a stand-alone Python file; smach-py: Python source of SMACH; pytrees-xml: py_trees' XML;"
+        " btcpp: BehaviorTree.CPP 4's XML",
     )
     parser.add_argument(
         "--view", choices=("tree", "flow"), default="tree", help="of a picture: tree (default) or flow chart"

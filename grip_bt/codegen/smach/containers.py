@@ -1,0 +1,178 @@
+"""How each container is written: its states first, then its object, then what adds these to it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from grip_bt.compilers.behaviour_state import Refined, labels
+from grip_bt.compilers.resolve import Part
+from grip_bt.compilers.transitions import COUNT, counts, state_labels, table_of
+from grip_bt.graph import model
+
+from ..standalone.layout import Code, Items, call
+from .concurrence import outcome_function, outcome_map
+from .forms import form_of
+from .legacy import is_next_item, legacy_state
+from .plan import Plan, keys_of
+from .states import legacy, tree
+
+Made = Items | Code
+
+
+def state(plan: Plan, part: Part, needed: Refined) -> Made:
+    """Return the expression of a node's state; containers are written before it."""
+    form = form_of(part, needed)
+    if form == "state":
+        return legacy(plan, part)
+    if form == "tree":
+        return tree(plan, part, needed)
+    return Code(_CONTAINERS[form](plan, part, needed))
+
+
+def machine(
+    plan: Plan,
+    part: Part,
+    needed: Refined,
+    name: str = "",
+    ends: Mapping[str, str] | None = None,
+    outcomes: list[str] | None = None,
+    then: Callable[[], None] | None = None,
+) -> str:
+    """Write a StateMachine and return its name.
+
+    Args:
+        plan: takes it.
+        part: a container whose children run one after the other.
+        needed: (outcome, code) pairs for which its parent has an edge.
+        name: what it is called.
+        ends: its outcomes -> what they are called, where that differs.
+        outcomes: what they are called, all of them.
+        then: writes what comes between its object and its states.
+    """
+    table, names, ends = table_of(part, needed), state_labels(part), ends or {}
+    states = {child.name: state(plan, child, table.refined[child.name]) for child in part.children}
+    name = name or plan.take(part)
+    keys = {} if outcomes else keys_of(part)
+    plan.begin(name, call("smach.StateMachine", outcomes=outcomes or labels(part.meaning, needed), **keys), part)
+    if then is not None:
+        then()
+    counter = _counter(plan, part, name) if counts(part) else ""
+    plan.body.append(f"    with {name}:")
+    for child in part.children:
+        leads = {label: ends.get(to, to) for label, to in table.rows[names[child.name]].items()}
+        add(plan, names[child.name], states[child.name], child, table.refined[child.name], leads)
+    if counter:
+        end = "failure" if isinstance(part.node, model.Retry) else "success"
+        leads = {"again": names[part.children[0].name], "enough": ends.get(end, end)}
+        plan.write(call("smach.StateMachine.add", COUNT, Code(counter), transitions=leads), "", 8)
+    if table.initial != names[part.children[0].name]:
+        plan.write(call(f"{name}.set_initial_state", [table.initial]), "", 4)
+    return name
+
+
+def _counter(plan: Plan, part: Part, name: str) -> str:
+    assert isinstance(part.node, model.Retry | model.Repeat), "only these count"
+    plan.parts.add("count")
+    counter = plan.identifiers.take(f"attempts_of_{name}")
+    plan.write(call("Count", part.node.times), counter)
+    plan.write(call(f"{name}.register_start_cb", Code(f"{counter}.begin")))
+    return counter
+
+
+def add(plan: Plan, label: str, made: Made, part: Part, refined: Refined, leads: Mapping[str, str] | None) -> None:
+    """Write what adds a state to a StateMachine, or without transitions to a Concurrence."""
+    given: dict[str, object] = {}
+    known = legacy_state(part) if form_of(part, refined) == "state" else None
+    if leads is not None:
+        if known is not None:  # legacy states give no failure codes, and may call their outcomes otherwise
+            leads = {known.outcomes.get(o, o): to for o, to in leads.items() if "." not in o}
+        given["transitions"] = dict(leads)
+    if known is not None and known.remapping:
+        given["remapping"] = known.remapping
+    plan.write(call(f"smach.{'Concurrence' if leads is None else 'StateMachine'}.add", label, made, **given), "", 8)
+
+
+def _iterator(plan: Plan, part: Part, needed: Refined) -> str:
+    """Write a for_each over a variable, which is looked at when it begins."""
+    assert isinstance(part.node, model.ForEach), "only these iterate over a variable"
+    (child,) = part.children
+    table = table_of(part, needed)
+    made = state(plan, child, table.refined[child.name])
+    name, keys = plan.take(part), {"input_keys": [], "output_keys": [], **keys_of(part)}
+    outcomes = labels(part.meaning, needed)
+    own = _own(plan, part, "Each", "smach.Iterator")
+    plan.begin(name, call(own, outcomes=outcomes, **keys, exhausted_outcome="success"), part)
+    items, item = part.node.items, part.node.item
+    given = f"lambda userdata, states: {name}.set_iteritems(list(userdata[{items!r}]), {item!r})"
+    plan.write(call(f"{name}.register_start_cb", Code(given)))
+    (row,) = table.rows.values()
+    _contained(plan, name, child, made, row, COUNT)
+    return name
+
+
+def _items(plan: Plan, part: Part, needed: Refined) -> str:
+    """Write what an import had made of an Iterator as one."""
+    first, other = sorted(part.children, key=lambda child: not is_next_item(child))
+    table = table_of(part, needed)
+    made = state(plan, other, table.refined[other.name])
+    assert isinstance(first.node, model.Leaf), "it hands out items"
+    given = {
+        "input_keys": [],
+        "output_keys": [],
+        **keys_of(part),
+        "it": first.node.with_["items"],
+        "it_label": first.node.out["item"],
+        "exhausted_outcome": first.node.on["exhausted"],
+    }
+    name = plan.take(part)
+    plan.body.append("")
+    plan.write(call(_own(plan, part, "Each", "smach.Iterator"), outcomes=labels(part.meaning, needed), **given), name)
+    _contained(plan, name, other, made, table.rows[other.name], first.name)
+    return name
+
+
+def _contained(plan: Plan, name: str, child: Part, made: Made, row: Mapping[str, str], again: str) -> None:
+    row = {label: to for label, to in row.items() if legacy_state(child) is None or "." not in label}
+    leaving = {label: to for label, to in row.items() if to != again}
+    loops = [label for label in row if label not in leaving]
+    given: dict[str, object] = {"loop_outcomes": loops, "break_outcomes": list(leaving)}
+    if mapped := {label: to for label, to in leaving.items() if label != to}:
+        given["final_outcome_map"] = mapped
+    plan.body.append(f"    with {name}:")
+    plan.write(call("smach.Iterator.set_contained_state", child.name, made, **given), "", 8)
+
+
+def _own(plan: Plan, part: Part, ours: str, theirs: str) -> str:
+    """Return SMACH's own class where all that is below are legacy states, which it was once made for; else ours."""
+    if all(legacy_state(below) is not None or is_next_item(below) for below in part.walk() if not below.children):
+        return theirs
+    plan.classes[ours] = None
+    return ours
+
+
+def _concurrence(plan: Plan, part: Part, needed: Refined) -> str:
+    names = state_labels(part)
+    states = {child.name: state(plan, child, ()) for child in part.children}
+    name, given, mapped = plan.take(part), dict[str, object](), outcome_map(part)
+    own = _own(plan, part, "Joining", "smach.Concurrence")
+    if mapped is not None and own == "smach.Concurrence":
+        given["outcome_map"] = {o: {names[c]: end for c, end in ends.items()} for o, ends in mapped.items()}
+    else:
+        function = plan.identifiers.take(f"outcome_of_{name}")
+        plan.functions.append(outcome_function(part, function, names))
+        given["outcome_cb"] = Code(function)
+    outcomes = labels(part.meaning, needed)
+    made = call(own, outcomes=outcomes, default_outcome="failure", **keys_of(part), **given)
+    plan.begin(name, made, part)
+    plan.body.append(f"    with {name}:")
+    for child in part.children:
+        add(plan, names[child.name], states[child.name], child, (), None)
+    return name
+
+
+_CONTAINERS: dict[str, Callable[[Plan, Part, Refined], str]] = {
+    "machine": machine,
+    "iterator": _iterator,
+    "items": _items,
+    "concurrence": _concurrence,
+}

@@ -1,0 +1,89 @@
+"""Leaves that run legacy states, as the legacy source that makes these: what `grip import --from smach` wrote."""
+
+from __future__ import annotations
+
+import ast
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from grip_bt.compilers.resolve import Part
+from grip_bt.graph import model
+
+NEXT_ITEM = "grip_bt.nodes.smach_leaf:NextItem"
+_LOADER = "load_legacy"
+
+
+@dataclass(frozen=True)
+class LegacyState:
+    """How a legacy state is made.
+
+    Attributes:
+        source: an expression in the names of `modules` and `self.built(...)`.
+        modules: name -> legacy file.
+        remapping: the state's key -> variable, where they differ.
+        outcomes: outcome of the leaf -> outcome of the state, where they differ.
+    """
+
+    source: ast.expr
+    modules: dict[str, Path]
+    remapping: dict[str, str]
+    outcomes: dict[str, str]
+
+
+def legacy_state(part: Part) -> LegacyState | None:
+    """Return how the state of a leaf is made; None where the leaf is more than a legacy state, or another kind."""
+    node, manifest = part.node, part.manifest
+    if not isinstance(node, model.Leaf) or manifest is None or node.precondition:
+        return None
+    where, _, name = manifest.implementation.rpartition(":")
+    made = _classes(Path(where)).get(name) if where.endswith(".py") else None
+    if made is None or any(node.in_.get(k, v) != v for k, v in node.out.items()):
+        return None
+    ports = {*manifest.inputs, *manifest.outputs}
+    if not ports <= {*node.in_, *node.out}:  # a key of the state that nothing is bound to isn't the parent's
+        return None
+    bound = {**node.in_, **node.out}
+    source, modules = made
+    renamed = node.x.get("x-outcomes", {})
+    return LegacyState(source, modules, {k: v for k, v in bound.items() if k != v}, dict(renamed))
+
+
+def is_next_item(part: Part) -> bool:
+    """Tell whether a leaf hands out the items of what was an Iterator."""
+    return part.manifest is not None and part.manifest.implementation == NEXT_ITEM
+
+
+@cache
+def _classes(file: Path) -> dict[str, tuple[ast.expr, dict[str, Path]]]:
+    """Return class -> what its `make` returns, and the legacy files that this names."""
+    try:
+        tree = ast.parse(file.read_text(encoding="utf-8"))
+    except (OSError, SyntaxError, ValueError):
+        return {}
+    modules: dict[str, Path] = {}
+    found = {}
+    for statement in tree.body:
+        match statement:
+            case ast.Assign(
+                [ast.Name(name)], ast.Call(ast.Name(loader), [ast.BinOp(_, ast.Div(), ast.Constant(path))])
+            ):
+                if loader == _LOADER:
+                    modules[name] = (file.parent / str(path)).resolve()
+            case ast.ClassDef(name, [ast.Name("SmachLeaf")], body=body):
+                source = _made(body)
+                if source is not None:
+                    found[name] = source
+    return {name: (source, modules) for name, source in found.items()}
+
+
+def _made(body: list[ast.stmt]) -> ast.expr | None:
+    """Return what `make` returns, where that is all that the class says."""
+    for statement in body:
+        match statement:
+            case ast.Expr(ast.Constant(str())):
+                continue
+            case ast.FunctionDef("make", body=[ast.Return(ast.expr() as made)]):
+                return made
+        return None
+    return None
