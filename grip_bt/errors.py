@@ -316,6 +316,30 @@ class NoContactError(ExpectedError):
     code = "no_contact"
 
 
+class LostContactError(ExpectedError):
+    """A hand has lost what it held."""
+
+    code = "lost_contact"
+
+
+class NoObjectError(ExpectedError):
+    """The planning scene doesn't have the object that was named; `data['objects']` lists what it has."""
+
+    code = "no_object"
+
+
+class NameTakenError(ExpectedError):
+    """A name that was to be taught means something else already."""
+
+    code = "name_taken"
+
+
+class NotTaughtError(ExpectedError):
+    """Nothing was taught under a name; `data['taught']` lists what was."""
+
+    code = "not_taught"
+
+
 class NothingHeldError(ExpectedError):
     """A hand was asked to put down what it doesn't hold."""
 
@@ -372,6 +396,21 @@ class GoalAbortedError(ExpectedError):
     """An external action's server gave the goal up; `data['result']` holds what it said about it, by field."""
 
     code = "aborted"
+
+
+class EmptyQueueError(ExpectedError):
+    """A value was taken from a queue that has none."""
+
+    code = "empty"
+
+    def __init__(self, store: str):
+        super().__init__(f"store {store!r}: nothing waits in its queue", store=store)
+
+
+class NoEntryError(ExpectedError):
+    """A message manager doesn't have what it was asked for; `data['names']` lists what it has."""
+
+    code = "no_entry"
 
 
 class BadReplyError(ExpectedError):

@@ -16,6 +16,8 @@ from .operation import Operation
 from .values import CameraInfo, Grasp, JointState, Mesh, Plan, Pose, RgbdFrame, Solid, Trajectory
 
 T = TypeVar("T")
+FREEDOMS = ("none", "x", "y", "z", "orientation")
+"""What of a goal pose may not matter: nothing, a turn about an axis of the grasp frame, or the whole orientation."""
 
 
 @runtime_checkable
@@ -218,18 +220,59 @@ class Arm(Protocol):
         """Return the arm's named states, such as `home`."""
         ...
 
-    def plan(self, goal: JointState | Pose | str) -> Operation[Plan]:
-        """Plan from the measured state to joint positions, to a pose of the grasp frame, or to a named state.
+    def plan(
+        self, goal: JointState | Pose | str, *, start: JointState | None = None, free: str = "none"
+    ) -> Operation[Plan]:
+        """Plan to joint positions, to a pose of the grasp frame, or to a named state.
+
+        Args:
+            goal: where to.
+            start: joint positions to begin from; the measured ones by default.
+            free: what of a pose doesn't matter: `none`, a turn about the grasp frame's `x`, `y` or `z`, or its whole
+                `orientation`.
 
         Ends with StartInCollisionError, GoalInCollisionError, NoIkError, NoPlanError, PathInvalidError or TimeOutError.
+
+        Raises:
+            UnknownNameError: there is no such named state, or no such freedom.
         """
         ...
 
-    def plan_straight(self, goals: Sequence[Pose]) -> Operation[Plan]:
+    def plan_straight(self, goals: Sequence[Pose], *, start: JointState | None = None) -> Operation[Plan]:
         """Plan a motion that moves the grasp frame along straight lines through `goals`.
 
         Ends with NoIkError, PathInvalidError (collision or joint jump).
         """
+        ...
+
+    def jog(
+        self, linear: Sequence[float], angular: Sequence[float] = (0.0, 0.0, 0.0), seconds: float = 0.5
+    ) -> Operation[JointState]:
+        """Move the grasp frame with a twist for a while; too large a one is made smaller, in the same direction.
+
+        Args:
+            linear: velocity of its origin in world, 3 numbers [m/s].
+            angular: angular velocity in world, 3 numbers [rad/s].
+            seconds: for how long.
+
+        Ends with NoIkError, PathInvalidError or ExecutionAbortedError; where it can't go, it doesn't begin to.
+
+        Raises:
+            ValueError: a number isn't finite, or the time isn't positive.
+        """
+        ...
+
+    def teach(self, name: str, *, pose: bool = False) -> JointState | Pose:
+        """Remember where the arm is now, as a named state or as a pose of the grasp frame, and return it.
+
+        Raises:
+            NameTakenError: the robot's description has a state of this name.
+            ValueError: the name isn't a word.
+        """
+        ...
+
+    def taught(self) -> Mapping[str, JointState | Pose]:
+        """Return what was taught: name -> state or pose. The states are named states too."""
         ...
 
     def execute(self, plan: Plan) -> Operation[JointState]:
@@ -261,8 +304,52 @@ class Hand(Protocol):
         """Return the measured state of the hand's joints."""
         ...
 
+    def named_states(self) -> Mapping[str, JointState]:
+        """Return the hand's named postures; `open` and `closed` are among them."""
+        ...
+
+    def fingers(self) -> Mapping[str, tuple[str, ...]]:
+        """Return the hand's fingers: name -> joints."""
+        ...
+
+    def contacts(self) -> Mapping[str, float]:
+        """Return the contact force [N] of each link of the hand that touches something."""
+        ...
+
     def open(self, posture: JointState | str = "open") -> Operation[JointState]:
         """Open to a posture, given or named."""
+        ...
+
+    def move(
+        self, posture: JointState | str, torque_limit: float | None = None, seconds: float | None = None
+    ) -> Operation[JointState]:
+        """Move the fingers towards a posture, touching or not; joints that it doesn't name stay where they are.
+
+        Raises:
+            UnknownNameError: there is no such posture or joint.
+            ValueError: the torque limit [N m] or the time isn't positive.
+        """
+        ...
+
+    def finger_posture(self, closing: Mapping[str, float]) -> JointState:
+        """Return the posture of some fingers: finger -> how far it is closed, 0 (as in `open`) to 1 (as in `closed`).
+
+        Raises:
+            UnknownNameError: there is no such finger.
+            ValueError: a number isn't in [0, 1].
+        """
+        ...
+
+    def synergy(self, weights: Sequence[float]) -> JointState:
+        """Return the posture of weights of the hand's synergies, kept within the joints' limits.
+
+        Raises:
+            ValueError: there are more weights than synergies, or one isn't finite.
+        """
+        ...
+
+    def teach(self, name: str) -> JointState:
+        """Remember the fingers' present posture as a named one, and return it; see `Arm.teach`."""
         ...
 
     def close(self, posture: JointState | str = "closed", torque_limit: float | None = None) -> Operation[JointState]:
@@ -332,6 +419,42 @@ class Ros(Protocol):
         ...
 
 
+@runtime_checkable
+class Messages(Protocol):
+    """Named values that outlive a task: stores of joint states, poses, grasps, anything."""
+
+    def put(self, store: str, name: str, value: Any, provenance: str = "") -> Operation[None]:
+        """Add or replace a value; without a name it goes to the end of the store's queue.
+
+        Raises:
+            WrongTypeError: the store holds another type.
+        """
+        ...
+
+    def get(self, store: str, name: str) -> Operation[Any]:
+        """Return an entry, with `value`, `time` [s of the Unix epoch] and `provenance`.
+
+        Without a name: the oldest of the store's queue, which is removed. Ends with NoEntryError or EmptyQueueError.
+        """
+        ...
+
+    def names(self, store: str) -> Operation[tuple[str, ...]]:
+        """Return the names in a store. Ends with NoEntryError."""
+        ...
+
+    def delete(self, store: str, name: str) -> Operation[None]:
+        """Remove an entry. Ends with NoEntryError."""
+        ...
+
+    def reset(self, store: str = "") -> Operation[None]:
+        """Empty a store, or all, and read the project's files again. Ends with NoEntryError."""
+        ...
+
+    def save(self) -> Operation[int]:
+        """Keep everything for later runs; the result is the number of entries."""
+        ...
+
+
 class Context(Protocol):
     """What a run offers to its leaves."""
 
@@ -385,8 +508,13 @@ class Context(Protocol):
         """Return the connection to ROS; MissingPartError when this run has none."""
         ...
 
+    def messages(self) -> Messages:
+        """Return the project's named values; MissingPartError when this run has none."""
+        ...
+
 
 __all__ = [
+    "FREEDOMS",
     "Arm",
     "Camera",
     "Clock",
@@ -395,6 +523,7 @@ __all__ = [
     "Executor",
     "Hand",
     "HandPort",
+    "Messages",
     "Ros",
     "Scene",
     "Sensor",

@@ -65,7 +65,12 @@ def _hand(name: str) -> HandCommander:
     joints = ("finger", "thumb")
     postures = {posture: JointState(joints, np.full(2, angle)) for posture, angle in (("open", 0.0), ("closed", 1.0))}
     thing = JointState(joints, np.full(2, 0.6))
-    return HandCommander(name, FakeHand(postures["open"], thing=thing, forces={"thumb": 2.0}), postures)
+    return HandCommander(
+        name,
+        FakeHand(postures["open"], thing=thing, forces={"thumb": 2.0}),
+        postures,
+        fingers={j: (j,) for j in joints},
+    )
 
 
 _CAMERA = CameraInfo(

@@ -11,6 +11,8 @@ from .project import ArmConfig, Project
 from .resources import Progress, Resources
 
 WORLDS = ("table",)
+TAUGHT = "taught.yaml"
+"""File of a project in which taught states and poses are kept."""
 
 
 def open_robot(
@@ -45,9 +47,10 @@ def open_robot(
         from grip_bt.commanders.hand import HandCommander
         from grip_bt.commanders.model import RobotModel
         from grip_bt.commanders.planning.requests import PlanningSettings
-        from grip_bt.commanders.robot_links import links_of_groups
+        from grip_bt.commanders.robot_links import joints_of_fingers, limits_of_joints, links_of_groups
         from grip_bt.commanders.robots import build_robot
         from grip_bt.commanders.scene import PlanningScene
+        from grip_bt.commanders.taught import Taught
         from grip_bt.commanders.worker import PlanningProcess
         from grip_sim import start_simulation, table_world
     except ImportError as error:
@@ -58,11 +61,18 @@ def open_robot(
     spec = table_world(seed)
     simulation = stack.enter_context(start_simulation(spec, pace, hold))
     progress("simulator", f"SAPIEN in process {simulation.pid}: {', '.join(o.name for o in spec.objects)} on the table")
-    model = RobotModel(description)
+    model, taught = RobotModel(description), Taught(project.folder / TAUGHT)
 
     ports = {name: simulation.hand(hand.group) for name, hand in file.hands.items()}
     resources.hands = {
-        name: HandCommander(name, ports[name], description.named_states[hand.group])
+        name: HandCommander(
+            name,
+            ports[name],
+            description.named_states[hand.group],
+            fingers=joints_of_fingers(description, hand.group),
+            limits=limits_of_joints(description, hand.group),
+            taught=taught,
+        )
         for name, hand in file.hands.items()
     }
     executors = {name: simulation.executor(arm.group) for name, arm in file.arms.items()}
@@ -93,6 +103,7 @@ def open_robot(
                 seed=seed,
             ),
             file.arms[arm].group,
+            taught,
         )
         for hand, arm in carried.items()
     }

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from grip_bt.errors import ExecutionAbortedError
+from grip_bt.errors import ExecutionAbortedError, UnknownNameError
 from grip_bt.operation import Operation
 from grip_bt.ports import Executor
 from grip_bt.values import Grasp, JointState, Plan, Pose
 
+from .ik.target import FREE
+from .jogging import jogged, lasting
 from .planning.requests import (
     ChooseGrasp,
     ChosenGrasp,
@@ -23,6 +26,7 @@ from .planning.requests import (
     Situation,
 )
 from .scene import PlanningScene
+from .taught import Taught
 from .worker import PlanningService
 
 if TYPE_CHECKING:
@@ -46,6 +50,7 @@ class ArmCommander:
         hand_state: returns the measured state of the hand's joints: they are obstacles too.
         settings: planner, solver, speed and so on.
         group: the robot's group of joints.
+        taught: what was taught before; nothing when None.
     """
 
     def __init__(
@@ -59,11 +64,13 @@ class ArmCommander:
         hand_state: Callable[[], JointState],
         settings: PlanningSettings | None = None,
         group: str = "arm",
+        taught: Taught | None = None,
     ):
         self._name, self._model, self._planner, self._executor = name, model, planner, executor
         self._scene, self._hand, self._hand_state = scene, hand, hand_state
         self._settings = settings or PlanningSettings()
         self._group = group
+        self._taught = taught if taught is not None else Taught()
         self._lock = threading.Lock()
         self._reached_by: list[tuple[Pose, JointState]] = []
 
@@ -81,26 +88,51 @@ class ArmCommander:
         return self._model.grasp_pose(self._executor.state())
 
     def named_states(self) -> Mapping[str, JointState]:
-        """Return the named states of the arm's group."""
-        return self._model.description.named_states.get(self._group, {})
+        """Return the named states of the arm's group, taught ones included."""
+        return {**self._taught.states(self._name), **self._described_states()}
 
-    def plan(self, goal: JointState | Pose | str) -> Operation[Plan]:
+    def plan(
+        self, goal: JointState | Pose | str, *, start: JointState | None = None, free: str = "none"
+    ) -> Operation[Plan]:
         """Plan a free path; see `ports.Arm`.
 
         To a pose of a grasp that `choose_grasp` has returned, it goes by the joint positions that were found then:
         others may reach the pose too, but not the rest of the grasp.
 
         Raises:
-            UnknownNameError: there is no such named state.
+            UnknownNameError: there is no such named state, or no such freedom.
         """
+        if free not in FREE:
+            raise UnknownNameError("freedom of a pose", free, FREE, where=f"arm {self._name!r}")
         if isinstance(goal, str):
-            goal = self._model.description.named_state(self._group, goal)
+            states = self.named_states()
+            if goal not in states:
+                raise UnknownNameError("named state", goal, states, where=f"arm {self._name!r}")
+            goal = states[goal]
         hints = () if isinstance(goal, JointState) else self._known_ways_to(goal)
-        return self._ask(PlanTo(self._situation(), goal, hints))
+        return self._ask(PlanTo(self._situation(start), goal, hints, free))  # type: ignore[arg-type]
 
-    def plan_straight(self, goals: Sequence[Pose]) -> Operation[Plan]:
+    def plan_straight(self, goals: Sequence[Pose], *, start: JointState | None = None) -> Operation[Plan]:
         """Plan straight lines of the grasp frame; see `ports.Arm`."""
-        return self._ask(PlanStraight(self._situation(), tuple(goals)))
+        return self._ask(PlanStraight(self._situation(start), tuple(goals)))
+
+    def jog(
+        self, linear: Sequence[float], angular: Sequence[float] = (0.0, 0.0, 0.0), seconds: float = 0.5
+    ) -> Operation[JointState]:
+        """Move the grasp frame with a bounded twist for a while; see `ports.Arm`."""
+        goal, seconds = jogged(self.grasp_pose(), linear, angular, seconds)
+        return self.plan_straight([goal]).then(lambda plan: self.execute(lasting(plan, seconds)))
+
+    def teach(self, name: str, *, pose: bool = False) -> JointState | Pose:
+        """Remember where the arm is now; see `ports.Arm`."""
+        state = self._executor.state()
+        value = self.grasp_pose() if pose else JointState(state.names, state.position)
+        self._taught.put(self._name, name, value, self._described_states())
+        return value
+
+    def taught(self) -> Mapping[str, JointState | Pose]:
+        """Return what was taught; see `ports.Arm`."""
+        return self._taught.of(self._name)
 
     def execute(self, plan: Plan) -> Operation[JointState]:
         """Execute a plan; the result is what was measured at the end.
@@ -118,8 +150,13 @@ class ArmCommander:
         """Hold where the arm is now and end a motion under way."""
         self._executor.stop()
 
-    def _situation(self) -> Situation:
+    def _described_states(self) -> Mapping[str, JointState]:
+        return self._model.description.named_states.get(self._group, {})
+
+    def _situation(self, given: JointState | None = None) -> Situation:
         arm, hand = self._executor.state(), self._hand_state()
+        if given is not None:
+            arm = replace(arm, position=given.ordered(arm.names))
         start = JointState(arm.names + hand.names, np.concatenate([arm.position, hand.position]), time=arm.time)
         return Situation(self._group, start, self._scene.snapshot(), self._hand, self._settings)
 

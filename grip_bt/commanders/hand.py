@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+
+import numpy as np
 
 from grip_bt.errors import NoContactError, UnknownNameError
 from grip_bt.operation import Operation
 from grip_bt.ports import HandPort
 from grip_bt.values import JointState
+
+from .synergy import Synergies, finger_posture
+from .taught import Taught
 
 OPENING_TIME = 0.8
 CLOSING_TIME = 1.2
@@ -24,6 +29,9 @@ class HandCommander:
         postures: name -> joint positions; `open` and `closed` exist.
         opening_time: duration of opening [s].
         closing_time: duration of closing without a contact [s].
+        fingers: finger -> its joints; without it, they can't be moved one by one.
+        limits: joint -> smallest and largest position [rad], for synergies; without it, the postures' own range.
+        taught: what was taught before; nothing when None.
     """
 
     def __init__(
@@ -33,9 +41,15 @@ class HandCommander:
         postures: Mapping[str, JointState],
         opening_time: float = OPENING_TIME,
         closing_time: float = CLOSING_TIME,
+        fingers: Mapping[str, Sequence[str]] | None = None,
+        limits: Mapping[str, tuple[float, float]] | None = None,
+        taught: Taught | None = None,
     ):
         self._name, self._port, self._postures = name, port, dict(postures)
         self._opening_time, self._closing_time = opening_time, closing_time
+        self._fingers = {finger: tuple(joints) for finger, joints in (fingers or {}).items()}
+        self._limits = dict(limits or {})
+        self._taught = taught if taught is not None else Taught()
 
     @property
     def name(self) -> str:
@@ -47,8 +61,16 @@ class HandCommander:
         return self._port.state()
 
     def named_states(self) -> Mapping[str, JointState]:
-        """Return the hand's named postures."""
-        return dict(self._postures)
+        """Return the hand's named postures, taught ones included."""
+        return {**self._taught.states(self._name), **self._postures}
+
+    def fingers(self) -> Mapping[str, tuple[str, ...]]:
+        """Return the hand's fingers: name -> joints."""
+        return dict(self._fingers)
+
+    def contacts(self) -> Mapping[str, float]:
+        """Return the contact force [N] of each link of the hand that touches something, from 0.1 N on."""
+        return {link: force for link, force in self._port.contacts().items() if force >= TOUCH}
 
     def open(self, posture: JointState | str = "open") -> Operation[JointState]:
         """Open to a posture, given or named; joints that it doesn't name stay where they are.
@@ -67,25 +89,62 @@ class HandCommander:
             UnknownNameError: there is no such posture or joint.
             ValueError: the torque limit isn't positive.
         """
-        if torque_limit is not None and not torque_limit > 0:
-            raise ValueError(f"hand {self._name!r}: a torque limit is positive, not {torque_limit} N m")
-        return self._port.move(self._posture(posture), self._closing_time, torque_limit).then(self._held)
+        return self.move(posture, torque_limit, self._closing_time).then(self._held)
+
+    def move(
+        self, posture: JointState | str, torque_limit: float | None = None, seconds: float | None = None
+    ) -> Operation[JointState]:
+        """Move the fingers towards a posture; see `ports.Hand`."""
+        for what, number in (("torque limit [N m]", torque_limit), ("time [s]", seconds)):
+            if number is not None and not 0 < number < np.inf:
+                raise ValueError(f"hand {self._name!r}: a {what} is a positive number, not {number}")
+        return self._port.move(self._posture(posture), seconds or self._opening_time, torque_limit)
+
+    def finger_posture(self, closing: Mapping[str, float]) -> JointState:
+        """Return the posture of some fingers; see `ports.Hand`."""
+        for finger, share in closing.items():
+            if finger not in self._fingers:
+                raise UnknownNameError("finger", finger, self._fingers, where=f"hand {self._name!r}")
+            if not 0 <= share <= 1:
+                raise ValueError(f"hand {self._name!r}: finger {finger!r} closes from 0 to 1, not {share}")
+        return finger_posture(self._postures["open"], self._postures["closed"], self._fingers, closing)
+
+    def synergy(self, weights: Sequence[float]) -> JointState:
+        """Return the posture of weights of the synergies of the hand's named postures; see `ports.Hand`."""
+        postures = self._whole_postures()
+        made = Synergies.of(postures).posture(weights)
+        table = np.stack([posture.position for posture in postures])
+        ranges = zip(made.names, table.min(axis=0), table.max(axis=0), strict=True)
+        low, high = np.array([self._limits.get(name, (least, most)) for name, least, most in ranges]).T
+        return JointState(made.names, np.clip(made.position, low, high))
+
+    def teach(self, name: str) -> JointState:
+        """Remember the present posture; see `ports.Hand`."""
+        state = self._port.state()
+        measured = JointState(state.names, state.position)
+        self._taught.put(self._name, name, measured, self._postures)
+        return measured
 
     def stop(self) -> None:
         """Hold the fingers where they are."""
         self._port.stop()
 
+    def _whole_postures(self) -> list[JointState]:
+        """Return the named postures of all joints: what one doesn't name is as in `open`."""
+        opened = self._postures["open"].as_mapping()
+        return [JointState.from_mapping(opened | posture.as_mapping()) for posture in self._postures.values()]
+
     def _held(self, measured: JointState) -> Operation[JointState]:
-        contacts = {link: force for link, force in self._port.contacts().items() if force >= TOUCH}
-        if contacts:
+        if self.contacts():
             return Operation.finished(measured)
         return Operation.failed(NoContactError(f"hand {self._name!r} closed without touching anything"))
 
     def _posture(self, posture: JointState | str) -> JointState:
         if isinstance(posture, str):
-            if posture not in self._postures:
-                raise UnknownNameError("posture", posture, self._postures, where=f"hand {self._name!r}")
-            posture = self._postures[posture]
+            known = self.named_states()
+            if posture not in known:
+                raise UnknownNameError("posture", posture, known, where=f"hand {self._name!r}")
+            posture = known[posture]
         positions = self._port.state().as_mapping()
         for joint, position in posture.as_mapping().items():
             if joint not in positions:

@@ -94,6 +94,15 @@ class Trajectory(ComparesArrays):
         """Return the positions at `time` [s], shape (n,), linear between points and clamped at the ends."""
         return np.array([np.interp(time, self.times, column) for column in self.positions.T])
 
+    def stretched(self, duration: float) -> Trajectory:
+        """Return the same path, slowed down to last `duration` [s]; itself when it lasts that long already."""
+        factor = duration / self.duration if self.duration > 0 else 1.0
+        if factor <= 1.0:
+            return self
+        velocities = None if self.velocities is None else self.velocities / factor
+        accelerations = None if self.accelerations is None else self.accelerations / factor**2
+        return Trajectory(self.names, self.times * factor, self.positions, velocities, accelerations)
+
     def end(self) -> JointState:
         """Return the last point as a state."""
         return JointState(self.names, self.positions[-1], time=self.duration)

@@ -8,7 +8,7 @@ from table_top import named, robot_model
 
 from grip_bt.commanders.collision import CollisionChecker
 from grip_bt.commanders.meshes import hull_of, load_mesh
-from grip_bt.commanders.robot_links import links_of_groups
+from grip_bt.commanders.robot_links import joints_of_fingers, limits_of_joints, links_of_groups
 from grip_bt.commanders.scene import PlanningScene, SceneObject, SceneSnapshot
 from grip_bt.errors import DocumentError, UnknownNameError
 from grip_bt.values import Box, CellMap, Cylinder, Mesh, Pose, Sphere
@@ -132,6 +132,17 @@ def test_an_arms_links_end_where_the_hands_begin():
     assert "panda_link7" in links["arm"]
     assert not set(links["arm"]) & set(links["hand"])
     assert len(links["hand"]) >= 16
+
+
+def test_each_finger_has_its_joints_and_each_joint_its_limits():
+    robot = robot_model().description
+    fingers = joints_of_fingers(robot, "hand")
+    assert set(fingers) == {"index", "middle", "ring", "thumb"}
+    assert [len(joints) for joints in fingers.values()] == [4, 4, 4, 4]
+    assert {joint for joints in fingers.values() for joint in joints} == set(robot.group("hand"))
+    limits, wanted = limits_of_joints(robot, "hand"), robot_model().limits("hand")
+    for name, low, high in zip(robot.group("hand"), wanted.lower, wanted.upper, strict=True):
+        assert limits[name] == pytest.approx((low, high))
 
 
 def test_a_mesh_file_becomes_a_hull_or_a_surface_in_the_wanted_scale(tmp_path):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from grip_bt.errors import CanceledError, NoGraspError, UnknownNameError
+from grip_bt.errors import CanceledError, ExecutionAbortedError, NameTakenError, NoGraspError, UnknownNameError
 from grip_bt.ports import Arm
 
 
@@ -50,6 +50,48 @@ def test_a_straight_motion_keeps_to_the_line_through_its_poses(arm_rig):
         arm_rig.let_pass(0.05)
     operation.result()
     assert arm_rig.port.grasp_pose().matrix() == pytest.approx(end.matrix(), abs=0.02)
+
+
+def test_a_plan_may_begin_elsewhere_than_the_arm_is(arm_rig):
+    plan = arm_rig.wait(arm_rig.port.plan("home", start=arm_rig.away)).result()
+    names = plan.trajectory.names
+    assert plan.trajectory.positions[0] == pytest.approx(arm_rig.away.ordered(names), abs=1e-6)
+    with pytest.raises(ExecutionAbortedError):
+        arm_rig.wait(arm_rig.port.execute(plan)).result()
+
+
+def test_a_position_is_reached_whatever_the_orientation(arm_rig):
+    target = arm_rig.port.grasp_pose().moved(arm_rig.offset)
+    plan = arm_rig.wait(arm_rig.port.plan(target, free="orientation")).result()
+    arm_rig.wait(arm_rig.port.execute(plan)).result()
+    assert arm_rig.port.grasp_pose().position == pytest.approx(target.position, abs=0.02)
+    with pytest.raises(UnknownNameError, match="orientation"):
+        arm_rig.port.plan(target, free="all")
+
+
+def test_jogging_moves_along_the_twist_for_its_time_and_no_quicker_than_allowed(arm_rig):
+    before = arm_rig.port.grasp_pose()
+    way = arm_rig.offset / np.linalg.norm(arm_rig.offset)
+    arm_rig.wait(arm_rig.port.jog(way * 0.1, seconds=0.4)).result()
+    assert arm_rig.port.grasp_pose().position - before.position == pytest.approx(way * 0.04, abs=0.01)
+    assert arm_rig.port.grasp_pose().quaternion == pytest.approx(before.quaternion, abs=0.02)
+    arm_rig.wait(arm_rig.port.jog(-way * 10, seconds=0.2)).result()
+    gone = before.position + way * 0.04 - arm_rig.port.grasp_pose().position
+    assert np.linalg.norm(gone) == pytest.approx(0.05, abs=0.01)
+    with pytest.raises(ValueError, match="finite"):
+        arm_rig.port.jog([np.nan, 0, 0])
+
+
+def test_a_taught_state_is_a_goal_and_a_taught_pose_is_kept(arm_rig):
+    go(arm_rig, arm_rig.away)
+    arm_rig.port.teach("shown")
+    pose = arm_rig.port.teach("look", pose=True)
+    go(arm_rig, "home")
+    measured = go(arm_rig, "shown")
+    assert measured.position == pytest.approx(arm_rig.away.position, abs=0.05)
+    assert arm_rig.port.taught()["look"] == pose
+    with pytest.raises(NameTakenError, match="home"):
+        arm_rig.port.teach("home")
 
 
 def test_stopping_ends_a_motion_and_the_arm_holds(arm_rig):

@@ -38,3 +38,22 @@ def test_a_posture_can_be_given_instead_of_named(hand_rig):
 def test_an_unknown_posture_lists_those_that_exist(hand_rig):
     with pytest.raises(UnknownNameError, match="closed.*open"):
         hand_rig.port.open("opne")
+
+
+def test_moving_to_a_posture_needs_no_contact(hand_rig):
+    measured = hand_rig.wait(hand_rig.port.move("closed", torque_limit=0.5)).result()
+    assert set(measured.names) == set(hand_rig.closed.names)
+    assert {"open", "closed"} <= set(hand_rig.port.named_states())
+
+
+def test_contacts_are_told_while_a_thing_is_held(hand_rig):
+    assert not hand_rig.port.contacts()
+    hand_rig.offer()
+    hand_rig.wait(hand_rig.port.close(torque_limit=0.5)).result()
+    assert all(force > 0 for force in hand_rig.port.contacts().values())
+    assert hand_rig.port.contacts()
+
+
+def test_a_taught_posture_is_a_named_one(hand_rig):
+    taught = hand_rig.port.teach("shown")
+    assert hand_rig.port.named_states()["shown"] == taught

@@ -13,8 +13,11 @@ from numpy.typing import NDArray
 
 from grip_bt.errors import ExpectedError, NoGraspError, UnknownNameError
 from grip_bt.operation import Operation
+from grip_bt.ports import FREEDOMS
 from grip_bt.values import Grasp, JointState, Plan, Pose, Trajectory
 
+from ..jogging import jogged, lasting
+from ..taught import Taught
 from .executor import FakeExecutor
 from .schedule import Schedule, Script, steps_of
 
@@ -45,6 +48,7 @@ class FakeArm:
         self._name = name
         start = JointState(JOINTS, _joints_of(home or Pose([0.3, -0.4, 0.5])))
         self._states = {"home": start, **(states or {})}
+        self._taught = Taught()
         scripts = dict(script or {})
         self._executor = FakeExecutor(start, schedule, scripts.pop("execute", ()))
         self._scripts = {verb: steps_of(scripts.pop(verb, ())) for verb in ("plan", "plan_straight", "choose_grasp")}
@@ -66,20 +70,42 @@ class FakeArm:
 
     def named_states(self) -> Mapping[str, JointState]:
         """Return its named states."""
-        return dict(self._states)
+        return {**self._taught.states(self._name), **self._states}
 
-    def plan(self, goal: JointState | Pose | str) -> Operation[Plan]:
-        """Plan a straight motion of the joints; see `ports.Arm`."""
+    def plan(
+        self, goal: JointState | Pose | str, *, start: JointState | None = None, free: str = "none"
+    ) -> Operation[Plan]:
+        """Plan a straight motion of the joints, which uses no freedom of a pose; see `ports.Arm`."""
+        if free not in FREEDOMS:
+            raise UnknownNameError("freedom of a pose", free, FREEDOMS, where=f"arm {self._name!r}")
         if isinstance(goal, str):
-            if goal not in self._states:
-                raise UnknownNameError("named state", goal, self._states, where=f"arm {self._name!r}")
-            goal = self._states[goal]
+            states = self.named_states()
+            if goal not in states:
+                raise UnknownNameError("named state", goal, states, where=f"arm {self._name!r}")
+            goal = states[goal]
         end = _joints_of(goal) if isinstance(goal, Pose) else goal.ordered(JOINTS)
-        return self._planned("plan", [end])
+        return self._planned("plan", [end], start)
 
-    def plan_straight(self, goals: Sequence[Pose]) -> Operation[Plan]:
+    def plan_straight(self, goals: Sequence[Pose], *, start: JointState | None = None) -> Operation[Plan]:
         """Plan a motion through poses; see `ports.Arm`."""
-        return self._planned("plan_straight", [_joints_of(goal) for goal in goals])
+        return self._planned("plan_straight", [_joints_of(goal) for goal in goals], start)
+
+    def jog(
+        self, linear: Sequence[float], angular: Sequence[float] = (0.0, 0.0, 0.0), seconds: float = 0.5
+    ) -> Operation[JointState]:
+        """Move with a bounded twist for a while; see `ports.Arm`."""
+        goal, seconds = jogged(self.grasp_pose(), linear, angular, seconds)
+        return self.plan_straight([goal]).then(lambda plan: self.execute(lasting(plan, seconds)))
+
+    def teach(self, name: str, *, pose: bool = False) -> JointState | Pose:
+        """Remember where it is now, for this run; see `ports.Arm`."""
+        value = self.grasp_pose() if pose else JointState(JOINTS, self.state().position)
+        self._taught.put(self._name, name, value, self._states)
+        return value
+
+    def taught(self) -> Mapping[str, JointState | Pose]:
+        """Return what was taught; see `ports.Arm`."""
+        return self._taught.of(self._name)
 
     def execute(self, plan: Plan) -> Operation[JointState]:
         """Execute a plan; the result is where the joints are at the end."""
@@ -106,11 +132,11 @@ class FakeArm:
         """Go on with it."""
         self._executor.resume()
 
-    def _planned(self, verb: str, ends: list[NDArray[np.float64]]) -> Operation[Plan]:
+    def _planned(self, verb: str, ends: list[NDArray[np.float64]], start: JointState | None) -> Operation[Plan]:
         failure = next(self._scripts[verb])
         if failure is not None:
             return Operation.failed(failure)
-        rows = [self.state().position]
+        rows = [self.state().position if start is None else start.ordered(JOINTS)]
         times = [0.0]
         for end in ends:
             span = float(np.abs(end - rows[-1]).max())

@@ -1,0 +1,59 @@
+"""Jogging: how far a bounded twist brings a grasp frame, and plans that are no quicker than was asked."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from grip_bt.values import Plan, Pose
+
+MOST_LINEAR = 0.25
+"""The grasp frame is jogged no quicker than this [m/s]: the limit of ISO 10218-1 for manual control."""
+MOST_ANGULAR = 1.0
+"""Nor does it turn quicker than this [rad/s]."""
+
+
+def jogged(pose: Pose, linear: Sequence[float], angular: Sequence[float], seconds: float) -> tuple[Pose, float]:
+    """Return where a twist brings a pose, and how long that takes.
+
+    A twist above the bounds is made smaller as a whole, so that its direction and pitch stay.
+
+    Args:
+        pose: in world.
+        linear: velocity of its origin in world, 3 numbers [m/s].
+        angular: angular velocity in world, 3 numbers [rad/s].
+        seconds: for how long.
+
+    Raises:
+        ValueError: a number isn't finite, or the time isn't positive.
+    """
+    v, w = np.asarray(linear, dtype=float), np.asarray(angular, dtype=float)
+    if v.shape != (3,) or w.shape != (3,) or not (np.isfinite(v).all() and np.isfinite(w).all()):
+        raise ValueError(f"a twist is 3 + 3 finite numbers, not {list(linear)} and {list(angular)}")
+    if not 0 < seconds < np.inf:
+        raise ValueError(f"jogging takes a positive time [s], not {seconds}")
+    excess = max(1.0, float(np.linalg.norm(v)) / MOST_LINEAR, float(np.linalg.norm(w)) / MOST_ANGULAR)
+    turn = w * seconds / excess
+    angle = float(np.linalg.norm(turn))
+    axis = turn / angle if angle > 0 else np.array([0.0, 0.0, 1.0])
+    spin = Pose(quaternion=[np.cos(angle / 2), *(np.sin(angle / 2) * axis)])
+    turned = Pose.from_matrix(spin.matrix() @ Pose(quaternion=pose.quaternion).matrix())
+    return Pose(pose.position + v * seconds / excess, turned.quaternion, pose.frame), seconds
+
+
+def twist_towards(pose: Pose, target: Pose, seconds: float) -> tuple[list[float], list[float]]:
+    """Return the twist, linear [m/s] and angular [rad/s] in world, that brings one pose to another in a time [s]."""
+    between = target.rotation() @ pose.rotation().T
+    w, *xyz = Pose.from_matrix(np.block([[between, np.zeros((3, 1))], [np.zeros((1, 3)), np.ones((1, 1))]])).quaternion
+    axis = np.array(xyz) * (1.0 if w >= 0 else -1.0)
+    sine = float(np.linalg.norm(axis))
+    angle = 2 * np.arctan2(sine, abs(w))
+    turn = axis / sine * angle if sine > 0 else np.zeros(3)
+    return ((target.position - pose.position) / seconds).tolist(), (turn / seconds).tolist()
+
+
+def lasting(plan: Plan, seconds: float) -> Plan:
+    """Return a plan that takes at least so long [s]."""
+    return replace(plan, trajectory=plan.trajectory.stretched(seconds))

@@ -1,0 +1,146 @@
+"""What was shown to an arm or a hand: joint states and poses by name, kept in a file of the project.
+
+    right:
+      above_crate:
+        state: {panda_joint1: 0.1, ...}
+      look:
+        pose: {position: [0.5, 0, 0.4], quaternion: [0, 1, 0, 0], frame: world}
+
+The first level names arms and hands as the project does; quaternions are w x y z. The file may be written by hand.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import threading
+from collections.abc import Mapping
+from pathlib import Path
+
+from pydantic import BaseModel, ConfigDict, RootModel
+
+from grip_bt.errors import DocumentError, NameTakenError, UnknownNameError
+from grip_bt.values import JointState, Pose
+
+
+class _PoseEntry(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+    position: tuple[float, float, float]
+    quaternion: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
+    frame: str = "world"
+
+
+class _Entry(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+    state: dict[str, float] | None = None
+    pose: _PoseEntry | None = None
+
+
+class _File(RootModel[dict[str, dict[str, _Entry]]]):
+    pass
+
+
+class Taught:
+    """Named joint states and poses, by part of the robot. Safe to use from any thread.
+
+    Args:
+        file: where they are kept; None for this run only. A file that isn't there is written with the first entry.
+
+    Raises:
+        DocumentError: the file is wrong.
+    """
+
+    def __init__(self, file: Path | None = None):
+        self._file, self._lock = file, threading.Lock()
+        self._parts: dict[str, dict[str, JointState | Pose]] = {}
+        if file is not None and file.is_file():
+            for part, entries in _read(file).items():
+                self._parts[part] = {name: _value(entry, f"{part}/{name}", file) for name, entry in entries.items()}
+
+    def of(self, part: str) -> Mapping[str, JointState | Pose]:
+        """Return what was taught to a part: name -> joint state or pose."""
+        with self._lock:
+            return dict(self._parts.get(part, {}))
+
+    def get(self, part: str, name: str) -> JointState | Pose:
+        """Return one entry.
+
+        Raises:
+            UnknownNameError: there is none of this name.
+        """
+        known = self.of(part)
+        if name not in known:
+            raise UnknownNameError("taught name", name, known, where=part)
+        return known[name]
+
+    def states(self, part: str) -> dict[str, JointState]:
+        """Return the joint states that were taught to a part."""
+        return {name: value for name, value in self.of(part).items() if isinstance(value, JointState)}
+
+    def put(self, part: str, name: str, value: JointState | Pose, taken: Mapping[str, object]) -> None:
+        """Add or replace an entry, and write the file.
+
+        Args:
+            part: the arm or the hand.
+            name: of the entry.
+            value: what was measured.
+            taken: names that mean something else already, such as those of the robot's description.
+
+        Raises:
+            NameTakenError: the name is one of `taken`.
+            ValueError: the name isn't a word.
+        """
+        if not name.isidentifier():
+            raise ValueError(f"a taught name is a word of letters, digits and _, not {name!r}")
+        if name in taken:
+            raise NameTakenError(f"{part}: {name!r} is a state of the robot's description; choose another name")
+        with self._lock:
+            self._parts.setdefault(part, {})[name] = value
+            if self._file is not None:
+                _write(self._file, self._parts)
+
+
+def _read(file: Path) -> dict[str, dict[str, _Entry]]:
+    from pydantic import ValidationError
+
+    from grip_bt.graph.document import read_file
+    from grip_bt.graph.faults import document_error, fault_of
+    from grip_bt.graph.syntax import parse, plain
+
+    tree = parse(read_file(file), str(file))
+    try:
+        return _File.model_validate(plain(tree)).root
+    except ValidationError as error:
+        raise document_error([fault_of(tree, e) for e in error.errors()], str(file)) from None
+
+
+def _value(entry: _Entry, where: str, file: Path) -> JointState | Pose:
+    if (entry.state is None) == (entry.pose is None):
+        raise DocumentError(f"{where} has either a `state:` or a `pose:`", str(file))
+    try:
+        if entry.pose is not None:
+            return Pose(entry.pose.position, entry.pose.quaternion, entry.pose.frame)
+        return JointState.from_mapping(entry.state or {})
+    except ValueError as error:
+        raise DocumentError(f"{where}: {error}", str(file)) from None
+
+
+def _write(file: Path, parts: Mapping[str, Mapping[str, JointState | Pose]]) -> None:
+    """Write all of it in one go: a run that is killed leaves the old file or the new one."""
+    lines = ["# What was taught to arms and hands; see docs/commanders.md."]
+    for part, entries in parts.items():
+        lines.append(f"{part}:")
+        for name, value in entries.items():
+            lines.append(f"  {name}:")
+            lines.append(f"    {_line(value)}")
+    beside = file.with_name(f".{file.name}.{os.getpid()}")
+    beside.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    os.replace(beside, file)
+
+
+def _line(value: JointState | Pose) -> str:
+    """Return an entry in YAML's flow form, which JSON is a part of."""
+    if isinstance(value, JointState):
+        return f"state: {json.dumps(value.as_mapping())}"
+    pose = {"position": value.position.tolist(), "quaternion": value.quaternion.tolist(), "frame": value.frame}
+    return f"pose: {json.dumps(pose)}"

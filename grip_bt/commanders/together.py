@@ -1,0 +1,156 @@
+"""Several motions at once: they begin together, last equally long, and none goes on when another has failed."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar
+
+import numpy as np
+
+from grip_bt.operation import Operation
+from grip_bt.ports import Arm
+from grip_bt.values import JointState, Plan, Trajectory
+
+K = TypeVar("K")
+T = TypeVar("T")
+
+
+def all_of(starts: Mapping[K, Callable[[], Operation[T]]]) -> Operation[dict[K, T]]:
+    """Start operations and return one that succeeds, with each one's result, when all have succeeded.
+
+    When one fails, the others are cancelled; the whole ends with the first error when all have ended, so that nothing
+    moves any more then. Cancelling the whole cancels them all. What can't be started counts as failed.
+
+    Args:
+        starts: name -> function that starts its operation.
+    """
+    return _All(starts).whole
+
+
+class _All:
+    def __init__(self, starts: Mapping[Any, Callable[[], Operation[Any]]]):
+        self.whole: Operation[dict[Any, Any]] = Operation(on_cancel=self._cancel)
+        self._parts: dict[Any, Operation[Any]] = {}
+        self._lock = threading.Lock()
+        self._left, self._first = len(starts), []
+        for name, start in starts.items():
+            self._parts[name] = _started(start) if not self._first else Operation.failed(self._first[0])
+            self._parts[name].add_done_callback(lambda name=name: self._ended(self._parts[name]))
+        if not starts:
+            self.whole.succeed({})
+
+    def _cancel(self) -> None:
+        for part in list(self._parts.values()):
+            part.cancel()
+
+    def _ended(self, part: Operation[Any]) -> None:
+        try:
+            part.result()
+        except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it
+            with self._lock:
+                self._first.append(error)
+                first = len(self._first) == 1
+            if first:
+                self._cancel()
+        with self._lock:
+            self._left -= 1
+            last = self._left == 0
+        if last and self._first:
+            self.whole.fail(self._first[0])
+        elif last:
+            self.whole.succeed({name: each.result() for name, each in self._parts.items()})
+
+
+def _started(start: Callable[[], Operation[T]]) -> Operation[T]:
+    try:
+        return start()
+    except Exception as error:  # noqa: BLE001 - the others must be cancelled, then the owner raises it
+        return Operation.failed(error)
+
+
+def execute_together(parts: Mapping[str, tuple[Arm, Plan]]) -> Operation[dict[str, JointState]]:
+    """Execute plans of several arms at once; the quicker ones are slowed down, so that all end at the same time.
+
+    The plans must have been made for each other: that arms don't meet is known only of a plan for a group that holds
+    the joints of both.
+
+    Args:
+        parts: name -> arm and its plan.
+
+    Returns:
+        What was measured at the end, by name.
+    """
+    longest = max((plan.trajectory.duration for _, plan in parts.values()), default=0.0)
+    return all_of({name: _slowed(arm, plan, longest) for name, (arm, plan) in parts.items()})
+
+
+def _slowed(arm: Arm, plan: Plan, duration: float) -> Callable[[], Operation[JointState]]:
+    trajectory = plan.trajectory.stretched(duration)
+    return lambda: arm.execute(Plan(plan.group, trajectory, plan.planner, plan.planning_time))
+
+
+class JoinedExecutor:
+    """Several executors as one, for a group that spans several arms: a trajectory's columns go to whoever moves them.
+
+    Implements `ports.Executor`.
+
+    Args:
+        parts: executors of different joints; the order of joints is theirs, one after the other.
+    """
+
+    def __init__(self, *parts: Any):
+        self._parts = parts
+        self._names = tuple(name for part in parts for name in part.joint_names)
+        if len(set(self._names)) != len(self._names):
+            raise ValueError(f"two executors move the same joint: {sorted(self._names)}")
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints of all parts."""
+        return self._names
+
+    def state(self) -> JointState:
+        """Return the measured state of all joints; the time is that of the oldest measurement."""
+        return _merged([part.state() for part in self._parts])
+
+    def execute(self, trajectory: Trajectory) -> Operation[JointState]:
+        """Follow a trajectory of all joints; see `ports.Executor`.
+
+        Raises:
+            ValueError: it names other joints.
+        """
+        if set(trajectory.names) != set(self._names):
+            raise ValueError(f"the trajectory moves {trajectory.names}, these executors {self._names}")
+        starts = {k: _part_of(part, trajectory) for k, part in enumerate(self._parts)}
+        return all_of(starts).then(lambda ends: Operation.finished(_merged([ends[k] for k in starts])))
+
+    def stop(self) -> None:
+        """Hold where the joints are now."""
+        for part in self._parts:
+            part.stop()
+
+
+def _part_of(part: Any, whole: Trajectory) -> Callable[[], Operation[JointState]]:
+    columns = [whole.names.index(name) for name in part.joint_names]
+
+    def of(values: Any) -> Any:
+        return None if values is None else values[:, columns]
+
+    trajectory = Trajectory(
+        part.joint_names, whole.times, of(whole.positions), of(whole.velocities), of(whole.accelerations)
+    )
+    return lambda: part.execute(trajectory)
+
+
+def _merged(states: list[JointState]) -> JointState:
+    def joined(field: str) -> Any:
+        values = [getattr(state, field) for state in states]
+        return None if any(value is None for value in values) else np.concatenate(values)
+
+    names = tuple(name for state in states for name in state.names)
+    time = min(state.time for state in states)
+    return JointState(names, joined("position"), joined("velocity"), joined("effort"), time)
+
+
+__all__ = ["JoinedExecutor", "all_of", "execute_together"]
