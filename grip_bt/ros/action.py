@@ -28,6 +28,9 @@ IN_FLIGHT = 8
 """Goals sent and not yet answered at once: a server keeps the last 10 requests and drops others without a word."""
 TRUST = 0.5
 """How long a check of the server holds [s]."""
+SETTLE = 0.1
+"""How long a server must be known before it is sent anything [s]: it has to know our ear too, or its first answer is
+lost."""
 GRACE = 1.0
 """How long to wait for the exit of a process of ours whose server has gone [s]: it says more than DDS does."""
 STALE = 3.5
@@ -65,6 +68,7 @@ class ActionClient:
         self._entries: list[_Entry] = []
         self._servers: frozenset[bytes] = frozenset()
         self._checked = -math.inf
+        self._settled: tuple[frozenset[bytes], float] = (frozenset(), 0.0)
         self._server_ended: str | None = None
         self._supervised = False
 
@@ -72,6 +76,11 @@ class ActionClient:
     def idle(self) -> bool:
         """Whether it was never connected to a server and nobody waits for one; such a client may be replaced."""
         return self._client is None and not self._entries
+
+    @property
+    def waiting(self) -> bool:
+        """Whether somebody waits for the server to appear."""
+        return any(e.machine.phase is Phase.WAITING for e in self._entries)
 
     @property
     def busy(self) -> bool:
@@ -220,7 +229,12 @@ class ActionClient:
             set_logger_level(f"{self._bus.node.get_logger().name}.action_client", LoggingSeverity.ERROR)
         if not self._client.server_is_ready():
             return False
-        self._servers, self._checked = gids_of(servers), now
+        present = gids_of(servers)
+        if present != self._settled[0]:
+            self._settled = (present, now)
+        if now < self._settled[1] + SETTLE:
+            return False
+        self._servers, self._checked = present, now
         return True
 
     def _do(self, entry: _Entry, commands: list[Command]) -> None:

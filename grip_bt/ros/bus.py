@@ -44,6 +44,8 @@ C = TypeVar("C", ServiceClient, ActionClient, TopicReader, TopicWriter)
 POLL = 0.05
 """How often calls under way are looked at [s]; nothing is looked at while there are none."""
 
+HURRY = 0.01
+"""The same while somebody waits for a server to appear [s]: it is found sooner."""
 LETTING_GO = 1.0
 """How long closing waits for action servers to hear that their goals are canceled [s]."""
 
@@ -173,7 +175,7 @@ class Bus:
         self._executor.wake()
         self._let_goals_go()
         self._stopped = True
-        self._executor.wake()
+        self._executor.create_task(lambda: None)  # a wake without work doesn't end a spin before its time
         if threading.current_thread() is not self._thread:
             self._thread.join(timeout)
         self._end_all()
@@ -201,6 +203,7 @@ class Bus:
 
     def watch(self) -> None:
         """Have the calls under way looked at from now on; a client asks for it when it has some."""
+        self._hurry(True)
         if self._timer.is_canceled():
             self._timer.reset()
 
@@ -209,6 +212,12 @@ class Bus:
             clients = list(self._clients.values())
         if not any([client.poll() for client in clients]):
             self._timer.cancel()
+        self._hurry(any(client.waiting for client in clients))
+
+    def _hurry(self, wanted: bool) -> None:
+        period = int((HURRY if wanted else POLL) * 1e9)
+        if self._timer.timer_period_ns != period:
+            self._timer.timer_period_ns = period
 
     def _end_all(self) -> None:
         for client in list(self._clients.values()):

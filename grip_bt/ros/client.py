@@ -24,6 +24,9 @@ IN_FLIGHT = 8
 """Requests under way at once: a server keeps the last 10, and what it drops is lost without a word."""
 TRUST = 0.5
 """How long a check of the server holds [s]; a query per call would double the price of a call."""
+SETTLE = 0.1
+"""How long a server must be known before it is sent anything [s]: it has to know our ear too, or its first answer is
+lost."""
 GRACE = 1.0
 """How long to wait for the exit of a process of ours whose server has gone [s]: it says more than DDS does."""
 STALE = 3.5
@@ -66,6 +69,7 @@ class ServiceClient:
         self._sent: list[_Call] = []
         self._servers: frozenset[bytes] = frozenset()
         self._checked = float("-inf")
+        self._settled: tuple[frozenset[bytes], float] = (frozenset(), 0.0)
         self._server_ended: str | None = None
         self._supervised = False
 
@@ -73,6 +77,11 @@ class ServiceClient:
     def idle(self) -> bool:
         """Whether it was never connected to a server and nobody waits for one; such a client may be replaced."""
         return self._client is None and not self._waiting
+
+    @property
+    def waiting(self) -> bool:
+        """Whether somebody waits for the server to appear."""
+        return bool(self._waiting)
 
     @property
     def busy(self) -> bool:
@@ -195,7 +204,12 @@ class ServiceClient:
             self._client = self._bus.node.create_client(self.type, self.name, qos_profile=_QOS)
         if not self._client.service_is_ready():
             return False
-        self._servers, self._checked = gids_of(servers), now
+        present = gids_of(servers)
+        if present != self._settled[0]:
+            self._settled = (present, now)
+        if now < self._settled[1] + SETTLE:
+            return False
+        self._servers, self._checked = present, now
         return True
 
     def _send(self, call: _Call) -> None:

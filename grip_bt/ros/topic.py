@@ -68,6 +68,11 @@ class TopicReader:
         self._listening = False
 
     @property
+    def waiting(self) -> bool:
+        """Whether somebody waits for a publisher to appear."""
+        return bool(self._waits) and self._subscription is None
+
+    @property
     def idle(self) -> bool:
         """Whether it was never subscribed."""
         return self._subscription is None and not self._waits
@@ -196,6 +201,11 @@ class TopicWriter:
         self._bus, self._timeout = bus, timeout
         self._publisher: Any = None
         self._waits: list[tuple[_Wait, Any]] = []
+
+    @property
+    def waiting(self) -> bool:
+        """Whether a message waits for subscribers to appear."""
+        return bool(self._waits)
 
     @property
     def idle(self) -> bool:
