@@ -27,8 +27,7 @@ await onPage(url, async (page, { button, choose, fileIs, item, pick, rowsAre }) 
   await page.keyboard.press("End");
   await page.keyboard.press("Enter");
   await page.keyboard.type("added: {node: flow/suc");
-  await page.locator(".cm-tooltip-autocomplete").getByText("flow/succeed").waitFor();
-  await page.keyboard.press("Enter");
+  await page.locator(".cm-tooltip-autocomplete").getByText("flow/succeed").click();
   await page.waitForFunction(() => [...document.querySelectorAll(".cm-line")].some((l) => l.textContent.includes("flow/succeed")));
   await rowsAre(["/", "first", "added", "attempts", "attempts/broken", "attempts/second", "machine", "machine/a", "machine/b"]);
   await page.keyboard.press("Control+z");

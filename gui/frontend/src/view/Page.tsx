@@ -5,6 +5,7 @@ import { server } from "../protocol/client";
 import { connect, openTask } from "../store/desk";
 import { useDocument } from "../store/document";
 import { usePage } from "../store/page";
+import { lookAgainOnReturn } from "../store/returning";
 import { useRun } from "../store/run";
 import { loadProject, newTask, useProject } from "../store/tasks";
 import { Ask } from "./edit/Ask";
@@ -46,6 +47,7 @@ export function Page(): JSX.Element {
     document.title = title ? `${title} - GRIP` : "GRIP";
   }, [title]);
 
+  useEffect(() => lookAgainOnReturn(), []);
   useKeys();
   const said = useDocument((s) => s.said);
 
