@@ -138,7 +138,9 @@ def browser(script: str, url: str, *more: str) -> list[str]:
 
 @pytest.mark.e2e
 @pytest.mark.slow
-@pytest.mark.parametrize("script", ["run_and_scrub.mjs", "pause_and_stop.mjs", "accessibility.mjs"])
+@pytest.mark.parametrize(
+    "script", ["run_and_scrub.mjs", "pause_and_stop.mjs", "debug.mjs", "control.mjs", "accessibility.mjs"]
+)
 def test_the_page_in_a_browser(folder: Path, script: str) -> None:
     with editing(folder) as (_, url):
         done = subprocess.run(browser(script, url), capture_output=True, text=True, timeout=120)

@@ -4,6 +4,7 @@ import "./view/page.css";
 import "./view/tree.css";
 import "./view/edit.css";
 import "./view/flow/flow.css";
+import "./view/run.css";
 
 import { StrictMode } from "react";
 import { createRoot } from "react-dom/client";

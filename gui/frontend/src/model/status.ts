@@ -20,6 +20,8 @@ export interface VariableValue {
   readonly preview: string;
   readonly writer: string;
   readonly t: number;
+  /** Number of the event, by which the whole value is asked for. */
+  readonly seq: number;
 }
 
 export interface RunFacts {
@@ -129,6 +131,7 @@ export function apply(moment: Moment, event: RunEvent, index: TaskIndex): void {
         preview: text(event.data["preview"]),
         writer: path,
         t: event.t,
+        seq: event.seq,
       });
       break;
     case "state":

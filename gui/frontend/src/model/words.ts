@@ -49,6 +49,8 @@ export function seconds(t: number): string {
 /** The state of the run in the top bar. */
 export function runText(session: SessionView | null): string {
   if (!session) return "no run";
+  const { held } = session;
+  if (session.state === "paused" && held) return `paused ${held.when} ${held.path}${held.why === "breakpoint" ? " (breakpoint)" : ""}`;
   if (session.state !== "ended") return session.state;
   const outcome = session.outcome ? `: ${session.outcome}` : "";
   return `${session.status ?? "ended"}${outcome}`;

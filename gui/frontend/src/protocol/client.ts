@@ -1,15 +1,18 @@
 /** Talks to the server: questions over HTTP, news over one WebSocket that comes back by itself. */
 import type {
+  BreakpointsWish,
   CatalogView,
   Control,
   ConversionView,
   ConvertWish,
+  DeskView,
   DiskWish,
   DocumentView,
   EditWish,
   ExpressionView,
   ExpressionWish,
   FormsView,
+  LeaseWish,
   NewTask,
   PartsView,
   PinWish,
@@ -25,7 +28,18 @@ import type {
   Subscribe,
   TextWish,
   Trouble,
+  ValueView,
 } from "./generated";
+
+/** How this page is called among the viewers; a reload keeps the name, another tab has its own. */
+export const PAGE = ownName();
+
+function ownName(): string {
+  const kept = sessionStorage.getItem("grip-page");
+  const name = kept ?? Array.from(crypto.getRandomValues(new Uint8Array(8)), (byte) => byte.toString(16).padStart(2, "0")).join("");
+  sessionStorage.setItem("grip-page", name);
+  return name;
+}
 
 /** A request that the server refused; `kind` says what the page can do about it. */
 export class RefusedError extends Error {
@@ -73,6 +87,9 @@ export const server = {
   run: (id: string) => ask<RunView>(`runs/${encodeURIComponent(id)}`),
   start: (wish: StartRun) => ask<SessionView>("session", wish),
   control: (wish: Control) => ask<SessionView>("session/control", wish),
+  breakpoints: (wish: BreakpointsWish) => ask<DeskView>("breakpoints", wish),
+  lease: (wish: LeaseWish) => ask<DeskView>("lease", wish),
+  value: (run: string, seq: number) => ask<ValueView>(`runs/${encodeURIComponent(run)}/values/${seq}`),
 };
 
 const LONGEST_PAUSE = 5000;
@@ -108,7 +125,7 @@ export class Socket {
 
   private open(): void {
     const scheme = location.protocol === "https:" ? "wss" : "ws";
-    const socket = new WebSocket(`${scheme}://${location.host}/api/socket`);
+    const socket = new WebSocket(`${scheme}://${location.host}/api/socket?page=${PAGE}`);
     this.socket = socket;
     socket.onopen = () => {
       this.pause = 250;

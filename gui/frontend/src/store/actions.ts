@@ -7,6 +7,7 @@ import { redo, save, undo } from "./editing";
 import { find } from "./finding";
 import { connectOutcome, enterSelected, leaveContainer } from "./flowing";
 import { addHere, changeKind, connectFree, copy, cut, duplicate, paste, remove, rename, shift, unwrap, wrap } from "./gestures";
+import { pauseOrResume, runFromHere, runToHere, start, step, stop, toggleBreakpoint } from "./running";
 import { newTask } from "./tasks";
 import { usePage, type ViewName } from "./page";
 
@@ -57,6 +58,16 @@ export const ACTIONS: readonly Action[] = [
   { id: "text", title: "Show the text", keys: ["Alt+4"], inFields: true, run: show("text") },
   { id: "enter", title: "Go into the container", keys: ["Enter"], run: enterSelected },
   { id: "leave", title: "Go out of the container", keys: ["Backspace"], run: leaveContainer },
+  { id: "run", title: "Run", keys: ["Alt+r"], inFields: true, run: () => start() },
+  { id: "pause", title: "Pause or resume", keys: ["Alt+p"], inFields: true, run: pauseOrResume },
+  { id: "stop", title: "STOP", keys: ["F8"], inFields: true, run: stop },
+  { id: "breakpoint", title: "Set or clear a breakpoint", keys: ["F9"], inFields: true, run: () => toggleBreakpoint() },
+  { id: "over", title: "Step over", keys: ["F10"], inFields: true, run: () => step("over") },
+  { id: "into", title: "Step in", keys: ["F11"], inFields: true, run: () => step("in") },
+  { id: "step-out", title: "Step out", keys: ["Shift+F11"], inFields: true, run: () => step("out") },
+  { id: "tick", title: "Step by one tick", keys: ["Ctrl+F11"], inFields: true, run: () => step("tick") },
+  { id: "from-here", title: "Run from here", keys: ["Ctrl+Enter"], run: runFromHere },
+  { id: "to-here", title: "Run to here", keys: ["Ctrl+F10"], run: runToHere },
   { id: "new", title: "New task", keys: [], run: newTask },
 ];
 

@@ -1,10 +1,11 @@
 /** What the buttons do, and what the socket brings: the one place that joins server and stores. */
 import { server, Socket } from "../protocol/client";
-import type { Control, RunRecord, ServerFrame, StartRun } from "../protocol/generated";
+import type { RunRecord, ServerFrame } from "../protocol/generated";
 import { useDocument } from "./document";
-import { heardOfRevisions, save, take } from "./editing";
+import { heardOfRevisions, take } from "./editing";
 import { usePage } from "./page";
 import { useRun } from "./run";
+import { useRunning } from "./runDesk";
 
 let socket: Socket | null = null;
 /** Grows with every wish to show something; an answer to an older wish comes too late and is left out. */
@@ -36,9 +37,14 @@ function heard(frame: ServerFrame): void {
       // A run that has just begun, here or on another page, is what everybody wants to see.
       const isNews = greeted || !chosen || frame.session?.state !== "ended";
       greeted = true;
+      const held = frame.session?.held?.path;
+      if (held !== undefined && usePage.getState().follow) usePage.getState().select(held);
       if (id && id !== known && id !== run.record?.id && isNews) void openRun(id);
       break;
     }
+    case "desk":
+      useRunning.getState().setDesk(frame.desk);
+      break;
     case "events":
       run.addEvents(frame.run, frame.events, frame.complete);
       break;
@@ -52,7 +58,7 @@ function heard(frame: ServerFrame): void {
 }
 
 /** Run something that asks the server; what goes wrong is shown, not thrown. */
-async function trying(work: () => Promise<void>): Promise<void> {
+export async function trying(work: () => Promise<void>): Promise<void> {
   useRun.getState().setTrouble("");
   try {
     await work();
@@ -94,24 +100,6 @@ function openRun(id: string): Promise<void> {
     useRun.getState().showTask(view.task, view.run);
     usePage.getState().setFoot("run");
     socket?.subscribe();
-  });
-}
-
-export function startRun(wish: StartRun): Promise<void> {
-  return trying(async () => {
-    const { task, record } = useRun.getState();
-    // An old run on display gives way to the task as it is now.
-    if (record || task.path !== wish.task) await openTask(wish.task);
-    // What runs is the file: what was drawn is saved first, and a file that somebody else has changed asks.
-    if (useDocument.getState().document?.saved === false && !(await save())) return;
-    // How it goes on is told by the socket alone: an answer may come later than newer news.
-    await server.start(wish);
-  });
-}
-
-export function control(command: Control["command"]): Promise<void> {
-  return trying(async () => {
-    await server.control({ command });
   });
 }
 

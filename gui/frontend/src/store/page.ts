@@ -2,7 +2,7 @@
 import { create } from "zustand";
 
 export type ViewName = "tree" | "flow" | "split" | "text";
-export type FootTab = "problems" | "run" | "history";
+export type FootTab = "problems" | "run" | "holds" | "history";
 
 export interface PageStore {
   /** The node that has the focus; forms are about it. */

@@ -5,12 +5,14 @@ import { type FootTab, usePage } from "../store/page";
 import { useRun } from "../store/run";
 import { HistoryPanel } from "./edit/HistoryPanel";
 import { EventLog } from "./EventLog";
+import { Holds } from "./Holds";
 import { Problems } from "./Problems";
 import { TimeLine } from "./TimeLine";
 
 const TABS: readonly [FootTab, string][] = [
   ["problems", "Problems"],
   ["run", "Run"],
+  ["holds", "Breakpoints"],
   ["history", "History"],
 ];
 
@@ -43,6 +45,7 @@ export function Foot(): JSX.Element {
             <EventLog />
           </>
         )}
+        {foot === "holds" && <Holds />}
         {foot === "history" && <HistoryPanel />}
       </div>
     </footer>

@@ -19,9 +19,14 @@ export function Notices(): JSX.Element {
           <button onClick={() => useRun.getState().setTrouble("")}>Close</button>
         </div>
       )}
-      {session && session.message && (lost || session.state === "starting") && (
+      {session && session.message && (lost || session.state !== "ended") && (
         <div className={`notice${lost ? " bad" : ""}`} role={lost ? "alert" : "status"}>
           <pre>{session.message}</pre>
+        </div>
+      )}
+      {session !== null && session.zombies.length > 0 && (
+        <div className="notice bad" role="alert">
+          <p>Left behind at the end, since it hung: {session.zombies.join(", ")}</p>
         </div>
       )}
       {error && (

@@ -7,7 +7,7 @@ import { KINDS, statusText } from "../model/words";
 import { usePage } from "../store/page";
 import { useRun } from "../store/run";
 import { KindIcon, PhaseIcon } from "./icons";
-import { lensMark, ProblemMark } from "./marks";
+import { HoldMark, lensMark, ProblemMark } from "./marks";
 import { useDropTarget } from "./useDropTarget";
 import { ROW_HEIGHT, useWindow } from "./useWindow";
 
@@ -112,6 +112,7 @@ function OutlineRow({ row, isClosed, isTabStop }: { row: Row; isClosed: boolean;
         {node.name}
         <span className="hidden">{`${KINDS[node.kind] ?? node.kind},`}</span>
       </span>
+      <HoldMark path={node.path} />
       <ProblemMark path={node.path} />
       {lensMark(node, lens)}
       <span className={`row-status phase-${status.phase}`}>

@@ -1,5 +1,5 @@
 /** The variables at the shown moment, and who writes and reads them: the data lens. */
-import type { JSX } from "react";
+import { type JSX, useState } from "react";
 
 import { variableKey } from "../model/status";
 import { usesOf } from "../model/uses";
@@ -7,6 +7,7 @@ import { seconds } from "../model/words";
 import type { VariableView } from "../protocol/generated";
 import { usePage } from "../store/page";
 import { useRun } from "../store/run";
+import { ValuePreview } from "./ValuePreview";
 
 export function VariablesPanel(): JSX.Element {
   const variables = useRun((s) => s.task.variables);
@@ -41,7 +42,10 @@ function VariableRow({ variable }: { variable: VariableView }): JSX.Element {
   const lit = usePage((s) => s.lens === key);
   const index = useRun((s) => s.index);
   const preview = value?.preview ?? variable.initial ?? "";
+  const run = useRun((s) => s.record?.id);
+  const [open, setOpen] = useState(false);
   return (
+    <>
     <tr>
       <th scope="row" title={[variable.doc, `declared at ${variable.scope || "the task"}`].filter(Boolean).join("\n")}>
         <button className="link" aria-pressed={lit} onClick={() => usePage.getState().setLens(lit ? null : key)}>
@@ -50,7 +54,13 @@ function VariableRow({ variable }: { variable: VariableView }): JSX.Element {
         <code>{value?.type || variable.type}</code>
       </th>
       <td title={preview}>
-        <div className="preview">{preview || <span className="hint">not written</span>}</div>
+        {value && run ? (
+          <button className="preview link" aria-expanded={open} title={`Look at ${variable.name}`} onClick={() => setOpen(!open)}>
+            {preview}
+          </button>
+        ) : (
+          <div className="preview">{preview || <span className="hint">not written</span>}</div>
+        )}
       </td>
       <td>
         {value && (
@@ -72,5 +82,13 @@ function VariableRow({ variable }: { variable: VariableView }): JSX.Element {
         )}
       </td>
     </tr>
+    {open && value && run && (
+      <tr className="preview-row">
+        <td colSpan={3}>
+          <ValuePreview run={run} seq={value.seq} name={variable.name} />
+        </td>
+      </tr>
+    )}
+    </>
   );
 }

@@ -1,13 +1,14 @@
 /** What is run, how, and the buttons. STOP is always there and always answers. */
-import { type JSX, type ReactNode, useEffect, useState } from "react";
+import { type JSX, type ReactNode, useEffect } from "react";
 
 import { runText } from "../model/words";
-import type { ProjectView, StartRun } from "../protocol/generated";
-import { chooseTask, control, startRun } from "../store/desk";
+import type { Control, ProjectView } from "../protocol/generated";
+import { actionTitle } from "../store/actions";
+import { chooseTask } from "../store/desk";
 import { useRun } from "../store/run";
+import { isHeldElsewhere, type RunOptions as Options, useRunning } from "../store/runDesk";
+import { control, giveBack, start, step, stop, takeOver } from "../store/running";
 import { newTask } from "../store/tasks";
-
-type Options = Omit<StartRun, "task">;
 
 /** Simulated seconds in a second; 0 stands for no limit. */
 const PACES = [0.25, 0.5, 1, 2, 5, 0];
@@ -16,13 +17,14 @@ export function TopBar({ project }: { project: ProjectView }): JSX.Element {
   const task = useRun((s) => s.task);
   const session = useRun((s) => s.session);
   const broken = task.problems.some((problem) => problem.severity === "error");
-  const [options, setOptions] = useState<Options>({ robot: "sim", target: "bt", seed: 0, pace: 1 });
+  const options = useRunning((s) => s.options);
+  const { setOptions } = useRunning.getState();
   const state = session?.state ?? "ended";
   // What runs, also when another page or the command line started it, is what the fields say.
   const started = session?.state === "starting" || session?.state === "running" ? session : null;
   useEffect(() => {
     if (started) setOptions({ robot: started.robot, target: started.target, seed: started.seed, pace: started.pace });
-  }, [started]);
+  }, [started, setOptions]);
   const under_way = state !== "ended";
   const change = (part: Partial<Options>): void => setOptions({ ...options, ...part });
 
@@ -47,27 +49,64 @@ export function TopBar({ project }: { project: ProjectView }): JSX.Element {
         <button
           className="run"
           disabled={under_way || broken || task.nodes.length === 0}
-          title={broken ? "The task has errors; see Problems" : "Run the task in a process of its own"}
-          onClick={() => void startRun({ task: task.path, ...options })}
+          title={broken ? "The task has errors; see Problems" : actionTitle("run")}
+          onClick={() => void start()}
         >
           Run
         </button>
         {state === "paused" ? (
-          <button onClick={() => void control("resume")}>Resume</button>
+          <button title={actionTitle("pause")} onClick={() => void control("resume")}>
+            Resume
+          </button>
         ) : (
-          <button disabled={state !== "running"} onClick={() => void control("pause")}>
+          <button disabled={state !== "running"} title={actionTitle("pause")} onClick={() => void control("pause")}>
             Pause
           </button>
         )}
-        <button disabled={state !== "paused"} title="One tick" onClick={() => void control("step")}>
-          Step
-        </button>
+        {under_way && <Steps disabled={state !== "paused"} />}
         <button className="stop" aria-keyshortcuts="F8" title="Stop the run at once (F8)" onClick={stop}>
           STOP
         </button>
       </div>
+      <Lease />
       <RunState />
     </header>
+  );
+}
+
+const STEPS: readonly [Control["how"], string, string][] = [
+  ["over", "Step over", "over"],
+  ["in", "Step in", "into"],
+  ["out", "Step out", "step-out"],
+  ["tick", "Step", "tick"],
+];
+
+function Steps({ disabled }: { disabled: boolean }): JSX.Element {
+  return (
+    <>
+      {STEPS.map(([how, label, action]) => (
+        <button key={how} disabled={disabled} title={actionTitle(action)} onClick={() => step(how)}>
+          {label}
+        </button>
+      ))}
+    </>
+  );
+}
+
+/** Who holds control; shown as soon as there is somebody to share it with. */
+function Lease(): JSX.Element | null {
+  const desk = useRunning((s) => s.desk);
+  const elsewhere = isHeldElsewhere(desk);
+  if (!elsewhere && desk.viewers < 2) return null;
+  const words = elsewhere ? "Another page controls" : desk.holder === null ? "Nobody controls" : "This page controls";
+  return (
+    <span className="lease" role="group" aria-label="Control">
+      <span>
+        {words}, {desk.viewers} look on
+      </span>
+      {elsewhere && <button onClick={() => void takeOver()}>Take over</button>}
+      {!elsewhere && desk.holder !== null && <button onClick={() => void giveBack()}>Give back</button>}
+    </span>
   );
 }
 
@@ -137,11 +176,6 @@ function Field({ label, children }: { label: string; children: ReactNode }): JSX
       {children}
     </span>
   );
-}
-
-function stop(): void {
-  const { session } = useRun.getState();
-  if (session && session.state !== "ended") void control("stop");
 }
 
 /** The state of the process, with the time that it has been so while it starts. STOP by key works wherever the focus is. */

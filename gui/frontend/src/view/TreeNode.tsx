@@ -9,7 +9,7 @@ import { usePage } from "../store/page";
 import { useRun } from "../store/run";
 import { useForm } from "./edit/FormBadge";
 import { KindIcon, PhaseIcon } from "./icons";
-import { lensMark, ProblemMark } from "./marks";
+import { HoldMark, lensMark, ProblemMark } from "./marks";
 import { useDropTarget } from "./useDropTarget";
 
 export function TreeNode({ data }: NodeProps): JSX.Element {
@@ -33,6 +33,7 @@ export function TreeNode({ data }: NodeProps): JSX.Element {
         <KindIcon kind={node.kind} />
         <span className="node-name">{node.name}</span>
         {node.initial && <span className="initial">start</span>}
+        <HoldMark path={node.path} />
         <ProblemMark path={node.path} />
         {lensMark(node, lens)}
         {form && !form.both && (

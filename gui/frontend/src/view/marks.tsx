@@ -4,6 +4,22 @@ import type { JSX } from "react";
 import { expressionNames } from "../model/uses";
 import type { NodeView } from "../protocol/generated";
 import { useRun } from "../store/run";
+import { breakpointsOf, useRunning } from "../store/runDesk";
+
+/** A breakpoint of the node, and whether the run holds there. */
+export function HoldMark({ path }: { path: string }): JSX.Element | null {
+  const task = useRun((s) => s.task.path);
+  const point = useRunning((s) => breakpointsOf(s.desk, task).find((each) => each.node === path));
+  const held = useRun((s) => s.session?.task === s.task.path && s.session.held?.path === path);
+  if (!point && !held) return null;
+  const words = [held && "the run holds here", point && `breakpoint ${point.when}${point.outcome ? ` ${point.outcome}` : ""}${point.condition ? ` if ${point.condition}` : ""}`].filter(Boolean).join("; ");
+  return (
+    <span className={`hold-mark${held ? " held" : ""}`} title={words}>
+      {held ? "▶" : "●"}
+      <span className="hidden">{words}</span>
+    </span>
+  );
+}
 
 export function ProblemMark({ path }: { path: string }): JSX.Element | null {
   const worst = useRun((s) => s.index.worst.get(path));

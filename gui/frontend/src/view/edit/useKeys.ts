@@ -7,7 +7,7 @@ import { editable } from "../../store/editing";
 
 /** Keys that buttons and links need for themselves. */
 const PRESSES = new Set(["Enter", " "]);
-const READING = new Set(["commands", "find", "toggle", "tree", "flow", "split", "text", "enter", "leave", "copy", "new"]);
+const READING = new Set(["commands", "find", "toggle", "tree", "flow", "split", "text", "enter", "leave", "copy", "new", "run", "pause", "stop", "breakpoint", "over", "into", "step-out", "tick", "from-here", "to-here"]);
 
 function inField(target: EventTarget | null): boolean {
   return target instanceof HTMLElement && target.closest("input, textarea, select, [contenteditable=true]") !== null;

@@ -9,7 +9,7 @@ import { usePage } from "../../store/page";
 import { useRun } from "../../store/run";
 import { useForm } from "../edit/FormBadge";
 import { KindIcon, PhaseIcon } from "../icons";
-import { lensMark, ProblemMark } from "../marks";
+import { HoldMark, lensMark, ProblemMark } from "../marks";
 
 export function FlowNode({ data }: NodeProps): JSX.Element {
   const item = data["item"] as FlowItem;
@@ -25,6 +25,7 @@ export function FlowNode({ data }: NodeProps): JSX.Element {
       <div className="node-head">
         <KindIcon kind={node.kind} />
         <span className="node-name">{node.name}</span>
+        <HoldMark path={node.path} />
         <ProblemMark path={node.path} />
         {lensMark(node, lens)}
         {form && !form.both && <span className="form-badge" title={form.reason}>~</span>}

@@ -1,0 +1,41 @@
+/** How runs are started from this page, and what all pages share: who holds control, where runs hold. */
+import { create } from "zustand";
+
+import { PAGE } from "../protocol/client";
+import type { Breakpoint, DeskView, StartRun } from "../protocol/generated";
+
+export type RunOptions = Pick<StartRun, "robot" | "target" | "seed" | "pace">;
+
+export interface RunningStore {
+  readonly options: RunOptions;
+  /** Node -> script that is played in its place, of the next run. */
+  readonly mocks: Readonly<Record<string, string>>;
+  readonly desk: DeskView;
+  setOptions(options: RunOptions): void;
+  setMock(node: string, script: string): void;
+  setDesk(desk: DeskView): void;
+}
+
+export const useRunning = create<RunningStore>()((set) => ({
+  options: { robot: "sim", target: "bt", seed: 0, pace: 1 },
+  mocks: {},
+  desk: { holder: null, viewers: 0, breakpoints: {} },
+  setOptions: (options) => set({ options }),
+  setMock: (node, script) =>
+    set(({ mocks }) => {
+      const { [node]: _, ...others } = mocks;
+      return { mocks: script.trim() ? { ...others, [node]: script.trim() } : others };
+    }),
+  setDesk: (desk) => set({ desk }),
+}));
+
+/** Whether another page holds control. */
+export function isHeldElsewhere(desk: DeskView): boolean {
+  return desk.holder !== null && desk.holder !== PAGE;
+}
+
+const NONE: readonly Breakpoint[] = [];
+
+export function breakpointsOf(desk: DeskView, task: string): readonly Breakpoint[] {
+  return desk.breakpoints[task] ?? NONE;
+}
