@@ -25,6 +25,7 @@ VERBS = (
     "component",
     "interfaces",
     "launch",
+    "messages",
     "edit",
     "runs",
     "replay",
