@@ -231,12 +231,13 @@ class TaskMaker:
         ends = {task_name(o): o for o in outcomes}
         usual = spec.manifest.outcomes
         means = {h: m for h, t in ends.items() if (m := (meaning or {}).get(t, usual[h])) != usual[h]}
+        renamed = {here: there for here, there in ends.items() if here != there}
         leaf = Leaf(
             node=spec.manifest.id,
             in_={key: bound[key] for key in inputs},
             out={key: bound[key] for key in outputs},
             meaning=means,
-            x={"x-source": str(added.span)},
+            x={"x-source": str(added.span), **({"x-outcomes": renamed} if renamed else {})},
         )
         return leaf, ends
 

@@ -8,8 +8,8 @@ from grip_bt.graph import model
 from ..quoting import py
 
 
-def outcome_map(part: Part) -> dict[str, dict[str, str]] | None:
-    """Return outcome -> {child: its outcome}; None where no map says what the parallel does.
+def outcome_map(part: Part) -> tuple[dict[str, dict[str, str]], str] | None:
+    """Return outcome -> {child: its outcome}, and the default outcome; None where no map says what the parallel does.
 
     SMACH takes the entry with the most conditions that hold, the first of equals; a parallel looks at its exits first,
     in its children's order.
@@ -28,10 +28,12 @@ def outcome_map(part: Part) -> dict[str, dict[str, str]] | None:
     wanted = {}
     for child in part.children:
         good = [outcome for outcome, meaning in child.meaning.items() if meaning == "success"]
+        if len(good) == len(child.meaning):
+            continue
         if len(good) != 1 or {child.name: good[0]} in mapped.values():
             return None
         wanted[child.name] = good[0]
-    return {**mapped, "success": wanted}
+    return ({**mapped, "success": wanted}, "failure") if wanted else (mapped, "success")
 
 
 def outcome_function(part: Part, name: str, labels: dict[str, str]) -> str:

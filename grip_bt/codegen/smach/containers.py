@@ -153,16 +153,17 @@ def _own(plan: Plan, part: Part, ours: str, theirs: str) -> str:
 def _concurrence(plan: Plan, part: Part, needed: Refined) -> str:
     names = state_labels(part)
     states = {child.name: state(plan, child, ()) for child in part.children}
-    name, given, mapped = plan.take(part), dict[str, object](), outcome_map(part)
-    own = _own(plan, part, "Joining", "smach.Concurrence")
-    if mapped is not None and own == "smach.Concurrence":
+    name, default, given = plan.take(part), "failure", dict[str, object]()
+    own, said = _own(plan, part, "Joining", "smach.Concurrence"), outcome_map(part)
+    if said is not None and own == "smach.Concurrence":
+        mapped, default = said
         given["outcome_map"] = {o: {names[c]: end for c, end in ends.items()} for o, ends in mapped.items()}
     else:
         function = plan.identifiers.take(f"outcome_of_{name}")
         plan.functions.append(outcome_function(part, function, names))
         given["outcome_cb"] = Code(function)
     outcomes = labels(part.meaning, needed)
-    made = call(own, outcomes=outcomes, default_outcome="failure", **keys_of(part), **given)
+    made = call(own, outcomes=outcomes, default_outcome=default, **keys_of(part), **given)
     plan.begin(name, made, part)
     plan.body.append(f"    with {name}:")
     for child in part.children:

@@ -79,10 +79,13 @@ def initial(declared: Mapping[str, model.Variable | str], cell: Cell) -> list[An
 
 
 def keys_of(part: Part) -> dict[str, list[str]]:
-    """Return the keys of a container. What it only reads goes out too: SMACH would hand it in wrapped."""
-    read, written = reads(part), writes(part)
-    given = {"input_keys": list(read), "output_keys": list({**read, **written})}
-    return {name: keys for name, keys in given.items() if keys}
+    """Return the keys of a container: all go in and out.
+
+    SMACH would hand in wrapped what only comes in; and what only goes out would be, where nobody has written it this
+    time, the value of the time before.
+    """
+    keys = list({**reads(part), **writes(part)})
+    return {"input_keys": keys, "output_keys": keys} if keys else {}
 
 
 def set_key(plan: Plan, userdata: str, name: str, value: object) -> None:
