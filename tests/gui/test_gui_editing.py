@@ -125,10 +125,10 @@ def test_a_late_undo_or_text_takes_nothing_of_others_back(page: TestClient) -> N
 
 def test_every_page_is_told_of_a_new_revision(page: TestClient) -> None:
     with page.websocket_connect("ws://127.0.0.1:8765/api/socket", headers={"origin": BASE}) as socket:
-        assert socket.receive_json()["type"] == "session"
         pen = Pen(page)
         pen.edit(do="rename", path="first", name="one")
-        assert socket.receive_json() == {"type": "revisions", "revisions": {TINY: pen.view["revision"]}}
+        wanted = {"type": "revisions", "revisions": {TINY: pen.view["revision"]}}
+        assert any(socket.receive_json() == wanted for _ in range(5))
 
 
 def test_text_that_is_no_task_is_kept_shown_and_saved(pen: Pen, file: Path) -> None:

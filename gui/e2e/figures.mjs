@@ -1,0 +1,46 @@
+// Figures of large tasks for people: node figures.mjs URL TASK opens a task, pans for two seconds, edits, and says how long it took.
+import { onPage, rest, url } from "./page.mjs";
+
+const [task = ""] = rest;
+
+await onPage(url, async (page, { button, choose, fileIs }) => {
+  const since = async (work) => {
+    const start = Date.now();
+    await work();
+    return Date.now() - start;
+  };
+  const open = await since(async () => {
+    await choose("Task", task);
+    await page.waitForFunction(() => document.querySelectorAll(".react-flow .node").length > 10);
+  });
+  const rows = await page.getByRole("treeitem").count();
+  const box = await page.locator(".react-flow").boundingBox();
+  await page.evaluate(() => {
+    window.frames_seen = 0;
+    const count = () => {
+      window.frames_seen++;
+      requestAnimationFrame(count);
+    };
+    requestAnimationFrame(count);
+  });
+  await page.mouse.move(box.x + 300, box.y + 30);
+  await page.mouse.down();
+  const start = Date.now();
+  const first = await page.evaluate(() => window.frames_seen);
+  for (let i = 0; Date.now() - start < 2000; i++) await page.mouse.move(box.x + 300 + 120 * Math.sin(i / 20), box.y + 30 + (i % 200));
+  const frames = (await page.evaluate(() => window.frames_seen)) - first;
+  const fps = Math.round((1000 * frames) / (Date.now() - start));
+  await page.mouse.up();
+  await page.getByRole("treeitem").nth(2).click();
+  const edit = await since(async () => {
+    await page.keyboard.press("Delete");
+    await fileIs("not saved");
+  });
+  await button("Undo").click();
+  await fileIs("saved");
+  const first_view = await since(async () => {
+    await button("Text").click();
+    await page.locator(".cm-content").waitFor();
+  });
+  console.log(JSON.stringify({ task, open_ms: open, outline_rows_mounted: rows, pan_fps: fps, edit_ms: edit, text_ms: first_view }));
+});
