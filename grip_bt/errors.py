@@ -227,6 +227,27 @@ class ImplementationError(GripError):
         super().__init__(f"node {node}: {implementation}: {reason}")
 
 
+class DivergedError(GripError):
+    """A recorded run doesn't happen again: its task, its nodes or its inputs aren't those that they were.
+
+    Attributes:
+        path: the node.
+        now: what it does.
+        before: what it did, as the journal has it.
+    """
+
+    def __init__(self, path: str, now: str, before: str):
+        self.path, self.now, self.before = path, now, before
+        super().__init__(
+            f"{path}: the journal has {before!r} there, and now it is {now!r}: the task, a subtask or the project's nodes"
+            " have changed since; fork the run before that event, or run the task anew"
+        )
+
+
+class ResumeError(GripError):
+    """A run of the journal can't be gone on with; the message says why, and what can be done."""
+
+
 class SimulatorLostError(GripError):
     """The simulator's process ended, so that nothing can be measured or moved any more."""
 
@@ -326,6 +347,12 @@ class NoObjectError(ExpectedError):
     """The planning scene doesn't have the object that was named; `data['objects']` lists what it has."""
 
     code = "no_object"
+
+
+class BadFileError(ExpectedError):
+    """A file that a task names can't be read, or isn't what it should be."""
+
+    code = "bad_file"
 
 
 class NameTakenError(ExpectedError):

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .operation import Operation
-from .values import CameraInfo, Grasp, JointState, Mesh, Plan, Pose, RgbdFrame, Solid, Trajectory
+from .values import CameraInfo, Grasp, JointState, Plan, Pose, RgbdFrame, Trajectory
+from .values.solids import Mesh, Solid
 
 T = TypeVar("T")
 FREEDOMS = ("none", "x", "y", "z", "orientation")

@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from grip_bt.values import Box, Cylinder, Mesh, Solid, Sphere
+from grip_bt.values.solids import Box, Cylinder, Mesh, Solid, Sphere
 
 from .meshes import coal_mesh
 from .model import Chain

@@ -10,7 +10,7 @@ import coal
 import numpy as np
 
 from grip_bt.errors import DocumentError, UnknownNameError
-from grip_bt.values import Mesh
+from grip_bt.values.solids import Mesh
 
 PACKAGE = "package://"
 FORMATS = ("dae", "obj", "ply", "stl")

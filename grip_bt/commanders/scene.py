@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grip_bt.errors import UnknownNameError
-from grip_bt.values import Box, CellMap, Cylinder, Mesh, Pose, Solid
+from grip_bt.values import Pose
 from grip_bt.values.pose import check_frame
+from grip_bt.values.solids import Box, CellMap, Cylinder, Mesh, Solid
 
 ANYTHING = "*"
 """In an allowed collision, stands for every object and link."""

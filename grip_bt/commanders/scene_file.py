@@ -24,7 +24,8 @@ from pathlib import Path
 import numpy as np
 
 from grip_bt.errors import DocumentError, listing, nearest
-from grip_bt.values import Box, Cylinder, Mesh, Pose, Solid, Sphere
+from grip_bt.values import Pose
+from grip_bt.values.solids import Box, Cylinder, Mesh, Solid, Sphere
 
 from .scene import SceneObject
 

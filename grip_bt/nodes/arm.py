@@ -45,7 +45,7 @@ class MoveToPose(ArmLeaf):
 
     def start(self) -> Operation[JointState]:
         """Plan and follow."""
-        return go(self.arm, self.read("pose"))
+        return self.arm.plan(self.read("pose"), free=self.params["free"]).then(self.arm.execute)
 
     def finish(self, result: JointState) -> Status:
         """Hand out what was measured."""

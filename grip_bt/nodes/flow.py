@@ -6,10 +6,7 @@ from copy import deepcopy
 
 from py_trees.common import Status
 
-from grip_bt.errors import DataError
-from grip_bt.graph.evaluation import Thunk, value_of
-from grip_bt.graph.expression import parse_expression
-
+from .expressions import ExpressionLeaf
 from .leaf import Leaf
 
 
@@ -21,6 +18,11 @@ class Wait(Leaf):
     def initialise(self) -> None:
         """Note when to end."""
         self._until = self.context.clock.now() + self.params["seconds"]
+        self.context.wake_at(self._until)
+
+    def resume(self, began: float) -> None:
+        """Wait for the rest of the time."""
+        self._until = began + self.params["seconds"]
         self.context.wake_at(self._until)
 
     def update(self) -> Status:
@@ -65,28 +67,9 @@ class Set(Leaf):
         return self.end(value=deepcopy(self.params["value"]))
 
 
-class Compute(Leaf):
+class Compute(ExpressionLeaf):
     """Give a variable the value of an expression over the inputs."""
-
-    def prepare(self) -> None:
-        """Read the expression.
-
-        Raises:
-            ExpressionError: it isn't one.
-            DataError: it names something that no variable is bound to.
-        """
-        expression = parse_expression(self.params["expression"])
-        for name in expression.names:
-            if name not in self.readers:
-                allowed = ", ".join(self.manifest.inputs)
-                raise DataError(self.path, name, f"the expression names it, and no variable is bound ({allowed})")
-        self._compute = value_of(expression, self._inputs())
 
     def update(self) -> Status:
         """Compute."""
-        return self.end(value=self._compute())
-
-    def _inputs(self) -> dict[str, Thunk]:
-        first: dict[str, Thunk] = {"a": lambda: self.read("a"), "b": lambda: self.read("b")}
-        first |= {"c": lambda: self.read("c"), "d": lambda: self.read("d"), "e": lambda: self.read("e")}
-        return first | {"f": lambda: self.read("f"), "g": lambda: self.read("g"), "h": lambda: self.read("h")}
+        return self.end(value=self.compute())

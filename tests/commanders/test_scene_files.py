@@ -8,7 +8,8 @@ import pytest
 from grip_bt.commanders.scene import PlanningScene
 from grip_bt.commanders.scene_file import load_scene, parse_scene
 from grip_bt.errors import DocumentError
-from grip_bt.values import Box, Cylinder, Mesh, Pose, Sphere
+from grip_bt.values import Pose
+from grip_bt.values.solids import Box, Cylinder, Mesh, Sphere
 
 NEW = """(noname)+
 * table top

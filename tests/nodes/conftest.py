@@ -85,10 +85,10 @@ class FakeArm(Steps):
     def named_states(self):
         return {"home": JointState(("j",), [0.0])}
 
-    def plan(self, goal):
+    def plan(self, goal, *, start=None, free="none"):
         return self._plan("plan", goal)
 
-    def plan_straight(self, goals):
+    def plan_straight(self, goals, *, start=None):
         return self._plan("straight", list(goals))
 
     def _plan(self, verb, goal):

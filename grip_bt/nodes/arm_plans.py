@@ -1,0 +1,119 @@
+"""Leaves that make plans, and leaves that follow them; in between, a plan is a value of the task."""
+
+from __future__ import annotations
+
+from grip_bt.commanders.together import execute_together
+from grip_bt.errors import PathInvalidError, UnknownNameError
+from grip_bt.operation import Operation
+from grip_bt.ports import Arm
+from grip_bt.values import JointState, Plan, Pose
+
+from .arm import ArmLeaf
+from .leaf import OperationLeaf, Status
+from .motion import go, go_straight
+
+
+class PlanLeaf(ArmLeaf):
+    """A leaf whose result is a plan."""
+
+    def finish(self, result: Plan) -> Status:
+        """Hand the plan out."""
+        return self.end(plan=result)
+
+
+class PlanTo(PlanLeaf):
+    """Plan to a named state, or to the state or pose that is bound."""
+
+    def prepare(self) -> None:
+        """Verify that the arm has the named state, if one is given."""
+        super().prepare()
+        states = self.arm.named_states()
+        if self.params["state"] and self.params["state"] not in states:
+            raise UnknownNameError("named state", self.params["state"], states, where=self.path)
+        if bool(self.params["state"]) == ("goal" in self.readers):
+            raise ValueError(f"{self.path}: give either `with: {{state: ...}}` or `in: {{goal: ...}}`")
+
+    def start(self) -> Operation[Plan]:
+        """Ask."""
+        bound: JointState | Pose | None = self.read("goal")
+        goal = self.params["state"] if bound is None else bound
+        return self.arm.plan(goal, start=self.read("start"), free=self.params["free"])
+
+
+class PlanStraight(PlanLeaf):
+    """Plan straight lines through poses."""
+
+    def start(self) -> Operation[Plan]:
+        """Ask."""
+        return self.arm.plan_straight(self.read("poses"), start=self.read("start"))
+
+
+class Execute(ArmLeaf):
+    """Follow a plan."""
+
+    def start(self) -> Operation[JointState]:
+        """Follow."""
+        return self.arm.execute(self.read("plan"))
+
+    def finish(self, result: JointState) -> Status:
+        """Hand out what was measured."""
+        return self.end(reached=result)
+
+
+class ExecuteTogether(OperationLeaf):
+    """Follow plans of several arms at once."""
+
+    def prepare(self) -> None:
+        """Look the arms up; no arm stands there twice."""
+        names: list[str] = self.params["arms"]
+        if len(set(names)) != len(names) or not names:
+            raise ValueError(f"{self.path}: `arms` names each arm once, not {names}")
+        self._arms: dict[str, Arm] = {name: self.context.arm(name) for name in names}
+
+    def start(self) -> Operation[dict[str, JointState]]:
+        """Follow them all."""
+        plans: list[Plan] = self.read("plans")
+        if len(plans) != len(self._arms):
+            raise PathInvalidError(f"there are {len(plans)} plans for the arms {', '.join(self._arms)}")
+        return execute_together(
+            {name: (arm, plan) for (name, arm), plan in zip(self._arms.items(), plans, strict=True)}
+        )
+
+    def finish(self, result: dict[str, JointState]) -> Status:
+        """Hand out what was measured, in the order of the arms."""
+        return self.end(reached=[result[name] for name in self._arms])
+
+
+class MoveToJoints(ArmLeaf):
+    """Go to joint positions."""
+
+    def start(self) -> Operation[JointState]:
+        """Plan and follow."""
+        return go(self.arm, self.read("state"))
+
+    def finish(self, result: JointState) -> Status:
+        """Hand out what was measured."""
+        return self.end(reached=result)
+
+
+class MoveStraight(ArmLeaf):
+    """Go straight: to a pose, or by an offset from where the hand is."""
+
+    def prepare(self) -> None:
+        """Verify that there is one goal."""
+        super().prepare()
+        offset = self.params["offset"]
+        if bool(offset) == ("pose" in self.readers):
+            raise ValueError(f"{self.path}: give either `with: {{offset: [x, y, z]}}` or `in: {{pose: ...}}`")
+        if offset and len(offset) != 3:
+            raise ValueError(f"{self.path}: an offset is 3 lengths [m] in world, not {offset}")
+
+    def start(self) -> Operation[JointState]:
+        """Plan and follow."""
+        pose: Pose | None = self.read("pose")
+        goal = self.arm.grasp_pose().moved(self.params["offset"]) if pose is None else pose
+        return go_straight(self.arm, [goal], self.context.scene(), self.params["ignore"])
+
+    def finish(self, result: JointState) -> Status:
+        """Hand out what was measured."""
+        return self.end(reached=result)

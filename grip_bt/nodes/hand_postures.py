@@ -1,0 +1,120 @@
+"""Leaves that move fingers to postures, one by one or by synergies, and that watch what the hand touches."""
+
+from __future__ import annotations
+
+from grip_bt.errors import NotTaughtError, listing
+from grip_bt.operation import Operation
+from grip_bt.values import JointState
+
+from .hand import HandLeaf
+from .leaf import Status
+
+
+class MovingHandLeaf(HandLeaf):
+    """A leaf that moves the fingers without asking whether they touch."""
+
+    def finish(self, result: JointState) -> Status:
+        """Hand out what was measured."""
+        return self.end(reached=result)
+
+    def move(self, posture: JointState | str) -> Operation[JointState]:
+        """Go, with the task's torque limit and time."""
+        return self.hand.move(posture, self.params["torque_limit"], self.params["seconds"])
+
+
+class Posture(MovingHandLeaf):
+    """Go to a posture, named or bound."""
+
+    def prepare(self) -> None:
+        """Verify that there is one posture."""
+        super().prepare()
+        if bool(self.params["posture"]) == ("state" in self.readers):
+            raise ValueError(f"{self.path}: give either `with: {{posture: ...}}` or `in: {{state: ...}}`")
+
+    def start(self) -> Operation[JointState]:
+        """Go; the name is looked up now, since it may have been taught meanwhile.
+
+        Raises:
+            NotTaughtError: the hand has no posture of this name.
+        """
+        bound: JointState | None = self.read("state")
+        known, name = self.hand.named_states(), self.params["posture"]
+        if bound is None and name not in known:
+            raise NotTaughtError(
+                f"the hand has no posture {name!r} (there are: {listing(sorted(known))})", taught=sorted(known)
+            )
+        return self.move(name if bound is None else bound)
+
+
+class Fingers(MovingHandLeaf):
+    """Close some fingers in part."""
+
+    def prepare(self) -> None:
+        """Verify fingers and shares."""
+        super().prepare()
+        self._posture = self.hand.finger_posture(self.params["closing"])
+
+    def start(self) -> Operation[JointState]:
+        """Go."""
+        return self.move(self._posture)
+
+
+class Synergy(MovingHandLeaf):
+    """Go to the posture of synergies."""
+
+    def prepare(self) -> None:
+        """Verify the weights."""
+        super().prepare()
+        self._posture = self.hand.synergy(self.params["weights"])
+
+    def start(self) -> Operation[JointState]:
+        """Go."""
+        return self.move(self._posture)
+
+
+class HoldHand(HandLeaf):
+    """End a motion of the fingers and hold them where they are."""
+
+    def update(self) -> Status:
+        """Stop."""
+        self.hand.stop()
+        return self.end()
+
+
+class HasContact(HandLeaf):
+    """Succeed when enough links of the hand touch something now."""
+
+    def update(self) -> Status:
+        """Look."""
+        force = self.params["force"]
+        links = sorted(link for link, pressed in self.hand.contacts().items() if pressed >= force)
+        if len(links) >= self.params["links"]:
+            return self.end(links=links)
+        return self.fail("no_contact", f"{len(links)} links touch something: {listing(links)}", links=links)
+
+
+class KeepContact(HandLeaf):
+    """Watch over a grasp: run while enough links touch something, and fail when they have ceased to.
+
+    A contact that is away for a moment, as in a jerk, counts as kept.
+    """
+
+    _lost_since: float | None = None
+
+    def initialise(self) -> None:
+        """Begin with nothing lost."""
+        self._lost_since = None
+
+    def update(self) -> Status:
+        """Look; the task is woken again in time."""
+        now, force = self.context.clock.now(), self.params["force"]
+        links = sorted(link for link, pressed in self.hand.contacts().items() if pressed >= force)
+        self.context.wake_at(now + self.params["patience"] / 2)
+        if len(links) >= self.params["links"]:
+            self._lost_since = None
+            return self.running(f"{len(links)} links touch")
+        if self._lost_since is None:
+            self._lost_since = now
+        if now - self._lost_since < self.params["patience"]:
+            return self.running("contact is lost")
+        return self.fail("lost_contact", f"{len(links)} links touch something: {listing(links)}", links=links)
