@@ -217,8 +217,9 @@ class SmachLeaf(KeysLeaf):
         if new_status == Status.INVALID and activation is not None and not activation.done():
             self._zombie = activation
             self.state.request_preempt()
-            for tree in _trees_below(self.state):
-                tree.request_halt()
+            for state in _with_all_below(self.state):
+                if hasattr(state, "request_halt"):  # it ticks a tree of ours, which can be halted
+                    state.request_halt()
             self.observer.message(self.path, "interrupted: execute() was asked to return and still runs")
 
     @property
@@ -228,9 +229,10 @@ class SmachLeaf(KeysLeaf):
 
     def _bury(self) -> None:
         if self._zombie is not None:
-            self.state.recall_preempt()
-            for tree in _trees_below(self.state):
-                tree.recall_halt()
+            for state in _with_all_below(self.state):
+                state.recall_preempt()
+                if hasattr(state, "recall_halt"):
+                    state.recall_halt()
             self._zombie = None
 
     def shutdown(self) -> None:
@@ -243,12 +245,11 @@ class SmachLeaf(KeysLeaf):
         return _runs.setdefault(self.context.clock, _Run())
 
 
-def _trees_below(state: Any) -> Iterator[Any]:
-    """Yield the states below that tick a tree of ours: unlike legacy code, these can be halted."""
-    if hasattr(state, "request_halt"):
-        yield state
+def _with_all_below(state: Any) -> Iterator[Any]:
+    """Yield a state, and where it is a container all that it holds."""
+    yield state
     for child in state.get_children().values() if hasattr(state, "get_children") else ():
-        yield from _trees_below(child)
+        yield from _with_all_below(child)
 
 
 class NextItem(Leaf):
