@@ -63,11 +63,6 @@ def _add_questions(api: APIRouter, desk: EditDesk) -> None:
         files = [entry.path for entry in folder.tasks()]
         return catalog_view(found, files, trouble.message if trouble else "")
 
-    @api.get("/document")
-    def document(path: str) -> DocumentView:
-        with desk.reading(path) as sheet:
-            return document_view(folder, sheet)
-
     @api.get("/document/forms")
     def forms(path: str) -> FormsView:
         with desk.reading(path) as sheet:
@@ -104,6 +99,10 @@ def _add_wishes(api: APIRouter, desk: EditDesk, notify: Callable[[], None]) -> N
         view = await asyncio.to_thread(changed)
         notify()
         return view
+
+    @api.get("/document")
+    async def document(path: str) -> DocumentView:
+        return await change(path, Sheet.follow_disk)
 
     @api.post("/document/edit")
     async def edit(wish: EditWish) -> DocumentView:

@@ -176,6 +176,17 @@ def test_a_file_changed_by_somebody_else_is_never_lost(pen: Pen, file: Path) -> 
     assert "mine:" in file.read_text()
 
 
+def test_a_file_without_edits_follows_what_is_on_disk(pen: Pen, file: Path) -> None:
+    theirs = TASK.replace("first:", "theirs:")
+    file.write_text(theirs)
+    assert pen.open()["text"] == theirs
+    assert pen.view["saved"]
+    assert pen.view["change"] == ""
+    assert pen.step("undo")["text"] == TASK
+    assert pen.view["change"] == ""
+    assert not pen.view["saved"]
+
+
 def test_a_deleted_file_is_told_and_written_again(pen: Pen, file: Path) -> None:
     file.unlink()
     assert pen.open()["change"] == "deleted"

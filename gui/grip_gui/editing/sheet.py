@@ -291,6 +291,15 @@ class Sheet:
         except DocumentError as error:
             log.warning("the history of %s isn't kept: %s", self.file.name, error)
 
+    def follow_disk(self) -> None:
+        """Take the file's text where it has changed and nothing here would be lost by it.
+
+        Raises:
+            DocumentError: it can't be read.
+        """
+        if self.saved and self.file.change() == "changed":
+            self.take_from_disk()
+
     def take_from_disk(self) -> None:
         """Take the file's text as an edit, so that undo brings back what was here.
 

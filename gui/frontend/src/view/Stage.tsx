@@ -14,12 +14,13 @@ export function Stage(): JSX.Element {
   const view = usePage((s) => s.view);
   const beside = usePage((s) => s.beside);
   const path = useRun((s) => s.task.path);
+  const drawn = useRun((s) => s.task.nodes.length > 0);
   const stale = useDocument((s) => s.document?.draft === true) && view !== "text";
   return (
     <div className={`stage stage-${view}`}>
       {stale && (
         <p className="stale-note" role="status">
-          The text isn't a task at the moment: this is the last one that it was.{" "}
+          {drawn ? "The text isn't a task at the moment: this is the last one that it was." : "This file isn't a task yet; its text has to be mended."}{" "}
           <button onClick={() => usePage.getState().setView("text")}>Show the text</button>
         </p>
       )}
