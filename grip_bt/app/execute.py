@@ -135,6 +135,7 @@ def open_session(
             scene=resources.scene,
             sensors=resources.sensors,
             ros=resources.ros,
+            messages=resources.messages,
             pausable=resources.pausable,
         )
         runner = Runner(

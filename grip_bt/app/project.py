@@ -61,6 +61,8 @@ class ProjectFile(_Config):
     sensors: dict[Key, SensorConfig] = {}
     processes: dict[Key, ProcessConfig] = {}
     """What `grip launch` runs: drivers, a vendor's launch file, anything."""
+    message_server: bool = False
+    """Whether named messages are those of a running server (`grip messages serve`), not of the run's own process."""
     components: str | None = "components"
     """Folder of external components, each with a `component.yaml`."""
     nodes: str | None = "nodes"

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from grip_bt.errors import UnknownNameError
-from grip_bt.ports import Arm, Camera, Clock, Component, Hand, Pausable, Ros, Scene, Sensor
+from grip_bt.ports import Arm, Camera, Clock, Component, Hand, Messages, Pausable, Ros, Scene, Sensor
 
 from .project import Project
 
@@ -31,6 +31,7 @@ class Resources:
     components: Mapping[str, Component] = field(default_factory=dict)
     sensors: Mapping[str, Sensor] = field(default_factory=dict)
     ros: Ros | None = None
+    messages: Messages | None = None
     scene: Scene | None = None
     referee: Any = None
     pausable: Sequence[Pausable] = ()
@@ -77,6 +78,10 @@ def open_resources(
             from . import ros_parts
 
             ros_parts.open_ros(project, names, sensors, needs, resources, stack, progress)
+        if any(node.startswith("messages/") for node in needs):
+            from . import message_parts
+
+            message_parts.open_messages(project, resources, stack, progress)
         yield resources
 
 

@@ -47,6 +47,7 @@ def tree_run(
             scene=resources.scene,
             sensors=resources.sensors,
             ros=resources.ros,
+            messages=resources.messages,
             pausable=resources.pausable,
         )
         with TreeRun(context, project.catalog()) as run:

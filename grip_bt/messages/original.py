@@ -92,9 +92,10 @@ def read_trajectories(path: Path | str, states: Mapping[str, JointState]) -> dic
 
 def _open(path: Path | str) -> _File:
     source = str(path)
-    tree = parse(read_file(path), source)
-    if isinstance(tree, Scalar) and tree.value is None:
-        return _File(source, Node())
+    text = read_file(path)
+    if not any(line.strip() and not line.strip().startswith("#") for line in text.splitlines()):
+        return _File(source, Node())  # a file that waits for its first entry
+    tree = parse(text, source)
     if not isinstance(tree, Node):
         raise DocumentError("a mapping from names to values is expected", source, tree.line, tree.column)
     return _File(source, tree)

@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 
 from grip_bt.errors import MissingPartError, UnknownNameError
 from grip_bt.operation import Operation
-from grip_bt.ports import Arm, Camera, Clock, Component, Hand, Pausable, Ros, Scene, Sensor
+from grip_bt.ports import Arm, Camera, Clock, Component, Hand, Messages, Pausable, Ros, Scene, Sensor
 
 from .clock import WallClock
 from .waker import Waker
@@ -28,6 +28,7 @@ class RunContext:
         scene: the planning scene, where there is one.
         sensors: sensors on topics, by name.
         ros: the connection to ROS, where there is one.
+        messages: the project's named values, where there are some.
         workers: how many threads run blocking code at most.
         pausable: what stands still while the run is paused, besides its clock: a simulator, an arm, a hand.
     """
@@ -43,6 +44,7 @@ class RunContext:
         scene: Scene | None = None,
         sensors: Mapping[str, Sensor] | None = None,
         ros: Ros | None = None,
+        messages: Messages | None = None,
         workers: int = 4,
         pausable: Sequence[Pausable] = (),
     ):
@@ -50,6 +52,7 @@ class RunContext:
         self._arms, self._hands = dict(arms or {}), dict(hands or {})
         self._cameras, self._components = dict(cameras or {}), dict(components or {})
         self._scene, self._sensors, self._ros = scene, dict(sensors or {}), ros
+        self._messages = messages
         self._workers = Workers(workers)
         self._preempt_requested = False
         self._pausable = [part for part in (*pausable, self._clock) if isinstance(part, Pausable)]
@@ -130,6 +133,16 @@ class RunContext:
         if self._ros is None:
             raise MissingPartError("a connection to ROS", "run without `--robot fake`, and see `grip doctor`")
         return self._ros
+
+    def messages(self) -> Messages:
+        """Return the project's named values.
+
+        Raises:
+            MissingPartError: this run has none.
+        """
+        if self._messages is None:
+            raise MissingPartError("a store of named messages", "run the task in a project: `grip new DIR`")
+        return self._messages
 
     # --- for the runner ---
 

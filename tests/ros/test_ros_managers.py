@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from conftest import ended
 
-from grip_bt.errors import BadReplyError, NoEntryError, ServerLostError
+from grip_bt.errors import BadReplyError, EmptyQueueError, NoEntryError, ServerLostError
 from grip_bt.values import Grasp, Image, JointState, Plan, PointCloud, Pose, Trajectory
 
 pytestmark = pytest.mark.ros
@@ -98,7 +98,7 @@ def test_a_queue_gives_first_what_came_first_and_each_once(messages):
     for i in range(4):
         ended(messages.put("poses", "", Pose([i, 0, 0])))
     assert [ended(messages.get("poses", "")).value.position[0] for _ in range(4)] == [0, 1, 2, 3]
-    with pytest.raises(NoEntryError, match="nothing waits in its queue"):
+    with pytest.raises(EmptyQueueError, match="nothing waits in its queue"):
         ended(messages.get("poses", ""))
 
 
@@ -117,7 +117,7 @@ def test_a_reset_forgets_what_was_added_and_reads_the_files_again(messages, fold
     (folder / "poses.yaml").write_text(POSES.replace("bin:", "shelf:"))
     ended(messages.reset("poses"))
     assert ended(messages.names("poses")) == ("shelf",)
-    with pytest.raises(NoEntryError):
+    with pytest.raises(EmptyQueueError):
         ended(messages.get("poses", ""))
 
 

@@ -6,7 +6,7 @@ from array import array
 from collections.abc import Callable
 from typing import Any
 
-from grip_bt.errors import BadReplyError, NoEntryError
+from grip_bt.errors import BadReplyError, EmptyQueueError, NoEntryError
 from grip_bt.messages import Entry
 from grip_bt.operation import Operation
 
@@ -49,9 +49,15 @@ class RosMessages:
 
     def get(self, store: str, name: str) -> Operation[Entry[Any]]:
         """Return an entry; without a name the oldest of the store's queue, which is removed."""
-        return self._ask("get", "GetMessage", NoEntryError, store=store, name=name).then(
-            lambda answer: _entry(store, answer.entry)
-        )
+        cls = load_type("grip_msgs/srv/GetMessage")
+        client = self._bus.service(cls, f"{self._prefix}/get", self._timeout, self._wait)
+
+        def read(answer: Any) -> Operation[Entry[Any]]:
+            if answer.success:
+                return _entry(store, answer.entry)
+            raise EmptyQueueError(store) if answer.code == EmptyQueueError.code else NoEntryError(answer.message)
+
+        return client.call(cls.Request(store=store, name=name)).then(read)
 
     def names(self, store: str) -> Operation[tuple[str, ...]]:
         """Return the names in a store."""

@@ -10,7 +10,7 @@ from typing import Any
 
 from rclpy.qos import QoSProfile
 
-from grip_bt.errors import ExpectedError, GripError, UnknownNameError
+from grip_bt.errors import EmptyQueueError, ExpectedError, GripError, UnknownNameError
 from grip_bt.messages import Change, Entry, MessageLibrary, MessageStore, load, save
 
 from ..bus import Bus
@@ -97,6 +97,8 @@ class MessageServer:
 
     def _on_get(self, request: Any, response: Any) -> None:
         store = self._store(request.store)
+        if not request.name and not store.queued:
+            response.code = EmptyQueueError.code
         response.entry = self._message(request.store, store.entry(request.name) if request.name else store.take())
 
     def _on_list(self, request: Any, response: Any) -> None:

@@ -1,0 +1,107 @@
+"""Leaves over named messages: values that a project keeps by name, beyond one run of one task."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from grip_bt.catalog.types import check_value
+from grip_bt.errors import BadReplyError
+from grip_bt.operation import Operation
+
+from .leaf import OperationLeaf, Status
+
+
+class GetMessage(OperationLeaf):
+    """Read a value by its name."""
+
+    def start(self) -> Operation[Any]:
+        """Ask for it."""
+        return self.context.messages().get(self.params["store"], self.entry_name())
+
+    def entry_name(self) -> str:
+        """Return the name that is asked for."""
+        return str(self.params["name"])
+
+    def finish(self, result: Any) -> Status:
+        """Hand it out, when it is what the task expects."""
+        wanted = self.params["type"]
+        if (reason := check_value(wanted, result.value)) is not None:
+            store, name = self.params["store"], result.name
+            raise BadReplyError(f"store {store!r}: {name or 'the queue'}: it {reason}", store=store, name=name)
+        return self.end(value=result.value)
+
+
+class SelectMessage(GetMessage):
+    """Read a value whose name the task has worked out."""
+
+    def entry_name(self) -> str:
+        """Return the name that came in."""
+        return str(self.read("name"))
+
+
+class TakeMessage(GetMessage):
+    """Take the oldest value out of a store's queue."""
+
+    def entry_name(self) -> str:
+        """Return the name of the queue."""
+        return ""
+
+
+class PutMessage(OperationLeaf):
+    """Keep a value under a name."""
+
+    def start(self) -> Operation[None]:
+        """Hand it over."""
+        return self.context.messages().put(self.params["store"], self.entry_name(), self.read("value"), self.path)
+
+    def entry_name(self) -> str:
+        """Return the name under which it is kept."""
+        return str(self.params["name"])
+
+
+class PushMessage(PutMessage):
+    """Put a value at the end of a store's queue."""
+
+    def entry_name(self) -> str:
+        """Return the name of the queue."""
+        return ""
+
+
+class DeleteMessage(OperationLeaf):
+    """Forget a value."""
+
+    def start(self) -> Operation[None]:
+        """Have it removed."""
+        return self.context.messages().delete(self.params["store"], self.params["name"])
+
+
+class ListMessages(OperationLeaf):
+    """Tell the names in a store."""
+
+    def start(self) -> Operation[tuple[str, ...]]:
+        """Ask for them."""
+        return self.context.messages().names(self.params["store"])
+
+    def finish(self, result: tuple[str, ...]) -> Status:
+        """Hand them out."""
+        return self.end(names=list(result))
+
+
+class ReinitialiseMessages(OperationLeaf):
+    """Empty stores and read the project's files again."""
+
+    def start(self) -> Operation[None]:
+        """Have it done."""
+        return self.context.messages().reset(self.params["store"])
+
+
+class SaveMessages(OperationLeaf):
+    """Keep all named values for later runs."""
+
+    def start(self) -> Operation[int]:
+        """Have them written."""
+        return self.context.messages().save()
+
+    def finish(self, result: int) -> Status:
+        """Say how many there are."""
+        return self.end(count=result)
