@@ -1,0 +1,358 @@
+"""Leaves over the shipped fakes of an arm and a hand: plans as values, jogging, following, teaching, fingers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from grip_bt.commanders.fake import FakeArm, FakeHand, OnClock
+from grip_bt.commanders.hand import HandCommander
+from grip_bt.commanders.scene import PlanningScene
+from grip_bt.errors import ExecutionAbortedError, NoIkError, PathInvalidError, UnknownNameError
+from grip_bt.runtime.clock import ManualClock
+from grip_bt.values import JointState, Pose
+
+OPEN, CLOSED = (JointState(("finger", "thumb"), [angle, angle]) for angle in (0.0, 1.0))
+SUCCESS = ("SUCCESS", "success", None)
+
+
+class Cell:
+    """The world with shipped fakes, whose time the test moves."""
+
+    def __init__(self, world, **script):
+        self.clock, self.world = ManualClock(), world
+        self.schedule = OnClock(self.clock)
+        self.arm = FakeArm("right", Pose((0.3, -0.4, 0.5)), self.schedule, script=script)
+        self.port = FakeHand(OPEN, self.schedule)
+        fingers = {"finger": ("finger",), "thumb": ("thumb",)}
+        self.hand = HandCommander("right_hand", self.port, {"open": OPEN, "closed": CLOSED}, fingers=fingers)
+        self.scene = PlanningScene({"right_hand": self.arm.grasp_pose}, {"table": ((1, 1, 0.1), Pose((0.5, 0, -0.05)))})
+        context = world.context
+        context._arm, context._hand, context._scene, context.clock = self.arm, self.hand, self.scene, self.clock
+        self.leaf, self.data = world.leaf, world.data
+
+    def run(self, leaf, at_most=20.0, step=0.1):
+        """Tick and let time pass until the leaf ends; return how."""
+        for _ in range(int(at_most / step)):
+            leaf.tick_once()
+            if leaf.outcome is not None:
+                return leaf.status.name, leaf.outcome, leaf.failure and leaf.failure.code
+            self.clock.advance(step)
+        raise AssertionError(f"{leaf.manifest.id} still runs after {at_most} s")
+
+
+@pytest.fixture
+def cell(world):
+    return Cell(world)
+
+
+# --- plans ---
+
+
+def test_a_plan_is_a_value_that_moves_nothing_until_it_is_followed(cell):
+    before, goal = cell.arm.grasp_pose(), Pose((0.5, 0.1, 0.3))
+    assert cell.run(cell.leaf("arm/plan", goal=goal)) == SUCCESS
+    assert cell.arm.grasp_pose() == before
+    assert cell.run(cell.leaf("arm/execute", plan=cell.data["plan"])) == SUCCESS
+    assert cell.arm.grasp_pose().position == pytest.approx(goal.position)
+    assert cell.data["reached"].position[:3] == pytest.approx(goal.position)
+
+
+def test_a_plan_begins_where_it_is_told_and_is_refused_elsewhere(cell):
+    start = JointState(cell.arm.state().names, [0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+    assert cell.run(cell.leaf("arm/plan", state="home", start=start)) == SUCCESS
+    plan = cell.data["plan"]
+    assert plan.trajectory.positions[0].tolist() == start.position.tolist()
+    assert cell.run(cell.leaf("arm/execute", plan=plan)) == ("FAILURE", "failure", "aborted")
+
+
+def test_a_plan_needs_one_goal_and_a_known_one_and_says_so_before_the_run(cell):
+    with pytest.raises(ValueError, match="either"):
+        cell.leaf("arm/plan")
+    with pytest.raises(ValueError, match="either"):
+        cell.leaf("arm/plan", state="home", goal=Pose())
+    with pytest.raises(UnknownNameError, match="home"):
+        cell.leaf("arm/plan", state="hoem")
+
+
+@pytest.mark.parametrize(("node", "verb"), [("arm/plan", "plan"), ("arm/plan_straight", "plan_straight")])
+def test_a_plan_that_fails_says_why(world, node, verb):
+    cell = Cell(world, **{verb: [NoIkError("too far")]})
+    given = {"goal": Pose()} if node == "arm/plan" else {"poses": [Pose()]}
+    assert cell.run(cell.leaf(node, **given)) == ("FAILURE", "failure", "no_ik")
+
+
+def test_straight_lines_go_through_their_corners(cell):
+    corners = [cell.arm.grasp_pose().moved(way) for way in ((0.1, 0, 0), (0.1, 0.1, 0))]
+    assert cell.run(cell.leaf("arm/plan_straight", poses=corners)) == SUCCESS
+    assert len(cell.data["plan"].trajectory.times) == 3
+
+
+def test_arms_move_together_by_their_plans(cell):
+    other = FakeArm("left", Pose((0.3, 0.4, 0.5)), cell.schedule)
+    arms = {"right": cell.arm, "left": other}
+    cell.world.context.arm = lambda name: arms[name]
+    plans = [arm.plan(arm.grasp_pose().moved((0, 0, up))).result() for arm, up in ((cell.arm, 0.2), (other, 0.4))]
+    assert cell.run(cell.leaf("arm/execute_together", arms=["right", "left"], plans=plans)) == SUCCESS
+    right, left = cell.data["reached"]
+    assert (right.position[2], left.position[2]) == (pytest.approx(0.7), pytest.approx(0.9))
+    failed = cell.run(cell.leaf("arm/execute_together", arms=["right", "left"], plans=plans[:1]))
+    assert failed == ("FAILURE", "failure", "path_invalid")
+    with pytest.raises(ValueError, match="once"):
+        cell.leaf("arm/execute_together", arms=["right", "right"], plans=plans)
+
+
+def test_moving_to_joints_and_straight_by_an_offset(cell):
+    joints = JointState(cell.arm.state().names, [0.2, 0.1, 0.4, 0.0, 0.0, 0.3])
+    assert cell.run(cell.leaf("arm/move_to_joints", state=joints)) == SUCCESS
+    assert cell.data["reached"].position.tolist() == joints.position.tolist()
+    assert cell.run(cell.leaf("arm/move_straight", offset=[0.0, 0.0, 0.1])) == SUCCESS
+    assert cell.arm.grasp_pose().position == pytest.approx([0.2, 0.1, 0.5])
+    assert cell.run(cell.leaf("arm/move_straight", pose=Pose((0.2, 0.2, 0.5)))) == SUCCESS
+    assert cell.arm.grasp_pose().position == pytest.approx([0.2, 0.2, 0.5])
+    with pytest.raises(ValueError, match="either"):
+        cell.leaf("arm/move_straight")
+    with pytest.raises(ValueError, match="3 lengths"):
+        cell.leaf("arm/move_straight", offset=[1.0])
+
+
+def test_a_pose_may_leave_its_orientation_open(cell):
+    assert cell.run(cell.leaf("arm/move_to_pose", pose=Pose((0.4, 0, 0.4)), free="orientation")) == SUCCESS
+    with pytest.raises(Exception, match="orientation"):
+        cell.run(cell.leaf("arm/move_to_pose", pose=Pose((0.4, 0, 0.4)), free="yaw"))
+
+
+# --- jogging, following, holding ---
+
+
+def test_jogging_moves_with_the_twist_for_its_time(cell):
+    leaf = cell.leaf("arm/jog", linear=[0.0, 0.0, -0.1], angular=[0.0, 0.0, 0.5], seconds=1.0)
+    assert cell.run(leaf) == SUCCESS
+    assert cell.arm.grasp_pose().position == pytest.approx([0.3, -0.4, 0.4])
+    assert cell.data["reached"].position[5] == pytest.approx(0.5)
+    assert cell.clock.now() == pytest.approx(1.0, abs=0.11)
+
+
+def test_an_interrupted_jog_holds(cell):
+    leaf = cell.leaf("arm/jog", linear=[0.0, 0.0, -0.1], seconds=1.0)
+    leaf.tick_once()
+    cell.clock.advance(0.5)
+    leaf.stop()
+    held = cell.arm.grasp_pose()
+    cell.clock.advance(1.0)
+    assert cell.arm.grasp_pose() == held
+    assert 0.4 < held.position[2] < 0.5
+
+
+def test_following_catches_a_target_that_moves_away_meanwhile(cell):
+    target = [Pose((0.3, -0.4, 0.6))]
+    leaf = cell.leaf("arm/follow", pose=target[0])
+    leaf.readers["pose"] = lambda: target[0]
+    for _ in range(4):
+        leaf.tick_once()
+        cell.clock.advance(0.2)
+    target[0] = Pose((0.5, -0.4, 0.6), (np.cos(0.2), 0, 0, np.sin(0.2)))
+    assert cell.run(leaf) == SUCCESS
+    assert cell.data["reached"].position == pytest.approx([0.5, -0.4, 0.6], abs=0.011)
+    # 0.1 m and then 0.2 m at no more than 0.15 m/s
+    assert cell.clock.now() >= 0.2 / 0.15
+
+
+def test_following_may_go_on_at_the_target_until_it_is_asked_to_end(cell):
+    leaf = cell.leaf("arm/follow", pose=cell.arm.grasp_pose(), keep_on=True)
+    for _ in range(3):
+        leaf.tick_once()
+        cell.clock.advance(0.2)
+    assert leaf.status.name == "RUNNING"
+    cell.world.context.preempt_requested = True
+    assert cell.run(leaf) == ("FAILURE", "failure", "preempted")
+
+
+def test_a_target_out_of_reach_ends_the_following(world):
+    cell = Cell(world, plan_straight=[None, PathInvalidError("in the way")])
+    leaf = cell.leaf("arm/follow", pose=Pose((0.3, -0.4, 0.9)))
+    assert cell.run(leaf) == ("FAILURE", "failure", "path_invalid")
+
+
+def test_holding_ends_a_motion_and_lasts_as_long_as_it_should(cell):
+    moving = cell.arm.plan(Pose((0.9, 0, 0.5))).then(cell.arm.execute)
+    cell.clock.advance(0.2)
+    leaf = cell.leaf("arm/hold", seconds=1.0)
+    assert cell.run(leaf) == SUCCESS
+    assert moving.done()
+    assert cell.clock.now() == pytest.approx(1.2, abs=0.11)
+    forever = cell.leaf("arm/hold", seconds=None)
+    for _ in range(20):
+        forever.tick_once()
+        cell.clock.advance(10)
+    assert forever.status.name == "RUNNING"
+
+
+def test_where_the_arm_is_can_be_read(cell):
+    assert cell.run(cell.leaf("arm/read_state")) == SUCCESS
+    assert cell.run(cell.leaf("arm/read_pose")) == SUCCESS
+    assert cell.data["state"].names == cell.arm.state().names
+    assert cell.data["pose"] == cell.arm.grasp_pose()
+
+
+# --- teaching ---
+
+
+def test_what_was_taught_is_gone_to_again(cell):
+    cell.run(cell.leaf("arm/move_to_pose", pose=Pose((0.6, 0.1, 0.3))))
+    assert cell.run(cell.leaf("arm/teach", name="shelf")) == SUCCESS
+    assert cell.run(cell.leaf("arm/teach", name="shelf_pose", pose=True)) == SUCCESS
+    assert cell.data["value"] == cell.arm.grasp_pose()
+    for name in ("shelf", "shelf_pose"):
+        cell.run(cell.leaf("arm/move_to", state="home"))
+        assert cell.run(cell.leaf("arm/move_to_taught", name=name)) == SUCCESS
+        assert cell.arm.grasp_pose().position == pytest.approx([0.6, 0.1, 0.3])
+
+
+def test_what_was_not_taught_lists_what_was_and_a_state_of_the_robot_is_not_replaced(cell):
+    cell.arm.teach("shelf")
+    leaf = cell.leaf("arm/move_to_taught", name="shlef")
+    assert cell.run(leaf) == ("FAILURE", "failure", "not_taught")
+    assert leaf.failure.data["taught"] == ["shelf"]
+    assert cell.run(cell.leaf("arm/teach", name="home")) == ("FAILURE", "failure", "name_taken")
+    assert cell.run(cell.leaf("hand/teach", name="open")) == ("FAILURE", "failure", "name_taken")
+    with pytest.raises(ValueError, match="word"):
+        cell.leaf("arm/teach", name="over there")
+
+
+# --- the hand ---
+
+
+def test_fingers_go_to_postures_named_bound_and_taught(cell):
+    assert cell.run(cell.leaf("hand/posture", posture="closed", torque_limit=0.2, seconds=2.0)) == SUCCESS
+    assert cell.port.torque_limits == [0.2]
+    assert cell.clock.now() == pytest.approx(2.0, abs=0.11)
+    assert cell.run(cell.leaf("hand/posture", state=JointState(("thumb",), [0.3]))) == SUCCESS
+    assert cell.data["reached"].as_mapping() == pytest.approx({"finger": 1.0, "thumb": 0.3})
+    cell.run(cell.leaf("hand/teach", name="pinch"))
+    cell.run(cell.leaf("hand/open"))
+    assert cell.run(cell.leaf("hand/posture", posture="pinch")) == SUCCESS
+    assert cell.data["reached"].as_mapping() == pytest.approx({"finger": 1.0, "thumb": 0.3})
+    assert cell.run(cell.leaf("hand/posture", posture="pinhc")) == ("FAILURE", "failure", "not_taught")
+    with pytest.raises(ValueError, match="either"):
+        cell.leaf("hand/posture")
+
+
+def test_single_fingers_and_synergies(cell):
+    assert cell.run(cell.leaf("hand/fingers", closing={"thumb": 0.4})) == SUCCESS
+    assert cell.data["reached"].as_mapping() == pytest.approx({"finger": 0.0, "thumb": 0.4})
+    assert cell.run(cell.leaf("hand/synergy", weights=[1.0])) == SUCCESS
+    assert cell.data["reached"].position == pytest.approx([1.0, 1.0])
+    assert cell.run(cell.leaf("hand/synergy", weights=[])) == SUCCESS
+    assert cell.data["reached"].position == pytest.approx([0.5, 0.5])
+    with pytest.raises(UnknownNameError, match="finger, thumb"):
+        cell.leaf("hand/fingers", closing={"tumb": 0.4})
+    with pytest.raises(ValueError, match="at most 1"):
+        cell.leaf("hand/synergy", weights=[1.0, 1.0])
+
+
+def test_a_grasp_is_watched_until_contact_is_lost_for_longer_than_a_moment(cell):
+    cell.port.thing = JointState(OPEN.names, [0.5, 0.5])
+    assert cell.run(cell.leaf("hand/has_contact")) == ("FAILURE", "failure", "no_contact")
+    cell.run(cell.leaf("hand/close"))
+    assert cell.run(cell.leaf("hand/has_contact")) == SUCCESS
+    assert cell.data["links"] == ["fingertip"]
+    watch = cell.leaf("hand/keep_contact", patience=0.3)
+    thing = cell.port.thing
+    for gone in (False, True, False, False):
+        cell.port.thing = None if gone else thing
+        watch.tick_once()
+        assert watch.status.name == "RUNNING"
+        cell.clock.advance(0.2)
+    cell.port.thing = None
+    begun = cell.clock.now()
+    assert cell.run(watch) == ("FAILURE", "failure", "lost_contact")
+    assert cell.clock.now() - begun == pytest.approx(0.3, abs=0.11)
+
+
+def test_weak_or_few_contacts_may_not_count(cell):
+    cell.port.thing = JointState(OPEN.names, [0.5, 0.5])
+    cell.run(cell.leaf("hand/close"))
+    assert cell.run(cell.leaf("hand/has_contact", links=2)) == ("FAILURE", "failure", "no_contact")
+    assert cell.run(cell.leaf("hand/has_contact", force=100.0)) == ("FAILURE", "failure", "no_contact")
+
+
+def test_holding_a_hand_ends_its_motion(cell):
+    moving = cell.hand.close()
+    cell.clock.advance(0.3)
+    assert cell.run(cell.leaf("hand/hold")) == SUCCESS
+    assert moving.done()
+
+
+def test_an_aborted_motion_is_named_whatever_leaf_asked_for_it(world):
+    for node, given in (
+        ("arm/move_to_joints", {"state": JointState(("x", "y", "z", "rx", "ry", "rz"), [0.1] * 6)}),
+        ("arm/move_straight", {"offset": [0.1, 0.0, 0.0]}),
+        ("arm/jog", {"linear": [0.1, 0.0, 0.0]}),
+        ("arm/move_to_taught", {"name": "there"}),
+    ):
+        cell = Cell(world, execute=[ExecutionAbortedError("stuck")])
+        cell.arm._taught.put("right", "there", Pose((0.5, 0.0, 0.5)), {})
+        assert cell.run(cell.leaf(node, **given)) == ("FAILURE", "failure", "aborted"), node
+
+
+# --- grasps, counting, selecting, waiting ---
+
+
+def test_a_grasp_made_of_a_pose_approaches_along_the_palm_and_lifts_up(cell):
+    pose = Pose((0.5, 0, 0.2), (0, 1, 0, 0))  # the palm looks down
+    leaf = cell.leaf("grasp/make", pose=pose, approach=0.1, lift=0.2, width=0.05, posture=CLOSED)
+    assert cell.run(leaf) == SUCCESS
+    grasp = cell.data["grasp"]
+    assert grasp.pre_grasp.position == pytest.approx([0.5, 0, 0.3])
+    assert grasp.post_grasp.position == pytest.approx([0.5, 0, 0.4])
+    assert (grasp.width, grasp.posture, grasp.provenance) == (0.05, CLOSED, "task/leaf")
+
+
+def test_grasps_are_ranked_by_what_the_task_weighs(cell, grasp_at):
+    near, far = grasp_at((0.35, -0.4)), grasp_at((0.7, 0.3))
+    import dataclasses
+
+    good = dataclasses.replace(far, quality=0.3)
+    cell.run(cell.leaf("grasp/rank", grasps=[near, good]))
+    assert [g.pose for g in cell.data["grasps"]] == [good.pose, near.pose]
+    cell.run(cell.leaf("grasp/rank", grasps=[near, good], distance=2.0))
+    assert [g.pose for g in cell.data["grasps"]] == [near.pose, good.pose]
+    assert cell.data["grasps"][0].quality > cell.data["grasps"][1].quality
+    down = dataclasses.replace(near, pose=Pose((0.35, -0.4, 0.1), (0, 1, 0, 0)))
+    cell.run(cell.leaf("grasp/rank", grasps=[near, down], downward=1.0, quality=0.0))
+    assert cell.data["grasps"][0].pose == down.pose
+
+
+def test_counting_says_when_the_limit_is_reached(cell):
+    assert cell.run(cell.leaf("flow/count")) == SUCCESS
+    assert cell.data["count"] == 1
+    assert cell.run(cell.leaf("flow/count", count=3, step=2, limit=5)) == ("SUCCESS", "reached", None)
+    assert cell.data["count"] == 5
+    assert cell.run(cell.leaf("flow/count", count=3, limit=5)) == SUCCESS
+
+
+@pytest.mark.parametrize(
+    ("given", "item"), [({}, "a"), ({"index": 2}, "c"), ({"index": -1}, "c"), ({"index": 3}, None)]
+)
+def test_selecting_takes_one_item_or_says_that_there_is_none(cell, given, item):
+    leaf = cell.leaf("flow/select", items=["a", "b", "c"])
+    leaf.readers.pop("index", None)
+    leaf.params |= given
+    expected = SUCCESS if item else ("FAILURE", "failure", "no_item")
+    assert cell.run(leaf) == expected
+    assert cell.data.get("item") == item
+
+
+def test_waiting_for_a_condition_ends_when_it_is_true_or_the_time_is_over(cell):
+    values = {"a": 1}
+    leaf = cell.leaf("flow/wait_until", expression="a > 3", timeout=5.0, a=1)
+    leaf.readers["a"] = lambda: values["a"]
+    leaf.tick_once()
+    assert leaf.status.name == "RUNNING"
+    values["a"] = 4
+    assert cell.run(leaf) == SUCCESS
+    late = cell.leaf("flow/wait_until", expression="a > 3", timeout=0.5, a=1)
+    assert cell.run(late) == ("FAILURE", "failure", "timed_out")
+    with pytest.raises(Exception, match="neither true nor false"):
+        cell.run(cell.leaf("flow/wait_until", expression="a + 3", a=1))
