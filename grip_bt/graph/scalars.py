@@ -8,15 +8,17 @@ from __future__ import annotations
 import json
 import math
 import re
+from collections.abc import Mapping
 from typing import Any
 
-_WORDS: dict[str, Any] = {
+WORDS: Mapping[str, Any] = {
     "": None,
     "~": None,
     **dict.fromkeys(("null", "Null", "NULL"), None),
     **dict.fromkeys(("true", "True", "TRUE"), True),
     **dict.fromkeys(("false", "False", "FALSE"), False),
 }
+"""What the words of YAML mean without quotes; a key that is one of them isn't text."""
 _INTEGER = re.compile(r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+")
 _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
 _SPECIAL_FLOAT = re.compile(r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
@@ -33,8 +35,8 @@ def read_plain(text: str) -> Any:
     Raises:
         ValueError: a number that doesn't fit 64 bits.
     """
-    if text in _WORDS:
-        return _WORDS[text]
+    if text in WORDS:
+        return WORDS[text]
     if _SPECIAL_FLOAT.fullmatch(text):
         return float(text.replace(".", "").lower())
     integer = _INTEGER.fullmatch(text)
@@ -93,7 +95,7 @@ def is_plain(text: str, flow: bool) -> bool:
 
 
 def _looks_like_a_value(text: str) -> bool:
-    return bool(text in _WORDS or _INTEGER.fullmatch(text) or _FLOAT.fullmatch(text) or _SPECIAL_FLOAT.fullmatch(text))
+    return bool(text in WORDS or _INTEGER.fullmatch(text) or _FLOAT.fullmatch(text) or _SPECIAL_FLOAT.fullmatch(text))
 
 
 def quoted(text: str) -> str:

@@ -1,15 +1,19 @@
 """The quick way into a text and the patient way agree, wherever the quick one answers at all."""
 
 from pathlib import Path
+from time import process_time
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from random_tasks import tasks
+from random_texts import with_comments
 
 from grip_bt.errors import DocumentError
-from grip_bt.graph import loads
-from grip_bt.graph.quick import quick_data
+from grip_bt.graph import dumps, loads
+from grip_bt.graph.quick import _by_libyaml, _Meanings, quick_data
 from grip_bt.graph.syntax import _patiently, _quickly, is_usual, plain
+from grip_bt.graph.tidy import tidy_data
 
 bits = st.lists(
     st.sampled_from(
@@ -35,6 +39,70 @@ def test_libyaml_reads_what_it_reads_like_the_patient_parser_places_included(bit
         assert repr(quick) == repr(plain(patient))
 
 
+keys = st.sampled_from(
+    ["a", "b", "c", "x-a", "a b", "no", "null", "true", "1", "a.b", "kind", "'q'", "é", "a/b", "- a"]
+)
+values = st.sampled_from(
+    ["", " 1", " text", " some text ", "  two", " a#b", " a #b", " a: b", " a:b", " a:", " a::b", " -1", " -a", " - a",
+     " ~", " null", " .5", " ...", " 1_0", " 0x1F", " +1", " list[a]", " a, b", " {a: 1}", " {a: 1, b: text of words}",
+     " {a: 1, a: 2}", " {a: 1,b: 2}", " {a:1}", " {a: b:c}", " {a: {b: [1, x]}, c: 'q'}", " { a: b }", " {null: 1}",
+     " {a: b }", " {}", " []", " [ ]", " [a, b]", " [a, [b, {c: d}], ]", " [a: b]", " [a b, -1, -c]", ' "q"', ' "q" ',
+     " 'it''s'", ' "q\\n"', ' "a" b', " 'a # b'", ' ["a, b", c]', " {a: b} c", " {a: 'b'} # c", " [a]#c", " |", " >",
+     " |-", " >-", " |+", " | # c", " a\tb", " é", " {a: é}", " &a b", " *a", " !t b", " a &b", " @a", " `a", " =",
+     " %a", " {a: ?}", " {? a: b}", " a ? b", ' {"a": 1}', " {a: 1e5, b: ~x}", " 99999999999999999999"]
+)  # fmt: skip
+lines = st.tuples(
+    st.sampled_from(["", "", "", "  ", "  ", "    ", "   ", " "]),
+    st.one_of(
+        st.tuples(keys, st.just(":"), values, st.sampled_from(["", "", "", " # c", "   ", "# c"])).map("".join),
+        st.sampled_from(["", "# c", "text", "other text ", "- a", "---", "...", "}", "\\", "a", "%A"]),
+    ),
+).map("".join)
+
+
+@settings(deadline=None, max_examples=1000)
+@given(st.lists(lines, min_size=1, max_size=7).map("\n".join), st.sampled_from(["\n", "", "\n\n", "\n  \n", "\n#"]))
+def test_what_is_read_as_tidy_is_what_the_patient_parser_reads(text, end):
+    text += end
+    if not is_usual(text):
+        return
+    try:
+        tidy = tidy_data(text, _Meanings())
+    except ValueError:
+        tidy = None
+    if tidy is not None:
+        assert repr(tidy) == repr(plain(_patiently(text, "")))
+
+
+@settings(deadline=None, max_examples=300)
+@given(tasks, st.randoms())
+def test_canonical_texts_are_read_alike_with_comments_strewn_in(task, random):
+    text, _ = with_comments(dumps(task), random)
+    if is_usual(text):
+        tidy = tidy_data(text, _Meanings())
+        assert tidy is None or repr(tidy) == repr(_by_libyaml(text))
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["a: b\n", "a:\n  b: 1\n\n  c:\n# d\n  e: {f: g}\nh: [1, 'x', {y: z}]\n", "a: >-\n  b\n  c\n\n  d\ne: f\n",
+     "a: |\n  b: c\n    d\n\n  # e\n\nf: pkg.mod:Class\n", "a: list[Grasp]  # b\nc: reached < limit\n"],
+)  # fmt: skip
+def test_tidy_texts_need_no_library(text):
+    assert repr(tidy_data(text, _Meanings())) == repr(plain(_patiently(text, "")))
+
+
+@pytest.mark.parametrize(
+    "sign", [" ", "a ", "a: ", "{a: b, ", "a: {a: b, ", "a: 'b", "a: x:", "a: [", "k: >\n  a ", "#", "\n"]
+)
+def test_no_text_keeps_the_tidy_reader_busy(sign):
+    text = (sign * 200_000)[:200_000]
+    for whole in (text, text + "\n", f"a:{text}?\n", f"a: |\n {text}"):
+        begin = process_time()
+        tidy_data(whole, _Meanings())
+        assert process_time() - begin < 0.5, "proportional to the text, so some milliseconds"
+
+
 def test_the_example_of_the_project_is_read_quickly():
     text = (Path(__file__).parents[2] / "examples" / "tasks" / "reactive_pick.yaml").read_text()
     assert quick_data(text) == plain(_patiently(text, ""))
@@ -47,7 +115,7 @@ def test_a_fields_own_name_is_no_key_of_a_file(word):
 
 
 def test_without_libyaml_everything_is_read_all_the_same(monkeypatch):
-    text = "grip: 1\nname: a\nroot: {node: a/b}\n"
+    text = "grip: 1\nname: a\nroot: {node: a/b}\nx-a:\n- b\n"
     expected = loads(text)
     monkeypatch.setitem(__import__("sys").modules, "yaml.cyaml", None)
     assert quick_data(text) is None
