@@ -140,7 +140,7 @@ def replay(
 def line_of(event: Event) -> str:
     """Return an event in a line, indented by its node's depth."""
     depth = 0 if event.path == "/" else event.path.count("/") + 1
-    name = event.path if event.path == "/" else event.path.rpartition("/")[2]
+    name = event.path.rpartition("/")[2] or "/"  # also the root of a subtask
     return f"{event.seq:>6} {event.t:>10.3f} s  {'  ' * depth}{_glyph(event)} {name}{_words(event)}"
 
 

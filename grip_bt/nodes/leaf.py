@@ -125,6 +125,23 @@ class Leaf(Node):
         self.feedback_message = str(self.failure)
         return self.end(outcome, **(outputs or {}))
 
+    # --- for runs that are gone on with ---
+
+    def resume(self, began: float) -> None:
+        """Go on with an activation of a process that died; in place of `initialise`, with the policy `resume`.
+
+        Args:
+            began: when it began, on the run's clock [s], which goes on where it stood.
+        """
+        self.initialise()
+
+    def relived(self, outcome: str | None) -> None:
+        """Take note of an activation of that process, which isn't repeated.
+
+        Args:
+            outcome: how it ended; None after an interruption.
+        """
+
     @property
     def zombie(self) -> bool:
         """Whether work of an interrupted activation is still under way although it was asked to stop."""

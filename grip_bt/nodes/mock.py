@@ -66,6 +66,10 @@ class MockLeaf(Leaf):
         if self._step.seconds:
             self.context.wake_at(self._until)
 
+    def relived(self, outcome: str | None) -> None:
+        """Count the activation."""
+        self.activations += 1
+
     def update(self) -> Status:
         """Take as long as the script says, then end."""
         if self._step.seconds and self.context.clock.now() < self._until:

@@ -8,6 +8,8 @@ from .journal_reader import Event, JournalReader, RunRecord
 from .moment import Moment, NodeState
 from .pacing import Pacing
 from .plan import Plan
+from .recording import Recording
+from .reliving import Reliving, Result
 from .runner import Runner, RunResult
 from .tree_containers import Each, Joining
 from .tree_state import BehaviourTree, TreeRun
@@ -26,6 +28,9 @@ __all__ = [
     "NodeState",
     "Pacing",
     "Plan",
+    "Recording",
+    "Reliving",
+    "Result",
     "RunContext",
     "RunLog",
     "RunRecord",

@@ -89,6 +89,11 @@ class Journal:
         self.execute("INSERT INTO runs VALUES(?,?,?,?,?,?,?,?,?,?)", row)
         return RunLog(self, run)
 
+    def go_on(self, run: str) -> RunLog:
+        """Return the log of a run whose process has died, to go on with it."""
+        self.execute("UPDATE runs SET ended=NULL, status='running', outcome=NULL WHERE id=?", (run,))
+        return RunLog(self, run)
+
     def follow(self, log: RunLog) -> None:
         """Have the writer empty this log; called by it."""
         with self._lock:

@@ -76,7 +76,7 @@ class RunWriter:
             names[i] = self._name(paths[i], whats[i])
             if isinstance(whats[i], Noted) and (more := self._data(whats[i])):
                 data[i] = more
-                writes += whats[i].written is not None
+                writes += whats[i].event == "write"
         since_epoch = time.time() - time.monotonic()
         wall, offset = None, None
         if self._log.turns is None:

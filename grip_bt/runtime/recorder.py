@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from grip_bt.errors import NodeError
@@ -37,9 +37,17 @@ class Recorder:
 
     # --- the run ---
 
-    def started(self) -> None:
-        """The run begins."""
-        self._append(self._now(), "/", "run_started")
+    def started(self, facts: Mapping[str, Any] | None = None) -> None:
+        """The run begins; `facts` are JSON about how."""
+        self._append(self._now(), "/", "run_started", data=dict(facts) if facts else None)
+
+    def resumed(self, facts: Mapping[str, Any]) -> None:
+        """It goes on in another process; `facts` are JSON about how."""
+        self._append(self._now(), "/", "run_resumed", data=dict(facts))
+
+    def went_on(self, path: str, how: str) -> None:
+        """A leaf that was active when its process died goes on, or is started again."""
+        self._append(self._now(), path, "went_on", data={"how": how})
 
     def state(self, state: str) -> None:
         """It runs, pauses or is being stopped."""

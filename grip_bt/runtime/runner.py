@@ -5,13 +5,13 @@ from __future__ import annotations
 import threading
 import time
 import traceback
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 from py_trees.behaviour import Behaviour
 
-from grip_bt.compilers import CompiledMachine, CompiledTree, Halted, TaskEnd
+from grip_bt.compilers import CompiledMachine, CompiledTree, Halted, Pacer, TaskEnd
 from grip_bt.errors import NodeError
 from grip_bt.nodes.control import Foreign
 from grip_bt.nodes.observer import SILENT, Observer, Observers
@@ -24,6 +24,8 @@ from .journal import Journal
 from .pacing import Pacing, State
 from .plan import Plan, ticker
 from .recorder import Recorder
+from .reliving import News, Reliving, RelivingPacer
+from .run_log import RunLog
 from .stopping import (
     Gone,
     Zombie,
@@ -92,6 +94,9 @@ class Runner:
         poll: how often leaves that wake nobody are looked at [s]; None for never.
         rate: ticks a second of the run's clock, instead of on wakes; None for on wakes.
         watchdog: how long one tick may take [s] before the run ends as an error; None for ever.
+        log: goes on with this run of the journal; None for a new one.
+        reliving: what happened before, which happens again first; its clock is the context's.
+        facts: about how it is run, as JSON, for the journal.
     """
 
     def __init__(
@@ -107,6 +112,9 @@ class Runner:
         poll: float | None = 0.05,
         rate: float | None = None,
         watchdog: float | None = None,
+        log: RunLog | None = None,
+        reliving: Reliving | None = None,
+        facts: Mapping[str, Any] | None = None,
     ):
         if clock is not None and clock is not context.clock:
             raise ValueError("a run has one clock: make the context with it, RunContext(clock, ...)")
@@ -115,8 +123,10 @@ class Runner:
         self.debugger = Debugger(compiled, self.pacing, self._observe_debugger)
         self.run_id: str | None = None
         self._recorder: Recorder | None = None
+        self._reliving, self._facts = reliving, facts or {}
         if journal is not None:
-            log = journal.begin(compiled.task.name, task_path, task_text, compiled.target, seed)
+            if log is None:
+                log = journal.begin(compiled.task.name, task_path, task_text, compiled.target, seed)
             self.run_id, self._recorder = log.id, Recorder(log, context.clock)
         self._observers: list[Observer] = [] if self._recorder is None else [self._recorder]
         self._debugged = self._stale = False
@@ -184,7 +194,11 @@ class Runner:
             raise RuntimeError("a runner runs once; compile the task again for another run")
         self._install()
         if self._recorder is not None:
-            self._recorder.started()
+            if self._reliving is None:
+                self._recorder.started(self._facts)
+            else:
+                self._recorder.resumed(self._facts)
+                self._reliving.tell = self._recorder.went_on
         self._start = self.context.clock.now()
         threading.Thread(target=self._work, name="grip_run", daemon=True).start()
         while not self._ended.is_set():
@@ -207,6 +221,8 @@ class Runner:
     def _attempt(self) -> RunResult:
         try:
             self.compiled.prepare(self.context)
+            if self._reliving is not None:
+                self._reliving.install(self.context.wake)
             end = self._execute()
         except Halted:
             return self._made(None, "stopped")
@@ -219,9 +235,23 @@ class Runner:
         return self._made(end, "success" if end.meaning == "success" else "failure")
 
     def _execute(self) -> TaskEnd:
+        pacer: Pacer = self.pacing if self._reliving is None else RelivingPacer(self.pacing, self._reliving)
         if isinstance(self.compiled, CompiledTree):
-            return self.compiled.execute(self.pacing, self._tick)
-        return self.compiled.execute(self.pacing, ticker)
+            return self.compiled.execute(pacer, self._tick if self._reliving is None else self._tick_again)
+        return self.compiled.execute(pacer, ticker if self._reliving is None else self._reliving.ticker(ticker))
+
+    def _tick_again(self) -> None:
+        """Tick a task that happens again by py_trees' own means; by a plan when its leaves work by themselves."""
+        if self._reliving is None:
+            self._tick()
+        elif self._reliving.settled:
+            self._reliving, self._stale = None, True
+            self._tick()
+        else:
+            if self._stale:
+                self._stale = False
+                self._install()
+            self.compiled.root.tick_once()  # type: ignore[union-attr]
 
     def _tick(self) -> None:
         if self._stale or self._plan is None:
@@ -234,10 +264,8 @@ class Runner:
 
     def _install(self) -> None:
         observers = [*self._observers, *([self.debugger] if self._debugged else [])]
-        if observers:
-            self.compiled.observe(Observers(*observers) if len(observers) > 1 else observers[0])
-        else:
-            self.compiled.observe(SILENT)
+        observer = Observers(*observers) if len(observers) > 1 else observers[0] if observers else SILENT
+        self.compiled.observe(observer if self._reliving is None else News(self._reliving.recording, observer))
 
     def _observe_debugger(self, needed: bool) -> None:
         """Have the debugger told of the nodes, or not; a tree is asked between ticks, where its plan is made anew."""

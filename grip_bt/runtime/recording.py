@@ -1,0 +1,249 @@
+"""What the journal knows of a run, as that which a second execution of the same task has to do again.
+
+Results of leaves come from here; everything else follows from them, since containers only depend on their children,
+their variables and the time. Each event that happens again is ticked off. A leaf ends again when everything that came
+before its end has happened again: so siblings end in the same order, in trees and in the threads of a machine.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import defaultdict, deque
+from collections.abc import Callable, Collection, Iterable
+from dataclasses import dataclass, field
+
+from grip_bt.errors import DivergedError
+
+from .journal_reader import Event
+
+NODES = ("enter", "exit", "interrupted", "write")
+"""Kinds of events that happen again; all others say something about them."""
+
+
+@dataclass
+class Activation:
+    """One activation of a node.
+
+    Attributes:
+        began: number of its first event.
+        end: how it ended, an `exit` or `interrupted`; None when the recording ends first.
+        ended: number of that event.
+        writes: numbers of what it wrote.
+    """
+
+    began: int
+    end: Event | None = None
+    ended: int = -1
+    writes: list[int] = field(default_factory=list)
+
+    @property
+    def result(self) -> Event | None:
+        """Its end, when it ended by itself."""
+        return self.end if self.end is not None and self.end.event == "exit" else None
+
+
+class Recording:
+    """The events of a run that are to happen again; may be used from several threads.
+
+    Attributes:
+        events: of nodes, in order.
+        complete: whether all of them have happened again.
+        done: how many have.
+        end_time: the last time of the run that the journal knows [s].
+        under_way: leaf -> the event at which its activation began that hadn't ended.
+        undone: events that don't count: writes of such activations, which are made again, and those of `set_aside`.
+        on_complete: called once, in the thread of the last event.
+
+    Args:
+        events: of one run, in order.
+        leaves: paths of the task's leaves.
+        put: sets a variable that somebody set by hand, given the event; see `write` events with `set`.
+    """
+
+    def __init__(
+        self, events: Iterable[Event], leaves: Collection[str], put: Callable[[Event], None] = lambda event: None
+    ):
+        events = list(events)
+        self.events = [event for event in events if event.event in NODES]
+        self._put = put
+        self._lock = threading.RLock()
+        self._over = [False] * len(self.events)
+        self._next = 0
+        self.done = 0
+        self.complete = False
+        self.on_complete: Callable[[], None] = lambda: None
+        self._expected: dict[str, deque[int]] = defaultdict(deque)
+        self._to_come: dict[str, deque[Activation]] = defaultdict(deque)
+        self._current: dict[str, Activation] = {}
+        self._times = threading.local()
+        self._latest = self.events[0].t if self.events else 0.0
+        self.end_time = max((event.t for event in events if event.event in (*NODES, "message", "state")), default=0.0)
+        self._read(frozenset(leaves))
+
+    def _read(self, leaves: Collection[str]) -> None:
+        open_: dict[str, Activation] = {}
+        self.undone: list[Event] = []
+        for number, event in enumerate(self.events):
+            path = event.path
+            if event.data.get("set"):
+                continue
+            self._expected[path].append(number)
+            if event.event == "enter":
+                open_[path] = Activation(number)
+                self._to_come[path].append(open_[path])
+            elif path in open_:
+                if event.event == "write":
+                    open_[path].writes.append(number)
+                else:
+                    open_[path].end, open_[path].ended = event, number
+                    del open_[path]
+        for path, activation in open_.items():
+            # What a leaf wrote without having ended, it writes again.
+            for number in activation.writes if path in leaves else ():
+                self._expected[path].remove(number)
+                self._over[number] = True
+                self.undone.append(self.events[number])
+        self.under_way = {path: self.events[a.began] for path, a in open_.items() if path in leaves}
+
+    def set_aside(self) -> bool:
+        """Leave out the rest, if it is nothing but interruptions; return whether it is.
+
+        A task that is stopped, or a node of which raised, is interrupted from outside. Where the process died during
+        that, the journal doesn't say why.
+        """
+        with self._lock:
+            left = [n for n in range(self._next, len(self.events)) if not self._over[n]]
+            if not left or any(self.events[n].event != "interrupted" for n in left):
+                return False
+            for number in left:
+                path = self.events[number].path
+                activation = self._current.get(path)
+                if activation is not None and activation.ended == number:
+                    activation.end, activation.ended = None, -1
+                    self.under_way[path] = self.events[activation.began]
+                self.undone.append(self.events[number])
+                self._expected[path].clear()
+                self._over[number] = True
+            self._advance()
+            return True
+
+    def begin(self) -> None:
+        """Look whether there is anything to happen again."""
+        with self._lock:
+            self._advance()
+
+    # --- what happens again ---
+
+    def happened(self, path: str, event: str, detail: str | None = None, code: str | None = None) -> bool:
+        """Tick off the next event of a node.
+
+        Args:
+            path: the node.
+            event: its kind.
+            detail: the outcome of an end, or the variable that is written.
+            code: of a failure.
+
+        Returns:
+            False when the recording has no more of this node, so that the event is new.
+
+        Raises:
+            DivergedError: the recording has something else there.
+        """
+        with self._lock:
+            if self.complete or not self._expected[path]:
+                return False
+            number = self._expected[path][0]
+            recorded = self.events[number]
+            was = recorded.data.get("variable") if event == "write" else recorded.outcome
+            if (recorded.event, was, recorded.code) != (event, detail, code):
+                raise DivergedError(path, _words(event, detail, code), _words(recorded.event, was, recorded.code))
+            self._expected[path].popleft()
+            self._tick_off(number)
+            return True
+
+    def _tick_off(self, number: int) -> None:
+        event = self.events[number]
+        if event.event == "enter":
+            self._current[event.path] = self._to_come[event.path].popleft()
+        elif event.event != "write":
+            self._current.pop(event.path, None)
+        self._times.last = self._latest = event.t
+        self._over[number] = True
+        self.done += 1
+        self._advance()
+
+    def _advance(self) -> None:
+        while self._next < len(self.events):
+            event = self.events[self._next]
+            if not self._over[self._next]:
+                if not event.data.get("set"):
+                    return
+                self._put(event)
+            self._next += 1
+        if not self.complete:
+            self.complete = True
+            self.on_complete()
+
+    # --- what nodes ask ---
+
+    def time(self) -> float:
+        """Return when this thread's last event took place, on the run's clock [s]."""
+        return float(getattr(self._times, "last", self._latest))
+
+    def activation(self, path: str) -> Activation | None:
+        """Return the activation of a node that is under way; None when the recording doesn't have it."""
+        return self._current.get(path)
+
+    def may_end(self, path: str) -> bool:
+        """Tell whether a leaf ends now: all that came before its end has happened again."""
+        with self._lock:
+            activation = self._current.get(path)
+            if activation is None or activation.result is None:
+                return False
+            own = set(activation.writes)
+            return all(self._over[n] or n in own for n in range(self._next, activation.ended))
+
+    def times_out(self, path: str) -> float | None:
+        """Return when a timeout interrupts its child, if it does so now [s].
+
+        Where the recording ends in the middle of that, the timeout may be this one or one around it: the time is that
+        of the first interruption, and has to be compared with the deadline.
+        """
+        with self._lock:
+            activation = self._current.get(path)
+            if activation is None:
+                return None
+            if activation.end is None:
+                event = self.events[self._next] if self._next < len(self.events) else None
+                return event.t if event is not None and _halted_below(event, path) else None
+            if activation.result is None or activation.result.code != "time_out":
+                return None
+            left = [self.events[n] for n in range(self._next, activation.ended) if not self._over[n]]
+            return activation.result.t if all(_halted_below(event, path) for event in left) else None
+
+    def refuses(self, path: str, child: str) -> bool | None:
+        """Tell whether a cooldown sends its child away in the activation under way; None when that isn't known."""
+        with self._lock:
+            activation = self._current.get(path)
+            if activation is None:
+                return None
+            if self._expected[child]:
+                number = self._expected[child][0]
+                if number > activation.began and (activation.end is None or number < activation.ended):
+                    return False
+            return True if activation.result is not None else None
+
+    def missing(self, most: int = 3) -> list[str]:
+        """Return what should have happened next, for messages."""
+        with self._lock:
+            left = [self.events[n] for n in range(self._next, len(self.events)) if not self._over[n]][:most]
+        return [f"{event.path} {_words(event.event, event.outcome, event.code)} (event {event.seq})" for event in left]
+
+
+def _halted_below(event: Event, path: str) -> bool:
+    below = "" if path == "/" else path if path.endswith("/") else f"{path}/"  # the root of a subtask ends with one
+    return event.event == "interrupted" and event.path != path and event.path.startswith(below)
+
+
+def _words(event: str, detail: str | None, code: str | None) -> str:
+    return event + (f" {detail}" if detail else "") + (f".{code}" if code else "")

@@ -1,0 +1,121 @@
+"""One leaf of a run that happens again: it ends as it did, and works by itself after the recording has ended."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Literal
+
+from py_trees.common import Status
+
+from grip_bt.nodes import Leaf
+from grip_bt.values import Failure
+
+from .journal_reader import Event
+from .recording import Activation
+
+if TYPE_CHECKING:
+    from .reliving import Reliving
+
+Mode = Literal["", "recorded", "open", "new"]
+
+
+class RelivedLeaf:
+    """Stands in the way of a leaf's life cycle, in the leaf itself: its class, ports and place stay as they are.
+
+    Args:
+        leaf: which.
+        reliving: the run.
+        ports: variable -> the output port that is bound to it.
+    """
+
+    def __init__(self, leaf: Leaf, reliving: Reliving, ports: Mapping[str, str]):
+        self._leaf, self._reliving, self._ports = leaf, reliving, ports
+        self._recording = reliving.recording
+        self._mode: Mode = ""
+        self._released = False
+        for name in ("initialise", "update", "terminate"):
+            setattr(leaf, name, getattr(self, name))
+
+    @property
+    def free(self) -> bool:
+        """Whether it needs nobody to stand in its way any more."""
+        return self._released or (self._mode == "" and self._leaf.path not in self._reliving.results)
+
+    def release(self) -> None:
+        """Get out of the way."""
+        if not self._released:
+            self._released = True
+            for name in ("initialise", "update", "terminate"):
+                delattr(self._leaf, name)
+
+    # --- the leaf's life cycle ---
+
+    def initialise(self) -> None:
+        """An activation begins: one that the recording has, or has the beginning of, or a new one."""
+        activation = self._recording.activation(self._leaf.path)
+        if activation is not None:
+            self._mode = "recorded" if activation.end is not None else "open"
+        else:
+            self._mode = "new"
+
+    def update(self) -> Status:
+        """End as recorded, wait for the others to come so far, or work."""
+        if self._mode == "recorded":
+            activation = self._recording.activation(self._leaf.path)
+            assert activation is not None, "it is under way"
+            if self._recording.may_end(self._leaf.path):
+                return self._end_again(activation)
+            if activation.end is None:
+                self._mode = "open"
+        elif self._reliving.live:
+            return self._go_on()
+        self._reliving.wake()
+        return self._leaf.running()
+
+    def terminate(self, new_status: Status) -> None:
+        """An activation ends in which the leaf hasn't worked; it is told when it won't."""
+        mode, self._mode = self._mode, ""
+        if mode == "recorded":
+            self._leaf.relived(self._leaf.outcome)
+
+    def _end_again(self, activation: Activation) -> Status:
+        end = activation.result
+        assert end is not None, "a leaf that may end has an end"
+        for number in activation.writes:
+            event = self._recording.events[number]
+            self._leaf.writers[self._ports[str(event.data["variable"])]](self._reliving.restored(event))
+        return self._ended(str(end.outcome), failure_of(end))
+
+    def _ended(self, outcome: str, failure: Failure | None) -> Status:
+        self._leaf.failure = failure
+        if failure is not None:
+            self._leaf.feedback_message = str(failure)
+        return self._leaf.end(outcome)
+
+    def _go_on(self) -> Status:
+        path, leaf = self._leaf.path, self._leaf
+        result = self._reliving.results.pop(path, None)
+        if result is not None:
+            self._mode = "recorded"
+            self._reliving.tell(path, "result")
+            leaf._write(dict(result.outputs or {}))
+            reason = result.code or result.message
+            failure = Failure(result.code or "failed", result.message or "set by hand", {}) if reason else None
+            return self._ended(result.outcome, failure)
+        mode, how = self._mode, self._reliving.how.get(path, "restart")
+        self.release()
+        if mode == "open":
+            self._reliving.tell(path, how)
+        if mode == "open" and how == "resume":
+            leaf.resume(self._recording.under_way[path].t)
+        else:
+            leaf.initialise()
+        return leaf.update()
+
+
+def failure_of(end: Event) -> Failure | None:
+    """Return the reason that an end of the journal has."""
+    if end.code is None:
+        return None
+    data: Any = end.data.get("data", {})
+    return Failure(end.code, str(end.data.get("message", "")), data if isinstance(data, dict) else {})

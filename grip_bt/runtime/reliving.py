@@ -1,0 +1,269 @@
+"""Bringing a compiled task to where a recorded run was, and going on from there for real.
+
+The task is executed from its beginning with its own containers; only leaves don't do their work but end as they did
+before, with what they wrote. Nobody waits meanwhile, and the clock shows recorded times. After the last recorded event,
+in the middle of a tick if need be, leaves work again; one that was active then is resumed or started again.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+
+from grip_bt.compilers import CompiledMachine, CompiledTree, Halted
+from grip_bt.compilers.behaviour_state import BehaviourState
+from grip_bt.compilers.probe import parts_of
+from grip_bt.errors import DivergedError
+from grip_bt.graph import model
+from grip_bt.nodes import control
+from grip_bt.nodes.observer import Observer
+from grip_bt.ports import Clock
+from grip_bt.values import Failure
+
+from .journal_reader import Event
+from .pacing import Pacing
+from .recording import Recording
+from .relived_clock import CooldownClock, RelivedClock, TimeoutClock
+from .relived_leaf import RelivedLeaf
+
+How = Literal["resume", "restart"]
+IDLE_TICKS = 20
+"""Ticks of a tree without any recorded event, after which the recording can't be followed."""
+SHORT_TIME = 0.05
+"""How long [s] they may take to an interruption that the task makes by itself."""
+IDLE_TIME = 5.0
+"""How long [s] the threads of a machine may take from one recorded event to the next."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """An end that somebody decides on, in place of a leaf.
+
+    Attributes:
+        outcome: one of the leaf's.
+        code: of a failure; empty for none.
+        message: of a failure.
+        outputs: port -> value.
+    """
+
+    outcome: str
+    code: str = ""
+    message: str = ""
+    outputs: Mapping[str, Any] | None = None
+
+
+class Reliving:
+    """A recorded run in a task that was compiled anew.
+
+    Args:
+        compiled: the task; `install` is called after its `prepare`.
+        events: what is to happen again.
+        value: restores what a `write` event wrote.
+        clock: the run's clock from then on.
+        how: leaf that was active at the end -> whether it is resumed; those not named are started again.
+        results: leaf -> how its first activation ends that the recording doesn't have the end of.
+        tell: told `(leaf, how)` as each active leaf goes on.
+    """
+
+    def __init__(
+        self,
+        compiled: CompiledTree | CompiledMachine,
+        events: Iterable[Event],
+        value: Callable[[Event], Any],
+        clock: Clock,
+        *,
+        how: Mapping[str, How] | None = None,
+        results: Mapping[str, Result] | None = None,
+        tell: Callable[[str, str], None] = lambda path, how: None,
+    ):
+        self._compiled, self._value = compiled, value
+        self.how, self.results, self.tell = dict(how or {}), dict(results or {}), tell
+        self.recording = Recording(events, compiled.leaves.keys(), self._put)
+        self.clock = RelivedClock(clock, self.recording)
+        self.recording.on_complete = self._complete
+        self.wake: Callable[[], None] = lambda: None
+        self._leaves: dict[str, RelivedLeaf] = {}
+        self._begun = False
+        self._idle = 0
+        self._seen, self._looked = 0, time.monotonic()
+        self._settling = threading.Lock()
+
+    @property
+    def live(self) -> bool:
+        """Whether everything that was recorded has happened again."""
+        return self.recording.complete
+
+    @property
+    def settled(self) -> bool:
+        """Whether every leaf works by itself again."""
+        return self.live and not self._leaves
+
+    def install(self, wake: Callable[[], None]) -> None:
+        """Take over the leaves, and the clocks of nodes that decide by the time; after `prepare`.
+
+        Args:
+            wake: has the task ticked soon.
+        """
+        self.wake = wake
+        parts = parts_of(self._compiled)
+        for path, leaf in self._compiled.leaves.items():
+            node = parts[path].node
+            assert isinstance(node, model.Leaf), "leaves are leaves of the document"
+            self._leaves[path] = RelivedLeaf(leaf, self, {v: port for port, v in node.out.items()})
+        states = [*self._compiled.by_path.values()]
+        # A state of a machine may stand for a whole tree, by the path of its root.
+        for state in states:
+            for node in [state, *(state.node.iterate() if isinstance(state, BehaviourState) else ())]:
+                self._take_time(node)
+
+    def _take_time(self, node: Any) -> None:
+        if isinstance(node, control.Timeout) and not isinstance(node.context, _Timed):
+            node.context = _Timed(node.context, TimeoutClock(self.clock, self.recording, node.path))
+        rule = getattr(node, "rule", None) or getattr(getattr(node, "choice", None), "rule", None)
+        if isinstance(rule, control.Rest) and not isinstance(rule.context, _Timed):
+            child = model.join(node.path, rule.child)
+            rule.context = _Timed(rule.context, CooldownClock(self.clock, self.recording, node.path, child, rule))
+
+    def restored(self, event: Event) -> Any:
+        """Return what an event wrote."""
+        return self._value(event)
+
+    def _put(self, event: Event) -> None:
+        cell = self._compiled.data[str(event.data.get("scope", ""))].cells[str(event.data["variable"])]
+        cell.value = self._value(event)
+        for written in cell.watchers:
+            written()
+
+    def _complete(self) -> None:
+        self.clock.go()
+        self.wake()
+
+    # --- as a pacer ---
+
+    def turn(self) -> None:
+        """A tick is about to begin: let leaves go that work by themselves."""
+        if not self._begun:
+            self._begun = True
+            self.recording.begin()
+        if self.live and self._leaves:
+            with self._settling:
+                for path in [path for path, leaf in self._leaves.items() if leaf.free]:
+                    self._leaves.pop(path).release()
+
+    def rest(self) -> None:
+        """A tick has ended.
+
+        Raises:
+            DivergedError: nothing that was recorded happens any more.
+        """
+        done, now = self.recording.done, time.monotonic()
+        if done != self._seen:
+            self._seen, self._looked, self._idle = done, now, 0
+            return
+        self._idle += 1
+        machine = isinstance(self._compiled, CompiledMachine)
+        if self._idle > IDLE_TICKS and now - self._looked > machine * SHORT_TIME and self.recording.set_aside():
+            return
+        if now - self._looked > IDLE_TIME if machine else self._idle > IDLE_TICKS:
+            missing = self.recording.missing()
+            raise DivergedError((missing or ["/"])[0].split()[0], "nothing", "; ".join(missing))
+        if machine:
+            time.sleep(0.0005)  # other threads come first; nothing is waited for
+
+    def ticker(self, make: Callable[[Any], Callable[[], object]]) -> Callable[[Any], Callable[[], object]]:
+        """Return what makes ticks: those of py_trees as long as leaves are taken over, those of `make` after it."""
+
+        def made(node: Behaviour) -> Callable[[], object]:
+            quick: list[Callable[[], object]] = []
+
+            def tick() -> object:
+                if not quick and self.settled and not node.status == Status.RUNNING:
+                    quick.append(make(node))
+                return quick[0]() if quick else node.tick_once()
+
+            return tick
+
+        return made
+
+
+class RelivingPacer:
+    """The pacer of a run that is relived first: it doesn't wait until then.
+
+    Args:
+        pacing: the run's own.
+        reliving: what happens again.
+    """
+
+    def __init__(self, pacing: Pacing, reliving: Reliving):
+        self._pacing, self._reliving = pacing, reliving
+
+    def turn(self) -> int:
+        """Return when it is time to tick.
+
+        Raises:
+            Halted: the run was stopped.
+        """
+        self._reliving.turn()
+        if self._reliving.live:
+            return self._pacing.turn()
+        if self._pacing.stopped:
+            raise Halted
+        return 0
+
+    def rest(self, seen: int) -> None:
+        """Return when there may be something to look at."""
+        if self._reliving.live:
+            self._pacing.rest(seen)
+        else:
+            self._reliving.rest()
+
+    def wake(self) -> None:
+        """Have every `rest` return."""
+        self._pacing.wake()
+
+
+class News:
+    """An observer that passes on only what the recording doesn't have."""
+
+    def __init__(self, recording: Recording, inner: Observer):
+        self._happened, self._inner = recording.happened, inner
+
+    def entered(self, path: str) -> None:
+        """An activation begins."""
+        if not self._happened(path, "enter"):
+            self._inner.entered(path)
+
+    def ended(self, path: str, outcome: str, failure: Failure | None) -> None:
+        """An activation ended."""
+        if not self._happened(path, "exit", outcome, failure.code if failure is not None else None):
+            self._inner.ended(path, outcome, failure)
+
+    def interrupted(self, path: str) -> None:
+        """An activation was halted."""
+        if not self._happened(path, "interrupted"):
+            self._inner.interrupted(path)
+
+    def message(self, path: str, text: str) -> None:
+        """A running node says how it goes; leaves that don't work say nothing."""
+        self._inner.message(path, text)
+
+    def wrote(self, path: str, variable: str, type_name: str, value: Any) -> None:
+        """A node wrote a variable."""
+        if not self._happened(path, "write", variable):
+            self._inner.wrote(path, variable, type_name, value)
+
+
+class _Timed:
+    """A node's context with a clock of its own."""
+
+    def __init__(self, context: Any, clock: Clock):
+        self._context, self.clock = context, clock
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._context, name)

@@ -1,0 +1,213 @@
+"""Random tasks that are killed after any event, and gone on with from what was recorded until then.
+
+The world is what is outside: leaves' work and the clock live in it and outlast the process. A leaf that is resumed goes
+on where it was, and a resumed run must do to the letter what one does that was not killed.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from parity_world import MAX_TURNS, ScriptedLeaf, World, catalog_of
+from py_trees.common import Status
+
+from grip_bt.compilers import CompiledMachine, CompiledTree, Halted, to_machine, to_tree
+from grip_bt.errors import DivergedError, NodeError
+from grip_bt.graph.model import Task
+from grip_bt.runtime import Event, Reliving
+from grip_bt.runtime.pacing import Pacing
+from grip_bt.runtime.reliving import News, RelivingPacer
+
+
+class Killed(BaseException):
+    """The process is no more."""
+
+
+@dataclass
+class Outside(World):
+    """The world of a run that may be killed after `kill_at` events; `seen` are those that were recorded."""
+
+    kill_at: int | None = None
+    dead: bool = False
+    under_way: dict[str, dict[str, Any]] = field(default_factory=dict)
+    seen: list[Event] = field(default_factory=list)
+    stopped: bool = False
+    recording: threading.RLock = field(default_factory=threading.RLock)
+
+    def turn(self) -> int:
+        if self.dead:
+            raise Killed
+        return super().turn()
+
+    def note(self, path: str, *event: Any) -> None:
+        with self.recording:
+            if self.dead:
+                return
+            kind, outcome, code, data = event[0], None, None, {}
+            match event:
+                case ("exit", outcome, code):
+                    pass
+                case ("message", text):
+                    data = {"text": text}
+                case ("write", variable, _, value):
+                    data = {"variable": variable, "value": value}
+            self.seen.append(Event(len(self.seen) + 1, self.clock.now(), 0.0, path, kind, outcome, code, data))
+            if self.kill_at is not None and len(self.seen) >= self.kill_at:
+                self.dead = True
+                raise Killed
+
+
+class LastingLeaf(ScriptedLeaf):
+    """A scripted leaf whose work goes on outside, whatever becomes of the process that has asked for it."""
+
+    world: Outside
+
+    def initialise(self) -> None:
+        super().initialise()
+        self.world.under_way[self.path] = {"k": self.k, "step": self.step, "ticks": self.ticks}
+
+    def resume(self, began: float) -> None:
+        work = self.world.under_way.get(self.path)
+        if work is None:
+            self.initialise()
+        else:
+            self.k, self.step, self.ticks = work["k"], work["step"], work["ticks"]
+
+    def update(self) -> Status:
+        assert self.step is not None
+        if self.world.dead:
+            raise Killed
+        if (seconds := self.step.get("advance", 0)) and "stops" not in self.step:
+            self.world.clock.advance(seconds)
+            self.world.under_way[self.path]["ticks"] = max(0, self.ticks - 1)
+            ended = not self.ticks
+            self.step = {**self.step, "advance": 0}
+            if ended:
+                self.world.under_way[self.path]["step"] = self.step
+            try:
+                self.observer.message(self.path, "time passes")
+                return super().update()
+            finally:
+                if self.step is not None:
+                    self.step = {**self.step, "advance": seconds}
+        status = super().update()
+        self.world.under_way[self.path]["ticks"] = self.ticks
+        return status
+
+    def terminate(self, new_status: Status) -> None:
+        if not self.world.dead:
+            super().terminate(new_status)
+            self.world.under_way.pop(self.path, None)
+
+
+@dataclass
+class Life:
+    """What a run did."""
+
+    end: tuple[Any, ...]
+    events: list[Event]
+    data: dict[Any, Any]
+    whole: bool
+    """Whether it came to its end, and not to that of our patience."""
+
+
+class _Context:
+    """What nodes are offered; the clock is that of the process, preempt requests aren't made."""
+
+    preempt_requested = False
+
+    def __init__(self, clock: Any):
+        self.clock = clock
+
+    def wake(self) -> None:
+        """Nothing waits here."""
+
+    def wake_at(self, time: float) -> None:
+        """Nothing waits here."""
+
+
+class _Pacing(Pacing):
+    """The world as the pacing of a run."""
+
+    def __init__(self, world: Outside):
+        self.world = world
+
+    @property
+    def stopped(self) -> bool:
+        return self.world.stopped
+
+    def turn(self) -> int:
+        return self.world.turn()
+
+    def rest(self, seen: int) -> None:
+        """Go on at once."""
+
+    def wake(self) -> None:
+        """Nothing waits here."""
+
+
+def _compiled(case: dict[str, Any], world: Outside, target: str) -> CompiledTree | CompiledMachine:
+    def make(path: str, node: Any, manifest: Any) -> LastingLeaf:
+        leaf = LastingLeaf(path, path, manifest, dict(node.with_), dict(node.meaning))
+        leaf.world = world
+        return leaf
+
+    compile_task = to_machine if target == "sm" else to_tree
+    return compile_task(Task.model_validate(case["task"]), catalog_of(case), leaf_factory=make)
+
+
+def _world(case: dict[str, Any], kill_at: int | None) -> Outside:
+    return Outside(case["scripts"], kill_at=kill_at)
+
+
+def _life(world: Outside, compiled: CompiledTree | CompiledMachine, execute: Callable[[], Any]) -> Life | None:
+    """Execute; None when the process was killed."""
+    try:
+        reached = execute()
+        end: tuple[Any, ...] = (reached.outcome, reached.meaning, reached.failure.code if reached.failure else None)
+    except Killed:
+        return None
+    except Halted:
+        end = ("stopped",)
+    except NodeError as error:
+        if isinstance(error.cause, DivergedError):
+            raise
+        end = ("error", error.path, str(error.cause))
+    except BaseException:
+        if world.dead:  # smach wraps what is raised
+            return None
+        raise
+    if world.dead:
+        return None
+    whole = not world.over_budget and world.turns <= MAX_TURNS and end != ("stopped",)
+    return Life(end, world.seen, compiled.data.snapshot(), whole)
+
+
+def live(case: dict[str, Any], target: str, kill_at: int | None = None) -> tuple[Life | None, Outside]:
+    """Run a case, as a tree by py_trees itself or as a machine, until it ends or is killed."""
+    world = _world(case, kill_at)
+    compiled = _compiled(case, world, target)
+    compiled.observe(world)
+    compiled.prepare(_Context(world.clock))
+    return _life(world, compiled, lambda: compiled.execute(world)), world
+
+
+def resume(case: dict[str, Any], target: str, world: Outside) -> Life | None:
+    """Go on with a run that was killed, from its events, in a task that is compiled anew."""
+    world.dead, world.kill_at = False, None
+    compiled = _compiled(case, world, target)
+    how: dict[str, Any] = dict.fromkeys(compiled.leaves, "resume")
+    events = list(world.seen)
+    reliving = Reliving(compiled, events, lambda event: event.data["value"], world.clock, how=how)
+    compiled.observe(News(reliving.recording, world))
+    compiled.prepare(_Context(reliving.clock))
+    reliving.install(lambda: None)
+    pacer = RelivingPacer(_Pacing(world), reliving)
+    life = _life(world, compiled, lambda: compiled.execute(pacer))
+    undone = {event.seq for event in reliving.recording.undone}
+    if life is not None:
+        life.events = [event for event in life.events if event.seq not in undone]
+    return life

@@ -1,0 +1,86 @@
+"""A run that is killed after any event, and gone on with, does what it would have done."""
+
+from __future__ import annotations
+
+import os
+from random import Random
+from typing import Any
+
+import pytest
+from parity_generate import make_case
+from parity_resumed import Life, live, resume
+from parity_world import projections
+
+TASKS = int(os.environ.get("GRIP_FUZZ_RESUMED", "250"))
+FIRST = int(os.environ.get("GRIP_FUZZ_SEED", "0"))
+CHUNKS = 5
+
+
+def facts(life: Life) -> list[tuple[Any, ...]]:
+    """Return a run's events without their numbers; values of writes included."""
+    return [(e.path, e.event, e.outcome, e.code, e.t, str(e.data)) for e in life.events]
+
+
+def quiet(case: dict[str, Any]) -> dict[str, Any]:
+    """Return a case without requests and stops from outside, which nobody repeats."""
+    case = {key: value for key, value in case.items() if key != "preempt_at"}
+    for steps in case["scripts"].values():
+        for step in steps:
+            step.pop("stops", None)
+    return case
+
+
+def difference(case: dict[str, Any], target: str, kill_at: int, whole: Life) -> str | None:
+    """Kill a run after so many events, go on with it, and return how it then differs from the whole run."""
+    ended, world = live(case, target, kill_at)
+    if ended is not None:
+        return None  # threads came to the end of the run first
+    resumed = resume(case, target, world)
+    if resumed is None:
+        return "it wasn't gone on with"
+    left, right = facts(whole), facts(resumed)
+    if target == "sm" and case.get("concurrent"):
+        # siblings in threads share a clock that each of them moves, so that times are those of the order of that day
+        left, right = ([(*e[:4], e[5]) for e in side if e[1] != "message"] for side in (left, right))
+        agreed = projections(left) == projections(right) and whole.end == resumed.end
+        return None if agreed else f"\n  whole:   {left}\n  resumed: {right}"
+    if left != right:
+        at = next((i for i, (a, b) in enumerate(zip(left, right, strict=False)) if a != b), min(len(left), len(right)))
+        return f"event {at + 1}\n  whole:   {left[at : at + 3]}\n  resumed: {right[at : at + 3]}"
+    if whole.end != resumed.end or whole.data != resumed.data:
+        return f"ends\n  whole:   {whole.end} {whole.data}\n  resumed: {resumed.end} {resumed.data}"
+    return None
+
+
+def places_to_die(whole: Life) -> list[int]:
+    """Return the events after which going on is exact.
+
+    Not after what a leaf says in the middle of a tick: the next one begins with its first sibling again. And not while
+    everything is interrupted because a leaf has raised: that leaf is asked anew.
+    """
+    events = list(whole.events)
+    while whole.end[0] == "error" and events[-1].event in ("interrupted", "message"):
+        events.pop()
+    return [event.seq for event in events if event.event != "message"]
+
+
+@pytest.mark.parametrize("target", ["bt", "sm"])
+@pytest.mark.parametrize("chunk", range(CHUNKS))
+def test_a_killed_run_goes_on_as_if_nothing_had_been(chunk: int, target: str) -> None:
+    size = max(1, TASKS // CHUNKS)
+    compared = 0
+    for seed in range(FIRST + chunk * size, FIRST + (chunk + 1) * size):
+        case = quiet(make_case(seed))
+        if target == "sm" and case.get("concurrent") and case.get("embedded"):
+            continue
+        whole, _ = live(case, target)
+        assert whole is not None
+        if not whole.whole:
+            continue
+        random = Random(seed)
+        places = places_to_die(whole)
+        for kill_at in {places[0], places[-1], *random.sample(places, min(4, len(places)))}:
+            found = difference(case, target, kill_at, whole)
+            assert found is None, f"seed {seed}, {target}, killed after event {kill_at}: {found}"
+            compared += 1
+    assert compared > 2 * size
