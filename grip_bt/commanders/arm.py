@@ -85,7 +85,7 @@ class ArmCommander:
 
     def grasp_pose(self) -> Pose:
         """Return the measured pose of the hand's grasp frame in world."""
-        return self._model.grasp_pose(self._executor.state())
+        return self._model.grasp_pose(self._executor.state(), group=self._group)
 
     def named_states(self) -> Mapping[str, JointState]:
         """Return the named states of the arm's group, taught ones included."""

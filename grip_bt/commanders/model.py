@@ -53,8 +53,8 @@ class Chain:
         model: pin's model of these joints.
         geometry: the robot's collision shapes with the pairs to check.
         limits: of these joints.
-        frame: id of the grasp frame.
-        hand: indices of the hand's shapes in `geometry`.
+        frame: id of the group's grasp frame.
+        hand: indices of the hands' shapes in `geometry`.
         links: names of the shapes' links.
     """
 
@@ -65,11 +65,12 @@ class Chain:
         geometry: pin.GeometryModel,
         limits: Limits,
         hand_links: frozenset[str],
+        frame: str = GRASP_FRAME,
     ):
         if tuple(model.names)[1:] != joints:
             raise ValueError(f"a chain's joints are listed from the base on, as {list(model.names)[1:]}, not {joints}")
         self.joints, self.model, self.geometry, self.limits = joints, model, geometry, limits
-        self.frame = model.getFrameId(GRASP_FRAME)
+        self.frame = model.getFrameId(frame)
         self.data = model.createData()
         links = [link_of(model, shape) for shape in geometry.geometryObjects]
         self.hand = frozenset(k for k, link in enumerate(links) if link in hand_links)
@@ -105,21 +106,21 @@ class RobotModel:
     def __init__(self, description: RobotDescription):
         self.description = description
         self.model = pin.buildModelFromXML(description.urdf)
-        self._add_grasp_frame()
+        self._frames = self._add_grasp_frames()
         self.data = self.model.createData()
         self._lock = threading.Lock()
         self.geometry = self._collision_shapes()
-        self._columns = {n: self.model.joints[self.model.getJointId(n)].idx_q for n in description.joints}
-        self._rest = self.configuration(
-            description.named_state("arm", "home"),
-            description.named_state("hand", "open"),
-            base=pin.neutral(self.model),
-        )
+        self._columns = {str(n): self.model.joints[k].idx_q for k, n in enumerate(self.model.names) if k}
+        rest = {n: p for n, p in description.at_rest.items() if n in self._columns}
+        middle = np.clip(pin.neutral(self.model), self.model.lowerPositionLimit, self.model.upperPositionLimit)
+        self._rest = self.configuration(JointState(tuple(rest), tuple(rest.values())), base=middle)
         self._drop_harmless_pairs()
         self._chains: dict[tuple[str, bytes], Chain] = {}
 
     def configuration(self, *states: JointState, base: NDArray[np.float64] | None = None) -> NDArray[np.float64]:
-        """Return a configuration of all joints, shape (nq,): `base` (or home and open), overlaid with `states`.
+        """Return a configuration of all joints, shape (nq,): `base` (or at rest), overlaid with `states`.
+
+        Joints that mimic others follow them.
 
         Raises:
             ValueError: a position isn't finite.
@@ -130,17 +131,22 @@ class RobotModel:
                 if not np.isfinite(position):
                     raise ValueError(f"the position of joint {name!r} is {position}")
                 q[self._columns[name]] = position
+        for name, mimic in self.description.mimics.items():
+            q[self._columns[name]] = mimic.multiplier * q[self._columns[mimic.joint]] + mimic.offset
         return q
 
-    def grasp_pose(self, *states: JointState) -> Pose:
-        """Return the grasp frame in world."""
+    def grasp_pose(self, *states: JointState, group: str = "") -> Pose:
+        """Return the grasp frame of an arm's group, or the robot's only one, in world."""
+        frame = self.model.getFrameId(self._frame_of(group))
         with self._lock:  # leaves, callbacks and the scene ask from several threads
             pin.framesForwardKinematics(self.model, self.data, self.configuration(*states))
-            return Pose.from_matrix(self.data.oMf[self.model.getFrameId(GRASP_FRAME)].homogeneous)
+            return Pose.from_matrix(self.data.oMf[frame].homogeneous)
 
     def limits(self, group: str) -> Limits:
         """Return the limits of a group's joints, in the group's order."""
-        names = self.description.group(group)
+        return self._limits_of(self.description.group(group))
+
+    def _limits_of(self, names: tuple[str, ...]) -> Limits:
         q = [self._columns[n] for n in names]
         return Limits(
             self.model.lowerPositionLimit[q],
@@ -155,7 +161,8 @@ class RobotModel:
         Chains are kept: a hand's posture changes far more seldom than plans are made.
         """
         q = self.configuration(*states)
-        names = self.description.group(group)
+        mine = set(self.description.group(group))
+        names = tuple(str(n) for n in self.model.names if n in mine)  # from the base on, as pin lists them
         q[[self._columns[n] for n in names]] = 0.0
         key = (group, np.round(q, 3).tobytes())
         if key not in self._chains:
@@ -168,15 +175,21 @@ class RobotModel:
         frozen = [self.model.getJointId(n) for n in self.model.names if n not in (*names, "universe")]
         model, geometry = pin.buildReducedModel(self.model, self.geometry, frozen, q)
         _drop_pairs_within_one_body(geometry)
-        return Chain(names, model, geometry, self.limits(group), frozenset(self.description.hand_links))
+        hands = frozenset(self.description.hand_links)
+        return Chain(names, model, geometry, self._limits_of(names), hands, self._frame_of(group))
 
-    def _add_grasp_frame(self) -> None:
-        frame = self.description.grasp_frame
-        link = self.model.frames[self.model.getFrameId(frame.link)]
-        placement = link.placement * pin.SE3(frame.pose.matrix())
-        self.model.addFrame(
-            pin.Frame(GRASP_FRAME, link.parentJoint, self.model.getFrameId(frame.link), placement, pin.OP_FRAME)
-        )
+    def _frame_of(self, group: str) -> str:
+        return self._frames.get(group, GRASP_FRAME)
+
+    def _add_grasp_frames(self) -> dict[str, str]:
+        """Add each grasp frame to the model; return the names of those that belong to one group."""
+        own = {f"{GRASP_FRAME}/{group}": frame for group, frame in self.description.grasp_frames.items()}
+        for name, frame in {GRASP_FRAME: self.description.grasp_frame, **own}.items():
+            parent = self.model.getFrameId(frame.link)
+            link = self.model.frames[parent]
+            placement = link.placement * pin.SE3(frame.pose.matrix())
+            self.model.addFrame(pin.Frame(name, link.parentJoint, parent, placement, pin.OP_FRAME))
+        return {group: f"{GRASP_FRAME}/{group}" for group in self.description.grasp_frames}
 
     def _collision_shapes(self) -> pin.GeometryModel:
         raw = pin.buildGeomFromUrdfString(self.model, self.description.urdf, pin.GeometryType.COLLISION)
@@ -188,20 +201,20 @@ class RobotModel:
     def _drop_harmless_pairs(self) -> None:
         """Keep the pairs of shapes that are worth checking.
 
-        Left out are pairs of one link or of neighbours, pairs within the hand (closing is the fingers' own
+        Left out are pairs of one link or of neighbours, pairs within one hand (closing is the fingers' own
         business), those that the vendor disabled, and those that overlap in nearly all of 300 random ones.
         """
         shapes = self.geometry.geometryObjects
         links = [link_of(self.model, s) for s in shapes]
         neighbours = _neighbours(self.model, set(links))
-        hand = set(self.description.hand_links)
+        hand_of = {link: hand for hand, mine in self.description.hands.items() for link in mine}
         for a, b in combinations(range(len(shapes)), 2):
             pair = tuple(sorted((links[a], links[b])))
             harmless = (
                 links[a] == links[b]
                 or pair in neighbours
                 or pair in self.description.disabled_pairs
-                or (links[a] in hand and links[b] in hand)
+                or (links[a] in hand_of and hand_of[links[a]] == hand_of.get(links[b]))
             )
             if not harmless:
                 self.geometry.addCollisionPair(pin.CollisionPair(a, b))
@@ -213,8 +226,9 @@ class RobotModel:
 
     def _overlap_rates(self) -> NDArray[np.float64]:
         rng = np.random.default_rng(0)
-        columns = [self._columns[n] for n in self.description.group("arm")]
-        limits = self.limits("arm")
+        hands = {j for hand in self.description.hands for j in self.description.groups.get(hand, ())}
+        names = tuple(n for n in self.description.joints if n not in hands)
+        columns, limits = [self._columns[n] for n in names], self._limits_of(names)
         data, counts = self.geometry.createData(), np.zeros(len(self.geometry.collisionPairs))
         q = np.array(self._rest)
         for _ in range(_SAMPLES):

@@ -84,7 +84,7 @@ class GraspSearch:
 
     def chain(self, grasp: Grasp) -> Chain:
         """Return the arm with its hand in the grasp's pre-posture."""
-        posture = grasp.pre_posture or self.model.description.named_state("hand", "open")
+        posture = grasp.pre_posture or self.model.description.opened(self.situation.group)
         return self.model.chain(self.situation.group, self.situation.start, posture)
 
     def without(self, chain: Chain, target: str | None) -> CollisionChecker:

@@ -13,15 +13,28 @@ from grip_bt.values import JointState, Pose
 
 from .assembly import without_visuals
 
+RESTING = ("home", "open", "ready", "default")
+"""Names of states in which a group rests, best first."""
+_MAPPINGS = (
+    "groups",
+    "finger_links",
+    "drives",
+    "acceleration_limits",
+    "grasp_frames",
+    "hands",
+    "mimics",
+    "rest",
+)
+
 
 @dataclass(frozen=True, slots=True)
 class Drive:
     """A joint's position drive: torque = stiffness * error - damping * velocity, clamped.
 
     Attributes:
-        stiffness: [N m/rad].
-        damping: [N m s/rad].
-        limit: largest torque [N m].
+        stiffness: [N m/rad, or N/m where it slides].
+        damping: [N m s/rad, or N s/m].
+        limit: largest torque [N m], or force [N].
         armature: rotor inertia seen at the joint [kg m^2]; light fingers need some to be stable.
     """
 
@@ -47,21 +60,58 @@ class GraspFrame:
 
 
 @dataclass(frozen=True, slots=True)
+class Mimic:
+    """A joint that follows another one: position = multiplier * the other's + offset.
+
+    Attributes:
+        joint: the one that leads.
+        multiplier: [rad/rad], or m where one of them slides.
+        offset: [rad or m].
+    """
+
+    joint: str
+    multiplier: float = 1.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class EndEffector:
+    """What an arm's group carries.
+
+    Attributes:
+        name: as the SRDF calls it.
+        group: group of the hand's joints; empty for a bare tool.
+        parent_link: the arm's link that it sits on.
+        parent_group: group of the arm.
+    """
+
+    name: str
+    group: str
+    parent_link: str
+    parent_group: str
+
+
+@dataclass(frozen=True, slots=True)
 class RobotDescription:
-    """An arm with a hand, described for planning and for simulation.
+    """Arms and hands, described for planning and for simulation.
 
     Attributes:
         name: the catalogue's name, such as `panda_allegro`.
         urdf: URDF text; mesh paths are absolute on this machine.
         base_link: the link that stands still; its frame is `world`.
-        groups: group -> its joints, in order. `arm` and `hand` exist.
-        named_states: group -> name -> state; `arm` has `home`, `hand` has `open` and `closed`.
-        grasp_frame: the hand's grasp frame.
-        hand_links: every link of the hand.
-        finger_links: the hand's links that may touch an object while it closes, finger by finger, thumb last.
+        groups: group -> its joints, in order. Groups may overlap, as one of two arms does.
+        named_states: group -> name -> state.
+        grasp_frame: the grasp frame of the hand, or of the first arm where there are several.
+        hand_links: every link of every hand.
+        finger_links: the hands' links that may touch an object while they close, finger by finger, thumb last.
         drives: joint -> its drive.
-        acceleration_limits: joint -> [rad/s^2], for timing; URDF knows only positions and velocities.
+        acceleration_limits: joint -> [rad/s^2 or m/s^2], for timing; URDF knows only positions and velocities.
         disabled_pairs: pairs of links that the vendor declares free of collision, each sorted.
+        grasp_frames: arm's group -> its grasp frame, where there are several arms.
+        hands: hand's group -> its links.
+        mimics: joint that follows another one -> whom and how. It belongs to no group.
+        rest: joint -> where it is unless told otherwise [rad or m]; joints that it lacks rest as `at_rest` says.
+        end_effectors: which hand sits on which arm.
     """
 
     name: str
@@ -75,9 +125,16 @@ class RobotDescription:
     drives: Mapping[str, Drive]
     acceleration_limits: Mapping[str, float]
     disabled_pairs: frozenset[tuple[str, str]] = field(default_factory=frozenset)
+    grasp_frames: Mapping[str, GraspFrame] = field(default_factory=dict)
+    hands: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    mimics: Mapping[str, Mimic] = field(default_factory=dict)
+    rest: Mapping[str, float] = field(default_factory=dict)
+    end_effectors: tuple[EndEffector, ...] = ()
 
     def __post_init__(self) -> None:
-        for name in ("groups", "finger_links", "drives", "acceleration_limits"):
+        if not self.hands and self.hand_links:
+            object.__setattr__(self, "hands", {"hand": self.hand_links})
+        for name in _MAPPINGS:
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
         states = {g: MappingProxyType(dict(s)) for g, s in self.named_states.items()}
         object.__setattr__(self, "named_states", MappingProxyType(states))
@@ -91,8 +148,26 @@ class RobotDescription:
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """All joints of all groups."""
-        return tuple(j for joints in self.groups.values() for j in joints)
+        """All joints of all groups, each once."""
+        return tuple(dict.fromkeys(j for joints in self.groups.values() for j in joints))
+
+    @property
+    def at_rest(self) -> dict[str, float]:
+        """Where joints are unless told otherwise [rad or m]: `rest`, over the groups' states `home` or `open`."""
+        positions: dict[str, float] = {}
+        for states in self.named_states.values():
+            known = next((states[name] for name in RESTING if name in states), None)
+            for joint, position in known.as_mapping().items() if known is not None else ():
+                positions.setdefault(joint, position)
+        return positions | dict(self.rest)
+
+    def opened(self, arm: str) -> JointState:
+        """Return the state `open` of the hand that an arm's group carries; no joints where it has none."""
+        carried = [e.group for e in self.end_effectors if e.parent_group == arm] or (
+            ["hand"] if not self.end_effectors else []
+        )
+        states = next((self.named_states[group] for group in carried if group in self.named_states), {})
+        return states.get("open", JointState((), ()))
 
     def group(self, name: str) -> tuple[str, ...]:
         """Return the joints of a group.
