@@ -25,16 +25,23 @@ def read_model(path: Path | str, model: type[M]) -> M:
         DocumentError: it can't be read or doesn't fit; with line and column, and the nearest allowed key.
     """
     source = str(path)
-    tree = parse(read_file(path), source)
+    found, faults = check_model(parse(read_file(path), source), model)
+    if found is None:
+        raise document_error(faults, source)
+    return found
+
+
+def check_model(tree: Value, model: type[M]) -> tuple[M | None, list[Fault]]:
+    """Return what was parsed as `model`, or None and all that keeps it from being one, each with its place."""
     if not isinstance(tree, Mapping):
-        raise document_error([(f"a mapping with {listing(model.model_fields)}", tree.line, tree.column)], source)
+        return None, [(f"a mapping with {listing(model.model_fields)}", tree.line, tree.column)]
     faults = list(_unknown_keys(tree, model, "the file"))
     if faults:
-        raise document_error(faults, source)
+        return None, faults
     try:
-        return model.model_validate(plain(tree))
+        return model.model_validate(plain(tree)), []
     except ValidationError as error:
-        raise document_error([fault_of(tree, e) for e in error.errors()], source) from None
+        return None, [fault_of(tree, e) for e in error.errors()]
 
 
 def _unknown_keys(tree: Value, model: type[BaseModel], name: str) -> Iterator[Fault]:

@@ -26,6 +26,7 @@ from .routes import make_router
 from .run_desk import BusyError, RunDesk
 from .run_routes import make_run_router
 from .security import Gate
+from .setup_routes import make_setup_router
 
 log = logging.getLogger(__name__)
 STATIC = Path(__file__).parent / "static"
@@ -99,6 +100,7 @@ def create_app(
     edits = EditDesk(folder)
     app.include_router(make_edit_router(edits, desk.notify))
     app.include_router(make_run_router(folder, desk))
+    app.include_router(make_setup_router(folder, runs, desk.notify))
     app.include_router(make_router(folder, desk, runs, task, edits))
     app.mount("/", StaticFiles(directory=STATIC, html=True))
     return app

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from dataclasses import asdict
 from pathlib import Path
-from typing import Literal, Protocol
+from typing import Any, Literal, Protocol
 
 from grip_bt.errors import GripError, UnknownNameError
 from grip_bt.runtime import Event, Journal, JournalError, JournalReader, RunLog
@@ -42,6 +42,15 @@ class RunSource(Protocol):
 
         Raises:
             UnknownNameError: there is no such write.
+        """
+        ...
+
+    def raw(self, run: str, seq: int) -> Any:
+        """Return what the write with this number wrote, as it was.
+
+        Raises:
+            UnknownNameError: there is no such write.
+            JournalError: it wasn't kept.
         """
         ...
 
@@ -85,16 +94,25 @@ class JournalRuns:
         return [_wire_event(event) for event in found]
 
     def value(self, run: str, seq: int) -> ValueView:
-        """Return what the write with this number wrote."""
+        """Return what the write with this number wrote, for looking at."""
+        reader, event = self._write_of(run, seq)
+        type_name = str(event.data.get("type", ""))
+        try:
+            return value_view(type_name, reader.value(event))
+        except GripError as error:  # too big, of a class that can't be restored, or written by an earlier version
+            return unkept_view(type_name, str(event.data.get("preview", "")), error)
+
+    def raw(self, run: str, seq: int) -> Any:
+        """Return what the write with this number wrote, as it was."""
+        reader, event = self._write_of(run, seq)
+        return reader.value(event)
+
+    def _write_of(self, run: str, seq: int) -> tuple[JournalReader, Event]:
         reader = self._reader()
         found = [] if reader is None else reader.events(run, seq - 1, 1)
         if reader is None or not found or found[0].seq != seq or found[0].event != "write":
             raise UnknownNameError("write of a variable", str(seq), (), f"the run {run}")
-        facts = found[0].data
-        try:
-            return value_view(str(facts.get("type", "")), reader.value(found[0]))
-        except GripError as error:  # too big, of a class that can't be restored, or written by an earlier version
-            return unkept_view(str(facts.get("type", "")), str(facts.get("preview", "")), error)
+        return reader, found[0]
 
     def end_run(self, run: str, status: Literal["stopped", "error"]) -> None:
         """Enter that a run has ended whose process could not do so itself."""

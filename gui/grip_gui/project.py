@@ -83,6 +83,17 @@ class ProjectFolder:
             raise DocumentError("a file of this name is there already; choose another name", path)
         return file
 
+    def settings_file(self, path: str) -> Path:
+        """Return where a settings file is or goes, at a path that came from outside.
+
+        Args:
+            path: relative to the project folder.
+
+        Raises:
+            OutsideProjectError: the path leads elsewhere, or isn't one of a YAML file.
+        """
+        return self._place(path)
+
     def _place(self, path: str) -> Path:
         pure = PurePosixPath(path)
         if "\0" in path or "\\" in path or pure.is_absolute() or ".." in pure.parts:

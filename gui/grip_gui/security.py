@@ -130,7 +130,8 @@ class Gate:
 
 
 def _limit(scope: Scope) -> int:
-    return LARGEST_DOCUMENT if str(scope["path"]).startswith("/api/document/") else LARGEST_BODY
+    path = str(scope["path"])
+    return LARGEST_DOCUMENT if path.startswith(("/api/document/", "/api/setup/")) else LARGEST_BODY
 
 
 def _too_large(scope: Scope) -> str:

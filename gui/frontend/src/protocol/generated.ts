@@ -121,6 +121,13 @@ export interface FieldFace {
   choices: string[];
 }
 
+/** A field of an interface. */
+export interface FieldView {
+  side: string;
+  name: string;
+  type: string;
+}
+
 /** A way to mend a problem with one press. */
 export interface FixView {
   title: string;
@@ -158,6 +165,27 @@ export interface HistoryView {
   moments: MomentView[];
   can_undo: boolean;
   can_redo: boolean;
+}
+
+/** What an interface has, and what keeps it from being a component. */
+export interface InterfaceView {
+  fields: FieldView[];
+  problems: string[];
+  suggestion: string;
+  text: string;
+  path: string;
+  output: string;
+}
+
+/** An interface to be wrapped: pasted, or the name of an installed type. */
+export interface InterfaceWish {
+  text: string;
+  type: string;
+  outcomes: string;
+  failures: string[];
+  name: string;
+  server: string;
+  create: boolean;
 }
 
 /** A kind of container. */
@@ -266,6 +294,21 @@ export interface PortFace {
   required: boolean;
 }
 
+/** How a try went. */
+export interface ProbeView {
+  ok: boolean;
+  command: string;
+  output: string;
+  seconds: number;
+}
+
+/** Try what is configured. */
+export interface ProbeWish {
+  what: "robot" | "generate" | "test";
+  path: string;
+  page: string;
+}
+
 /** Something that the validation found, or why a file can't be read. */
 export interface Problem {
   path: string;
@@ -286,6 +329,13 @@ export interface ProjectView {
   tasks: TaskEntry[];
   robots: string[];
   selected: string | null;
+}
+
+/** Keep a value of a run as a named message of the project. */
+export interface RecordWish {
+  run: string;
+  seq: number;
+  name: string;
 }
 
 /** Server to page: a message that wasn't understood. */
@@ -361,6 +411,57 @@ export interface SessionView {
   zombies: string[];
 }
 
+/** One value of the form, to be put into the text; nothing is written. */
+export interface SetupChange {
+  path: string;
+  text: string;
+  do: "set" | "remove" | "rename";
+  key: (string | number)[];
+  value: unknown;
+}
+
+/** A file of the project that is no task. */
+export interface SetupEntry {
+  path: string;
+  kind: string;
+  title: string;
+  exists: boolean;
+  doc: string;
+}
+
+/** All of them; those that aren't there yet can be made. */
+export interface SetupList {
+  files: SetupEntry[];
+}
+
+/** Write a settings file. */
+export interface SetupSave {
+  path: string;
+  text: string;
+  known: string;
+  over: boolean;
+}
+
+/** A text of a settings file, to be looked at; nothing is written. */
+export interface SetupText {
+  path: string;
+  text: string;
+}
+
+/** A settings file as text, as data, and what is wrong with it. */
+export interface SetupView {
+  path: string;
+  kind: string;
+  title: string;
+  text: string;
+  known: string;
+  data: unknown;
+  shape: Record<string, unknown>;
+  options: Record<string, string[]>;
+  templates: Template[];
+  problems: Problem[];
+}
+
 /** Start a run of a task. */
 export interface StartRun {
   task: string;
@@ -404,6 +505,13 @@ export interface TaskView {
   nodes: NodeView[];
   variables: VariableView[];
   problems: Problem[];
+}
+
+/** Something to begin with. */
+export interface Template {
+  title: string;
+  key: string[];
+  value: unknown;
 }
 
 /** Take a text that was typed on a revision. */

@@ -1,0 +1,5 @@
+"""The files that put a project together, for the page: read, checked, changed by forms, tried."""
+
+from .desk import SetupDesk
+
+__all__ = ["SetupDesk"]

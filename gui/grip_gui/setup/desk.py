@@ -1,0 +1,119 @@
+"""Settings files of a project: looked at, changed, saved. The page keeps the text; nothing is kept here."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from grip_bt.app.project import find_project
+from grip_bt.errors import DocumentError, GripError
+from grip_bt.graph.faults import Fault
+from grip_bt.graph.syntax import parse, plain
+
+from ..editing import ChangedOnDiskError
+from ..editing.files import TextFile
+from ..messages import Problem
+from ..project import ProjectFolder
+from ..setup_messages import SetupChange, SetupList, SetupSave, SetupView
+from .changes import UnchangeableError, remove, rename, set_value
+from .kinds import Kind, entries, kind_of
+from .options import options_of, wrong_options
+
+
+class SetupDesk:
+    """What the page asks about settings files.
+
+    Args:
+        folder: the project; no path leads out of it.
+    """
+
+    def __init__(self, folder: ProjectFolder):
+        self.folder = folder
+
+    def files(self) -> SetupList:
+        """Return all settings files."""
+        return SetupList(files=entries(self.folder, self._components()))
+
+    def open(self, path: str) -> SetupView:
+        """Return a file as it is, or as it would begin.
+
+        Raises:
+            OutsideProjectError: the path is none of a settings file.
+            DocumentError: it can't be read.
+        """
+        kind = kind_of(path)
+        file = TextFile(self.folder.settings_file(path), path)
+        text = file.read() if file.path.exists() else kind.blank
+        return self._view(path, kind, text, file.known)
+
+    def check(self, path: str, text: str) -> SetupView:
+        """Return what a text would be; nothing is written."""
+        return self._view(path, kind_of(path), text, "")
+
+    def change(self, wish: SetupChange) -> SetupView:
+        """Return the text with one value changed; nothing is written.
+
+        Raises:
+            UnchangeableError: it can't be.
+        """
+        match wish.do:
+            case "set":
+                text = set_value(wish.text, wish.key, wish.value)
+            case "remove":
+                text = remove(wish.text, wish.key)
+            case "rename":
+                if not isinstance(wish.value, str) or not wish.value:
+                    raise UnchangeableError("a name is a text")
+                text = rename(wish.text, wish.key, wish.value)
+        return self.check(wish.path, text)
+
+    def save(self, wish: SetupSave) -> SetupView:
+        """Write a text.
+
+        Raises:
+            ChangedOnDiskError: somebody else has changed the file since it was opened.
+            DocumentError: it can't be written.
+        """
+        kind = kind_of(wish.path)
+        file = TextFile(self.folder.settings_file(wish.path), wish.path)
+        file.known = wish.known
+        if not wish.over and (how := file.change()):
+            raise ChangedOnDiskError(wish.path, how)
+        file.write(wish.text)
+        return self._view(wish.path, kind, wish.text, file.known)
+
+    def _view(self, path: str, kind: Kind, text: str, known: str) -> SetupView:
+        data, options, faults = self._looked_at(path, kind, text)
+        problems = [
+            Problem(code="settings", severity="error", message=message, line=line, column=column)
+            for message, line, column in sorted(faults, key=lambda fault: fault[1:])
+        ]
+        return SetupView(
+            path=path,
+            kind=kind.name,
+            title=kind.title,
+            text=text,
+            known=known,
+            data=data,
+            shape=dict(kind.shape),
+            options=options,
+            templates=list(kind.templates),
+            problems=problems,
+        )
+
+    def _looked_at(self, path: str, kind: Kind, text: str) -> tuple[Any, dict[str, list[str]], list[Fault]]:
+        file = self.folder.settings_file(path)
+        try:
+            tree = parse(text, path)
+        except DocumentError as error:
+            options = options_of(kind.name, None, self.folder.folder)
+            return None, options, [(error.message, error.line or 1, error.column or 1)]
+        data = plain(tree)
+        options = options_of(kind.name, data, self.folder.folder)
+        return data, options, [*kind.check(file, text, tree), *wrong_options(tree, data, options)]
+
+    def _components(self) -> dict[str, Path]:
+        try:
+            return find_project(self.folder.folder).component_folders()
+        except GripError:  # grip.yaml is wrong; where components usually are is a good guess
+            return {p.parent.name: p.parent for p in sorted(self.folder.folder.glob("components/*/component.yaml"))}

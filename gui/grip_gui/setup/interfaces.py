@@ -1,0 +1,125 @@
+"""An interface that was pasted or named, on its way to a component: its fields, what is wrong, and its folder."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from pydantic import ValidationError
+
+from grip_bt.app.new_component import Wish, components_folder, from_file, from_type, make_component
+from grip_bt.catalog.component_file import ComponentFile
+from grip_bt.catalog.interface_spec import InterfaceSpec
+from grip_bt.codegen.component_text import component_text, parse_outcomes, suggested_outcomes
+from grip_bt.codegen.contract import check_contract
+from grip_bt.errors import ContractError, DocumentError, GripError
+from grip_bt.graph.settings_file import check_model
+from grip_bt.graph.syntax import parse
+
+from ..project import ProjectFolder
+from ..setup_messages import FieldView, InterfaceView, InterfaceWish
+
+_TYPE = re.compile(r"^(?P<package>[a-z][a-z0-9_]*)/(?P<kind>srv|action|msg)/(?P<name>[A-Z][A-Za-z0-9]*)$")
+_PACKAGES = ("action_msgs", "builtin_interfaces", "geometry_msgs", "sensor_msgs", "std_msgs", "trajectory_msgs")
+_PACKAGE = """\
+<?xml version="1.0"?>
+<package format="3">
+  <name>{name}</name>
+  <version>0.1.0</version>
+  <description>Interfaces of a component.</description>
+  <maintainer email="maintainer@example.com">maintainer</maintainer>
+  <license>Apache-2.0</license>
+  <buildtool_depend>ament_cmake</buildtool_depend>
+  <buildtool_depend>rosidl_default_generators</buildtool_depend>
+{depends}  <exec_depend>rosidl_default_runtime</exec_depend>
+  <member_of_group>rosidl_interface_packages</member_of_group>
+</package>
+"""
+
+
+def look_at(wish: InterfaceWish) -> InterfaceView:
+    """Return what an interface has, and what keeps it from being a component; nothing is written.
+
+    Raises:
+        DocumentError: it can't be read, or isn't installed.
+        GripError: its name, its outcomes, or the component's name are none.
+    """
+    with _found(wish) as found:
+        return _view(wish, found.interface)
+
+
+def make(folder: ProjectFolder, wish: InterfaceWish) -> tuple[InterfaceView, Path]:
+    """Write the component's folder; return what was written, and where.
+
+    Raises:
+        ContractError: something keeps it from being a component.
+        GripError: the folder has a component file already, or something can't be read.
+    """
+    with _found(wish) as found:
+        view = _view(wish, found.interface)
+        if view.problems:
+            raise ContractError(found.interface.type_name, view.problems)
+        named = Wish(found.interface, wish.server, wish.name, found.package)
+        outcomes = wish.outcomes or view.suggestion
+        home = make_component(named, components_folder(folder.folder), outcomes, wish.failures)
+    return view.model_copy(update={"path": folder.relative(home / "component.yaml")}), home
+
+
+def _view(wish: InterfaceWish, interface: InterfaceSpec) -> InterfaceView:
+    suggestion = suggested_outcomes(interface)
+    sides = ("goal", "result") if interface.kind == "action" else ("request", "response")
+    sides = ("message", "") if interface.kind == "msg" else sides
+    fields = [
+        FieldView(side=side, name=field.name, type=field.spelling)
+        for side, part in zip(sides, (interface.request, interface.response), strict=True)
+        for field in part
+    ]
+    text, problems = "", []
+    name = wish.name or _snake(interface.name)
+    try:
+        outcomes = parse_outcomes(wish.outcomes or suggestion)
+        text = component_text(interface, name, wish.server or f"/{name}", outcomes, wish.failures)
+        component, faults = check_model(parse(text), ComponentFile)
+        problems = [message for message, _, _ in faults]
+        if component is not None:
+            check_contract(component, interface)
+    except ContractError as error:
+        problems = list(error.problems)
+    except ValidationError as error:
+        problems = [
+            f"{'/'.join(map(str, e['loc'])) or 'the component'}: {e['msg'].removeprefix('Value error, ')}"
+            for e in error.errors()
+        ]
+    except GripError as error:
+        problems = [str(error)]
+    return InterfaceView(fields=fields, problems=problems, suggestion=suggestion, text=text, path="", output="")
+
+
+@contextmanager
+def _found(wish: InterfaceWish) -> Iterator[Wish]:
+    """Give the interface, from an installed type or from a package made of what was pasted."""
+    name = _TYPE.match(wish.type.strip())
+    if name is None:
+        raise GripError(f"{wish.type!r} isn't the name of an interface, such as my_interfaces/srv/PlanGrasp")
+    if not wish.text.strip():
+        yield from_type(wish.type.strip())
+        return
+    with TemporaryDirectory() as place:
+        package = Path(place) / name["package"]
+        file = package / name["kind"] / f"{name['name']}.{name['kind']}"
+        file.parent.mkdir(parents=True)
+        file.write_text(wish.text, encoding="utf-8")
+        needed = [other for other in _PACKAGES if f"{other}/" in wish.text]
+        depends = "".join(f"  <depend>{other}</depend>\n" for other in needed)
+        (package / "package.xml").write_text(_PACKAGE.format(name=name["package"], depends=depends), encoding="utf-8")
+        try:
+            yield from_file(file)
+        except DocumentError as error:
+            raise DocumentError(error.message, file.name, error.line, error.column) from None
+
+
+def _snake(name: str) -> str:
+    return "".join(f"_{c.lower()}" if c.isupper() and i else c.lower() for i, c in enumerate(name))

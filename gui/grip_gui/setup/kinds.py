@@ -1,0 +1,196 @@
+"""What settings files there are: where they lie, their shape, and templates to begin with."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from pydantic import BaseModel
+
+from grip_bt.app.project import ProjectFile
+from grip_bt.catalog.component_file import ComponentFile
+from grip_bt.errors import DocumentError
+from grip_bt.graph.faults import Fault
+from grip_bt.graph.settings_file import check_model
+from grip_bt.graph.syntax import Value
+from grip_bt.messages.original import read_joint_states, read_poses, read_trajectories
+
+from ..project import OutsideProjectError, ProjectFolder
+from ..setup_messages import SetupEntry, Template
+
+JOINT_STATES, POSES, TRAJECTORIES = (f"messages/{name}.yaml" for name in ("joint_states", "poses", "trajectories"))
+_NUMBERS = {"type": "object", "additionalProperties": {"type": "number"}}
+_POSITION = {"type": "object", "properties": {axis: {"type": "number"} for axis in "xyz"}, "title": "Position [m]"}
+_TURN = {
+    "type": "object",
+    "properties": {axis: {"type": "number"} for axis in ("r", "p", "y")},
+    "title": "Roll, pitch, yaw [rad]",
+}
+_POSE = {
+    "type": "object",
+    "properties": {"reference_frame": {"type": "string"}, "position": _POSITION, "orientation": _TURN},
+}
+_WAYPOINT = {
+    "type": "object",
+    "properties": {name: {"type": "number"} for name in ("interpolate_time", "pause_time")}
+    | {"name": {"type": "string"}},
+}
+
+
+@dataclass(frozen=True)
+class Kind:
+    """One kind of settings file.
+
+    Attributes:
+        name: for the wire.
+        title: for people.
+        doc: what stands in it.
+        shape: JSON Schema of its data.
+        blank: text of a new file.
+        check: what is wrong with a text that is YAML.
+        templates: values to begin with.
+    """
+
+    name: str
+    title: str
+    doc: str
+    shape: Mapping[str, Any]
+    blank: str
+    check: Callable[[Path, str, Value], list[Fault]]
+    templates: Sequence[Template] = ()
+
+
+def _by_model(model: type[BaseModel]) -> Callable[[Path, str, Value], list[Fault]]:
+    return lambda _file, _text, tree: check_model(tree, model)[1]
+
+
+def _by_reader(read: Callable[[Path], object]) -> Callable[[Path, str, Value], list[Fault]]:
+    """Check by the room that reads such files, on a copy beside copies of the files that it refers to."""
+
+    def check(file: Path, text: str, _tree: Value) -> list[Fault]:
+        with TemporaryDirectory() as folder:
+            for other in (JOINT_STATES, POSES):
+                beside = file.with_name(Path(other).name)
+                if beside.is_file() and beside != file:
+                    (Path(folder) / beside.name).write_bytes(beside.read_bytes())
+            copy = Path(folder) / file.name
+            copy.write_text(text, encoding="utf-8")
+            try:
+                read(copy)
+            except DocumentError as error:
+                return [(error.message, error.line or 1, error.column or 1)]
+        return []
+
+    return check
+
+
+def _trajectories(file: Path) -> object:
+    states = file.with_name("joint_states.yaml")
+    return read_trajectories(file, read_joint_states(states) if states.is_file() else {})
+
+
+def _template(title: str, *key: str, value: Any) -> Template:
+    return Template(title=title, key=list(key), value=value)
+
+
+_CLOUD = {"cloud": {"topic": "/camera/points", "type": "PointCloud"}}
+PROJECT = Kind(
+    "project",
+    "Robot, sensors, processes",
+    "The robot with its arms and hands, how they plan, the sensors, and what runs beside.",
+    ProjectFile.model_json_schema(),
+    "grip: 1\n",
+    _by_model(ProjectFile),
+    (
+        _template("Panda with an Allegro hand", "robot", value="panda_allegro"),
+        _template("an arm with a hand", "arms", "right", value={"group": "arm", "hand": "right_hand"}),
+        _template("a hand", "hands", "right_hand", value={"group": "hand"}),
+        _template("a camera of the simulated world", "sensors", "overhead", value={"camera": "overhead"}),
+        _template("a depth sensor on topics", "sensors", "depth", value={"topics": _CLOUD}),
+        _template("the simulated table", "world", value="table"),
+        _template("a process", "processes", "driver", value={"command": ["{python}", "driver.py"]}),
+    ),
+)
+COMPONENT = Kind(
+    "component",
+    "Component",
+    "Software of others, called as a service or an action: its outcomes, ports, start and time-outs.",
+    ComponentFile.model_json_schema(),
+    "",
+    _by_model(ComponentFile),
+    (
+        _template("started by a command", "start", value={"command": ["{python}", "server.py"]}),
+        _template("time-outs", "timeouts", value={"call": 30.0, "ready": 15.0}),
+    ),
+)
+_MESSAGES = {
+    JOINT_STATES: Kind(
+        "joint_states",
+        "Named joint states",
+        "Name -> joint -> position [rad or m].",
+        {"type": "object", "additionalProperties": _NUMBERS},
+        "{}\n",
+        _by_reader(read_joint_states),
+        (_template("a joint state", "home", value={"joint_1": 0.0}),),
+    ),
+    POSES: Kind(
+        "poses",
+        "Named poses",
+        "Name -> frame, position [m], orientation [rad].",
+        {"type": "object", "additionalProperties": _POSE},
+        "{}\n",
+        _by_reader(read_poses),
+        (
+            _template(
+                "a pose",
+                "above_table",
+                value={
+                    "reference_frame": "world",
+                    "position": {"x": 0.4, "y": 0.0, "z": 0.4},
+                    "orientation": {"r": 0.0, "p": 0.0, "y": 0.0},
+                },
+            ),
+        ),
+    ),
+    TRAJECTORIES: Kind(
+        "trajectories",
+        "Named trajectories",
+        "Name -> joint states by name, with the time to each and the pause there [s].",
+        {"type": "object", "additionalProperties": {"type": "array", "items": _WAYPOINT}},
+        "{}\n",
+        _by_reader(_trajectories),
+    ),
+}
+_COMPONENT_PATH = re.compile(r"^[A-Za-z0-9_./-]+/[A-Za-z0-9_-]+/component\.yaml$|^[A-Za-z0-9_-]+/component\.yaml$")
+
+
+def kind_of(path: str) -> Kind:
+    """Return what a file is by its path.
+
+    Raises:
+        OutsideProjectError: it is none of a project's settings files.
+    """
+    if path == "grip.yaml":
+        return PROJECT
+    if path in _MESSAGES:
+        return _MESSAGES[path]
+    if _COMPONENT_PATH.match(path):
+        return COMPONENT
+    raise OutsideProjectError(path, f"isn't a settings file (there are: grip.yaml, {', '.join(_MESSAGES)}, components)")
+
+
+def entries(folder: ProjectFolder, components: Mapping[str, Path]) -> list[SetupEntry]:
+    """Return all settings files of a project, those that could be made among them."""
+    paths = {"grip.yaml": PROJECT, **_MESSAGES}
+    found = [(path, kind, kind.title) for path, kind in paths.items()]
+    for name, home in components.items():
+        path = folder.relative(home / "component.yaml")
+        found.insert(1, (path, COMPONENT, f"Component {name}"))
+    return [
+        SetupEntry(path=path, kind=kind.name, title=title, exists=(folder.folder / path).is_file(), doc=kind.doc)
+        for path, kind, title in found
+    ]

@@ -1,0 +1,105 @@
+"""What may stand at a place of a settings file, and which values stand there that may not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, get_args
+
+from grip_bt.catalog.component_parts import Unit
+from grip_bt.catalog.sensor_config import MESSAGES
+from grip_bt.errors import GripError, listing, nearest
+from grip_bt.graph.faults import Fault, find
+from grip_bt.graph.syntax import Value, parse, plain
+
+from .facts import facts
+from .kinds import JOINT_STATES
+
+CLOSED = {"robot", "arms/*/planner", "arms/*/kinematics", "arms/*/group", "arms/*/hand", "hands/*/group", "*/*/name"}
+"""Where nothing else than the options may stand."""
+WORLDS = ["table"]
+
+
+def options_of(kind: str, data: Any, folder: Path) -> dict[str, list[str]]:
+    """Return path of keys, with `*` for any -> what may stand there."""
+    match kind:
+        case "project":
+            return _project(data if isinstance(data, Mapping) else {})
+        case "component":
+            return {
+                "meaning/*": ["success", "failure"],
+                "ports/*/type": sorted(MESSAGES),
+                "ports/*/unit": list(get_args(Unit)),
+            }
+        case "joint_states":
+            joints = {joint for group in _robot_facts(folder).get("groups", {}).values() for joint in group}
+            return {"*/*": [], "joints": sorted(joints)}
+        case "trajectories":
+            return {"*/*/name": _names(folder / JOINT_STATES)}
+        case "poses":
+            return {"*/reference_frame": ["world"]}
+    return {}
+
+
+def wrong_options(tree: Value, data: Any, options: Mapping[str, Sequence[str]]) -> list[Fault]:
+    """Return the values that none of the options are."""
+    faults = []
+    for pattern in CLOSED & options.keys():
+        allowed = options[pattern]
+        for path, value in _at(data, pattern.split("/"), ()):
+            if allowed and isinstance(value, str) and value not in allowed:
+                line, column = find(tree, path)
+                words = "/".join(map(str, path))
+                message = f"{words}: there is no {value!r}{nearest(value, allowed)} (there are: {listing(allowed)})"
+                faults.append((message, line, column))
+    return faults
+
+
+def _project(data: Mapping[str, Any]) -> dict[str, list[str]]:
+    robot = data.get("robot")
+    known = facts(robot if isinstance(robot, str) else "")
+    found = {
+        "robot": known.get("robots", []),
+        "arms/*/planner": known.get("planners", []),
+        "arms/*/kinematics": known.get("kinematics", []),
+        "arms/*/hand": list(data.get("hands") or ()) if isinstance(data.get("hands"), Mapping) else [],
+        "world": WORLDS,
+        "sensors/*/camera": ["overhead"],
+        "sensors/*/topics/*/type": sorted(MESSAGES),
+        "sensors/*/topics/*/message": sorted(set(MESSAGES.values())),
+    }
+    if groups := list(known.get("groups", ())):
+        found |= {"arms/*/group": groups, "hands/*/group": groups}
+    return found
+
+
+def _robot_facts(folder: Path) -> dict[str, Any]:
+    data = _data(folder / "grip.yaml")
+    robot = data.get("robot") if isinstance(data, Mapping) else None
+    return facts(robot) if isinstance(robot, str) else {}
+
+
+def _names(file: Path) -> list[str]:
+    data = _data(file)
+    return [str(name) for name in data] if isinstance(data, Mapping) else []
+
+
+def _data(file: Path) -> Any:
+    try:
+        return plain(parse(file.read_text(encoding="utf-8")))
+    except (OSError, ValueError, GripError):  # another file's faults are told where it is open
+        return None
+
+
+def _at(data: Any, pattern: Sequence[str], path: tuple[str | int, ...]) -> Iterator[tuple[tuple[str | int, ...], Any]]:
+    if not pattern:
+        yield path, data
+        return
+    step, rest = pattern[0], pattern[1:]
+    if isinstance(data, Mapping):
+        for key, value in data.items():
+            if step in ("*", key):
+                yield from _at(value, rest, (*path, key))
+    elif isinstance(data, list) and step == "*":
+        for at, value in enumerate(data):
+            yield from _at(value, rest, (*path, at))

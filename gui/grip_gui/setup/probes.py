@@ -1,0 +1,83 @@
+"""Trying what is configured: verbs of `grip` in a process of their own, one at a time, with an end."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from secrets import token_hex
+
+from grip_bt.errors import GripError
+
+from ..processes import MARK, end_marked
+from ..project import ProjectFolder
+from ..setup_messages import ProbeView, ProbeWish
+from .kinds import kind_of
+
+PATIENCE = 120.0
+"""How long a try may take; building interfaces the first time takes most of it [s]."""
+KEPT = 20_000
+"""How much of what it says is shown, the end of it [characters]."""
+
+
+class Prober:
+    """Runs one try at a time.
+
+    Args:
+        folder: the project.
+    """
+
+    def __init__(self, folder: ProjectFolder):
+        self._folder = folder
+        self._busy = asyncio.Lock()
+
+    async def probe(self, wish: ProbeWish) -> ProbeView:
+        """Try it.
+
+        Raises:
+            GripError: another try is under way, or this can't be tried.
+        """
+        kind = kind_of(wish.path).name
+        home = self._folder.settings_file(wish.path).parent
+        needed = "component" if wish.what in ("generate", "test") else "project"
+        if kind != needed:
+            raise GripError(f"{wish.path}: {wish.what!r} is tried with a file of the kind {needed!r}")
+        words = {
+            "robot": ("robot", "check", "."),
+            "generate": ("component", "add", str(home)),
+            "test": ("component", "test", str(home)),
+        }
+        return await self.run(words[wish.what])
+
+    async def run(self, words: Sequence[str]) -> ProbeView:
+        """Run `grip WORDS...` in the project folder; afterwards no process of it is left."""
+        if self._busy.locked():
+            raise GripError("another try is under way; wait for its end")
+        async with self._busy:
+            return await _run(words, self._folder.folder)
+
+
+async def _run(words: Sequence[str], folder: Path) -> ProbeView:
+    mark, started = token_hex(8), time.monotonic()
+    process = await asyncio.create_subprocess_exec(
+        *(sys.executable, "-m", "grip_bt.cli", *words),
+        cwd=folder,
+        stdin=asyncio.subprocess.DEVNULL,
+        stdout=asyncio.subprocess.PIPE,
+        stderr=asyncio.subprocess.STDOUT,
+        env={**os.environ, MARK: mark, "PYTHONUNBUFFERED": "1"},
+        start_new_session=True,
+    )
+    try:
+        said, _ = await asyncio.wait_for(process.communicate(), PATIENCE)
+        output, ok = said.decode(errors="replace"), process.returncode == 0
+    except TimeoutError:
+        output, ok = f"It hasn't ended within {PATIENCE:g} s, so it was ended.", False
+    finally:
+        await end_marked(mark, group=process.pid if process.returncode is None else None)
+        await process.wait()
+    shown = output if len(output) <= KEPT else "... " + output[-KEPT:]
+    return ProbeView(ok=ok, command="grip " + " ".join(words), output=shown, seconds=time.monotonic() - started)

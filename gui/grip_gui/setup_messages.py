@@ -1,0 +1,153 @@
+"""What goes over the wire about the files that put a project together: robot, sensors, components, named messages."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from .messages import Problem, Wire
+from .run_messages import PageId
+
+LONGEST = 1 << 20
+"""Longest text of a settings file, in characters."""
+SetupPath = Annotated[str, Field(min_length=1, max_length=1024)]
+SetupTextField = Annotated[str, Field(max_length=LONGEST)]
+Step = Annotated[str, Field(max_length=200)] | int
+
+
+class SetupEntry(Wire):
+    """A file of the project that is no task."""
+
+    path: str
+    kind: str
+    title: str
+    exists: bool
+    doc: str
+
+
+class SetupList(Wire):
+    """All of them; those that aren't there yet can be made."""
+
+    files: list[SetupEntry]
+
+
+class Template(Wire):
+    """Something to begin with."""
+
+    title: str
+    key: list[str]
+    """Where it goes; where its last word is taken, a number is added."""
+    value: Any
+
+
+class SetupView(Wire):
+    """A settings file as text, as data, and what is wrong with it."""
+
+    path: str
+    kind: str
+    title: str
+    text: str
+    known: str
+    """Tells the file's bytes that the text began with; goes back with the wish to save."""
+    data: Any
+    """None where the text is no YAML."""
+    shape: dict[str, Any]
+    """JSON Schema of the data."""
+    options: dict[str, list[str]]
+    """Path of keys, with `*` for any, -> what may stand there."""
+    templates: list[Template]
+    problems: list[Problem]
+
+
+class SetupText(Wire):
+    """A text of a settings file, to be looked at; nothing is written."""
+
+    path: SetupPath
+    text: SetupTextField
+
+
+class SetupChange(Wire):
+    """One value of the form, to be put into the text; nothing is written."""
+
+    path: SetupPath
+    text: SetupTextField
+    do: Literal["set", "remove", "rename"] = "set"
+    key: Annotated[list[Step], Field(min_length=1, max_length=20)]
+    value: Any = None
+    """Of `set`: the value; of `rename`: the new name."""
+
+
+class SetupSave(Wire):
+    """Write a settings file."""
+
+    path: SetupPath
+    text: SetupTextField
+    known: Annotated[str, Field(max_length=100)] = ""
+    over: bool = False
+    """Also over what somebody else has written."""
+
+
+class ProbeWish(Wire):
+    """Try what is configured."""
+
+    what: Literal["robot", "generate", "test"]
+    path: SetupPath
+    """The component's file, or `grip.yaml`."""
+    page: PageId = ""
+
+
+class ProbeView(Wire):
+    """How a try went."""
+
+    ok: bool
+    command: str
+    output: str
+    seconds: float
+
+
+class InterfaceWish(Wire):
+    """An interface to be wrapped: pasted, or the name of an installed type."""
+
+    text: Annotated[str, Field(max_length=100_000)] = ""
+    """The .srv, .action or .msg file; empty for an installed type."""
+    type: Annotated[str, Field(max_length=300)]
+    """Such as `std_srvs/srv/Trigger`; of a pasted text, what it shall be called."""
+    outcomes: Annotated[str, Field(max_length=2000)] = ""
+    """`one,none`: names of 0, 1 ...; `2`; or `found: count > 0; none: true`. Empty to be told a suggestion."""
+    failures: Annotated[list[Annotated[str, Field(max_length=200)]], Field(max_length=100)] = []
+    name: Annotated[str, Field(max_length=200)] = ""
+    server: Annotated[str, Field(max_length=300)] = ""
+    create: bool = False
+    """Write the component's folder and generate its node; without it only look."""
+
+
+class FieldView(Wire):
+    """A field of an interface."""
+
+    side: str
+    name: str
+    type: str
+
+
+class InterfaceView(Wire):
+    """What an interface has, and what keeps it from being a component."""
+
+    fields: list[FieldView]
+    problems: list[str]
+    suggestion: str
+    """Outcomes that would be possible."""
+    text: str
+    """The component file, as it would be written."""
+    path: str
+    """The component file that was written; empty when none was."""
+    output: str
+    """What generating said."""
+
+
+class RecordWish(Wire):
+    """Keep a value of a run as a named message of the project."""
+
+    run: Annotated[str, Field(max_length=200)]
+    seq: Annotated[int, Field(ge=1, le=2**53)]
+    name: Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_ -]*$", max_length=200)]

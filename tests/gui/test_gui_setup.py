@@ -1,0 +1,259 @@
+"""Settings files through the server: as text and as data, changed value by value, checked, saved, tried."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from conftest import TASK, TestClient
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from grip_bt.runtime import Journal
+from grip_bt.runtime.run_log import Noted
+from grip_bt.runtime.value_codec import snapshot
+from grip_bt.values import JointState, Pose
+from grip_gui.setup.changes import UnchangeableError, remove, rename, set_value
+
+GRIP = """\
+grip: 1
+robot: panda_allegro      # the one in the lab
+arms:
+  right: {group: arm, hand: palm, planner: RRTConnect}   # fast enough
+hands:
+  palm: {group: hand}
+world: table
+"""
+CONTRACT = "sensor_msgs/PointCloud2 input\n---\nint32 outcome\ngeometry_msgs/PoseStamped[] returned_object\n"
+
+
+def checked(page: TestClient, path: str, text: str) -> dict[str, Any]:
+    answer = page.post("/api/setup/check", json={"path": path, "text": text})
+    assert answer.status_code == 200, answer.text
+    found: dict[str, Any] = answer.json()
+    return found
+
+
+def changed(page: TestClient, **wish: Any) -> dict[str, Any]:
+    answer = page.post("/api/setup/change", json={"path": "grip.yaml", **wish})
+    assert answer.status_code == 200, answer.text
+    found: dict[str, Any] = answer.json()
+    return found
+
+
+def test_every_settings_file_is_listed_those_to_be_made_too(page: TestClient, project: Path) -> None:
+    home = project / "components" / "seer"
+    home.mkdir(parents=True)
+    (home / "component.yaml").write_text("name: seer\n")
+    files = {file["path"]: file["exists"] for file in page.get("/api/setup/files").json()["files"]}
+    assert files["grip.yaml"] is True
+    assert files["components/seer/component.yaml"] is True
+    assert files["messages/poses.yaml"] is False
+
+
+def test_a_form_and_its_text_are_one_thing_and_comments_stay(page: TestClient) -> None:
+    view = changed(page, text=GRIP, key=["arms", "right", "planner"], value="BiTRRT")
+    assert view["text"] == GRIP.replace("RRTConnect}", "BiTRRT}    ")  # the comment stays in its column
+    assert view["data"]["arms"]["right"]["planner"] == "BiTRRT"
+    assert view["problems"] == []
+    assert view["options"]["arms/*/hand"] == ["palm"]
+    assert "BiTRRT" in view["options"]["arms/*/planner"]
+    assert view["options"]["arms/*/group"] == ["arm", "hand"]
+
+
+def test_a_renamed_hand_is_renamed_where_an_arm_carries_it(page: TestClient) -> None:
+    view = changed(page, text=GRIP, do="rename", key=["hands", "palm"], value="right_hand")
+    assert view["data"]["arms"]["right"]["hand"] == "right_hand"
+    assert view["problems"] == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "reason"),
+    [
+        ("RRTConnect", "RTRConnect", 4, "did you mean 'RRTConnect'"),
+        ("group: arm", "group: arn", 4, "did you mean 'arm'"),
+        ("hand: palm", "hand: pal", 4, "there is no 'pal'"),
+        ("panda_allegro", "panda", 2, "there is no 'panda'"),
+        ("world: table", "worl: table", 7, "unknown key 'worl' in the file"),
+        ("group: hand}", "group: 3}", 6, "hands/palm/group"),
+        ("grip: 1", "grip: [1", 1, ""),
+    ],
+)
+def test_what_is_wrong_is_said_with_its_place(page: TestClient, old: str, new: str, line: int, reason: str) -> None:
+    problems = checked(page, "grip.yaml", GRIP.replace(old, new))["problems"]
+    assert problems, "nothing was found"
+    assert reason in problems[0]["message"]
+    assert new.startswith("grip:") or problems[0]["line"] == line
+
+
+def test_several_faults_are_told_at_once(page: TestClient) -> None:
+    text = GRIP.replace("RRTConnect}", "A, speed: 7, attempts: 0}")
+    assert len(checked(page, "grip.yaml", text)["problems"]) == 3
+
+
+@pytest.mark.parametrize(
+    "path", ["../secret.yaml", "tasks/tiny.yaml", "messages/other.yaml", ".grip/x.yaml", "/etc/a.yaml"]
+)
+def test_no_other_file_is_read_or_written(page: TestClient, path: str) -> None:
+    assert page.get("/api/setup/file", params={"path": path}).status_code == 403
+    for route in ("check", "save"):
+        assert page.post(f"/api/setup/{route}", json={"path": path, "text": "a: 1"}).status_code == 403
+    assert page.post("/api/setup/probe", json={"path": path, "what": "test"}).status_code == 403
+
+
+def test_a_file_that_somebody_else_has_changed_is_not_overwritten_unasked(page: TestClient, project: Path) -> None:
+    known = page.get("/api/setup/file", params={"path": "grip.yaml"}).json()["known"]
+    (project / "grip.yaml").write_text("grip: 1\ndoc: theirs\n")
+    wish = {"path": "grip.yaml", "text": GRIP, "known": known}
+    refused = page.post("/api/setup/save", json=wish)
+    assert (refused.status_code, refused.json()["kind"]) == (409, "disk")
+    assert page.post("/api/setup/save", json={**wish, "over": True}).status_code == 200
+    assert (project / "grip.yaml").read_text() == GRIP
+
+
+def test_a_new_file_of_messages_is_made_and_read_by_the_projects_library(page: TestClient, project: Path) -> None:
+    from grip_bt.messages.library import MessageLibrary
+
+    view = page.get("/api/setup/file", params={"path": "messages/poses.yaml"}).json()
+    template = view["templates"][0]
+    wish = {"path": view["path"], "text": view["text"], "key": template["key"], "value": template["value"]}
+    made = page.post("/api/setup/change", json=wish).json()
+    assert made["problems"] == []
+    page.post("/api/setup/save", json={"path": made["path"], "text": made["text"], "known": view["known"]})
+    pose = MessageLibrary(project / "messages").store("poses").get("above_table")
+    assert pose.position.tolist() == [0.4, 0.0, 0.4]
+
+
+def test_faults_of_named_poses_are_placed(page: TestClient) -> None:
+    problems = checked(page, "messages/poses.yaml", "bin:\n  position: {x: 0}\n")["problems"]
+    assert "reference_frame" in problems[0]["message"]
+    assert problems[0]["line"] == 1
+
+
+def test_measured_poses_and_joint_states_of_a_run_are_kept_by_name(page: TestClient, project: Path) -> None:
+    from grip_bt.messages.library import MessageLibrary
+
+    pose = Pose([0.1, 0.2, 0.3], [0.5, 0.5, 0.5, 0.5], "table")
+    state = JointState(("a", "b"), [0.25, -1.5])
+    with Journal(project / ".grip" / "runs.sqlite") as journal:
+        log = journal.begin("tiny", "tasks/tiny.yaml", TASK, "bt", 7)
+        for value in (pose, state, "a text"):
+            log.note(0.0, "first", Noted("write", data={"variable": "v", "type": "x"}, written=(snapshot(value),)))
+        log.end("success", None)
+    for seq, name in ((1, "seen"), (2, "held")):
+        assert page.post("/api/setup/record", json={"run": log.id, "seq": seq, "name": name}).status_code == 200
+    library = MessageLibrary(project / "messages")
+    assert library.store("poses").get("seen") == pose
+    assert library.store("joint_states").get("held") == state
+    refused = page.post("/api/setup/record", json={"run": log.id, "seq": 3, "name": "text"})
+    assert (refused.status_code, "poses and joint states can" in refused.json()["detail"]) == (400, True)
+    assert page.post("/api/setup/record", json={"run": log.id, "seq": 1, "name": "../x"}).status_code == 422
+
+
+# --- interfaces ---
+
+
+def look(page: TestClient, **wish: Any) -> Any:
+    return page.post("/api/setup/interface", json={"type": "my_interfaces/srv/PlanGrasp", "text": CONTRACT, **wish})
+
+
+def test_a_pasted_interface_shows_its_fields_and_its_component_file(page: TestClient) -> None:
+    view = look(page, outcomes="one,none", failures=["none"]).json()
+    assert [(field["side"], field["name"]) for field in view["fields"]] == [
+        ("request", "input"),
+        ("response", "outcome"),
+        ("response", "returned_object"),
+    ]
+    assert view["problems"] == []
+    assert "outcomes: [one, none]" in view["text"]
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        (CONTRACT.replace("int32 outcome", "float32 outcome"), "'outcome' is float32; it must be one integer"),
+        (CONTRACT.replace(" input", " inputs"), "the field 'input' is missing; did you mean 'inputs'?"),
+        (CONTRACT.replace("returned_object", "result"), "'returned_object' is missing"),
+    ],
+)
+def test_the_field_that_breaks_the_contract_is_named(page: TestClient, text: str, reason: str) -> None:
+    assert any(reason in problem for problem in look(page, text=text, outcomes="a,b").json()["problems"])
+
+
+def test_outcomes_that_make_no_sense_are_told(page: TestClient) -> None:
+    for outcomes in ("1x", "a,a", "found: ;"):
+        assert look(page, outcomes=outcomes).json()["problems"], outcomes
+    assert look(page, outcomes="a,b", failures=["c"]).json()["problems"]
+
+
+@pytest.mark.parametrize("wish", [{"type": "no"}, {"text": "int32 a b c\n"}, {"type": "x_y/srv/Z", "text": ""}])
+def test_what_is_no_interface_is_refused_with_the_reason(page: TestClient, wish: dict[str, str]) -> None:
+    answer = look(page, **wish)
+    assert answer.status_code in {400, 404}
+    assert answer.json()["detail"]
+
+
+def test_an_installed_type_is_taken_by_its_name(page: TestClient) -> None:
+    view = look(page, type="std_srvs/srv/Trigger", text="").json()
+    assert [field["name"] for field in view["fields"]] == ["success", "message"]
+    assert view["suggestion"] == "done: success; failed: not success"
+    assert view["problems"] == []
+
+
+@pytest.mark.ros
+def test_a_component_is_made_generated_and_offered_as_a_node(page: TestClient, project: Path) -> None:
+    view = look(page, outcomes="one,none", failures=["none"], name="seer", create=True).json()
+    assert view["path"] == "components/seer/component.yaml"
+    assert (project / "components" / "seer" / "node" / "manifest.yaml").is_file(), view["output"]
+    nodes = {node["id"] for node in page.get("/api/catalog").json()["nodes"]}
+    assert "component/seer" in nodes
+    again = look(page, outcomes="one,none", name="seer", create=True)
+    assert (again.status_code, "is there already" in again.json()["detail"]) == (400, True)
+
+
+def test_only_one_try_at_a_time_and_only_of_its_kind(page: TestClient) -> None:
+    answer = page.post("/api/setup/probe", json={"path": "grip.yaml", "what": "test"})
+    assert (answer.status_code, "component" in answer.json()["detail"]) == (400, True)
+
+
+# --- changes of values in texts ---
+
+KEYS = st.sampled_from(["a", "b", "c"])
+VALUES = st.recursive(
+    st.integers(-9, 9) | st.booleans() | st.sampled_from(["x", "no", "1", ""]),
+    lambda inner: st.dictionaries(KEYS, inner, max_size=2) | st.lists(inner, max_size=2),
+    max_leaves=5,
+)
+
+
+@settings(max_examples=80, deadline=None)
+@given(st.lists(st.tuples(st.lists(KEYS, min_size=1, max_size=3), VALUES), max_size=6))
+def test_a_text_says_what_was_put_into_it_and_nothing_else_changes(steps: list[tuple[list[str], Any]]) -> None:
+    from ruamel.yaml import YAML
+
+    text, data = "# kept\n", {}
+    for key, value in steps:
+        at: Any = data
+        for step in key[:-1]:
+            at = at.setdefault(step, {}) if isinstance(at, dict) else None
+        if not isinstance(at, dict):
+            with pytest.raises(UnchangeableError):
+                set_value(text, key, value)
+            return
+        at[key[-1]] = value
+        text = set_value(text, key, value)
+        assert YAML(typ="safe").load(text) == data
+
+
+def test_removing_and_renaming_keep_the_rest() -> None:
+    text = "a: 1   # one\nb:\n  c: 2\nd: 3\n"
+    assert remove(text, ["b", "c"]) == "a: 1   # one\nd: 3\n"
+    assert rename(text, ["a"], "z") == "z: 1   # one\nb:\n  c: 2\nd: 3\n"
+    with pytest.raises(UnchangeableError, match="taken"):
+        rename(text, ["a"], "d")
+    for broken in ("a: [1", "- 1", "a: &x [*x"):
+        with pytest.raises(UnchangeableError):
+            set_value(broken, ["a"], 1)
+    with pytest.raises(UnchangeableError, match="isn't there"):
+        remove(text, ["b", "x"])
