@@ -24,6 +24,7 @@ NEEDS: dict[str, tuple[str, ...]] = {
 }
 """Packages that are written here, and which of them each needs."""
 _lock = threading.Lock()
+_provided: dict[str, list[Path]] = {}
 
 
 def provide(package: str, cache: Path | None = None) -> list[Path]:
@@ -34,7 +35,7 @@ def provide(package: str, cache: Path | None = None) -> list[Path]:
         cache: where built packages are kept; the user's cache by default.
 
     Returns:
-        the prefixes that were built; none when the package is installed.
+        the prefixes that were built, for processes that need it too; none when the package is installed.
 
     Raises:
         UnknownNameError: there is no such definition.
@@ -47,12 +48,17 @@ def provide(package: str, cache: Path | None = None) -> list[Path]:
     if package not in NEEDS:
         raise UnknownNameError("interface definition", package, NEEDS)
     with _lock:
+        if package in _provided:
+            return list(_provided[package])
         if importlib.util.find_spec(package) is not None:
             return []
         prefixes: list[Path] = []
         for name in (*NEEDS[package], package):
-            if importlib.util.find_spec(name) is None or name == package:
+            if name in _provided:
+                prefixes = [*_provided[name], *prefixes]
+            elif importlib.util.find_spec(name) is None:
                 (built,) = build_interfaces(FOLDER / name, cache, prefixes)
                 activate(built.prefix)
                 prefixes.insert(0, built.prefix)
-        return prefixes
+        _provided[package] = prefixes
+        return list(prefixes)

@@ -1,0 +1,17 @@
+"""Joints of real robots: controllers of ros2_control, and whatever speaks like them, behind the commanders' ports."""
+
+from .gripper import GripperHand
+from .hand import ControlledHand
+from .joint_states import JointStates
+from .streaming import StreamedExecutor
+from .switching import ControllerManager
+from .trajectory import TrajectoryExecutor
+
+__all__ = [
+    "ControlledHand",
+    "ControllerManager",
+    "GripperHand",
+    "JointStates",
+    "StreamedExecutor",
+    "TrajectoryExecutor",
+]

@@ -1,0 +1,79 @@
+"""A hand of several joints behind the port `HandPort`, over any executor of its joints."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from grip_bt.errors import CanceledError, ExecutionAbortedError
+from grip_bt.operation import Operation
+from grip_bt.ports import Executor
+from grip_bt.values import JointState, Trajectory
+
+STOPPED_SHORT = 0.05
+"""A joint that stays so far from where it was sent [rad] was stopped by something."""
+UNKNOWN_FORCE = 1.0
+"""Force of a contact where efforts aren't measured [N]: that there is one, not how strong."""
+
+
+class ControlledHand:
+    """Implements `grip_bt.ports.HandPort`.
+
+    Without tactile sensors, what stops a joint short of its goal is a contact; its force is the joint's effort, where
+    that is measured.
+
+    Args:
+        executor: moves the hand's joints. One that aborts because a finger was stopped has still moved.
+    """
+
+    def __init__(self, executor: Executor):
+        self._executor = executor
+        self._goal: JointState | None = None
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints of the hand."""
+        return self._executor.joint_names
+
+    def state(self) -> JointState:
+        """Return the measured state, with efforts where they are published."""
+        return self._executor.state()
+
+    def move(self, posture: JointState, duration: float, torque_limit: float | None = None) -> Operation[JointState]:
+        """Move the fingers towards a posture; see `grip_bt.ports.HandPort`.
+
+        A torque limit can't be given to a position controller: set it in the controller.
+        """
+        names = self.joint_names
+        start, goal = self.state().ordered(names), posture.ordered(names)
+        self._goal = JointState(names, goal)
+        moving = self._executor.execute(Trajectory(names, np.array([0.0, duration]), np.stack([start, goal])))
+        whole: Operation[JointState] = Operation(on_cancel=moving.cancel)
+
+        def end() -> None:
+            try:
+                whole.succeed(moving.result())
+            except ExecutionAbortedError as error:
+                if "controller_code" in error.data:  # stopped short by contact is what closing is for
+                    whole.succeed(self.state())
+                else:
+                    whole.fail(error)
+            except CanceledError as error:
+                whole.fail(error)
+
+        moving.add_done_callback(end)
+        return whole
+
+    def contacts(self) -> Mapping[str, float]:
+        """Return the joints that something has stopped short of the last posture, and their efforts."""
+        if self._goal is None:
+            return {}
+        state = self.state()
+        short = np.abs(self._goal.ordered(state.names) - state.position) > STOPPED_SHORT
+        efforts = np.full(len(state.names), UNKNOWN_FORCE) if state.effort is None else np.abs(state.effort)
+        return {name: float(e) for name, e, s in zip(state.names, efforts, short, strict=True) if s}
+
+    def stop(self) -> None:
+        """Hold the fingers where they are."""
+        self._executor.stop()

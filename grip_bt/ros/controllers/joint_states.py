@@ -1,0 +1,142 @@
+"""What the joints of a robot are measured to be: the topic of joint states, whoever publishes which of them."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from grip_bt.errors import SensorError
+from grip_bt.operation import Operation
+from grip_bt.values import JointState
+
+from ..bus import Bus
+from ..convert_geometry import seconds
+from ..topic import Received
+
+MESSAGE = "sensor_msgs/msg/JointState"
+STALE = 1.0
+"""A joint that wasn't heard of for so long [s] isn't known any more."""
+
+
+@dataclass(frozen=True)
+class _Joint:
+    position: float
+    velocity: float | None
+    effort: float | None
+    stamp: float
+    heard: float
+
+
+@dataclass(frozen=True)
+class _Wait:
+    names: tuple[str, ...]
+    after: float
+    operation: Operation[JointState]
+
+
+class JointStates:
+    """Keeps the last state of every joint.
+
+    Args:
+        bus: the connection to ROS.
+        topic: where joint states are published.
+    """
+
+    def __init__(self, bus: Bus, topic: str = "/joint_states"):
+        self.topic = topic
+        self._lock = threading.Lock()
+        self._joints: dict[str, _Joint] = {}
+        self._waits: list[_Wait] = []
+        self._reader = bus.reader(MESSAGE, topic)
+        self._reader.listen(self._heard).wait(5.0)
+
+    def state(self, names: Sequence[str]) -> JointState:
+        """Return the last measured state of joints.
+
+        Raises:
+            SensorError: one of them wasn't heard of for a second; it names them and who publishes.
+        """
+        now = time.monotonic()
+        with self._lock:
+            found = [self._joints.get(name) for name in names]
+        missing = [n for n, j in zip(names, found, strict=True) if j is None or now - j.heard > STALE]
+        if missing:
+            raise SensorError(
+                f"{self.topic}: nothing about {', '.join(missing)} within {STALE:g} s; {self._reader.publishers()}",
+                joints=missing,
+            )
+        joints = [j for j in found if j is not None]
+        return JointState(
+            tuple(names),
+            np.array([j.position for j in joints]),
+            _all([j.velocity for j in joints]),
+            _all([j.effort for j in joints]),
+            min(j.stamp for j in joints),
+        )
+
+    def fresh(self, names: Sequence[str]) -> Operation[JointState]:
+        """Return the next state of joints that is measured from now on; end with SensorError when none comes."""
+        wait = _Wait(tuple(names), time.monotonic(), Operation())
+        with self._lock:
+            self._waits.append(wait)
+        timer = threading.Timer(STALE, self._give_up, (wait,))
+        timer.daemon = True
+        timer.start()
+        wait.operation.add_done_callback(timer.cancel)
+        return wait.operation
+
+    def wait_for(self, names: Sequence[str], within: float) -> None:
+        """Block until all joints are known; for start-up.
+
+        Raises:
+            SensorError: they aren't `within` [s].
+        """
+        deadline = time.monotonic() + within
+        while True:
+            try:
+                self.state(names)
+                return
+            except SensorError:
+                if time.monotonic() > deadline:
+                    raise
+                time.sleep(0.02)
+
+    def _heard(self, received: Received) -> None:
+        message, now = received.message, received.time
+        stamp = seconds(message.header.stamp)
+        with self._lock:
+            for i, name in enumerate(message.name):
+                if i < len(message.position):
+                    self._joints[name] = _Joint(
+                        message.position[i],
+                        message.velocity[i] if i < len(message.velocity) else None,
+                        message.effort[i] if i < len(message.effort) else None,
+                        stamp,
+                        now,
+                    )
+            ready = [w for w in self._waits if all(self._heard_after(n, w.after) for n in w.names)]
+            self._waits = [w for w in self._waits if w not in ready]
+        for wait in ready:
+            wait.operation.succeed(self.state(wait.names))
+
+    def _heard_after(self, name: str, time: float) -> bool:
+        return name in self._joints and self._joints[name].heard > time
+
+    def _give_up(self, wait: _Wait) -> None:
+        with self._lock:
+            self._waits = [w for w in self._waits if w is not wait]
+        try:
+            self.state(wait.names)
+            reason = SensorError(f"{self.topic}: no new joint states within {STALE:g} s")
+        except SensorError as error:
+            reason = error
+        wait.operation.fail(reason)
+
+
+def _all(values: list[float | None]) -> np.ndarray | None:
+    known = [v for v in values if v is not None]
+    return np.array(known) if len(known) == len(values) else None

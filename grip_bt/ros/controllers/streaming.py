@@ -1,0 +1,108 @@
+"""A position controller that follows a topic: trajectories are sampled and streamed to it."""
+
+from __future__ import annotations
+
+import threading
+import time
+from array import array
+from collections.abc import Sequence
+
+from grip_bt.errors import CanceledError, ExecutionAbortedError, ServerTimeOutError
+from grip_bt.operation import Operation
+from grip_bt.values import JointState, Trajectory
+
+from ..bus import Bus
+from ..types import load_type
+from .joint_states import JointStates
+from .motion import check_start, measured
+
+MESSAGE = "std_msgs/msg/Float64MultiArray"
+RATE = 100.0
+"""Set-points a second."""
+SETTLE = 0.2
+"""How long joints may take to catch up with the last set-point [s]."""
+
+
+class StreamedExecutor:
+    """Implements `grip_bt.ports.Executor` over a joint group position controller.
+
+    Args:
+        bus: the connection to ROS.
+        topic: the controller's, such as `/arm_position_controller/commands`.
+        names: its joints, in its order.
+        states: where they are measured.
+        rate: set-points a second.
+    """
+
+    def __init__(self, bus: Bus, topic: str, names: Sequence[str], states: JointStates, rate: float = RATE):
+        self._topic, self._names, self._states, self._period = topic, tuple(names), states, 1.0 / rate
+        self._writer = bus.writer(MESSAGE, topic)
+        self._message = load_type(MESSAGE)
+        self._stop: threading.Event | None = None
+        self._motion: Operation[JointState] | None = None
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints that it moves."""
+        return self._names
+
+    def state(self) -> JointState:
+        """Return the measured state of the joints.
+
+        Raises:
+            SensorError: nothing is known of one of them.
+        """
+        return self._states.state(self._names)
+
+    def execute(self, trajectory: Trajectory) -> Operation[JointState]:
+        """Follow a trajectory; one under way ends as cancelled. See `grip_bt.ports.Executor`.
+
+        Ends with ExecutionAbortedError when it begins elsewhere, nobody listens, or nothing is measured at the end.
+
+        Raises:
+            ValueError: it moves other joints.
+        """
+        try:
+            check_start(self._names, trajectory, self._states)
+        except ExecutionAbortedError as error:
+            return Operation.failed(error)
+        self.stop()
+        stop = self._stop = threading.Event()
+        done: Operation[None] = Operation(on_cancel=stop.set)
+        threading.Thread(target=self._stream, args=(trajectory, stop, done), name="grip_stream", daemon=True).start()
+        self._motion = done.then(lambda _: measured(self._states, self._names))
+        return self._motion
+
+    def stop(self) -> None:
+        """Hold where the joints are, and end a motion under way."""
+        motion = self._motion
+        if motion is not None and not motion.done():
+            motion.cancel()
+            motion.wait(1.0)
+
+    def _stream(self, trajectory: Trajectory, stop: threading.Event, done: Operation[None]) -> None:
+        """Publish set-points in time; on a stop, where the joints are measured to be."""
+        try:
+            order = [trajectory.names.index(name) for name in self._names]
+            began = time.monotonic()
+            first = self._publish(trajectory.positions[0][order], 1)
+            if not first.wait(6.0):
+                raise ServerTimeOutError(f"{self._topic}: nobody listens")
+            first.result()
+            began = time.monotonic()
+            while (passed := time.monotonic() - began) < trajectory.duration:
+                if stop.wait(self._period):
+                    self._publish(self.state().position, 0)
+                    done.fail(CanceledError("the motion was stopped"))
+                    return
+                self._publish(trajectory.at(passed + self._period)[order], 0)
+            self._publish(trajectory.positions[-1][order], 0).wait(1.0)
+            stop.wait(SETTLE)
+            done.succeed(None)
+        except ServerTimeOutError as error:
+            done.fail(ExecutionAbortedError(error.message, cause=error.code))
+        except BaseException as error:  # noqa: BLE001 - of this thread; the owner has to hear of it
+            done.fail(error)
+
+    def _publish(self, positions: Sequence[float], subscribers: int) -> Operation[None]:
+        return self._writer.publish(self._message(data=array("d", positions)), subscribers)

@@ -1,0 +1,144 @@
+"""A joint trajectory controller behind the port `Executor`: the action FollowJointTrajectory."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from grip_bt.errors import (
+    CanceledError,
+    ExecutionAbortedError,
+    ExpectedError,
+    GoalRejectedError,
+    ServerLostError,
+    ServerTimeOutError,
+)
+from grip_bt.operation import Operation
+from grip_bt.values import JointState, Trajectory
+
+from ..bus import Bus
+from ..convert_geometry import trajectory_to_message
+from ..definitions import provide
+from ..goal import GoalEnd
+from ..types import load_type
+from .joint_states import JointStates
+from .motion import check_start, measured
+
+ACTION = "control_msgs/action/FollowJointTrajectory"
+LATE = 10.0
+"""How long a controller may take beyond the duration of a trajectory [s]."""
+
+
+class TrajectoryExecutor:
+    """Implements `grip_bt.ports.Executor`.
+
+    Args:
+        bus: the connection to ROS.
+        action: the controller's action, such as `/arm_controller/follow_joint_trajectory`.
+        names: the joints that it moves.
+        states: where they are measured.
+        goal_time: how late the joints may reach the goal [s]; 0 for the controller's own setting.
+        wait: how long to wait for the controller to appear [s].
+    """
+
+    def __init__(
+        self,
+        bus: Bus,
+        action: str,
+        names: Sequence[str],
+        states: JointStates,
+        goal_time: float = 0.0,
+        wait: float = 5.0,
+    ):
+        provide("control_msgs")
+        self._type = load_type(ACTION)
+        self._client = bus.action(self._type, action, wait=wait)
+        self._action, self._names, self._states, self._goal_time = action, tuple(names), states, goal_time
+        self._motion: Operation[JointState] | None = None
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints that it moves."""
+        return self._names
+
+    def state(self) -> JointState:
+        """Return the measured state of the joints.
+
+        Raises:
+            SensorError: nothing is known of one of them.
+        """
+        return self._states.state(self._names)
+
+    def execute(self, trajectory: Trajectory) -> Operation[JointState]:
+        """Follow a trajectory; one under way ends as cancelled. The result is what is measured at the end.
+
+        Ends with ExecutionAbortedError when the trajectory begins elsewhere, or the controller refuses it, gives it up
+        or is gone; `data` tells the controller's code and words. See `grip_bt.ports.Executor`.
+
+        Raises:
+            ValueError: it moves other joints.
+        """
+        try:
+            check_start(self._names, trajectory, self._states)
+        except ExecutionAbortedError as error:
+            return Operation.failed(error)
+        self.stop()
+        goal = self._type.Goal(trajectory=trajectory_to_message(trajectory))
+        goal.goal_time_tolerance.sec = int(self._goal_time)
+        goal.goal_time_tolerance.nanosec = round(self._goal_time % 1 * 1e9)
+        sent = self._client.send(goal, timeout=trajectory.duration + LATE)
+        self._motion = as_motion(sent, self._action, self._type.Result).then(
+            lambda _: measured(self._states, self._names)
+        )
+        return self._motion
+
+    def stop(self) -> None:
+        """Have the controller hold, and end a motion under way."""
+        if self._motion is not None:
+            self._motion.cancel()
+
+
+def as_motion(sent: Operation[GoalEnd], server: str, result: Any) -> Operation[GoalEnd]:
+    """Return a goal's end as that of a motion: all but success and cancelling is an aborted execution.
+
+    Args:
+        sent: the goal.
+        server: name of its action.
+        result: class of its result, whose constants name the error codes.
+    """
+    whole: Operation[GoalEnd] = Operation(on_cancel=sent.cancel)
+
+    def end() -> None:
+        try:
+            ended = sent.result()
+        except CanceledError as error:
+            whole.fail(error)
+        except (ServerLostError, ServerTimeOutError, GoalRejectedError) as error:
+            whole.fail(ExecutionAbortedError(error.message, cause=error.code))
+        except ExpectedError as error:
+            whole.fail(error)
+        else:
+            _judge(ended, whole, server, _names_of(result))
+
+    sent.add_done_callback(end)
+    return whole
+
+
+def _judge(ended: GoalEnd, whole: Operation[GoalEnd], server: str, name: Callable[[int], str]) -> None:
+    code = int(getattr(ended.result, "error_code", 0))
+    if ended.status == "canceled":
+        whole.fail(CanceledError("the motion was stopped"))
+    elif ended.status == "succeeded" and code == 0:
+        whole.succeed(ended)
+    else:
+        said = getattr(ended.result, "error_string", "")
+        reason = f"{server}: the controller gave the motion up: {name(code)}{f' ({said})' if said else ''}"
+        whole.fail(ExecutionAbortedError(reason, controller_code=code, controller_says=said))
+
+
+def _names_of(result: Any) -> Callable[[int], str]:
+    """Return what names the codes that a result class has as constants."""
+    constants = {
+        getattr(result, n): n.lower() for n in dir(type(result)) if n.isupper() and isinstance(getattr(result, n), int)
+    }
+    return lambda code: constants.get(code, f"code {code}")

@@ -1,0 +1,212 @@
+"""Executors and hands over controllers that run in a process of their own."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from conftest import DATA, ended
+
+from grip_bt.errors import CanceledError, ExecutionAbortedError, SensorError, UnknownNameError
+from grip_bt.ports import Executor, HandPort
+from grip_bt.values import JointState, Trajectory
+
+pytestmark = [pytest.mark.ros, pytest.mark.slow]
+NAMES = ("joint_a", "joint_b")
+
+
+@pytest.fixture(scope="session")
+def messages(interface_cache):
+    """Return the prefixes of the message packages, built and active here."""
+    from grip_bt.ros.definitions import provide
+
+    return [*provide("control_msgs"), *provide("controller_manager_msgs")]
+
+
+@pytest.fixture
+def robot(domain, messages):
+    """Return a function that starts the robot and returns its process."""
+    from grip_bt.ros.process import child_environment
+
+    started = []
+
+    def start(*arguments: str) -> subprocess.Popen:
+        process = subprocess.Popen(
+            [sys.executable, str(DATA / "controller_server.py"), *arguments],
+            env=child_environment(messages, domain),
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        started.append(process)
+        assert process.stdout.readline() == "serving\n"
+        return process
+
+    yield start
+    for process in started:
+        process.kill()
+        process.wait()
+        process.stdout.close()
+
+
+@pytest.fixture
+def states(bus, robot):
+    from grip_bt.ros.controllers import JointStates
+
+    robot()
+    made = JointStates(bus)
+    made.wait_for((*NAMES, "finger"), 10.0)
+    return made
+
+
+@pytest.fixture(params=["trajectory", "stream"])
+def executor(request, bus, states):
+    from grip_bt.ros.controllers import StreamedExecutor, TrajectoryExecutor
+
+    if request.param == "trajectory":
+        return TrajectoryExecutor(bus, "/arm/follow_joint_trajectory", NAMES, states)
+    return StreamedExecutor(bus, "/stream/commands", NAMES, states)
+
+
+def to(goal, duration=0.6, start=(0.0, 0.0), names=NAMES) -> Trajectory:
+    part = np.linspace(0, 1, 21)[:, None]
+    return Trajectory(names, part[:, 0] * duration, np.array(start) + part * (np.array(goal) - np.array(start)))
+
+
+def test_a_motion_ends_with_what_is_measured_then(executor):
+    assert isinstance(executor, Executor)
+    operation = executor.execute(to((0.5, -0.3)))
+    assert not operation.done()
+    measured = ended(operation)
+    assert measured.names == NAMES
+    assert measured.position == pytest.approx([0.5, -0.3], abs=1e-3)
+    assert measured.time > 0
+
+
+def test_joints_of_a_trajectory_may_come_in_another_order(executor):
+    assert ended(executor.execute(to((-0.3, 0.5), names=("joint_b", "joint_a")))).position == pytest.approx([0.5, -0.3])
+
+
+def test_a_motion_that_begins_elsewhere_is_refused_before_anything_moves(executor):
+    with pytest.raises(ExecutionAbortedError, match="begins 0.400 away from joint joint_a"):
+        ended(executor.execute(to((1.0, 0.0), start=(0.4, 0.0))))
+    with pytest.raises(ValueError, match="this executor"):
+        executor.execute(to((1.0,), start=(0.0,), names=("joint_x",)))
+    assert executor.state().position == pytest.approx([0, 0])
+
+
+@pytest.mark.parametrize("how", ["cancel", "stop"])
+def test_a_stopped_motion_ends_as_cancelled_and_the_joints_hold(executor, how):
+    operation = executor.execute(to((1.0, 1.0), 2.0))
+    deadline = time.monotonic() + 10
+    while executor.state().position[0] < 0.1:
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    operation.cancel() if how == "cancel" else executor.stop()
+    with pytest.raises(CanceledError):
+        ended(operation)
+    held = ended(executor._states.fresh(NAMES)).position
+    later = ended(executor._states.fresh(NAMES)).position
+    assert later == pytest.approx(held, abs=0.02)
+    assert held[0] < 0.9
+
+
+def test_what_the_controller_gives_up_is_an_aborted_motion_with_its_words(bus, states):
+    from grip_bt.ros.controllers import TrajectoryExecutor
+
+    arm = TrajectoryExecutor(bus, "/arm/follow_joint_trajectory", NAMES, states)
+    with pytest.raises(ExecutionAbortedError, match=r"path_tolerance_violated \(joint_a is blocked\)") as caught:
+        ended(arm.execute(to((4.0, 0.0))))
+    assert caught.value.data["controller_code"] == -4
+    other = TrajectoryExecutor(bus, "/arm/follow_joint_trajectory", ("joint_a", "finger"), states)
+    start = other.state().position
+    with pytest.raises(ExecutionAbortedError) as caught:
+        ended(other.execute(to((0.1, 0.08), start=start, names=("joint_a", "finger"))))
+    assert caught.value.data["cause"] == "rejected"
+
+
+def test_a_controller_that_is_not_there_is_an_aborted_motion(bus, states):
+    from grip_bt.ros.controllers import StreamedExecutor, TrajectoryExecutor
+
+    arm = TrajectoryExecutor(bus, "/nobody/follow_joint_trajectory", NAMES, states, wait=0.3)
+    with pytest.raises(ExecutionAbortedError) as caught:
+        ended(arm.execute(to((0.1, 0.1))))
+    assert caught.value.data["cause"] == "server_lost"
+    with pytest.raises(ExecutionAbortedError) as caught:
+        ended(StreamedExecutor(bus, "/nobody/commands", NAMES, states).execute(to((0.1, 0.1))))
+    assert caught.value.data["cause"] == "timed_out"
+
+
+def test_a_robot_that_dies_in_the_middle_of_a_motion_ends_it(bus, robot):
+    from grip_bt.ros.controllers import JointStates, TrajectoryExecutor
+
+    process = robot()
+    states = JointStates(bus)
+    states.wait_for(NAMES, 10.0)
+    operation = TrajectoryExecutor(bus, "/arm/follow_joint_trajectory", NAMES, states).execute(to((1.0, 1.0), 60.0))
+    while states.state(NAMES).position[0] <= 0:
+        time.sleep(0.01)
+    process.kill()
+    with pytest.raises(ExecutionAbortedError) as caught:
+        ended(operation, 10.0)
+    assert caught.value.data["cause"] == "server_lost"
+    with pytest.raises(SensorError, match="nothing about joint_a, joint_b"):
+        states.state(NAMES)
+
+
+def test_joints_that_nobody_publishes_are_named(bus, robot):
+    from grip_bt.ros.controllers import JointStates
+
+    robot("none")
+    states = JointStates(bus)
+    with pytest.raises(SensorError, match="/joint_states: nothing about joint_a, joint_b within 1 s"):
+        states.wait_for(NAMES, 0.3)
+    with pytest.raises(SensorError):
+        ended(states.fresh(NAMES))
+
+
+def test_a_gripper_closes_on_what_is_there_and_opens(bus, states):
+    from grip_bt.ros.controllers import GripperHand
+
+    hand = GripperHand(bus, "/gripper/gripper_cmd", "finger", states)
+    assert isinstance(hand, HandPort)
+    closed = ended(hand.move(JointState.from_mapping({"finger": 0.0}), 1.0, torque_limit=20.0))
+    assert closed.position == pytest.approx([0.02])
+    assert hand.contacts() == {"finger": 20.0}
+    opened = ended(hand.move(JointState.from_mapping({"finger": 0.06}), 1.0))
+    assert opened.position == pytest.approx([0.06])
+    assert hand.contacts() == {}
+    given_up = ended(hand.move(JointState.from_mapping({"finger": 0.0}), 1.0))  # aborts where it stalls
+    assert given_up.position == pytest.approx([0.02])
+    assert hand.contacts() == {"finger": 1.0}
+
+
+def test_fingers_that_stop_short_of_their_posture_touch_something(bus, states):
+    from grip_bt.ros.controllers import ControlledHand, TrajectoryExecutor
+
+    hand = ControlledHand(TrajectoryExecutor(bus, "/arm/follow_joint_trajectory", NAMES, states))
+    assert isinstance(hand, HandPort)
+    ended(hand.move(JointState.from_mapping({"joint_a": 0.3, "joint_b": 0.2}), 0.4))
+    assert hand.contacts() == {}
+    blocked = ended(hand.move(JointState.from_mapping({"joint_a": 4.0, "joint_b": 0.2}), 0.6))
+    assert blocked.position[0] < 3
+    assert list(hand.contacts()) == ["joint_a"]
+
+
+def test_controllers_are_switched_all_or_none_and_only_when_they_are_not_active(bus, states):
+    from grip_bt.ros.controllers import ControllerManager
+    from grip_bt.ros.controllers.switching import SwitchError
+
+    manager = ControllerManager(bus)
+    manager.ensure_active(["arm_controller"], instead_of=["stream_controller"])
+    assert ended(manager.states()) == {
+        "arm_controller": "active",
+        "stream_controller": "inactive",
+        "broken_controller": "inactive",
+    }
+    with pytest.raises(UnknownNameError, match="did you mean 'arm_controller'"):
+        manager.ensure_active(["arm_controler"])
+    with pytest.raises(SwitchError, match="activate broken_controller, deactivate none: no hardware"):
+        manager.ensure_active(["broken_controller"])
