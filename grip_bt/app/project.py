@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
-from grip_bt.catalog import Catalog, TaskFolder, find_manifests
+from grip_bt.catalog import Catalog, TaskFolder, find_manifests, find_python_nodes
 from grip_bt.catalog.process_config import ProcessConfig
 from grip_bt.catalog.sensor_config import SensorConfig
 from grip_bt.catalog.sensors import sensor_manifest
@@ -66,7 +66,7 @@ class ProjectFile(_Config):
     components: str | None = "components"
     """Folder of external components, each with a `component.yaml`."""
     nodes: str | None = "nodes"
-    """Folder of the project's own nodes, each with a `manifest.yaml`."""
+    """Folder of the project's own nodes: decorated Python, or leaves with a `manifest.yaml`."""
     world: str | None = None
     """The world that is simulated."""
     scene: str | None = None
@@ -104,6 +104,8 @@ class Project:
         for folder in (self.file.components, self.file.nodes):
             if folder is not None and (self.folder / folder).is_dir():
                 manifests += find_manifests(self.folder / folder)
+        if self.file.nodes is not None:
+            manifests += find_python_nodes(self.folder / self.file.nodes)
         return Catalog.builtin().with_manifests(manifests).with_tasks(TaskFolder(self.folder))
 
     def room(self) -> tuple[SceneObject, ...]:

@@ -3,6 +3,7 @@
 from .catalog import Catalog
 from .implementation import load_implementation
 from .manifest import InputPort, Manifest, NodeId, OutputPort, Parameter
+from .python_nodes import find_python_nodes, read_python_nodes
 from .reader import find_manifests, read_manifests
 from .subtasks import NoTaskFiles, TaskFiles, TaskFolder, TaskTexts, face_of
 from .types import Type, check_value, is_assignable, parse_type
@@ -22,8 +23,10 @@ __all__ = [
     "check_value",
     "face_of",
     "find_manifests",
+    "find_python_nodes",
     "is_assignable",
     "load_implementation",
     "parse_type",
     "read_manifests",
+    "read_python_nodes",
 ]

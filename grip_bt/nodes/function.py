@@ -5,8 +5,12 @@
         return ...
 
 Parameters before the `*` are inputs, those after it are parameters of the task; what is annotated `Context` gets the
-run's context. The function runs in a worker, a coroutine on an event loop of its own there. An `ExpectedError` is a
-failure with its code; another exception is a bug.
+run's context. The function runs in a worker, a coroutine on an event loop of its own there, and with `quick=True` in
+the tick itself. An `ExpectedError` is a failure with its code; another exception is a bug. A function with outcomes
+of its own returns `End("outcome", port=value)`.
+
+The same decorator marks a class that is a leaf, whose ports stand in its annotations; see `nodes.ports_of_class`.
+In a project's `nodes` folder both are found without running them; see `catalog.python_nodes`.
 """
 
 from __future__ import annotations
@@ -24,7 +28,8 @@ from grip_bt.graph.frozen import FrozenDict
 from grip_bt.operation import Operation
 from grip_bt.ports import Context
 
-from .leaf import OperationLeaf, Status
+from .leaf import Leaf, OperationLeaf, Status
+from .ports_of_class import with_ports
 
 
 class FunctionLeaf(OperationLeaf):
@@ -38,6 +43,8 @@ class FunctionLeaf(OperationLeaf):
     function: ClassVar[Callable[..., Any]]
     face: ClassVar[Manifest]
     context_names: ClassVar[tuple[str, ...]] = ()
+    quick: ClassVar[bool] = False
+    labelled: ClassVar[bool] = False
 
     def start(self) -> Operation[Any]:
         """Call the function in a worker."""
@@ -45,6 +52,8 @@ class FunctionLeaf(OperationLeaf):
         arguments = {**{p: self.read(p) for p in ports}, **self.params}
         arguments.update(dict.fromkeys(self.context_names, self.context))
         call = type(self).function
+        if type(self).quick:
+            return Operation.finished(call(**arguments))
         if inspect.iscoroutinefunction(call):
             return _run_coroutine(self.context, lambda: call(**arguments))
         return self.context.run_in_worker(lambda: call(**arguments))
@@ -52,6 +61,10 @@ class FunctionLeaf(OperationLeaf):
     def finish(self, result: Any) -> Status:
         """Hand out the result: as the one output, or as a mapping of several."""
         names = list(self.manifest.outputs)
+        if isinstance(result, End):
+            return self._end(result)
+        if type(self).labelled:
+            raise TypeError(f"{self.manifest.id} has outcomes of its own: return End('outcome', ...), not {result!r}")
         if not names:
             return self.end()
         if len(names) == 1:
@@ -60,23 +73,55 @@ class FunctionLeaf(OperationLeaf):
             raise TypeError(f"{self.manifest.id} has several outputs: return a mapping with the keys {names}")
         return self.end(**result)
 
+    def _end(self, said: End) -> Status:
+        if said.code:
+            return self.fail(said.code, said.message, outcome=said.outcome, outputs=said.outputs)
+        return self.end(said.outcome, **said.outputs)
+
+
+class End:
+    """How a function ends that has outcomes of its own: `return End("heavy", weight=3.2)`.
+
+    Args:
+        outcome: one of those that were declared.
+        code: of a failure, for `on: {failure.<code>: ...}`.
+        message: of a failure, a sentence for people.
+        **outputs: output port -> value.
+    """
+
+    def __init__(self, outcome: str, /, *, code: str = "", message: str = "", **outputs: Any):
+        self.outcome, self.code, self.message, self.outputs = outcome, code, message, outputs
+
 
 def leaf(
-    id: str, *, doc: str = "", outputs: Mapping[str, Any] | None = None, codes: tuple[str, ...] = ()
-) -> Callable[[Callable[..., Any]], type[FunctionLeaf]]:
-    """Make a leaf of a function or a coroutine.
+    id: str,
+    *,
+    doc: str = "",
+    outputs: Mapping[str, Any] | None = None,
+    codes: tuple[str, ...] = (),
+    outcomes: Mapping[str, str] | None = None,
+    quick: bool = False,
+) -> Callable[[Any], Any]:
+    """Make a leaf of a function or a coroutine, or mark a class as one.
 
     Args:
         id: catalogue id, such as `count/tall`.
-        doc: what it does; the function's docstring by default.
-        outputs: output port -> type. One output takes the function's result; several take a mapping.
+        doc: what it does; the docstring by default.
+        outputs: output port -> type. One output takes the function's result; several take a mapping. A class annotates
+            its outputs instead.
         codes: failure codes that it may end with.
+        outcomes: outcome -> `success` or `failure`; these two alone by default.
+        quick: call the function in the tick, for what takes microseconds; else it runs in a worker.
 
     Raises:
-        TypeError: a parameter has no annotation, or takes any number of arguments.
+        TypeError: a parameter has no annotation, or takes any number of arguments; a class isn't a `Leaf`.
     """
 
-    def make(function: Callable[..., Any]) -> type[FunctionLeaf]:
+    def make(function: Callable[..., Any]) -> type[Leaf]:
+        if isinstance(function, type):
+            return with_ports(function)
+        if quick and inspect.iscoroutinefunction(function):
+            raise TypeError(f"{function.__qualname__}: a coroutine waits, so it can't be quick")
         hints = typing.get_type_hints(function)
         inputs, parameters, contexts = {}, {}, []
         for name, parameter in inspect.signature(function).parameters.items():
@@ -97,8 +142,11 @@ def leaf(
             inputs=FrozenDict(inputs),
             outputs=FrozenDict({n: OutputPort(type=type_name(t)) for n, t in (outputs or {}).items()}),
             codes=codes,
+            **({"outcomes": FrozenDict(outcomes)} if outcomes else {}),
         )
         members = {
+            "quick": quick,
+            "labelled": outcomes is not None,
             "function": staticmethod(function),
             "face": face,
             "context_names": tuple(contexts),
