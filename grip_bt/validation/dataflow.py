@@ -37,6 +37,9 @@ States = dict[str, int]
 """Outcome -> variables that are surely written when a node ends with it; an outcome that can't occur is absent."""
 
 
+_PORTED = (Leaf, Subtask)
+
+
 class DataFlow:
     """The analysis of one task.
 
@@ -49,16 +52,28 @@ class DataFlow:
     def __init__(self, survey: Survey):
         self.missing: dict[tuple[str, tuple[str, ...]], str] = {}
         self._known: dict[tuple[str, int], States] = {}
+        self._leaves: dict[tuple[str, int], States] = {}
         start = 0
         for declared in survey.task_scope.values():
             start |= declared.bit if declared.has_value or declared.key == "inputs" else 0
         self.ends = self._after(survey.root, start)
 
     def _after(self, spot: Spot, state: int) -> States:
+        """Return the states after a node; nobody changes them."""
+        if spot.plain and not spot.writes and not spot.reads & ~state:
+            return self._untouched(spot, state)
         key = (spot.path, state)
         if key not in self._known:
             self._known[key] = self._entered(spot, state)
         return self._known[key]
+
+    def _untouched(self, spot: Spot, state: int) -> States:
+        """Return the states after a leaf that finds what it reads, and writes nothing."""
+        assert spot.manifest is not None, "a plain leaf is of a known type"
+        key = (spot.manifest.id, state)
+        if key not in self._leaves:
+            self._leaves[key] = dict.fromkeys(spot.outcomes, state)
+        return self._leaves[key]
 
     def _entered(self, spot: Spot, state: int) -> States:
         if not spot.node.precondition:
@@ -77,7 +92,7 @@ class DataFlow:
 
     def _analyse(self, spot: Spot, state: int) -> States:
         node = spot.node
-        if isinstance(node, Leaf | Subtask):
+        if isinstance(node, _PORTED):
             return self._leaf(spot, node, state)
         for name in node.data:  # a scope begins anew each time its container is entered
             declared = spot.scope[name]
@@ -137,7 +152,18 @@ class DataFlow:
 
     def _in_order(self, spot: Spot, state: int, goes_on: str) -> States:
         found: States = {}
+        plain = not getattr(spot.node, "exits", {})
         for child in spot.children.values():
+            if plain and child.plain and child.known is not None and not child.writes and not child.reads & ~state:
+                reached = False
+                for meaning, _ in child.known.ends:
+                    if meaning == goes_on:
+                        reached = True
+                    else:
+                        _meet(found, meaning, state)
+                if not reached:
+                    return found
+                continue
             going_on: States = {}
             for label, is_exit, there in self._ends(spot, child, self._after(child, state)):
                 _meet(going_on if label == goes_on and not is_exit else found, label, there)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from grip_bt.graph import (
     Cooldown,
@@ -33,6 +33,9 @@ class Possible:
         self._labels: dict[str, frozenset[str]] = {}
         self.unreached: list[Spot] = []
         for spot in reversed(survey.spots):
+            if spot.plain and spot.known is not None:
+                self._labels[spot.path] = spot.known.labels
+                continue
             labels = self._of(spot)
             self._labels[spot.path] = labels | {"failure"} if spot.node.precondition else labels
 
@@ -54,9 +57,14 @@ class Possible:
             return self._switch(spot, node)
         return self._decorated(spot)
 
-    def _ends(self, spot: Spot, child: Spot) -> Iterator[tuple[str, bool]]:
-        """Yield what each possible end of a child is to its container: an exit (True) or a meaning."""
-        exits = getattr(spot.node, "exits", {})
+    def _ends(self, spot: Spot, child: Spot) -> Iterable[tuple[str, bool]]:
+        """Return what each possible end of a child is to its container: an exit (True) or a meaning."""
+        exits: Mapping[str, str] = getattr(spot.node, "exits", {})
+        if exits or not child.plain or child.known is None:
+            return self._ends_by(exits, child)
+        return child.known.ends
+
+    def _ends_by(self, exits: Mapping[str, str], child: Spot) -> Iterator[tuple[str, bool]]:
         refined = {k.rpartition(".")[0]: v for k, v in exits.items() if k.count(".") == 2}
         for label in self._labels[child.path]:
             key = f"{child.name}.{label}"
@@ -74,9 +82,12 @@ class Possible:
             if not reached:
                 self.unreached.append(child)
                 continue
-            ends = set(self._ends(spot, child))
-            found.update(label for label, is_exit in ends if is_exit or label != goes_on)
-            reached = (goes_on, False) in ends
+            reached = False
+            for label, is_exit in self._ends(spot, child):
+                if is_exit or label != goes_on:
+                    found.add(label)
+                else:
+                    reached = True
         return frozenset(found | {goes_on}) if reached else frozenset(found)
 
     def _parallel(self, spot: Spot, node: Parallel) -> frozenset[str]:

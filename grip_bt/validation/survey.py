@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import Any
 
 from grip_bt.catalog import Catalog, Manifest, Type, parse_type
 from grip_bt.errors import ExpressionError
@@ -26,6 +27,7 @@ from grip_bt.graph.expression import parse_expression
 
 from .codes import SEVERITY
 from .issue import Issue
+from .known import Known, KnownManifests
 from .subtasks import Subtasks
 
 Key = str | tuple[str | int, ...] | None
@@ -60,7 +62,9 @@ class Declared:
 Scope = Mapping[str, Declared]
 
 
-@dataclass(slots=True)
+_NOTHING: Mapping[str, Any] = {}
+
+
 class Spot:
     """One node in its surroundings.
 
@@ -72,23 +76,28 @@ class Spot:
         scope: the variables that it sees; a container's own included.
         around: the variables that it sees without its own.
         manifest: of a leaf whose type is known, and of a subtask whose file is.
+        known: of a leaf whose type is known: its manifest in the form that rules read.
+        plain: whether it is such a leaf, without a precondition, whose outcomes mean what its manifest says.
         outcomes: its outcomes and their meanings; of a leaf of unknown type, whatever the task expects of it.
         children: by name, in order.
         reads: variables that it or anything below it reads.
         writes: likewise.
     """
 
-    path: str
-    name: str
-    node: AnyNode
-    parent: Spot | None
-    scope: Scope
-    around: Scope = field(default_factory=dict)
-    manifest: Manifest | None = None
-    outcomes: Mapping[str, str] = field(default_factory=dict)
-    children: dict[str, Spot] = field(default_factory=dict)
-    reads: int = 0
-    writes: int = 0
+    __slots__ = (
+        *("around", "children", "known", "manifest", "name", "node", "outcomes", "parent", "path", "plain"),
+        *("reads", "scope", "writes"),
+    )
+
+    def __init__(self, path: str, name: str, node: AnyNode, parent: Spot | None, scope: Scope):
+        self.path, self.name, self.node, self.parent, self.scope = path, name, node, parent, scope
+        self.around = scope
+        self.manifest: Manifest | None = None
+        self.known: Known | None = None
+        self.plain = False
+        self.outcomes: Mapping[str, str] = _NOTHING
+        self.children: Mapping[str, Spot] = _NOTHING
+        self.reads = self.writes = 0
 
     @property
     def codes(self) -> tuple[str, ...] | None:
@@ -122,6 +131,9 @@ class Survey:
         task: the task.
         catalog: the nodes that exist.
         spots: every node, parents first, in document order.
+        leaves: those of them that are leaves.
+        containers: those of them that are neither leaves nor subtasks.
+        known: what is known of the catalogue's nodes.
         declared: every variable, in document order.
         subtasks: what is known of the files that it runs.
         issues: what rules have found.
@@ -138,9 +150,13 @@ class Survey:
         self.declared: list[Declared] = []
         self.issues: list[Issue] = []
         self.task_scope = self._scope({}, "", task.variables)
+        self.known = KnownManifests(catalog)
+        self.leaves: list[Spot] = []
+        self.containers: list[Spot] = []
         self.spots = self._spots()
         for spot in reversed(self.spots):
-            self._sum_up(spot)
+            if spot.known is None:
+                self._sum_up(spot)
 
     @property
     def root(self) -> Spot:
@@ -179,35 +195,45 @@ class Survey:
         while stack:
             spot = stack.pop()
             spots.append(spot)
-            node, spot.around = spot.node, spot.scope
+            node = spot.node
             if isinstance(node, Leaf):
                 self._look_up(spot, node)
                 continue
             if isinstance(node, Subtask):
                 self._look_inside(spot, node)
                 continue
+            self.containers.append(spot)
             spot.outcomes = outcomes_of(node)
-            spot.scope = self._scope(spot.scope, spot.path, node.data)
+            scope = self._scope(spot.scope, spot.path, node.data)
             if isinstance(node, ForEach):
-                held = spot.scope.get(node.items)
+                held = scope.get(node.items)
                 item = held.type.item if held is not None and held.type is not None else None
-                spot.scope = self._scope(spot.scope, spot.path, {node.item: str(item or "Any")})
+                scope = self._scope(scope, spot.path, {node.item: str(item or "Any")})
+            above = join(spot.path, "")
+            spot.scope = scope
             spot.children = {
-                name: Spot(join(spot.path, name), name, child, spot, spot.scope)
-                for name, child in children_of(node).items()
+                name: Spot(above + name, name, child, spot, scope) for name, child in children_of(node).items()
             }
             stack.extend(reversed(spot.children.values()))
         return spots
 
     def _look_up(self, spot: Spot, node: Leaf) -> None:
-        if node.node in self.catalog:
-            manifest = self.catalog.get(node.node)
-            spot.manifest = manifest
-            spot.outcomes = manifest.outcomes_for(dict(node.meaning)) if node.meaning else manifest.outcomes
-            if node.precondition:
-                spot.outcomes = with_refusal(node, spot.outcomes)
-        else:
+        self.leaves.append(spot)
+        known = spot.known = self.known[node.node]
+        if known is None:
             spot.outcomes = _expected_outcomes(spot)
+            return
+        manifest = spot.manifest = known.manifest
+        spot.outcomes = manifest.outcomes
+        if node.meaning or node.precondition:
+            spot.outcomes = with_refusal(node, manifest.outcomes_for(dict(node.meaning)))
+            self._sum_up(spot)
+            return
+        spot.plain = True
+        _bind(spot, node)
+        if spot.parent is not None:
+            spot.parent.reads |= spot.reads
+            spot.parent.writes |= spot.writes
 
     def _look_inside(self, spot: Spot, node: Subtask) -> None:
         manifest = spot.manifest = self.subtasks.look(node.task).face
@@ -219,13 +245,7 @@ class Survey:
     def _sum_up(self, spot: Spot) -> None:
         node = spot.node
         if isinstance(node, Leaf | Subtask):
-            for bound, is_read in ((node.in_, True), (node.out, False)):
-                for name in bound.values():
-                    declared = spot.scope.get(name)
-                    if declared is not None and is_read:
-                        spot.reads |= declared.bit
-                    elif declared is not None:
-                        spot.writes |= declared.bit
+            _bind(spot, node)
         if isinstance(node, ForEach) and node.items in spot.scope:
             spot.reads |= spot.scope[node.items].bit
         for _, read in spot.expressions():
@@ -234,6 +254,17 @@ class Survey:
         if spot.parent is not None:
             spot.parent.reads |= spot.reads
             spot.parent.writes |= spot.writes
+
+
+def _bind(spot: Spot, node: Leaf | Subtask) -> None:
+    """Note which variables the ports of a node read and write."""
+    scope = spot.scope
+    for name in node.in_.values():
+        if name in scope:
+            spot.reads |= scope[name].bit
+    for name in node.out.values():
+        if name in scope:
+            spot.writes |= scope[name].bit
 
 
 def _type_of(variable: Variable | str) -> Type | None:

@@ -14,8 +14,9 @@ from ..wording import take_hint
 
 def check_names(survey: Survey) -> None:
     """Find unknown node types, and parameters, ports and meanings that a node's manifest doesn't have or needs."""
-    for spot in survey.spots:
-        if not isinstance(spot.node, Leaf):
+    for spot in survey.leaves:
+        assert isinstance(spot.node, Leaf), "these are leaves"
+        if spot.known is not None and spot.known.fits(spot.node):
             continue
         if spot.manifest is None:
             _unknown_node(survey, spot.path, spot.node.node)

@@ -11,7 +11,7 @@ from .outcomes import check_label, unknown_target
 
 def check_parallel(survey: Survey) -> None:
     """Find variables that two children of a parallel write, or that one writes and another reads."""
-    for spot in survey.spots:
+    for spot in survey.containers:
         if isinstance(spot.node, Parallel):
             _rules(survey, spot, spot.node)
             if spot.node.order is None:

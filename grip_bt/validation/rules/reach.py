@@ -18,7 +18,7 @@ def check_reach(survey: Survey, possible: Possible) -> None:
             else "the children before it never let it have its turn"
         )
         survey.add(spot.path, None, "unreachable-node", f"it is never reached: {how}", "lead to it, or remove it")
-    for spot in survey.spots:
+    for spot in survey.containers:
         if isinstance(spot.node, StateMachine) and spot.node.initial in spot.children:
             _ends(survey, spot, spot.node, possible)
 

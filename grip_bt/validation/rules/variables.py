@@ -6,8 +6,11 @@ from grip_bt.catalog import InputPort, OutputPort, check_value, is_assignable, p
 from grip_bt.errors import listing, nearest
 from grip_bt.graph import ForEach, Leaf, Subtask, Variable
 
+from ..known import Known
 from ..survey import Declared, Spot, Survey
 from ..wording import take_hint
+
+_PORTED = (Leaf, Subtask)
 
 
 def check_variables(survey: Survey) -> None:
@@ -16,8 +19,10 @@ def check_variables(survey: Survey) -> None:
         _declaration(survey, declared)
     _shadowed(survey)
     for spot in survey.spots:
-        if isinstance(spot.node, Leaf | Subtask):
+        if isinstance(spot.node, _PORTED):
             manifest = spot.manifest
+            if spot.known is not None and _bound_alike(spot, spot.known, spot.node):
+                continue
             for port, name in spot.node.in_.items():
                 reads = manifest.inputs.get(port) if manifest else None
                 _binding(survey, spot, ("in", port), name, reads)
@@ -37,6 +42,16 @@ def check_variables(survey: Survey) -> None:
                 f"the {'input' if declared.key == 'inputs' else 'variable'} {declared.name!r} is {what}",
                 "remove it, or bind it under `in` of the node that needs it",
             )
+
+
+def _bound_alike(spot: Spot, known: Known, node: Leaf | Subtask) -> bool:
+    """Tell whether every port is bound to a variable of the port's very type; most are."""
+    scope = spot.scope
+    for bound, types in ((node.in_, known.inputs), (node.out, known.outputs)):
+        for port, name in bound.items():
+            if name not in scope or port not in types or scope[name].type is not types[port]:
+                return False
+    return True
 
 
 def _items(survey: Survey, spot: Spot, node: ForEach) -> None:
@@ -81,7 +96,7 @@ def _declaration(survey: Survey, declared: Declared) -> None:
 
 def _shadowed(survey: Survey) -> None:
     for spot in survey.spots:
-        if isinstance(spot.node, Leaf | Subtask) or not (spot.node.data or isinstance(spot.node, ForEach)):
+        if isinstance(spot.node, _PORTED) or not (spot.node.data or isinstance(spot.node, ForEach)):
             continue
         outer = spot.parent.scope if spot.parent is not None else survey.task_scope
         item = (spot.node.item,) if isinstance(spot.node, ForEach) else ()
