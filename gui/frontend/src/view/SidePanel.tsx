@@ -73,8 +73,8 @@ function VariableRow({ variable }: { variable: VariableView }): JSX.Element {
             {usesOf(index, key).map(({ path, how }) => (
               <li key={path + how}>
                 {how}{" "}
-                <button className="link" onClick={() => select(path)}>
-                  {path}
+                <button className="link" title={path} onClick={() => select(path)}>
+                  {path.split("/").at(-1) || "/"}
                 </button>
               </li>
             ))}
