@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
 from grip_bt.catalog import Catalog, TaskFolder, find_manifests, find_python_nodes
+from grip_bt.catalog.controller_config import RosRobotConfig
 from grip_bt.catalog.process_config import ProcessConfig
 from grip_bt.catalog.sensor_config import SensorConfig
 from grip_bt.catalog.sensors import sensor_manifest
@@ -59,6 +60,8 @@ class ProjectFile(_Config):
     arms: dict[Key, ArmConfig] = {}
     hands: dict[Key, HandConfig] = {}
     sensors: dict[Key, SensorConfig] = {}
+    ros: RosRobotConfig | None = None
+    """The controllers of the real robot, for `grip run --robot ros`."""
     processes: dict[Key, ProcessConfig] = {}
     """What `grip launch` runs: drivers, a vendor's launch file, anything."""
     message_server: bool = False
