@@ -10,18 +10,20 @@ from typing import Any, Literal
 
 from grip_bt.compilers import to_machine, to_tree
 from grip_bt.errors import InvalidTaskError
-from grip_bt.graph import Document, Variable, read
+from grip_bt.graph import Document, Variable, read, read_text
 from grip_bt.graph.model import type_of
 from grip_bt.nodes.mock import MockLeaf
-from grip_bt.runtime import Journal, RunContext, Runner, RunResult
+from grip_bt.runtime import Journal, JournalReader, RunContext, Runner, RunResult
+from grip_bt.runtime.durable import Durable
 from grip_bt.validation import Issue, Report, validate
 
+from .going_on import GoOn, begin_again, options_text, policy_of, process_facts
 from .mocks import apply_mocks
 from .project import Project, find_project
 from .resources import Progress, Resources, open_resources, silent
 
 Target = Literal["bt", "sm"]
-RobotKind = Literal["sim", "fake"]
+RobotKind = Literal["sim", "fake", "ros"]
 
 
 @dataclass(frozen=True)
@@ -30,7 +32,7 @@ class RunOptions:
 
     Attributes:
         target: behaviour tree or state machine.
-        robot: simulated, or fake parts that do as asked.
+        robot: simulated, fake parts that do as asked, or real controllers over ROS 2.
         seed: of the simulated world.
         pace: simulated seconds per second for watching; None for as fast as it goes.
         data: initial values for the task's variables.
@@ -40,6 +42,8 @@ class RunOptions:
         breaks: breakpoints that are set before it begins: fields of the command `break`.
         paused: whether it begins paused.
         mocks: node -> script, as `grip_bt.app.mocks` reads them.
+        durable: whether no motion begins before the journal on disk says so.
+        go_on: fields of `GoOn`: the run that is gone on with; None for a new one.
     """
 
     target: Target = "bt"
@@ -53,6 +57,8 @@ class RunOptions:
     breaks: Sequence[Mapping[str, Any]] = ()
     paused: bool = False
     mocks: Mapping[str, Any] = field(default_factory=dict)
+    durable: bool = False
+    go_on: Mapping[str, Any] | None = None
 
 
 @dataclass
@@ -67,14 +73,18 @@ class Session:
     journal: Path
 
 
-def check_task(path: str | Path) -> tuple[Project, Document, Report]:
+def check_task(path: str | Path, text: str | None = None) -> tuple[Project, Document, Report]:
     """Read a task file and check it against its project's nodes.
+
+    Args:
+        path: the file.
+        text: what it was at another time, in place of what it is.
 
     Raises:
         DocumentError: it can't be read.
         InvalidTaskError: it is wrong; the error holds all issues.
     """
-    document = read(Path(path))
+    document = read(Path(path)) if text is None else read_text(text, str(path))
     project = find_project(path)
     report = validate(document.task, project.catalog(), document)
     report.raise_if_invalid(str(path))
@@ -98,6 +108,11 @@ def _check_inputs(document: Document, given: Mapping[str, Any]) -> None:
         raise InvalidTaskError(missing, document.source)
 
 
+def _text_of(go_on: GoOn, path: str | Path, journal: Path | None) -> str:
+    with JournalReader(journal or find_project(path).journal) as reader:
+        return reader.run(go_on.run).task_text
+
+
 @contextmanager
 def open_session(
     path: str | Path, options: RunOptions, progress: Progress = silent, hold: int | None = None
@@ -115,7 +130,8 @@ def open_session(
         UnknownNameError: a breakpoint or a mock names what isn't in the task; nothing was started.
         GripError: a part of the robot, or a component, can't be started.
     """
-    project, document, report = check_task(path)
+    go_on = GoOn(**options.go_on) if options.go_on is not None else None
+    project, document, report = check_task(path, None if go_on is None else _text_of(go_on, path, options.journal))
     _check_inputs(document, options.data)
     catalog = project.catalog()
     compile_task = to_machine if options.target == "sm" else to_tree
@@ -126,8 +142,11 @@ def open_session(
     needs = {leaf.manifest.id for leaf in compiled.leaves.values() if not isinstance(leaf, MockLeaf)}
     parts = open_resources(project, needs, options.robot, options.seed, options.pace, progress, hold)
     with parts as resources, Journal(options.journal or project.journal) as journal:
+        log = reliving = None
+        if go_on is not None:
+            log, reliving = begin_again(journal, compiled, go_on, resources.clock, options.seed)
         context = RunContext(
-            resources.clock,
+            resources.clock if reliving is None else reliving.clock,
             arms=resources.arms,
             hands=resources.hands,
             cameras=resources.cameras,
@@ -147,7 +166,13 @@ def open_session(
             seed=options.seed,
             rate=options.rate,
             watchdog=options.watchdog,
+            log=log,
+            reliving=reliving,
+            facts={"options": options_text(vars(options)), "process": process_facts()},
         )
+        if options.durable:
+            asked = [path for path, leaf in compiled.leaves.items() if policy_of(leaf.manifest) == "ask"]
+            runner.observe(Durable(journal, asked))
         for point in options.breaks:
             runner.debugger.set(**point)
         if options.paused:

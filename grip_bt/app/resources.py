@@ -52,7 +52,7 @@ def open_resources(
     Args:
         project: whose robot, sensors and components.
         needs: catalogue ids of the task's leaves.
-        robot: `sim` or `fake`.
+        robot: `sim`, `fake`, or `ros` for the controllers that the project names.
         seed: of the simulated world.
         pace: simulated seconds per second; None for as fast as it goes.
         progress: told of each part that came up.
@@ -67,8 +67,12 @@ def open_resources(
                 fake_parts.open_robot(project, resources)
             elif robot == "sim":
                 simulated_parts.open_robot(project, resources, seed, pace, stack, progress, hold)
+            elif robot == "ros":
+                from . import ros_robot_parts
+
+                ros_robot_parts.open_robot(project, resources, seed, stack, progress)
             else:
-                raise UnknownNameError("robot", robot, ("sim", "fake"))
+                raise UnknownNameError("robot", robot, ("sim", "fake", "ros"))
         names = sorted(node.partition("/")[2] for node in needs if node.startswith("component/"))
         if names and robot == "fake":
             fake_parts.open_components(project, names, resources)

@@ -63,7 +63,12 @@ def add_parser(subparsers: Any) -> None:
 def add_run_options(parser: argparse.ArgumentParser) -> None:
     """Add what `run` and `demo` have in common."""
     parser.add_argument("--as", dest="target", choices=("bt", "sm"), default="bt", help="behaviour tree, state machine")
-    parser.add_argument("--robot", choices=("sim", "fake"), default="sim", help="simulated, or parts that do as asked")
+    parser.add_argument(
+        "--robot",
+        choices=("sim", "fake", "ros"),
+        default="sim",
+        help="simulated, parts that do as asked, or the controllers of a real robot",
+    )
     parser.add_argument("--seed", type=int, default=0, help="of the simulated world (default: 0)")
     parser.add_argument(
         "--pace", type=float, metavar="X", help="simulated seconds a second (default: as fast as it goes)"

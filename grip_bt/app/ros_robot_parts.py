@@ -1,0 +1,102 @@
+"""The real robot of a project: its controllers, wherever they run, under the same commanders as in simulation."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from contextlib import ExitStack
+from typing import TYPE_CHECKING
+
+from grip_bt.catalog.controller_config import ControllerConfig, RosRobotConfig
+from grip_bt.errors import GripError, MissingPartError, UnknownNameError
+from grip_bt.ports import Executor, HandPort
+
+from .commander_parts import open_commanders
+from .project import Project
+from .resources import Progress, Resources
+
+if TYPE_CHECKING:
+    from grip_bt.ros.bus import Bus
+    from grip_bt.ros.controllers import JointStates
+
+
+def open_robot(project: Project, resources: Resources, seed: int, stack: ExitStack, progress: Progress) -> None:
+    """Connect to the controllers that the project names and put its arms, hands and scene into `resources`.
+
+    Args:
+        project: with a robot, arms and hands, and their controllers under `ros`.
+        resources: filled in.
+        seed: of the planners.
+        stack: closes what was started.
+        progress: told of each part that came up.
+
+    Raises:
+        MissingPartError: ROS or the motion libraries aren't installed, or the project names no controllers.
+        UnknownNameError: an arm or a hand has no controller, or one that isn't loaded.
+        SensorError: nothing is measured of a joint.
+        SwitchError: a controller can't be made active.
+    """
+    try:
+        from grip_bt.commanders.robots import build_robot
+        from grip_bt.commanders.worker import PlanningProcess
+        from grip_bt.ros.bus import Bus
+        from grip_bt.ros.controllers import ControllerManager, JointStates
+    except ImportError as error:
+        raise MissingPartError(f"planning or ROS ({error})", "pip install 'grip-bt[motion,ros]'") from None
+    file = project.file
+    settings = file.ros
+    if settings is None:
+        remedy = (
+            "name them in grip.yaml: `ros: {controllers: {ARM: {trajectory: /CONTROLLER/follow_joint_trajectory}}}`"
+        )
+        raise MissingPartError("the controllers of a real robot", remedy)
+    groups = {name: part.group for name, part in (*file.arms.items(), *file.hands.items())}
+    for name in groups:
+        if name not in settings.controllers:
+            raise UnknownNameError("controller of", name, settings.controllers, "grip.yaml: ros/controllers")
+    description = build_robot(str(file.robot))
+    planner = stack.enter_context(PlanningProcess(description))
+    chosen = os.environ.get("ROS_DOMAIN_ID")
+    bus = stack.enter_context(Bus("grip_robot", domain_id=int(chosen) if chosen else None))
+    states = JointStates(bus, settings.joint_states)
+    joints = {n: _joints(settings.controllers[n], description.group(group)) for n, group in groups.items()}
+    wanted = [c.name for c in settings.controllers.values() if c.name is not None]
+    if wanted:
+        others = [other for c in settings.controllers.values() for other in c.instead_of]
+        ControllerManager(bus, settings.controller_manager, settings.ready).ensure_active(wanted, others)
+        progress("controllers", f"active: {', '.join(wanted)}")
+    states.wait_for([joint for names in joints.values() for joint in names], settings.ready)
+    progress("robot", f"{sum(map(len, joints.values()))} joints measured on {settings.joint_states}")
+    executors = {name: _executor(settings, name, bus, joints[name], states) for name in file.arms}
+    ports = {name: _hand(settings, name, bus, joints[name], states) for name in file.hands}
+    open_commanders(project, resources, description, planner, executors, ports, {}, seed)
+    if not planner.wait_until_ready():
+        raise GripError("the planning process doesn't come up; run `grip doctor`")
+    progress("planner", f"process {planner.pid}")
+
+
+def _joints(controller: ControllerConfig, group: Sequence[str]) -> tuple[str, ...]:
+    return controller.joints or tuple(group)
+
+
+def _executor(settings: RosRobotConfig, name: str, bus: Bus, joints: Sequence[str], states: JointStates) -> Executor:
+    from grip_bt.ros.controllers import StreamedExecutor, TrajectoryExecutor
+
+    controller = settings.controllers[name]
+    if controller.trajectory is not None:
+        return TrajectoryExecutor(bus, controller.trajectory, joints, states, wait=settings.ready)
+    if controller.positions is not None:
+        return StreamedExecutor(bus, controller.positions, joints, states)
+    raise GripError(f"grip.yaml: ros/controllers/{name}: an arm isn't a gripper; say `trajectory` or `positions`")
+
+
+def _hand(settings: RosRobotConfig, name: str, bus: Bus, joints: Sequence[str], states: JointStates) -> HandPort:
+    from grip_bt.ros.controllers import ControlledHand, GripperHand
+
+    gripper = settings.controllers[name].gripper
+    if gripper is None:
+        return ControlledHand(_executor(settings, name, bus, joints, states))
+    if len(joints) != 1:
+        reason = f"a gripper is asked through one joint, not {len(joints)}; name it: `joints: [NAME]`"
+        raise GripError(f"grip.yaml: ros/controllers/{name}: {reason}")
+    return GripperHand(bus, gripper, joints[0], states, settings.ready)
