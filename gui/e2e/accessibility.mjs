@@ -1,19 +1,8 @@
 // No violation of WCAG 2.2 AA that axe can find, in light and dark, before and after a run; the outline by keys alone.
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
-import { createRequire } from "node:module";
 
+import { check } from "./axe.mjs";
 import { onPage, url } from "./page.mjs";
-
-const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
-const TAGS = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"];
-
-async function check(page, where) {
-  await page.evaluate(AXE);
-  const { violations } = await page.evaluate((tags) => window.axe.run({ runOnly: tags }), TAGS);
-  const words = violations.map((v) => `${where}: ${v.id}: ${v.help}\n  ${v.nodes.map((n) => n.html).join("\n  ")}`);
-  assert.equal(violations.length, 0, words.join("\n"));
-}
 
 for (const colorScheme of ["light", "dark"]) {
   await onPage(

@@ -189,6 +189,15 @@ def test_ctrl_c_ends_the_editor_and_the_run_that_it_started(folder: Path) -> Non
         assert not run_processes(folder)
 
 
+@pytest.mark.e2e
+@pytest.mark.slow
+@pytest.mark.ros
+def test_a_project_is_put_together_in_a_browser(folder: Path) -> None:
+    with editing(folder) as (_, url):
+        done = subprocess.run(browser("setup.mjs", url, str(folder)), capture_output=True, text=True, timeout=180)
+        assert done.returncode == 0, done.stdout + done.stderr
+
+
 def test_a_wrong_path_is_told_and_ends_with_1(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "grip_bt.cli", "edit", str(tmp_path / "nothing"), "--no-browser"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)

@@ -50,7 +50,7 @@ def _written(value: Any) -> tuple[str, dict[str, Any]]:
                 "orientation": _numbers("xyzw", np.roll(value.quaternion, -1)),
             }
         case JointState():
-            return JOINT_STATES, _numbers(value.names, value.positions)
+            return JOINT_STATES, _numbers(value.names, value.position)
     raise UnrecordableError(f"a {type(value).__name__} can't be kept by name; poses and joint states can")
 
 

@@ -4,7 +4,11 @@ import { create } from "zustand";
 export type ViewName = "tree" | "flow" | "split" | "text";
 export type FootTab = "problems" | "run" | "holds" | "history";
 
+/** A task, or the files that put the project together. */
+export type Room = "task" | "project";
+
 export interface PageStore {
+  readonly room: Room;
   /** The node that has the focus; forms are about it. */
   readonly selected: string | null;
   /** All nodes that are selected, the one with the focus among them. */
@@ -30,6 +34,7 @@ export interface PageStore {
   enter(container: string): void;
   setFoot(foot: FootTab): void;
   setLens(lens: string | null): void;
+  setRoom(room: Room): void;
 }
 
 export const usePage = create<PageStore>()((set) => ({
@@ -42,6 +47,7 @@ export const usePage = create<PageStore>()((set) => ({
   container: "/",
   foot: "problems",
   lens: null,
+  room: "task",
   select: (selected) => set({ selected, marked: new Set(selected === null ? [] : [selected]) }),
   mark: (path) =>
     set(({ marked, selected }) => {
@@ -68,4 +74,5 @@ export const usePage = create<PageStore>()((set) => ({
   enter: (container) => set({ container }),
   setFoot: (foot) => set({ foot }),
   setLens: (lens) => set({ lens }),
+  setRoom: (room) => set({ room }),
 }));

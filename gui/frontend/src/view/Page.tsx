@@ -1,5 +1,5 @@
 /** The page: what it is made of, and what happens when it opens. */
-import { type JSX, useEffect, useState } from "react";
+import { type JSX, lazy, Suspense, useEffect, useState } from "react";
 
 import { server } from "../protocol/client";
 import { connect, openTask } from "../store/desk";
@@ -19,6 +19,8 @@ import { Outline } from "./Outline";
 import { VariablesPanel } from "./SidePanel";
 import { Stage } from "./Stage";
 import { TopBar } from "./TopBar";
+
+const SetupPage = lazy(() => import("./setup/SetupPage"));
 
 export function Page(): JSX.Element {
   const project = useProject((s) => s.project);
@@ -50,19 +52,38 @@ export function Page(): JSX.Element {
   useEffect(() => lookAgainOnReturn(), []);
   useKeys();
   const said = useDocument((s) => s.said);
+  const room = usePage((s) => s.room);
 
   if (!project) return <p className="hint padded">{trouble || "Opening the project ..."}</p>;
   return (
     <div className="page">
       <TopBar project={project} />
       <Notices />
+      {room === "project" ? (
+        <Suspense fallback={<p className="hint padded">Loading the project's files ...</p>}>
+          <SetupPage />
+        </Suspense>
+      ) : (
+        <TaskRoom empty={project.tasks.length === 0} />
+      )}
+      <Ask />
+      <output className="hidden" aria-live="polite" aria-label="What was done">
+        {said}
+      </output>
+    </div>
+  );
+}
+
+function TaskRoom({ empty }: { empty: boolean }): JSX.Element {
+  return (
+    <>
       <aside className="left" aria-label="Outline and palette">
         <Outline />
         <Palette />
       </aside>
       <main aria-label="Views">
         <EditBar />
-        {project.tasks.length === 0 ? (
+        {empty ? (
           <p className="hint padded">
             No task files in tasks/ yet. <button onClick={() => void newTask()}>New task</button>
           </p>
@@ -75,11 +96,7 @@ export function Page(): JSX.Element {
         <VariablesPanel />
       </aside>
       <Foot />
-      <Ask />
-      <output className="hidden" aria-live="polite" aria-label="What was done">
-        {said}
-      </output>
-    </div>
+    </>
   );
 }
 

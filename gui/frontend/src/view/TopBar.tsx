@@ -5,11 +5,16 @@ import { runText } from "../model/words";
 import type { Control, ProjectView } from "../protocol/generated";
 import { actionTitle } from "../store/actions";
 import { chooseTask } from "../store/desk";
+import { type Room, usePage } from "../store/page";
 import { useRun } from "../store/run";
 import { isHeldElsewhere, type RunOptions as Options, useRunning } from "../store/runDesk";
 import { control, giveBack, start, step, stop, takeOver } from "../store/running";
 import { newTask } from "../store/tasks";
 
+const ROOMS: readonly [Room, string][] = [
+  ["task", "Tasks"],
+  ["project", "Project"],
+];
 /** Simulated seconds in a second; 0 stands for no limit. */
 const PACES = [0.25, 0.5, 1, 2, 5, 0];
 
@@ -19,6 +24,7 @@ export function TopBar({ project }: { project: ProjectView }): JSX.Element {
   const broken = task.problems.some((problem) => problem.severity === "error");
   const options = useRunning((s) => s.options);
   const { setOptions } = useRunning.getState();
+  const room = usePage((s) => s.room);
   const state = session?.state ?? "ended";
   // What runs, also when another page or the command line started it, is what the fields say.
   const started = session?.state === "starting" || session?.state === "running" ? session : null;
@@ -33,6 +39,13 @@ export function TopBar({ project }: { project: ProjectView }): JSX.Element {
       <h1 title={project.folder}>
         GRIP <small>{project.name}</small>
       </h1>
+      <div className="segments" role="group" aria-label="What is shown">
+        {ROOMS.map(([name, label]) => (
+          <button key={name} aria-pressed={room === name} onClick={() => usePage.getState().setRoom(name)}>
+            {label}
+          </button>
+        ))}
+      </div>
       <Field label="Task">
         <select id="task-field" value={task.path} onChange={(event) => void chooseTask(event.target.value)}>
           {project.tasks.some((entry) => entry.path === task.path) || <option value={task.path}>{task.path}</option>}

@@ -3,6 +3,7 @@ import { type JSX, useEffect, useState } from "react";
 
 import { server } from "../protocol/client";
 import type { ValueView } from "../protocol/generated";
+import { askText } from "../store/ask";
 
 export function ValuePreview({ run, seq, name }: { run: string; seq: number; name: string }): JSX.Element {
   const [view, setView] = useState<ValueView | null>(null);
@@ -27,6 +28,7 @@ export function ValuePreview({ run, seq, name }: { run: string; seq: number; nam
         </figure>
       )}
       <p>{view.text}</p>
+      {(view.type === "Pose" || view.type === "JointState") && <Keep run={run} seq={seq} name={name} />}
       {view.rows.length > 0 && (
         <dl>
           {view.rows.map(([part, text]) => (
@@ -38,5 +40,24 @@ export function ValuePreview({ run, seq, name }: { run: string; seq: number; nam
         </dl>
       )}
     </div>
+  );
+}
+
+/** What was measured becomes a named message of the project. */
+function Keep({ run, seq, name }: { run: string; seq: number; name: string }): JSX.Element {
+  const [said, setSaid] = useState("");
+  async function keep(): Promise<void> {
+    const chosen = await askText({ title: "Keep by name", label: "Name", initial: name, hint: "It becomes an entry of the project's named messages" });
+    if (chosen === null) return;
+    try {
+      setSaid(`kept in ${(await server.record({ run, seq, name: chosen })).path}`);
+    } catch (error) {
+      setSaid(error instanceof Error ? error.message : String(error));
+    }
+  }
+  return (
+    <p>
+      <button onClick={() => void keep()}>Keep by name</button> <output>{said}</output>
+    </p>
   );
 }

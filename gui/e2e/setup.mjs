@@ -1,0 +1,84 @@
+// The files that put a project together: form and text are one, faults are placed, a component is made, tried, and drawn with.
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { join } from "node:path";
+
+import { check } from "./axe.mjs";
+import { onPage, rest, url } from "./page.mjs";
+
+const [folder] = rest;
+const file = (path) => readFileSync(join(folder, path), "utf8");
+
+for (const colorScheme of ["light", "dark"]) {
+  await onPage(
+    url,
+    async (page, { button, fileIs }) => {
+      const form = page.getByRole("group", { name: "Form" });
+      const field = (name) => form.getByLabel(name, { exact: true });
+      const text = page.getByLabel("Text of the file");
+      const fault = page.getByRole("list", { name: "Problems of the file" });
+      const put = async (name, value) => {
+        await field(name).fill(value);
+        await page.keyboard.press("Enter");
+      };
+      await button("Project").click();
+      await field("robot").waitFor();
+
+      // From a template, by a field, and by text.
+      await page.getByLabel("Insert a template").selectOption("Panda with an Allegro hand");
+      await page.getByLabel("Insert a template").selectOption("an arm with a hand");
+      await fault.getByText("there is no 'right_hand'").waitFor();
+      await check(page, `${colorScheme}, faults`);
+      await page.getByLabel("Insert a template").selectOption("a hand");
+      await form.getByText("Nothing is wrong").waitFor();
+      await put("planner", "RRTConect");
+      await fault.getByText("did you mean 'RRTConnect'").waitFor();
+      assert.equal(await field("planner").getAttribute("aria-invalid"), "true");
+      await fault.getByRole("button").click();
+      assert.match(await page.evaluate(() => document.activeElement?.getAttribute("aria-label") ?? ""), /Text of the file/);
+      await put("planner", "BiTRRT");
+      await form.getByText("Nothing is wrong").waitFor();
+      await text.click();
+      await page.keyboard.press("Control+End");
+      await page.keyboard.type("\nworld: table");
+      await page.waitForFunction(() => [...document.querySelectorAll("input")].some((input) => input.value === "table"));
+      await check(page, `${colorScheme}, form`);
+      await page.keyboard.press("Control+s");
+      await fileIs("saved");
+      assert.match(file("grip.yaml"), /planner: BiTRRT/);
+
+      // A pasted interface: the field that is wrong is named, then the node is generated and tried.
+      if (colorScheme === "dark") return;
+      await page.getByText("New component").click();
+      await button("Template").click();
+      await page.getByText("It keeps the contract").waitFor();
+      const pasted = page.getByLabel("Its .srv or .action");
+      await pasted.fill((await pasted.inputValue()).replace("int32 outcome", "string outcome"));
+      await page.getByRole("list", { name: "What is wrong" }).getByText("'outcome' is string; it must be one integer").waitFor();
+      await check(page, "interface");
+      await button("Template").click();
+      await page.getByLabel("Outcomes", { exact: true }).fill("found,none");
+      await page.getByLabel("Failures", { exact: true }).fill("none");
+      await page.getByLabel("Component", { exact: true }).fill("seer");
+      await button("Generate").click();
+      await page.getByRole("main", { name: "Component" }).waitFor();
+      assert.match(file("components/seer/node/manifest.yaml"), /none: failure/);
+      await button("Generate the node").click();
+      await page.getByLabel("What the try said").getByText("up to date").waitFor();
+      await check(page, "component");
+
+      // A named pose.
+      await page.getByText("Named poses").click();
+      await page.getByLabel("Insert a template").selectOption("a pose");
+      await put("z", "0.55");
+      await button("Save").click();
+      await fileIs("saved");
+      assert.match(file("messages/poses.yaml"), /z: 0.55/);
+
+      await button("Tasks").click();
+      await page.getByPlaceholder("Type to find a node").fill("seer");
+      await page.getByRole("button", { name: /seer/ }).waitFor();
+    },
+    { colorScheme, reducedMotion: "reduce" },
+  );
+}

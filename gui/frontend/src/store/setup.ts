@@ -1,0 +1,137 @@
+/** The settings file that is open: its text, which the page keeps, and what the server says about it. */
+import { create } from "zustand";
+
+import { RefusedError, server } from "../protocol/client";
+import type { ProbeView, SetupEntry, SetupView } from "../protocol/generated";
+import { askChoice } from "./ask";
+import { useDocument } from "./document";
+import { useRun } from "./run";
+import { loadProject } from "./tasks";
+
+export interface SetupStore {
+  readonly files: readonly SetupEntry[];
+  readonly view: SetupView | null;
+  /** What the file holds on the disk, as far as we know. */
+  readonly saved: string;
+  readonly known: string;
+  readonly busy: string;
+  readonly probe: ProbeView | null;
+  /** The line that a problem is about, to be shown in the text. */
+  readonly line: number | null;
+}
+
+export const useSetup = create<SetupStore>()(() => ({ files: [], view: null, saved: "", known: "", busy: "", probe: null, line: null }));
+
+/** Grows with every text; an answer about an older one is left out. */
+let texts = 0;
+
+export function trouble(error: unknown): void {
+  useRun.getState().setTrouble(error instanceof Error ? error.message : String(error));
+}
+
+export async function listSetup(): Promise<void> {
+  useSetup.setState({ files: (await server.setupFiles()).files });
+}
+
+export function isDirty(): boolean {
+  const { view, saved } = useSetup.getState();
+  return view !== null && view.text !== saved;
+}
+
+/** Open a file; what isn't saved of another one is asked about. */
+export async function openSetup(path: string): Promise<void> {
+  const { view } = useSetup.getState();
+  if (view !== null && isDirty() && view.path !== path) {
+    const options = [
+      { value: "save", label: `Save ${view.path}` },
+      { value: "drop", label: "Give up what was changed" },
+    ];
+    const answer = await askChoice({ title: `${view.path} isn't saved`, label: "Before another file is opened", options });
+    if (answer === null || (answer === "save" && !(await saveSetup()))) return;
+  }
+  try {
+    const opened = await server.setupFile(path);
+    texts++;
+    useSetup.setState({ view: opened, saved: opened.text, known: opened.known, probe: null, line: null });
+  } catch (error) {
+    trouble(error);
+  }
+}
+
+async function looked(work: (view: SetupView) => Promise<SetupView>): Promise<void> {
+  const { view } = useSetup.getState();
+  if (view === null) return;
+  const text = ++texts;
+  useRun.getState().setTrouble("");
+  try {
+    const next = await work(view);
+    if (text === texts) useSetup.setState({ view: next });
+  } catch (error) {
+    trouble(error);
+  }
+}
+
+/** The person has typed. */
+export function typeSetup(text: string): Promise<void> {
+  const { view } = useSetup.getState();
+  if (view !== null) useSetup.setState({ view: { ...view, text } });
+  return looked((now) => server.setupCheck({ path: now.path, text }));
+}
+
+export function setValue(key: (string | number)[], value: unknown): Promise<void> {
+  return looked((view) => server.setupChange({ path: view.path, text: view.text, do: "set", key, value }));
+}
+
+export function removeValue(key: (string | number)[]): Promise<void> {
+  return looked((view) => server.setupChange({ path: view.path, text: view.text, do: "remove", key, value: null }));
+}
+
+export function renameValue(key: (string | number)[], name: string): Promise<void> {
+  return looked((view) => server.setupChange({ path: view.path, text: view.text, do: "rename", key, value: name }));
+}
+
+export async function saveSetup(over = false): Promise<boolean> {
+  const { view, known } = useSetup.getState();
+  if (view === null) return false;
+  try {
+    const saved = await server.setupSave({ path: view.path, text: view.text, known, over });
+    useSetup.setState({ view: saved, saved: saved.text, known: saved.known });
+    await refreshed();
+    return true;
+  } catch (error) {
+    if (!(error instanceof RefusedError) || error.kind !== "disk") {
+      trouble(error);
+      return false;
+    }
+    const options = [
+      { value: "over", label: "Save mine over it" },
+      { value: "theirs", label: "Take the file as it is now" },
+    ];
+    const answer = await askChoice({ title: `${view.path} was changed elsewhere`, label: error.message, options });
+    if (answer === "over") return saveSetup(true);
+    if (answer === "theirs") {
+      useSetup.setState({ saved: view.text });
+      await openSetup(view.path);
+    }
+    return false;
+  }
+}
+
+/** What the project offers may be more now: nodes of sensors and components, files. */
+export async function refreshed(): Promise<void> {
+  await Promise.all([listSetup(), loadProject(), server.catalog().then(useDocument.getState().setCatalog)]);
+}
+
+export async function probe(what: "robot" | "generate" | "test"): Promise<void> {
+  const { view } = useSetup.getState();
+  if (view === null || (isDirty() && !(await saveSetup()))) return;
+  useSetup.setState({ busy: what, probe: null });
+  try {
+    useSetup.setState({ probe: await server.setupProbe({ what, path: view.path, page: "" }) });
+    await refreshed();
+  } catch (error) {
+    trouble(error);
+  } finally {
+    useSetup.setState({ busy: "" });
+  }
+}

@@ -1,0 +1,178 @@
+/** A form made from the shape of a file: each field is one value of the text, and changes nothing but that. */
+import { type JSX, useId, useState } from "react";
+
+import { entryShape, type Key, formKind, freeName, listOf, optionsAt, resolved, type Shape, valueAt } from "../../model/shapes";
+import type { SetupView } from "../../protocol/generated";
+import { removeValue, renameValue, setValue } from "../../store/setup";
+
+interface FieldProps {
+  readonly view: SetupView;
+  readonly place: Key;
+  readonly shape: Shape;
+}
+
+export function SchemaForm({ view }: { view: SetupView }): JSX.Element {
+  if (view.data === null || typeof view.data !== "object") return <p className="hint">The text is no YAML at the moment; mend it on the right.</p>;
+  return <Value view={view} place={[]} shape={view.shape as Shape} />;
+}
+
+function Value({ view, place, shape }: FieldProps): JSX.Element {
+  const value = valueAt(view.data, place);
+  const exact = resolved(shape, view.shape as Shape, value);
+  switch (formKind(exact)) {
+    case "fields":
+      return <Fields view={view} place={place} shape={exact} />;
+    case "entries":
+      return <Entries view={view} place={place} shape={exact} />;
+    case "items":
+      return <Items view={view} place={place} shape={exact} />;
+    default:
+      return <Scalar view={view} place={place} shape={exact} />;
+  }
+}
+
+function labelOf(place: Key): string {
+  return String(place.at(-1) ?? "").replaceAll("_", " ");
+}
+
+function reasonAt(view: SetupView, place: Key): string {
+  const words = place.join("/");
+  return view.problems.filter((problem) => problem.message.startsWith(`${words}: `)).map((problem) => problem.message.slice(words.length + 2)).join("; ");
+}
+
+function Fields({ view, place, shape }: FieldProps): JSX.Element {
+  const value = valueAt(view.data, place);
+  const keys = Object.keys(shape.properties ?? {}).filter((key) => key !== "grip");
+  const all = keys.map((key) => <Value key={key} view={view} place={[...place, key]} shape={shape.properties?.[key] ?? {}} />);
+  if (place.length === 0) return <>{all}</>;
+  if (value === undefined || value === null)
+    return (
+      <p className="setup-absent">
+        <button onClick={() => void setValue([...place], {})}>Add {labelOf(place)}</button> <span className="hint">{shape.description?.split("\n")[0]}</span>
+      </p>
+    );
+  const optional = typeof place.at(-1) === "string" && place.length > 0;
+  return (
+    <fieldset>
+      <legend>{labelOf(place)}</legend>
+      {all}
+      {optional && place.length === 1 && <button onClick={() => void removeValue([...place])}>Remove {labelOf(place)}</button>}
+    </fieldset>
+  );
+}
+
+/** A mapping whose keys are names that people give. */
+function Entries({ view, place, shape }: FieldProps): JSX.Element {
+  const value = (valueAt(view.data, place) ?? {}) as Record<string, unknown>;
+  const names = typeof value === "object" ? Object.keys(value) : [];
+  const inner = entryShape(shape);
+  const simple = !["fields", "entries"].includes(formKind(resolved(inner, view.shape as Shape, undefined)));
+  const [name, setName] = useState("");
+  const what = labelOf(place) || "entries";
+  function add(): void {
+    const wanted = freeName(name.trim() || "new", names);
+    const kind = formKind(resolved(inner, view.shape as Shape, undefined));
+    const start = kind === "number" ? 0 : kind === "list" || kind === "items" ? [] : kind === "text" || kind === "choice" ? "" : {};
+    void setValue([...place, wanted], start);
+    setName("");
+  }
+  return (
+    <fieldset className={simple ? "setup-simple" : ""}>
+      <legend>{what}</legend>
+      {names.map((entry) => (
+        <div key={entry} className="setup-entry" role="group" aria-label={`${what} ${entry}`}>
+          <div className="setup-name">
+            <Named place={[...place, entry]} what={what} />
+            <button aria-label={`Remove ${entry} from ${what}`} onClick={() => void removeValue([...place, entry])}>
+              Remove
+            </button>
+          </div>
+          <Value view={view} place={[...place, entry]} shape={inner} />
+        </div>
+      ))}
+      <div className="setup-add">
+        <input type="text" aria-label={`Name of a new one in ${what}`} placeholder="name" value={name} onChange={(event) => setName(event.target.value)} onKeyDown={(event) => event.key === "Enter" && add()} />
+        <button onClick={add} aria-label={`Add to ${what}`}>
+          Add
+        </button>
+      </div>
+    </fieldset>
+  );
+}
+
+function Named({ place, what }: { place: Key; what: string }): JSX.Element {
+  const name = String(place.at(-1));
+  return (
+    <input
+      type="text"
+      key={name}
+      defaultValue={name}
+      aria-label={`Name of ${name} in ${what}`}
+      onBlur={(event) => {
+        const next = event.target.value.trim();
+        if (next && next !== name) void renameValue([...place], next);
+        else event.target.value = name;
+      }}
+      onKeyDown={(event) => event.key === "Enter" && event.currentTarget.blur()}
+    />
+  );
+}
+
+function Items({ view, place, shape }: FieldProps): JSX.Element {
+  const value = valueAt(view.data, place);
+  const count = Array.isArray(value) ? value.length : 0;
+  return (
+    <fieldset>
+      <legend>{labelOf(place)}</legend>
+      {Array.from({ length: count }, (_, at) => (
+        <div key={at} className="setup-entry" role="group" aria-label={`${labelOf(place)} ${at + 1}`}>
+          <Value view={view} place={[...place, at]} shape={shape.items ?? {}} />
+          <button onClick={() => void removeValue([...place, at])}>Remove number {at + 1}</button>
+        </div>
+      ))}
+      <button onClick={() => void setValue([...place, count], {})}>Add to {labelOf(place)}</button>
+    </fieldset>
+  );
+}
+
+function Scalar({ view, place, shape }: FieldProps): JSX.Element {
+  const id = useId();
+  const value = valueAt(view.data, place);
+  const options = optionsAt(view.options, place) ?? (shape.enum ? shape.enum.map(String) : undefined);
+  const reason = reasonAt(view, place);
+  const kind = formKind(shape);
+  const shown = Array.isArray(value) ? value.join(", ") : value === undefined || value === null ? "" : typeof value === "object" ? JSON.stringify(value) : String(value);
+  const hint = shape.default === undefined || shape.default === null || shape.default === "" ? "" : `${Array.isArray(shape.default) ? shape.default.join(", ") : String(shape.default)}`;
+  function take(text: string): void {
+    if (text === shown) return;
+    if (text.trim() === "") void removeValue([...place]);
+    else if (kind === "number") void setValue([...place], Number.isNaN(Number(text)) ? text : Number(text));
+    else if (kind === "list") void setValue([...place], listOf(text, shape.items?.type === "number"));
+    else void setValue([...place], text);
+  }
+  const common = { id, "aria-invalid": reason !== "", ...(reason || shape.description ? { "aria-describedby": `${id}-said` } : {}) };
+  return (
+    <div className="form-field">
+      <label htmlFor={id}>{labelOf(place)}</label>
+      {kind === "flag" ? (
+        <input {...common} type="checkbox" checked={value === undefined ? shape.default === true : value === true} onChange={(event) => void setValue([...place], event.target.checked)} />
+      ) : options && options.length > 0 ? (
+        <>
+          <input {...common} type="text" list={`${id}-list`} key={shown} defaultValue={shown} placeholder={hint} onBlur={(event) => take(event.target.value)} onKeyDown={(event) => event.key === "Enter" && take(event.currentTarget.value)} onInput={(event) => options.includes(event.currentTarget.value) && take(event.currentTarget.value)} />
+          <datalist id={`${id}-list`}>
+            {options.map((option) => (
+              <option key={option} value={option} />
+            ))}
+          </datalist>
+        </>
+      ) : (
+        <input {...common} type="text" inputMode={kind === "number" ? "decimal" : "text"} key={shown} defaultValue={shown} placeholder={hint} onBlur={(event) => take(event.target.value)} onKeyDown={(event) => event.key === "Enter" && take(event.currentTarget.value)} />
+      )}
+      {(reason || shape.description) && (
+        <p id={`${id}-said`} className={reason ? "fault" : "hint"}>
+          {reason || shape.description}
+        </p>
+      )}
+    </div>
+  );
+}

@@ -1,0 +1,160 @@
+/** The files that put a project together: a list, the open one as a form, and as text beside it. */
+import "./setup.css";
+
+import { type JSX, useEffect, useState } from "react";
+
+import { freeName, valueAt } from "../../model/shapes";
+import type { SetupView, Template } from "../../protocol/generated";
+import { listSetup, openSetup, probe, saveSetup, setValue, trouble, useSetup } from "../../store/setup";
+import { InterfaceForm } from "./InterfaceForm";
+import { SchemaForm } from "./SchemaForm";
+import { SetupText } from "./SetupText";
+
+export default function SetupPage(): JSX.Element {
+  const view = useSetup((s) => s.view);
+  const [making, setMaking] = useState(false);
+  useEffect(() => {
+    listSetup()
+      .then(() => (useSetup.getState().view === null ? openSetup("grip.yaml") : undefined))
+      .catch(trouble);
+  }, []);
+  return (
+    <div
+      className="setup"
+      onKeyDown={(event) => {
+        if (!(event.ctrlKey || event.metaKey) || event.key !== "s") return;
+        event.preventDefault();
+        if (event.target instanceof HTMLInputElement) event.target.blur();
+        void saveSetup();
+      }}
+    >
+      <Files making={making} make={() => setMaking(true)} leave={() => setMaking(false)} />
+      {making ? (
+        <main className="panel padded setup-new" aria-label="New component">
+          <InterfaceForm done={() => setMaking(false)} />
+        </main>
+      ) : (
+        view && <Open key={view.path} view={view} />
+      )}
+    </div>
+  );
+}
+
+function Files({ making, make, leave }: { making: boolean; make: () => void; leave: () => void }): JSX.Element {
+  const files = useSetup((s) => s.files);
+  const path = useSetup((s) => s.view?.path);
+  return (
+    <nav className="panel" aria-label="Files of the project">
+      <h2>Project</h2>
+      <ul className="plain scroll">
+        {files.map((file) => (
+          <li key={file.path}>
+            <button
+              className="setup-file"
+              aria-current={!making && file.path === path ? "page" : undefined}
+              title={file.doc}
+              onClick={() => {
+                leave();
+                void openSetup(file.path);
+              }}
+            >
+              {file.title}
+              <code>{file.exists ? file.path : "not there yet"}</code>
+            </button>
+          </li>
+        ))}
+        <li>
+          <button className="setup-file" aria-current={making ? "page" : undefined} onClick={make}>
+            New component
+            <code>from a .srv or .action</code>
+          </button>
+        </li>
+      </ul>
+    </nav>
+  );
+}
+
+function Open({ view }: { view: SetupView }): JSX.Element {
+  const saved = useSetup((s) => s.saved === s.view?.text);
+  const busy = useSetup((s) => s.busy);
+  const tries: readonly (readonly ["robot" | "generate" | "test", string])[] =
+    view.kind === "component" ? [["generate", "Generate the node"], ["test", "Try it"]] : view.kind === "project" ? [["robot", "Check the robot"]] : [];
+  return (
+    <>
+      <main className="panel" aria-label={view.title}>
+        <div className="edit-bar" role="toolbar" aria-label="File">
+          <strong>{view.title}</strong> <code>{view.path}</code>
+          <span className="grow" />
+          <Templates view={view} />
+          {tries.map(([what, label]) => (
+            <button key={what} disabled={busy !== ""} onClick={() => void probe(what)}>
+              {busy === what ? "Trying ..." : label}
+            </button>
+          ))}
+          <button className={saved ? "" : "main"} disabled={saved} onClick={() => void saveSetup()}>
+            Save
+          </button>
+          <output aria-label="State of the file">{saved ? "saved" : "not saved"}</output>
+        </div>
+        <div className="scroll padded" tabIndex={0} role="group" aria-label="Form">
+          <Found view={view} />
+          <SchemaForm view={view} />
+        </div>
+      </main>
+      <aside className="panel" aria-label="Text">
+        <SetupText />
+        <Tried />
+      </aside>
+    </>
+  );
+}
+
+function Found({ view }: { view: SetupView }): JSX.Element | null {
+  if (view.problems.length === 0) return <p className="phase-success">✓ Nothing is wrong with it.</p>;
+  return (
+    <ul className="plain setup-problems" aria-label="Problems of the file">
+      {view.problems.map((problem) => (
+        <li key={`${problem.line} ${problem.message}`}>
+          <button className="link fault" onClick={() => useSetup.setState({ line: problem.line })}>
+            line {problem.line}
+          </button>{" "}
+          {problem.message}
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+function Templates({ view }: { view: SetupView }): JSX.Element | null {
+  if (view.templates.length === 0) return null;
+  function insert(template: Template): void {
+    const parent = valueAt(view.data, template.key.slice(0, -1));
+    const last = template.key.at(-1) ?? "";
+    const nested = template.key.length > 1 || view.kind !== "project";
+    const name = nested && typeof parent === "object" && parent !== null && view.kind !== "component" ? freeName(last, Object.keys(parent)) : last;
+    void setValue([...template.key.slice(0, -1), name], template.value);
+  }
+  return (
+    <select aria-label="Insert a template" value="" onChange={(event) => view.templates.filter((each) => each.title === event.target.value).forEach(insert)}>
+      <option value="">Insert ...</option>
+      {view.templates.map((template) => (
+        <option key={template.title}>{template.title}</option>
+      ))}
+    </select>
+  );
+}
+
+function Tried(): JSX.Element | null {
+  const tried = useSetup((s) => s.probe);
+  if (!tried) return null;
+  return (
+    <div className={`notice${tried.ok ? "" : " bad"}`} role="status" aria-label="What the try said">
+      <div>
+        <p>
+          {tried.ok ? "✓" : "✗"} <code>{tried.command}</code> after {tried.seconds.toFixed(1)} s
+        </p>
+        <pre tabIndex={0}>{tried.output}</pre>
+      </div>
+    </div>
+  );
+}
