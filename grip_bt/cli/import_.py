@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from grip_bt.errors import GripError
 
-from . import import_btcpp, import_pytrees
+from . import import_btcpp, import_grip, import_pytrees
 
 if TYPE_CHECKING:
     from grip_bt.smach_import import ImportedFile
@@ -20,14 +19,14 @@ if TYPE_CHECKING:
 def add_parser(subparsers: Any) -> None:
     """Add the verb."""
     parser = subparsers.add_parser(
-        "import", help="tasks from elsewhere: SMACH machines, py_trees and BehaviorTree.CPP trees"
+        "import", help="tasks from elsewhere: SMACH machines, py_trees and BehaviorTree.CPP trees, the first GRIP"
     )
     parser.add_argument(
         "path",
         type=Path,
         metavar="PATH",
         help="smach: a Python file, or a folder of them; pytrees: an XML file, or module:factory with --execute;"
-        " btcpp: an XML file of version 4",
+        " btcpp: an XML file of version 4; grip: a task or configuration of the first GRIP (.ini, .yaml), or a folder",
     )
     parser.add_argument("--from", dest="source", required=True, choices=sorted(IMPORTERS), help="what it is")
     parser.add_argument(
@@ -35,7 +34,8 @@ def add_parser(subparsers: Any) -> None:
         "--output",
         type=Path,
         metavar="OUT",
-        help="a .yaml file for one task, a folder for several; without it smach writes nothing, the others stdout",
+        help="a .yaml file for one task, a folder for several, of grip a project folder; without it smach and grip"
+        " write nothing, the others stdout",
     )
     parser.add_argument("--machine", metavar="NAME", help="only this one of several machines, or trees")
     parser.add_argument(
@@ -47,7 +47,7 @@ def add_parser(subparsers: Any) -> None:
         "--arguments",
         type=Path,
         metavar="FILE",
-        help="for --execute of smach, JSON: class or function -> parameter -> value",
+        help="for --execute of smach, YAML or JSON: class or function -> parameter -> value",
     )
     parser.add_argument(
         "--report", action="store_true", help="of btcpp: say what becomes of the file, and write nothing"
@@ -95,12 +95,12 @@ def _files(path: Path) -> list[Path]:
 def _arguments(path: Path | None) -> dict[str, dict[str, Any]]:
     if path is None:
         return {}
-    try:
-        given = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise GripError(f"{path}: can't be read: {error}") from error
+    from grip_bt.graph.document import read_file
+    from grip_bt.graph.syntax import parse, plain
+
+    given = plain(parse(read_file(path), str(path)))
     if not isinstance(given, dict) or not all(isinstance(each, dict) for each in given.values()):
-        raise GripError(f'{path}: write class or function -> parameter -> value, such as {{"Meet": {{"times": 3}}}}')
+        raise GripError(f"{path}: write class or function -> parameter -> value, such as `Meet: {{times: 3}}`")
     return given
 
 
@@ -150,6 +150,7 @@ def _stem(imported: ImportedFile, name: str) -> str:
 # Each source is one entry; what it needs is imported when it is asked for.
 IMPORTERS: dict[str, Callable[[argparse.Namespace], int]] = {
     "btcpp": import_btcpp.run,
+    "grip": import_grip.run,
     "smach": import_smach,
     "pytrees": import_pytrees.run,
 }
