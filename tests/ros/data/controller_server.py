@@ -1,9 +1,11 @@
 """A robot for the tests: two arm joints and a gripper, moved as controllers of ros2_control are asked to.
 
 A trajectory that ends beyond 3 rad is given up half-way; one of other joints is rejected. The gripper meets something
-at 0.02. The topic /stream/commands moves the arm at once. `none` as an argument publishes no joint states.
+at 0.02. The topic /stream/commands moves the arm at once. `none` as an argument publishes no joint states; a JSON
+object {server: {joint: position}} has other joints than these, each under a trajectory action `/<server>/...`.
 """
 
+import json
 import math
 import sys
 import threading
@@ -20,7 +22,10 @@ from std_msgs.msg import Float64MultiArray
 
 NAMES = ["joint_a", "joint_b"]
 OBJECT = 0.02
+others = {} if len(sys.argv) < 2 or sys.argv[1] == "none" else json.loads(sys.argv[1])
 positions = {"joint_a": 0.0, "joint_b": 0.0, "finger": 0.08}
+for joints in others.values():
+    positions.update(joints)
 states = {"arm_controller": "inactive", "stream_controller": "active", "broken_controller": "inactive"}
 lock = threading.Lock()
 
@@ -101,6 +106,10 @@ cancel = {"cancel_callback": lambda _: CancelResponse.ACCEPT}
 actions = [
     ActionServer(node, FollowJointTrajectory, "/arm/follow_joint_trajectory", follow, goal_callback=accepts, **cancel),
     ActionServer(node, GripperCommand, "/gripper/gripper_cmd", grip, **cancel),
+]
+actions += [
+    ActionServer(node, FollowJointTrajectory, f"/{server}/follow_joint_trajectory", follow, **cancel)
+    for server in others
 ]
 node.create_service(ListControllers, "/controller_manager/list_controllers", listed)
 node.create_service(SwitchController, "/controller_manager/switch_controller", switched)

@@ -1,0 +1,105 @@
+"""A task on a robot whose controllers run in another process: planned by us, moved by them, measured at the end."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import pytest
+from conftest import DATA
+
+from grip_bt.catalog.controller_config import ControllerConfig, RosRobotConfig
+
+HOME = dict(
+    zip(
+        (*(f"shoulder_{n}_joint" for n in ("pan", "lift")), "elbow_joint", *(f"wrist_{i}_joint" for i in (1, 2, 3))),
+        (-1.4, -1.4, 1.43, -0.03, -0.1, 0.0),
+        strict=True,
+    )
+)
+PROJECT = """
+grip: 1
+robot: ur5_allegro
+arms: {right: {group: arm, hand: fingers}}
+hands: {fingers: {group: hand}}
+ros:
+  controllers:
+    right: {trajectory: /ur/follow_joint_trajectory, name: arm_controller, instead_of: [stream_controller]}
+    fingers: {trajectory: /allegro/follow_joint_trajectory}
+"""
+TASK = """
+grip: 1
+name: home
+root:
+  kind: sequence
+  children:
+    go: {node: arm/move_to, with: {state: home}}
+    open: {node: hand/open}
+"""
+
+
+@pytest.mark.ros
+@pytest.mark.slow
+def test_a_task_runs_on_controllers_of_another_process(tmp_path, domain):
+    from grip_bt.ros.definitions import provide
+    from grip_bt.ros.process import child_environment
+
+    (tmp_path / "grip.yaml").write_text(PROJECT)
+    (tmp_path / "task.yaml").write_text(TASK)
+    prefixes = [*provide("control_msgs"), *provide("controller_manager_msgs")]
+    env = child_environment(prefixes, domain)
+    away = {name: angle + 0.1 for name, angle in HOME.items()}
+    fingers = {f"hand_joint_{i}.0": 0.0 for i in range(16)} | {"hand_joint_12.0": 1.3}
+    robot = subprocess.Popen(
+        [sys.executable, str(DATA / "controller_server.py"), json.dumps({"ur": away, "allegro": fingers})],
+        env=env,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        assert robot.stdout.readline() == "serving\n"
+        command = [sys.executable, "-m", "grip_bt.cli", "run", str(tmp_path / "task.yaml"), "--robot", "ros"]
+        done = subprocess.run(command, env=child_environment((), domain), capture_output=True, text=True, timeout=120)
+    finally:
+        robot.kill()
+        robot.wait()
+        robot.stdout.close()
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "success" in done.stdout
+
+
+def test_a_project_without_controllers_is_told_how_to_name_them(tmp_path):
+    (tmp_path / "grip.yaml").write_text(PROJECT[: PROJECT.index("ros:")])
+    (tmp_path / "task.yaml").write_text(TASK)
+    command = [sys.executable, "-m", "grip_bt.cli", "run", str(tmp_path / "task.yaml"), "--robot", "ros"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 1
+    assert "To mend it: name them in grip.yaml: `ros: {controllers:" in done.stderr
+
+
+def test_an_arm_without_a_controller_is_named(tmp_path):
+    (tmp_path / "grip.yaml").write_text(PROJECT.replace("    fingers: {trajectory", "    finger: {trajectory"))
+    (tmp_path / "task.yaml").write_text(TASK)
+    command = [sys.executable, "-m", "grip_bt.cli", "run", str(tmp_path / "task.yaml"), "--robot", "ros"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 1
+    assert "unknown controller of 'fingers'; did you mean 'finger'" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("given", "reason"),
+    [
+        ({}, "say one of `trajectory`, `positions`, `gripper`; here: none of them"),
+        ({"trajectory": "/a", "gripper": "/b"}, "here: trajectory and gripper"),
+        ({"trajectory": "/a", "instead_of": ["b"]}, "`instead_of` needs the controller's own `name`"),
+    ],
+)
+def test_a_controller_is_reached_in_one_way(given, reason):
+    with pytest.raises(ValueError, match=reason):
+        ControllerConfig(**given)
+
+
+def test_a_real_robot_has_controllers():
+    with pytest.raises(ValueError, match="name the controller of each arm and hand"):
+        RosRobotConfig(controllers={})
