@@ -5,6 +5,7 @@ A rig holds an adapter and the means to let its time pass: `wait(operation)` unt
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -12,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from contract_rigs import ArmRig, ExecutorRig, HandRig, Patient
+from ros_rigs import controllers, streamed_executor, trajectory_executor
 from simulated_rigs import (
     commanded_simulated_arm,
     commanded_simulated_hand,
@@ -22,6 +24,7 @@ from simulated_rigs import (
 from grip_bt.commanders.fake import FakeArm, FakeExecutor, FakeHand, OnClock
 from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.robots import build_robot
+from grip_bt.commanders.together import JoinedExecutor
 from grip_bt.runtime.clock import ManualClock
 from grip_bt.values import JointState, Pose
 
@@ -82,8 +85,31 @@ def commanded_arm() -> Iterator[ArmRig]:
         yield ArmRig(arm, clock.advance, away, np.array([0.0, 0.02, -0.1]))
 
 
-MARKS = {"simulated": pytest.mark.sim}
-EXECUTORS = {"fake": fake_executor, "simulated": simulated_executor}
+@contextmanager
+def joined_fake_executors() -> Iterator[ExecutorRig]:
+    """Two executors of one joint each, as one."""
+    clock = ManualClock()
+    schedule = OnClock(clock)
+    parts = [FakeExecutor(JointState((name,), [at]), schedule) for name, at in (("a", 0.1), ("b", -0.2))]
+    yield ExecutorRig(JoinedExecutor(*parts), clock.advance, JointState(("a", "b"), [0.6, 0.1]))
+
+
+@pytest.fixture(scope="session")
+def ros_robot() -> Iterator[Any]:
+    """Return a bus and the joint states of one robot for all tests."""
+    with controllers() as made:
+        yield made
+
+
+ROS = (pytest.mark.ros, pytest.mark.slow)
+MARKS = {"simulated": pytest.mark.sim, "ros_trajectory": ROS, "ros_stream": ROS}
+EXECUTORS = {
+    "fake": fake_executor,
+    "joined": joined_fake_executors,
+    "simulated": simulated_executor,
+    "ros_trajectory": trajectory_executor,
+    "ros_stream": streamed_executor,
+}
 HAND_PORTS = {"fake": fake_hand_port, "simulated": simulated_hand_port}
 HANDS = {"fake": commanded_fake_hand, "simulated": commanded_simulated_hand}
 ARMS = {"fake": fake_arm, "commander": commanded_arm, "simulated": commanded_simulated_arm}
@@ -92,7 +118,8 @@ ARMS = {"fake": fake_arm, "commander": commanded_arm, "simulated": commanded_sim
 def _rigs(table: dict[str, Callable[[], Any]]) -> Any:
     @pytest.fixture(params=[pytest.param(make, id=name, marks=MARKS.get(name, ())) for name, make in table.items()])
     def rig(request: pytest.FixtureRequest) -> Iterator[Any]:
-        with request.param() as made:
+        needs = [request.getfixturevalue(name) for name in inspect.signature(request.param).parameters]
+        with request.param(*needs) as made:
             yield made
 
     return rig
