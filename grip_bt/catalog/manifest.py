@@ -63,6 +63,11 @@ class Manifest(_Face):
     """Failure codes that it may end with, for completion and checking of `failure.<code>` edges."""
     settings: FrozenDict[str, Any] = FrozenDict()
     """Fixed values that the implementation is made with, for nodes that are generated from one class."""
+    resume: Literal["resume", "restart", "ask"] | None = None
+    """What is done about an activation of a process that died: the leaf's own `resume`, a new start, or a question.
+
+    Without it: nodes that move something or ask somebody else, and nodes of projects, are asked about; others restart.
+    """
     kind: Literal["leaf"] = "leaf"
 
     def outcomes_for(self, meaning: dict[str, Meaning]) -> dict[str, Meaning]:

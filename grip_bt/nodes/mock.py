@@ -66,6 +66,13 @@ class MockLeaf(Leaf):
         if self._step.seconds:
             self.context.wake_at(self._until)
 
+    def resume(self, began: float) -> None:
+        """Take what is left of the step's time."""
+        self.initialise()
+        self._until = began + self._step.seconds
+        if self._step.seconds:
+            self.context.wake_at(self._until)
+
     def relived(self, outcome: str | None) -> None:
         """Count the activation."""
         self.activations += 1

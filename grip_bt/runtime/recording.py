@@ -17,7 +17,8 @@ from grip_bt.errors import DivergedError
 from .journal_reader import Event
 
 NODES = ("enter", "exit", "interrupted", "write")
-"""Kinds of events that happen again; all others say something about them."""
+"""Kinds of events that happen again; others say something about them, but for messages of containers: a parallel says
+that it was decided."""
 
 
 @dataclass
@@ -64,7 +65,7 @@ class Recording:
         self, events: Iterable[Event], leaves: Collection[str], put: Callable[[Event], None] = lambda event: None
     ):
         events = list(events)
-        self.events = [event for event in events if event.event in NODES]
+        self.events = [e for e in events if e.event in NODES or (e.event == "message" and e.path not in leaves)]
         self._put = put
         self._lock = threading.RLock()
         self._over = [False] * len(self.events)
@@ -92,7 +93,9 @@ class Recording:
                 open_[path] = Activation(number)
                 self._to_come[path].append(open_[path])
             elif path in open_:
-                if event.event == "write":
+                if event.event == "message":
+                    pass
+                elif event.event == "write":
                     open_[path].writes.append(number)
                 else:
                     open_[path].end, open_[path].ended = event, number
@@ -165,7 +168,7 @@ class Recording:
         event = self.events[number]
         if event.event == "enter":
             self._current[event.path] = self._to_come[event.path].popleft()
-        elif event.event != "write":
+        elif event.event not in ("write", "message"):
             self._current.pop(event.path, None)
         self._times.last = self._latest = event.t
         self._over[number] = True

@@ -250,8 +250,9 @@ class News:
             self._inner.interrupted(path)
 
     def message(self, path: str, text: str) -> None:
-        """A running node says how it goes; leaves that don't work say nothing."""
-        self._inner.message(path, text)
+        """A running node says how it goes."""
+        if not self._happened(path, "message"):
+            self._inner.message(path, text)
 
     def wrote(self, path: str, variable: str, type_name: str, value: Any) -> None:
         """A node wrote a variable."""

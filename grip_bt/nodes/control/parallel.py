@@ -223,6 +223,9 @@ class Parallel(Container, _Rounds):
         """Request the children that still run to stop; their leaves see it as a preempt request."""
         if not self.asked:
             self.asked = True
+            assert self.decided is not None, "it asks because it is decided"
+            # Said, since nothing else tells that it was decided in this tick already, and by these children.
+            self.observer.message(self.path, f"{self.decided[0]}, when the others have stopped")
             self.context.wake()
 
     def ends(self) -> list[End | None]:
