@@ -28,6 +28,7 @@ _HOME = {
     "Param": "grip_bt.nodes.ports_of_class",
     "Context": "grip_bt.ports",
     "Status": "grip_bt.nodes.leaf",
+    "from_machine": "grip_bt.smach_import",
     "BehaviourTree": "grip_bt.runtime",
     "TreeRun": "grip_bt.runtime",
     "tree_run": "grip_bt.app",

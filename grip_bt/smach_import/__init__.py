@@ -2,6 +2,16 @@
 
 from .files import ImportedFile, import_file, write_import
 from .found import Problem, Span
+from .live import FromMachine, from_machine
 from .recorded import import_with_execution
 
-__all__ = ["ImportedFile", "Problem", "Span", "import_file", "import_with_execution", "write_import"]
+__all__ = [
+    "FromMachine",
+    "ImportedFile",
+    "Problem",
+    "Span",
+    "from_machine",
+    "import_file",
+    "import_with_execution",
+    "write_import",
+]
