@@ -7,6 +7,8 @@ from collections.abc import Callable
 
 from fastapi import APIRouter
 
+from grip_bt.errors import GripError
+
 from .journal import RunSource
 from .project import ProjectFolder
 from .setup import SetupDesk
@@ -73,6 +75,8 @@ def make_setup_router(folder: ProjectFolder, source: RunSource, changed: Callabl
         view, home = await asyncio.to_thread(make, folder, wish)
         generated = await prober.run(("component", "add", str(home)))
         changed()
+        if not generated.ok:
+            raise GripError(f"{view.path} was written, but its node can't be generated:\n{generated.output}")
         return view.model_copy(update={"output": generated.output})
 
     @api.post("/record")

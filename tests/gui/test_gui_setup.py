@@ -74,7 +74,7 @@ def test_a_renamed_hand_is_renamed_where_an_arm_carries_it(page: TestClient) -> 
         ("RRTConnect", "RTRConnect", 4, "did you mean 'RRTConnect'"),
         ("group: arm", "group: arn", 4, "did you mean 'arm'"),
         ("hand: palm", "hand: pal", 4, "there is no 'pal'"),
-        ("panda_allegro", "panda", 2, "there is no 'panda'"),
+        ("panda_allegro", "pandora", 2, "there is no 'pandora'"),
         ("world: table", "worl: table", 7, "unknown key 'worl' in the file"),
         ("group: hand}", "group: 3}", 6, "hands/palm/group"),
         ("grip: 1", "grip: [1", 1, ""),

@@ -14,7 +14,7 @@ from grip_bt.app.new_component import Wish, components_folder, from_file, from_t
 from grip_bt.catalog.component_file import ComponentFile
 from grip_bt.catalog.interface_spec import InterfaceSpec
 from grip_bt.codegen.component_text import component_text, parse_outcomes, suggested_outcomes
-from grip_bt.codegen.contract import check_contract
+from grip_bt.codegen.contract import INPUT, OUTCOME, RETURNED, check_contract
 from grip_bt.errors import ContractError, DocumentError, GripError
 from grip_bt.graph.settings_file import check_model
 from grip_bt.graph.syntax import parse
@@ -80,7 +80,9 @@ def _view(wish: InterfaceWish, interface: InterfaceSpec) -> InterfaceView:
     text, problems = "", []
     name = wish.name or _snake(interface.name)
     try:
-        outcomes = parse_outcomes(wish.outcomes or suggestion)
+        # Who has one of the contract's fields means the contract, and wants to know what it lacks.
+        meant = any(f.name in (INPUT, OUTCOME, RETURNED) for f in (*interface.request, *interface.response))
+        outcomes = parse_outcomes(wish.outcomes or ("done,failed" if meant else suggestion))
         text = component_text(interface, name, wish.server or f"/{name}", outcomes, wish.failures)
         component, faults = check_model(parse(text), ComponentFile)
         problems = [message for message, _, _ in faults]

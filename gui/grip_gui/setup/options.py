@@ -47,7 +47,7 @@ def wrong_options(tree: Value, data: Any, options: Mapping[str, Sequence[str]]) 
     for pattern in CLOSED & options.keys():
         allowed = options[pattern]
         for path, value in _at(data, pattern.split("/"), ()):
-            if allowed and isinstance(value, str) and value not in allowed:
+            if isinstance(value, str) and value not in allowed:
                 line, column = find(tree, path)
                 words = "/".join(map(str, path))
                 message = f"{words}: there is no {value!r}{nearest(value, allowed)} (there are: {listing(allowed)})"
@@ -58,10 +58,9 @@ def wrong_options(tree: Value, data: Any, options: Mapping[str, Sequence[str]]) 
 def _project(data: Mapping[str, Any]) -> dict[str, list[str]]:
     robot = data.get("robot")
     known = facts(robot if isinstance(robot, str) else "")
-    found = {
-        "robot": known.get("robots", []),
-        "arms/*/planner": known.get("planners", []),
-        "arms/*/kinematics": known.get("kinematics", []),
+    places = {"robot": "robots", "arms/*/planner": "planners", "arms/*/kinematics": "kinematics"}
+    found = {place: known[name] for place, name in places.items() if name in known}
+    found |= {
         "arms/*/hand": list(data.get("hands") or ()) if isinstance(data.get("hands"), Mapping) else [],
         "world": WORLDS,
         "sensors/*/camera": ["overhead"],

@@ -78,19 +78,28 @@ export function typeSetup(text: string): Promise<void> {
   return looked((now) => server.setupCheck({ path: now.path, text }));
 }
 
+/** Changes of the form come one after the other: each is made in the text that the one before has left. */
+let changes: Promise<void> = Promise.resolve();
+
+function changed(work: (view: SetupView) => Promise<SetupView>): Promise<void> {
+  changes = changes.then(() => looked(work));
+  return changes;
+}
+
 export function setValue(key: (string | number)[], value: unknown): Promise<void> {
-  return looked((view) => server.setupChange({ path: view.path, text: view.text, do: "set", key, value }));
+  return changed((view) => server.setupChange({ path: view.path, text: view.text, do: "set", key, value }));
 }
 
 export function removeValue(key: (string | number)[]): Promise<void> {
-  return looked((view) => server.setupChange({ path: view.path, text: view.text, do: "remove", key, value: null }));
+  return changed((view) => server.setupChange({ path: view.path, text: view.text, do: "remove", key, value: null }));
 }
 
 export function renameValue(key: (string | number)[], name: string): Promise<void> {
-  return looked((view) => server.setupChange({ path: view.path, text: view.text, do: "rename", key, value: name }));
+  return changed((view) => server.setupChange({ path: view.path, text: view.text, do: "rename", key, value: name }));
 }
 
 export async function saveSetup(over = false): Promise<boolean> {
+  await changes;
   const { view, known } = useSetup.getState();
   if (view === null) return false;
   try {
