@@ -207,6 +207,15 @@ class UnfitSolverError(GripError):
     """A kinematics solver that was asked for by name doesn't take this arm."""
 
 
+class InvalidRobotError(GripError):
+    """A robot's files are wrong; `findings` holds every error that was found, with its place."""
+
+    def __init__(self, name: str, findings: Sequence[Any]):
+        self.name, self.findings = name, tuple(findings)
+        listed = "".join(f"\n  {finding}" for finding in self.findings)
+        super().__init__(f"robot {name} can't be used; `grip robot check` tells all about it:{listed}")
+
+
 class ProjectExistsError(GripError):
     """A new project was asked for where something is already.
 

@@ -16,6 +16,9 @@ from grip_bt.values import Grasp, JointState, Pose
 
 CRATE = np.array([0.48, -0.40])
 
+AT_TABLES = ("panda_allegro", "ur5_allegro", "ur10_allegro")
+"""Robots that the demo's world is made for."""
+
 
 @dataclass(frozen=True)
 class Thing:

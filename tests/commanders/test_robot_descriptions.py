@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
-from table_top import named, robot_model
+from table_top import AT_TABLES, named, robot_model
 
 from grip_bt.commanders.robots import ROBOTS, build_robot
 from grip_bt.errors import UnknownNameError
@@ -20,9 +20,11 @@ PICK_LOW, PICK_HIGH = np.array([0.38, -0.12]), np.array([0.70, 0.36])
 def test_all_joints_have_drives_limits_and_accelerations(name):
     model = robot_model(name)
     description = model.description
-    assert set(description.joints) == set(model.model.names[1:])
-    assert set(description.drives) == set(description.acceleration_limits) == set(description.joints)
-    for group in ("arm", "hand"):
+    followers = set(description.mimics)
+    assert set(description.joints) | followers == set(model.model.names[1:])
+    assert set(description.drives) == set(description.acceleration_limits) == set(description.joints) | followers
+    assert description.groups
+    for group in description.groups:
         limits = model.limits(group)
         assert (limits.lower < limits.upper).all()
         assert (limits.velocity > 0).all()
@@ -61,12 +63,13 @@ def test_hand_and_finger_links_are_links_of_the_robot(name):
     links = {e.get("name") for e in ET.fromstring(description.urdf).findall("link")}
     assert set(description.hand_links) <= links
     assert {link for finger in description.finger_links.values() for link in finger} <= set(description.hand_links)
-    assert description.grasp_frame.link in description.hand_links
+    assert all(set(mine) <= set(description.hand_links) for mine in description.hands.values())
+    assert {frame.link for frame in (description.grasp_frame, *description.grasp_frames.values())} <= links
     assert description.base_link in links
     assert all(a in links and b in links for a, b in description.disabled_pairs)
 
 
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", AT_TABLES)
 def test_the_grasp_frame_is_where_the_fingers_close(name):
     """z leaves the palm, x runs along the fingers, closed fingertips lie in front of the palm, mirrored about y."""
     model = robot_model(name)
@@ -94,7 +97,7 @@ def _link_position(model, posture: JointState, link: str):
     return data.oMf[model.model.getFrameId(link)].translation
 
 
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", AT_TABLES)
 def test_home_leaves_the_pick_region_visible_from_above_even_with_a_thing_in_the_hand(name):
     model = robot_model(name)
     lowest = np.inf
@@ -129,7 +132,7 @@ def _held_thing(model):
     return model.grasp_pose().apply(np.array(corners))
 
 
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", AT_TABLES)
 def test_home_holds_an_upright_thing_upright(name):
     along_thing = robot_model(name).grasp_pose().rotation()[:, 1]
     assert abs(along_thing[2]) > 0.99

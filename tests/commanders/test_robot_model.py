@@ -3,10 +3,9 @@ import xml.etree.ElementTree as ET
 import numpy as np
 import pinocchio as pin
 import pytest
-from table_top import named, place_things, robot_model, room
+from table_top import AT_TABLES, named, place_things, robot_model, room
 
 from grip_bt.commanders.collision import CollisionChecker
-from grip_bt.commanders.robots import ROBOTS
 from grip_bt.commanders.robots.assembly import load_urdf
 from grip_bt.commanders.robots.parts import PACKAGE, asset_folder
 from grip_bt.commanders.shapes import simplified
@@ -17,7 +16,7 @@ def random_configurations(chain, count, seed=0):
     return np.random.default_rng(seed).uniform(chain.limits.lower, chain.limits.upper, (count, len(chain.joints)))
 
 
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", AT_TABLES)
 def test_a_chain_moves_the_grasp_frame_as_the_whole_robot_does(name):
     model = robot_model(name)
     chain = model.chain("arm")
@@ -26,7 +25,7 @@ def test_a_chain_moves_the_grasp_frame_as_the_whole_robot_does(name):
         assert chain.grasp_pose(q).homogeneous == pytest.approx(whole.matrix(), abs=1e-9)
 
 
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", AT_TABLES)
 def test_home_is_free_and_its_neighbours_in_the_hand_do_not_count(name):
     model = robot_model(name)
     home = named(model, "arm", "home").position

@@ -162,12 +162,14 @@ class RobotDescription:
         return positions | dict(self.rest)
 
     def opened(self, arm: str) -> JointState:
-        """Return the state `open` of the hand that an arm's group carries; no joints where it has none."""
-        carried = [e.group for e in self.end_effectors if e.parent_group == arm] or (
-            ["hand"] if not self.end_effectors else []
-        )
-        states = next((self.named_states[group] for group in carried if group in self.named_states), {})
-        return states.get("open", JointState((), ()))
+        """Return the state `open` of the hands that an arm's group carries; no joints where it has none."""
+        mine = set(self.groups.get(arm, ()))
+        carried = [e.group for e in self.end_effectors if e.group and mine & set(self.groups.get(e.parent_group, ()))]
+        if not self.end_effectors:
+            carried = list(self.hands)
+        states = [self.named_states[hand]["open"] for hand in carried if "open" in self.named_states.get(hand, {})]
+        positions = {joint: q for state in states for joint, q in state.as_mapping().items()}
+        return JointState(tuple(positions), tuple(positions.values()))
 
     def group(self, name: str) -> tuple[str, ...]:
         """Return the joints of a group.

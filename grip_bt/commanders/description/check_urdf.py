@@ -1,0 +1,216 @@
+"""Everything that is wrong with a URDF, at once; what has no error can be loaded and planned with."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from grip_bt.errors import DocumentError, listing, nearest
+
+from .check_links import check_link
+from .findings import Finding, Severity
+from .packages import Packages
+from .tree import HELD, JOINT_TYPES, MOVABLE
+from .xml import line_of, numbers
+
+DEEPEST = 500
+"""Joints from the base to a tip."""
+
+
+@dataclass(frozen=True)
+class Reporter:
+    """Makes findings about one file.
+
+    Attributes:
+        source: the file.
+        packages: where meshes are looked for.
+    """
+
+    source: str
+    packages: Packages
+
+    @property
+    def folder(self) -> Path:
+        """The folder that relative paths start in."""
+        return Path(self.source).parent
+
+    def say(self, severity: Severity, code: str, message: str, element: ET.Element) -> Finding:
+        """Return a finding about an element."""
+        return Finding(severity, code, message, self.source, line_of(element))
+
+    def error(self, code: str, message: str, element: ET.Element) -> Finding:
+        """Return an error about an element."""
+        return self.say("error", code, message, element)
+
+    def warning(self, code: str, message: str, element: ET.Element) -> Finding:
+        """Return a warning about an element."""
+        return self.say("warning", code, message, element)
+
+    def check_numbers(self, element: ET.Element, attribute: str, count: int, default: str) -> Iterator[Finding]:
+        """Yield a finding unless an attribute holds so many finite numbers."""
+        try:
+            numbers(element, attribute, count, default, self.source)
+        except DocumentError as error:
+            yield self.error("bad-number", error.message, element)
+
+
+def check_urdf(robot: ET.Element, source: str, packages: Packages) -> list[Finding]:
+    """Return what is wrong with a URDF.
+
+    Args:
+        robot: its tree.
+        source: the file; relative mesh paths start in its folder.
+        packages: where `package://` meshes are looked for.
+    """
+    reporter = Reporter(source, packages)
+    found: list[Finding] = []
+    if not robot.get("name"):
+        found.append(reporter.warning("no-name", "<robot> has no name; it is called 'robot'", robot))
+    links = list(_names(robot, "link", reporter, found))
+    joints = list(_names(robot, "joint", reporter, found))
+    if not links:
+        found.append(reporter.error("no-links", "the robot has no links", robot))
+        return found
+    for link in robot.findall("link"):
+        found += check_link(link, reporter)
+    for joint in robot.findall("joint"):
+        found += _joint(joint, set(links), joints, reporter)
+    found += _structure(robot, links, reporter)
+    return found
+
+
+def _names(robot: ET.Element, tag: str, reporter: Reporter, found: list[Finding]) -> Iterator[str]:
+    seen = set()
+    for element in robot.findall(tag):
+        name = element.get("name", "").strip()
+        if not name:
+            found.append(reporter.error("no-name", f"a <{tag}> has no name", element))
+        elif name in seen:
+            found.append(reporter.error("double-name", f"two {tag}s are called {name!r}; rename one", element))
+        seen.add(name)
+        yield name
+
+
+def _joint(joint: ET.Element, links: set[str], joints: list[str], reporter: Reporter) -> Iterator[Finding]:
+    name, kind = joint.get("name", ""), joint.get("type", "")
+    if kind not in JOINT_TYPES:
+        yield reporter.error(
+            "joint-type",
+            f"joint {name!r} is of the unknown type {kind!r}{nearest(kind, JOINT_TYPES)} (there are: "
+            f"{listing(JOINT_TYPES)})",
+            joint,
+        )
+    if kind in HELD:
+        yield reporter.warning("held-joint", f"joint {name!r} is {kind}; GRIP holds it still", joint)
+    for tag in ("parent", "child"):
+        end = joint.find(tag)
+        link = "" if end is None else end.get("link", "")
+        if link not in links:
+            known = f"link {link!r}, which isn't there{nearest(link, links)}" if link else "no link"
+            yield reporter.error("unknown-link", f"the {tag} of joint {name!r} is {known}", joint)
+    if (origin := joint.find("origin")) is not None:
+        yield from reporter.check_numbers(origin, "xyz", 3, "0 0 0")
+        yield from reporter.check_numbers(origin, "rpy", 3, "0 0 0")
+    if kind in MOVABLE:
+        yield from _axis(joint, name, reporter)
+        yield from _limit(joint, name, kind, reporter)
+    yield from _mimic(joint, name, joints, reporter)
+
+
+def _axis(joint: ET.Element, name: str, reporter: Reporter) -> Iterator[Finding]:
+    if (axis := joint.find("axis")) is None:
+        return
+    wrong = list(reporter.check_numbers(axis, "xyz", 3, "1 0 0"))
+    yield from wrong
+    if not wrong and not any(numbers(axis, "xyz", 3, "1 0 0")):
+        yield reporter.error("zero-axis", f"the axis of joint {name!r} is 0 0 0", axis)
+
+
+def _limit(joint: ET.Element, name: str, kind: str, reporter: Reporter) -> Iterator[Finding]:
+    limit = joint.find("limit")
+    unit = "m" if kind == "prismatic" else "rad"
+    if limit is None:
+        severity: Severity = "warning" if kind == "continuous" else "error"
+        yield reporter.say(
+            severity,
+            "missing-limit",
+            f'joint {name!r} has no <limit>; add <limit lower="..." upper="..." velocity="..." effort="..."/> [{unit}]',
+            joint,
+        )
+        return
+    wrong = [f for a in ("lower", "upper", "velocity", "effort") for f in reporter.check_numbers(limit, a, 1, "0")]
+    yield from wrong
+    if wrong:
+        return
+    lower, upper, velocity, effort = (numbers(limit, a, 1, "0")[0] for a in ("lower", "upper", "velocity", "effort"))
+    if kind != "continuous" and not lower < upper:
+        missing = [a for a in ("lower", "upper") if a not in limit.attrib]
+        why = f"it lacks {' and '.join(missing)}" if missing else f"lower {lower:g} isn't below upper {upper:g}"
+        yield reporter.error("missing-limit", f"joint {name!r} can't move: {why} [{unit}]", limit)
+    if velocity <= 0:
+        yield reporter.error(
+            "missing-limit",
+            f"joint {name!r} has no velocity limit above zero [{unit}/s]; motions can't be timed",
+            limit,
+        )
+    if effort <= 0:
+        yield reporter.warning("no-effort", f"joint {name!r} has no effort limit; simulation takes 100", limit)
+
+
+def _mimic(joint: ET.Element, name: str, joints: list[str], reporter: Reporter) -> Iterator[Finding]:
+    mimic = joint.find("mimic")
+    if mimic is None:
+        return
+    yield from reporter.check_numbers(mimic, "multiplier", 1, "1")
+    yield from reporter.check_numbers(mimic, "offset", 1, "0")
+    leader = mimic.get("joint", "")
+    if leader not in joints:
+        yield reporter.error(
+            "unknown-joint",
+            f"joint {name!r} mimics {leader!r}, which isn't there{nearest(leader, joints)}",
+            mimic,
+        )
+
+
+def _structure(robot: ET.Element, links: list[str], reporter: Reporter) -> Iterator[Finding]:
+    """Yield what keeps links and joints from being one tree, and mimics from ending at a joint that leads."""
+    above: dict[str, str] = {}
+    for joint in robot.findall("joint"):
+        parent, child = ((e.get("link", "") if (e := joint.find(t)) is not None else "") for t in ("parent", "child"))
+        if child in above:
+            yield reporter.error("two-parents", f"link {child!r} hangs on two joints; a robot is a tree", joint)
+        elif child:
+            above[child] = parent
+    roots = [link for link in dict.fromkeys(links) if link not in above]
+    if len(roots) > 1:
+        yield reporter.error(
+            "two-roots", f"these links hang on nothing: {listing(roots)}; join them by fixed joints", robot
+        )
+    for link in links:
+        depth, at = 0, link
+        while at in above and depth <= DEEPEST:
+            at, depth = above[at], depth + 1
+        if depth > DEEPEST:
+            loop = "is part of a loop of joints, or hangs on one" if not roots or at in above else ""
+            yield reporter.error("cycle", f"link {link!r} {loop or f'hangs more than {DEEPEST} joints deep'}", robot)
+            return
+    yield from _mimic_loops(robot, reporter)
+
+
+def _mimic_loops(robot: ET.Element, reporter: Reporter) -> Iterator[Finding]:
+    leads = {
+        j.get("name", ""): m.get("joint", "") for j in robot.findall("joint") if (m := j.find("mimic")) is not None
+    }
+    kinds = {j.get("name", ""): j.get("type", "") for j in robot.findall("joint")}
+    for joint in robot.findall("joint"):
+        name = at = joint.get("name", "")
+        seen = set()
+        while at in leads and at not in seen:
+            seen.add(at)
+            at = leads[at]
+        if at in leads:
+            yield reporter.error("cycle", f"joint {name!r} mimics, in the end, itself", joint)
+        elif at != name and kinds.get(at) in ("fixed", *HELD):
+            yield reporter.error("fixed-leader", f"joint {name!r} mimics {at!r}, which never moves", joint)

@@ -1,0 +1,122 @@
+"""What `robot:` in a project file, and a robot's own YAML file, may hold."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, StringConstraints, model_validator
+
+Key = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]
+Vector = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
+SOURCES = ("urdf", "xacro", "mjcf", "moveit", "ready", "arm", "robots")
+
+
+class _Config(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class FrameConfig(_Config):
+    """A frame on a link."""
+
+    link: str
+    xyz: Vector = (0.0, 0.0, 0.0)
+    """Its origin in the link [m]."""
+    rpy: Vector = (0.0, 0.0, 0.0)
+    """Its orientation, fixed-axis roll pitch yaw [rad]."""
+
+
+class MountConfig(_Config):
+    """How a hand sits on an arm."""
+
+    link: str
+    """The arm's link; what hangs on it in the arm's own description is left out."""
+    root: str | None = None
+    """The hand's link that is fixed to it; its root link when it isn't given."""
+    xyz: Vector = (0.0, 0.0, 0.0)
+    rpy: Vector = (0.0, 0.0, 0.0)
+    namespace: str = "hand"
+    """The hand's links and joints get this before their names, and an underscore."""
+
+
+class GroupConfig(_Config):
+    """A planning group, as in an SRDF."""
+
+    joints: tuple[str, ...] = ()
+    links: tuple[str, ...] = ()
+    chain: tuple[str, str] | None = None
+    """Base link and tip link."""
+    groups: tuple[str, ...] = ()
+
+
+class EndEffectorConfig(_Config):
+    """Which hand sits on which arm, as in an SRDF."""
+
+    parent_link: str
+    group: str = ""
+    parent_group: str = ""
+
+
+class DriveConfig(_Config):
+    """How a group's joints are driven in simulation."""
+
+    stiffness: float = Field(gt=0, allow_inf_nan=False)
+    damping: float = Field(ge=0, allow_inf_nan=False)
+    limit: float = Field(gt=0, allow_inf_nan=False)
+    armature: float = Field(default=0.0, ge=0, allow_inf_nan=False)
+
+
+class PlacedConfig(_Config):
+    """One of several robots."""
+
+    robot: str | RobotConfig
+    xyz: Vector = (0.0, 0.0, 0.0)
+    """Where its base stands in the world [m]."""
+    rpy: Vector = (0.0, 0.0, 0.0)
+
+
+class RobotConfig(_Config):
+    """A robot: from files, or put together of others. Relative paths begin in the folder of the file they are in."""
+
+    name: str | None = None
+    urdf: str | None = None
+    xacro: str | None = None
+    mjcf: str | None = None
+    arguments: dict[str, str | bool | int | float] = {}
+    """Of the xacro file, and of the SRDF where it is a xacro file too."""
+    srdf: str | None = None
+    moveit: str | None = None
+    """Folder of a MoveIt configuration package."""
+    ready: str | None = None
+    """Name of a ready-made robot that this one is made of."""
+    packages: dict[str, str] = {}
+    """Package name -> folder, for `package://` and `$(find ...)`."""
+    namespace: Key | None = None
+    """Every name of the robot gets this before it, and an underscore."""
+    arm: str | RobotConfig | None = None
+    hand: str | RobotConfig | None = None
+    mount: MountConfig | None = None
+    robots: dict[Key, PlacedConfig] = {}
+    """Several robots in one world; the key is each one's namespace."""
+    groups: dict[str, GroupConfig] = {}
+    states: dict[str, dict[str, dict[str, FiniteFloat] | list[FiniteFloat]]] = {}
+    """Group -> name -> position of each joint [rad or m], by name or in the group's order."""
+    end_effectors: dict[str, EndEffectorConfig] = {}
+    grasp_frames: dict[str, FrameConfig] = {}
+    """Arm's group -> the frame that grasps are given in: z leaves the palm, x runs along the fingers."""
+    fingers: dict[str, dict[str, tuple[str, ...]]] = {}
+    """Hand's group -> finger -> its links from the knuckle to the tip; the thumb last."""
+    drives: dict[str, DriveConfig] = {}
+    accelerations: dict[str, Annotated[float, Field(gt=0, allow_inf_nan=False)]] = {}
+    """Group or joint -> acceleration limit [rad/s^2 or m/s^2]."""
+
+    @model_validator(mode="after")
+    def _one_source(self) -> RobotConfig:
+        given = [name for name in SOURCES if getattr(self, name)]
+        if "moveit" in given and len(given) == 2 and {"urdf", "xacro"} & set(given):
+            given.remove("moveit")  # its URDF lies elsewhere
+        if len(given) != 1:
+            found = " and ".join(given) if given else "nothing"
+            raise ValueError(f"a robot is made of exactly one of {', '.join(SOURCES)}; this one has {found}")
+        if (self.arm is None) != (self.hand is None) or (self.arm is None) != (self.mount is None):
+            raise ValueError("a robot that is put together has all of arm, hand and mount")
+        return self

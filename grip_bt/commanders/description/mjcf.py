@@ -1,0 +1,184 @@
+"""MJCF hands and arms as URDF: bodies, hinges and slides, boxes, spheres, capsules, cylinders and meshes.
+
+What MuJoCo computes with beyond that (tendons, equalities, sites, actuators) has no place in a URDF and is left out.
+A capsule becomes a cylinder and two spheres. Orientations are quaternions, angles radians; a file that says otherwise
+is refused.
+"""
+
+from __future__ import annotations
+
+import math
+import xml.etree.ElementTree as ET
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from grip_bt.errors import DocumentError
+
+from .xml import line_of, numbers, read_xml
+
+VELOCITY, EFFORT = 2.0, 2.0
+"""Limits of every joint [rad/s, N m]; MJCF has none."""
+_IDENTITY = "1 0 0 0"
+_KINDS = {"hinge": "revolute", "slide": "prismatic"}
+_REFUSED = ("euler", "axisangle", "xyaxes", "zaxis", "fromto")
+
+
+def urdf_of_mjcf(path: Path) -> ET.Element:
+    """Return a MJCF model as a URDF with absolute mesh paths.
+
+    Raises:
+        DocumentError: it can't be read, or holds what this doesn't convert.
+    """
+    return _Conversion(path).robot()
+
+
+class _Conversion:
+    def __init__(self, path: Path):
+        self.path, self.root = path, read_xml(path, "mujoco")
+        compiler = self.root.find("compiler")
+        self.compiler = {} if compiler is None else dict(compiler.attrib)
+        self.defaults: dict[str, dict[str, dict[str, str]]] = {"main": {}}
+        if (top := self.root.find("default")) is not None:
+            self._read_defaults(top, {})
+        self.meshes = self._meshes()
+        self.urdf = ET.Element("robot", name=self.root.get("model", path.stem))
+
+    def robot(self) -> ET.Element:
+        if self.compiler.get("angle", "degree") != "radian":
+            raise DocumentError('only models with <compiler angle="radian"/> are converted', str(self.path))
+        bodies = [b for world in self.root.findall("worldbody") for b in world.findall("body")]
+        if len(bodies) != 1:
+            raise DocumentError(f"the world has to hold one body, not {len(bodies)}", str(self.path))
+        self._body(bodies[0], None, "main")
+        return self.urdf
+
+    def _read_defaults(self, element: ET.Element, inherited: Mapping[str, Mapping[str, str]]) -> None:
+        mine = {tag: dict(attributes) for tag, attributes in inherited.items()}
+        for child in element:
+            if child.tag != "default":
+                mine.setdefault(child.tag, {}).update(child.attrib)
+        self.defaults[element.get("class", "main")] = mine
+        for child in element.findall("default"):
+            self._read_defaults(child, mine)
+
+    def _meshes(self) -> dict[str, tuple[Path, str]]:
+        folder = self.path.parent / self.compiler.get("meshdir", "")
+        found = {}
+        for mesh in self.root.iterfind("asset/mesh"):
+            values = self._values(mesh, "main")
+            file = Path(values.get("file", ""))
+            found[values.get("name", file.stem)] = ((folder / file).resolve(), values.get("scale", "1 1 1"))
+        return found
+
+    def _values(self, element: ET.Element, childclass: str) -> dict[str, str]:
+        """Return an element's attributes over those of its class."""
+        name = element.get("class", childclass)
+        if name not in self.defaults:
+            self._refuse(f"there is no default class {name!r}", element)
+        values = {**self.defaults[name].get(element.tag, {}), **element.attrib}
+        if found := [attribute for attribute in _REFUSED if attribute in values]:
+            self._refuse(f"<{element.tag} {found[0]}=...> isn't converted; use pos, size and quat", element)
+        return values
+
+    def _body(self, body: ET.Element, parent: str | None, childclass: str) -> None:
+        childclass = body.get("childclass", childclass)
+        name = body.get("name") or f"body_{len(self.urdf)}"
+        link = ET.SubElement(self.urdf, "link", name=name)
+        self._inertial(body, link)
+        for geom in body.findall("geom"):
+            self._geom(geom, link, childclass)
+        if parent is not None:
+            self._joint(body, name, parent, childclass)
+        for child in body.findall("body"):
+            self._body(child, name, childclass)
+
+    def _joint(self, body: ET.Element, name: str, parent: str, childclass: str) -> None:
+        joints = body.findall("joint")
+        if len(joints) > 1:
+            self._refuse(f"body {name!r} has {len(joints)} joints; one at most is converted", body)
+        values = self._values(joints[0], childclass) if joints else {}
+        kind = _KINDS.get(values.get("type", "hinge")) if joints else "fixed"
+        if kind is None:
+            self._refuse(f"a {values['type']} joint isn't converted (there are: hinge, slide)", joints[0])
+        if any(numbers(joint, "pos", 3, "0 0 0", str(self.path)) != (0, 0, 0) for joint in joints):
+            self._refuse("a joint whose pos isn't 0 0 0 isn't converted", joints[0])
+        joint = ET.SubElement(self.urdf, "joint", name=values.get("name", f"{name}_fixed"), type=str(kind))
+        ET.SubElement(joint, "parent", link=parent)
+        ET.SubElement(joint, "child", link=name)
+        _origin(joint, self._numbers(body, "pos", 3, "0 0 0"), self._numbers(body, "quat", 4, _IDENTITY))
+        if joints:
+            ET.SubElement(joint, "axis", xyz=values.get("axis", "0 0 1"))
+            if "range" not in values:
+                self._refuse(f"joint {joint.get('name')!r} has no range", joints[0])
+            lower, upper = values["range"].split()
+            ET.SubElement(joint, "limit", lower=lower, upper=upper, velocity=str(VELOCITY), effort=str(EFFORT))
+
+    def _inertial(self, body: ET.Element, link: ET.Element) -> None:
+        if (inertial := body.find("inertial")) is None:
+            return
+        element = ET.SubElement(link, "inertial")
+        place = self._numbers(inertial, "pos", 3, "0 0 0"), self._numbers(inertial, "quat", 4, _IDENTITY)
+        _origin(element, *place)
+        ET.SubElement(element, "mass", value=inertial.get("mass", ""))
+        moments = self._numbers(inertial, "diaginertia", 3, "")
+        zero = dict.fromkeys(("ixy", "ixz", "iyz"), "0")
+        ET.SubElement(element, "inertia", zero | dict(zip(("ixx", "iyy", "izz"), map(repr, moments), strict=True)))
+
+    def _geom(self, geom: ET.Element, link: ET.Element, childclass: str) -> None:
+        values = self._values(geom, childclass)
+        element = ET.Element(geom.tag, values)
+        collides = values.get("contype", "1") != "0" or values.get("conaffinity", "1") != "0"
+        kind = values.get("type", "sphere")
+        place = np.array(self._numbers(element, "pos", 3, "0 0 0"))
+        turn = self._numbers(element, "quat", 4, _IDENTITY)
+        size = [float(word) for word in values.get("size", "").split()]
+        shapes: list[tuple[str, dict[str, str], np.ndarray]] = []
+        if kind == "box" and len(size) == 3:
+            shapes = [("box", {"size": " ".join(repr(2 * s) for s in size)}, place)]
+        elif kind == "sphere" and size:
+            shapes = [("sphere", {"radius": repr(size[0])}, place)]
+        elif kind in ("cylinder", "capsule") and len(size) >= 2:
+            shapes = [("cylinder", {"radius": repr(size[0]), "length": repr(2 * size[1])}, place)]
+            ends = [place + sign * size[1] * _rotation(turn)[:, 2] for sign in (1, -1)] if kind == "capsule" else []
+            shapes += [("sphere", {"radius": repr(size[0])}, end) for end in ends]
+        elif kind == "mesh" and values.get("mesh") in self.meshes:
+            file, scale = self.meshes[values["mesh"]]
+            shapes = [("mesh", {"filename": str(file), "scale": scale}, place)]
+        else:
+            self._refuse(f"a geom of type {kind!r} and this size isn't converted", geom)
+        for tag, attributes, where in shapes:
+            body = ET.SubElement(link, "collision" if collides else "visual")
+            _origin(body, where, turn)
+            ET.SubElement(ET.SubElement(body, "geometry"), tag, attributes)
+
+    def _numbers(self, element: ET.Element, attribute: str, count: int, default: str) -> tuple[float, ...]:
+        return numbers(element, attribute, count, default, str(self.path))
+
+    def _refuse(self, message: str, element: ET.Element) -> None:
+        raise DocumentError(message, str(self.path), line_of(element))
+
+
+def _origin(element: ET.Element, place: object, quaternion: tuple[float, ...]) -> None:
+    xyz = " ".join(repr(float(v)) for v in place)  # type: ignore[attr-defined]
+    ET.SubElement(element, "origin", xyz=xyz, rpy=" ".join(repr(v) for v in _rpy(_rotation(quaternion))))
+
+
+def _rotation(quaternion: tuple[float, ...]) -> np.ndarray:
+    w, x, y, z = np.array(quaternion) / np.linalg.norm(quaternion)
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def _rpy(r: np.ndarray) -> tuple[float, float, float]:
+    """Return fixed-axis roll, pitch and yaw of a rotation matrix; at pitch +-90 degrees, roll is zero."""
+    pitch = math.atan2(-r[2, 0], math.hypot(r[0, 0], r[1, 0]))
+    if math.hypot(r[0, 0], r[1, 0]) < 1e-9:
+        return 0.0, pitch, math.atan2(-r[0, 1], r[1, 1])
+    return math.atan2(r[2, 1], r[2, 2]), pitch, math.atan2(r[1, 0], r[0, 0])

@@ -1,0 +1,170 @@
+"""Which groups are hands, which links are theirs, and where a hand takes things, as far as files tell.
+
+SRDF knows end effectors; it knows no fingers and no grasp frame. What a configuration says comes first, and what it
+doesn't say is told from the tree.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from grip_bt.values import Pose
+
+from ..robots.description import EndEffector, GraspFrame
+from .config import FrameConfig, RobotConfig
+from .srdf import Srdf
+from .tree import Joint, Tree
+
+
+@dataclass(frozen=True)
+class Roles:
+    """What groups are for.
+
+    Attributes:
+        end_effectors: with their arms found.
+        hands: hand's group -> its links.
+        fingers: finger -> its links, of all hands; the thumb last.
+        grasp_frames: arm's group -> its grasp frame.
+        grasp_frame: the robot's main one.
+    """
+
+    end_effectors: tuple[EndEffector, ...]
+    hands: Mapping[str, tuple[str, ...]]
+    fingers: Mapping[str, tuple[str, ...]]
+    grasp_frames: Mapping[str, GraspFrame]
+    grasp_frame: GraspFrame
+
+
+def roles(tree: Tree, srdf: Srdf, groups: Mapping[str, tuple[str, ...]], config: RobotConfig) -> Roles:
+    """Return them for a robot whose SRDF was checked.
+
+    Args:
+        tree: its links and joints.
+        srdf: its groups as they are written.
+        groups: its groups as joints.
+        config: what the project says about it.
+    """
+    return _Roles(tree, srdf, groups, config).found()
+
+
+def frame_of(config: FrameConfig) -> GraspFrame:
+    """Return a configured frame as a value."""
+    return GraspFrame(config.link, Pose(config.xyz, quaternion_of(config.rpy), config.link))
+
+
+def quaternion_of(rpy: tuple[float, float, float]) -> tuple[float, float, float, float]:
+    """Return fixed-axis roll, pitch and yaw [rad] as a quaternion w x y z."""
+    (cr, sr), (cp, sp), (cy, sy) = ((math.cos(a / 2), math.sin(a / 2)) for a in rpy)
+    return (
+        cr * cp * cy + sr * sp * sy,
+        sr * cp * cy - cr * sp * sy,
+        cr * sp * cy + sr * cp * sy,
+        cr * cp * sy - sr * sp * cy,
+    )
+
+
+class _Roles:
+    def __init__(self, tree: Tree, srdf: Srdf, groups: Mapping[str, tuple[str, ...]], config: RobotConfig):
+        self.tree, self.srdf, self.groups, self.config = tree, srdf, groups, config
+        self.mimics = tree.mimics()
+
+    def found(self) -> Roles:
+        ends = tuple(self._with_arm(end) for end in self.srdf.end_effectors)
+        named = [end.group for end in ends if end.group and end.group != end.parent_group]
+        if not named and not self.config.fingers:
+            named = [g for g, written in self.srdf.groups.items() if _sounds_like_a_hand(g) and not written.groups]
+        hands = [g for g in dict.fromkeys([*named, *self.config.fingers]) if self.groups.get(g)]
+        mounts = {end.group: end.parent_link for end in ends}
+        links = {hand: self._links(hand, mounts.get(hand, "")) for hand in hands}
+        fingers: dict[str, tuple[str, ...]] = {}
+        for hand in hands:
+            for name, mine in (self.config.fingers.get(hand) or self._fingers(hand)).items():
+                fingers[name if name not in fingers else f"{hand}_{name}"] = tuple(mine)
+        frames = self._grasp_frames(ends, hands)
+        return Roles(ends, links, fingers, frames, self._main(frames, ends, hands))
+
+    def _with_arm(self, end: EndEffector) -> EndEffector:
+        """Fill in the arm's group, which SRDFs leave out: the smallest that moves the parent link.
+
+        A group that moves its own parent link is an arm with a bare tool.
+        """
+        carrier = next((j.name for j in self.tree.upwards(end.parent_link) if j.movable), "")
+        if end.parent_group:
+            return end
+        able = [g for g, joints in self.groups.items() if carrier in joints]
+        arm = min(able, key=lambda g: len(self.groups[g]), default="")
+        bare = end.group in able
+        return EndEffector(end.name, "" if bare else end.group, end.parent_link, end.group if bare else arm)
+
+    def _links(self, hand: str, mount: str) -> tuple[str, ...]:
+        """Return what a hand's joints move, and what they sit on down to the mount or the last joint of the arm."""
+        moved = set(self._moved_by(hand))
+        for name in self.groups[hand]:
+            link = self.tree.joints[name].parent
+            while link not in moved and link != mount:
+                moved.add(link)
+                joint = self.tree.above.get(link)
+                if joint is None or joint.movable:
+                    break
+                link = joint.parent
+        return tuple(link for link in self.tree.links if link in moved)
+
+    def _moved_by(self, hand: str) -> tuple[str, ...]:
+        firsts = self._first_joints(hand)
+        return tuple(dict.fromkeys(link for joint in firsts for link in self.tree.subtree(joint.child)))
+
+    def _first_joints(self, hand: str) -> list[Joint]:
+        """Return the joints of a hand, followers included, that no other joint of it carries."""
+        mine = set(self.groups[hand])
+        mine |= {name for name, mimic in self.mimics.items() if mimic.joint in mine}
+        joints = [joint for name, joint in self.tree.joints.items() if name in mine]
+        return [j for j in joints if not any(above.name in mine for above in self.tree.upwards(j.parent))]
+
+    def _fingers(self, hand: str) -> dict[str, tuple[str, ...]]:
+        found = {joint.child: self.tree.subtree(joint.child) for joint in self._first_joints(hand)}
+        return dict(sorted(found.items(), key=lambda item: "thumb" in item[0].lower()))
+
+    def _grasp_frames(self, ends: tuple[EndEffector, ...], hands: list[str]) -> dict[str, GraspFrame]:
+        frames = {}
+        for group, joints in self.groups.items():
+            if group in hands or not joints:
+                continue
+            carried = next((end.parent_link for end in ends if end.parent_group == group), None)
+            of_hand = next((frame for frame in self._hands_frames(hands) if self._carries(joints, frame)), None)
+            if group in self.config.grasp_frames:
+                frames[group] = frame_of(self.config.grasp_frames[group])
+            elif of_hand is not None:
+                frames[group] = of_hand
+            elif carried or not self.srdf.groups[group].groups:
+                frames[group] = _at(carried or self._tip(group))
+        for group, written in self.srdf.groups.items():  # a group of groups takes the frame of its first arm
+            first = next((g for g in written.groups if g in frames), None)
+            if group not in frames and group not in hands and first is not None:
+                frames[group] = frames[first]
+        return frames
+
+    def _hands_frames(self, hands: list[str]) -> list[GraspFrame]:
+        return [frame_of(self.config.grasp_frames[hand]) for hand in hands if hand in self.config.grasp_frames]
+
+    def _carries(self, joints: tuple[str, ...], frame: GraspFrame) -> bool:
+        return any(joint.name in joints for joint in self.tree.upwards(frame.link))
+
+    def _tip(self, group: str) -> str:
+        written = self.srdf.groups[group]
+        return written.chains[-1][1] if written.chains else self.tree.joints[self.groups[group][-1]].child
+
+    def _main(self, frames: Mapping[str, GraspFrame], ends: tuple[EndEffector, ...], hands: list[str]) -> GraspFrame:
+        carrying = [end.parent_group for end in ends if end.parent_group in frames]
+        for group in (*carrying, *frames):
+            return frames[group]
+        return next(iter(self._hands_frames(hands)), _at(self.tree.root))
+
+
+def _sounds_like_a_hand(group: str) -> bool:
+    return any(word in group.lower() for word in ("hand", "gripper", "finger"))
+
+
+def _at(link: str) -> GraspFrame:
+    return GraspFrame(link, Pose((0.0, 0.0, 0.0), frame=link))

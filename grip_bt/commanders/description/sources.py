@@ -1,0 +1,46 @@
+"""What somebody who names a robot by one word means: a ready-made one, a file, or a folder."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from grip_bt.errors import DocumentError, UnknownNameError
+from grip_bt.graph.settings_file import read_model
+
+from .config import RobotConfig
+
+
+def is_ready_made(word: str) -> bool:
+    """Tell whether a word is a ready-made robot's name."""
+    from ..robots import ROBOTS
+
+    return word in ROBOTS
+
+
+def config_of(word: str, folder: Path) -> tuple[RobotConfig, Path]:
+    """Return the configuration that a path stands for, and the folder that its relative paths begin in.
+
+    `*.urdf`, `*.xacro` and `*.xml` (MJCF) are robots by themselves, a folder is a MoveIt configuration package, and
+    `*.yaml` holds a configuration.
+
+    Raises:
+        UnknownNameError: there is neither such a file nor such a ready-made robot.
+        DocumentError: the file is of another kind, or its configuration is wrong.
+    """
+    path = (folder / Path(word).expanduser()).resolve()
+    if path.is_dir():
+        return RobotConfig(moveit=str(path)), path.parent
+    if not path.is_file():
+        if "/" in word or path.suffix:
+            raise DocumentError("there is no such file", str(path))
+        from ..robots import ROBOTS
+
+        raise UnknownNameError("robot", word, ROBOTS, where="neither a file nor ready-made")
+    kinds = {".urdf": "urdf", ".xacro": "xacro", ".xml": "mjcf"}
+    if path.suffix in kinds:
+        return RobotConfig(**{kinds[path.suffix]: str(path)}), path.parent
+    if path.suffix in (".yaml", ".yml"):
+        return read_model(path, RobotConfig), path.parent
+    raise DocumentError(
+        "a robot is a .urdf, .xacro, .xml (MJCF) or .yaml file, or a MoveIt package's folder", str(path)
+    )

@@ -1,0 +1,125 @@
+"""The tree of links and joints of a URDF that is known to be right (see `check_urdf`)."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ..robots.description import Mimic
+
+MOVABLE = ("revolute", "continuous", "prismatic")
+HELD = ("floating", "planar")
+"""Joints that GRIP holds still: bases that drive or fly."""
+JOINT_TYPES = (*MOVABLE, "fixed", *HELD)
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """A joint.
+
+    Attributes:
+        name: its name.
+        type: one of `JOINT_TYPES`.
+        parent: the link that it sits on.
+        child: the link that it moves.
+        lower: [rad or m].
+        upper: [rad or m].
+        velocity: [rad/s or m/s].
+        effort: [N m or N].
+        mimic: whom it follows, or None.
+    """
+
+    name: str
+    type: str
+    parent: str
+    child: str
+    lower: float = 0.0
+    upper: float = 0.0
+    velocity: float = 0.0
+    effort: float = 0.0
+    mimic: Mimic | None = None
+
+    @property
+    def movable(self) -> bool:
+        """Whether it moves."""
+        return self.type in MOVABLE
+
+
+class Tree:
+    """Links and joints, to be asked.
+
+    Attributes:
+        links: names, as the file lists them.
+        joints: name -> joint, likewise.
+        above: link -> the joint that carries it; the root has none.
+        root: the link that nothing carries.
+    """
+
+    def __init__(self, robot: ET.Element):
+        self.links = tuple(e.get("name", "") for e in robot.findall("link"))
+        self.joints = {e.get("name", ""): _joint(e) for e in robot.findall("joint")}
+        self.above = {joint.child: joint for joint in self.joints.values()}
+        self.root = next(link for link in self.links if link not in self.above)
+        self._below: dict[str, list[Joint]] = {}
+        for joint in self.joints.values():
+            self._below.setdefault(joint.parent, []).append(joint)
+
+    def below(self, link: str) -> list[Joint]:
+        """Return the joints that sit on a link."""
+        return self._below.get(link, [])
+
+    def upwards(self, link: str) -> Iterator[Joint]:
+        """Yield the joints from a link to the root."""
+        while (joint := self.above.get(link)) is not None:
+            yield joint
+            link = joint.parent
+
+    def chain(self, base: str, tip: str) -> tuple[Joint, ...] | None:
+        """Return the joints from one link out to another, or None where the one doesn't carry the other."""
+        joints: list[Joint] = []
+        if base == tip:
+            return ()
+        for joint in self.upwards(tip):
+            joints.append(joint)
+            if joint.parent == base:
+                return tuple(reversed(joints))
+        return None
+
+    def subtree(self, link: str) -> tuple[str, ...]:
+        """Return a link and all that it carries."""
+        links = [link]
+        for each in links:  # it grows while it is walked through
+            links += [joint.child for joint in self.below(each)]
+        return tuple(links)
+
+    def mimics(self) -> dict[str, Mimic]:
+        """Return the joints that follow others, with the joint that leads in the end."""
+        found = {}
+        for joint in self.joints.values():
+            if joint.mimic is not None and joint.movable:
+                leader, k, offset = joint.mimic.joint, joint.mimic.multiplier, joint.mimic.offset
+                while (next_ := self.joints[leader].mimic) is not None:
+                    leader, offset, k = next_.joint, offset + k * next_.offset, k * next_.multiplier
+                found[joint.name] = Mimic(leader, k, offset)
+        return found
+
+
+def _joint(element: ET.Element) -> Joint:
+    limit, mimic = element.find("limit"), element.find("mimic")
+    values = dict(limit.attrib) if limit is not None else {}
+    return Joint(
+        element.get("name", ""),
+        element.get("type", ""),
+        _link(element, "parent"),
+        _link(element, "child"),
+        *(float(values.get(name, "0")) for name in ("lower", "upper", "velocity", "effort")),
+        None
+        if mimic is None
+        else Mimic(mimic.get("joint", ""), float(mimic.get("multiplier") or "1"), float(mimic.get("offset") or "0")),
+    )
+
+
+def _link(joint: ET.Element, tag: str) -> str:
+    end = joint.find(tag)
+    return "" if end is None else end.get("link", "")

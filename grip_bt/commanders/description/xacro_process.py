@@ -1,0 +1,56 @@
+"""Expands one xacro file, in a process of its own: `python -m grip_bt.commanders.description.xacro_process`.
+
+A xacro file computes; one that never ends, or fills the memory, ends this process and nothing else. It reads a JSON
+object `{"file", "arguments", "packages"}` from stdin and writes `{"text"}` or `{"error"}` to stdout. `$(find NAME)`
+looks where `package://` does; the xacro package itself would ask ROS.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import resource
+import sys
+from pathlib import Path
+
+MEMORY = 1024**3
+SECONDS = 20
+DEEPEST = 600
+"""Of Python's recursion: beyond it, macros that call one another end in an error instead of a crash."""
+
+
+def main() -> None:
+    """Answer the one request."""
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
+    request = json.loads(sys.stdin.read())
+    with contextlib.redirect_stdout(sys.stderr):
+        reply = _expanded(request["file"], request["arguments"], request["packages"])
+    sys.stdout.write(json.dumps(reply))
+
+
+def _expanded(file: str, arguments: dict[str, str], packages: dict[str, str]) -> dict[str, str]:
+    import xacro
+    from xacro import substitution_args
+
+    from grip_bt.errors import GripError
+
+    from .packages import Packages
+
+    known = Packages({name: Path(folder) for name, folder in packages.items()}, (Path(file),))
+    substitution_args._eval_find = lambda name: str(known.find(name))
+    sys.setrecursionlimit(DEEPEST)
+    try:
+        return {"text": xacro.process_file(file, mappings=arguments).toxml()}
+    except GripError as error:
+        return {"error": str(error)}
+    except RecursionError:
+        return {"error": "macros, properties or includes call themselves without end"}
+    except MemoryError:
+        return {"error": f"it takes more than {MEMORY // 2**20} MiB to expand"}
+    except Exception as error:  # noqa: BLE001 - the file's own expressions raise whatever they like
+        return {"error": " ".join(f"{type(error).__name__}: {error}".split())}
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,172 @@
+"""A MoveIt configuration package's folder: which files it has, and what they say."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeVar
+
+from grip_bt.errors import DocumentError, MissingPartError
+
+from ..description.findings import Finding
+from ..description.packages import Packages
+from ..description.yaml_file import Reading, read_yaml
+from . import settings
+from .settings import Controller, JointLimits, PlannerChoice, Sensor
+
+ASSISTANT = ".setup_assistant"
+Read = TypeVar("Read")
+
+
+@dataclass(frozen=True)
+class MoveItPackage:
+    """What a package says.
+
+    Attributes:
+        folder: the package.
+        layout: `ROS 1` or `ROS 2`.
+        urdf: the robot's URDF or xacro file, or None where it can't be told.
+        arguments: of a xacro file.
+        srdf: SRDF file or its xacro, or None.
+        limits: joint -> limits.
+        kinematics: group -> MoveIt's plugin.
+        planners: group -> planners.
+        controllers: of all `*controllers.yaml`; MoveIt's own before those of ros_control.
+        sensors: depth sensors.
+        initial_positions: joint -> position [rad or m].
+        findings: files that can't be read, or aren't there.
+    """
+
+    folder: Path
+    layout: str
+    urdf: Path | None = None
+    arguments: Mapping[str, str] = field(default_factory=dict)
+    srdf: Path | None = None
+    limits: Mapping[str, JointLimits] = field(default_factory=dict)
+    kinematics: Mapping[str, str] = field(default_factory=dict)
+    planners: Mapping[str, PlannerChoice] = field(default_factory=dict)
+    controllers: tuple[Controller, ...] = ()
+    sensors: tuple[Sensor, ...] = ()
+    initial_positions: Mapping[str, float] = field(default_factory=dict)
+    findings: tuple[Finding, ...] = ()
+
+
+def is_moveit_package(folder: Path) -> bool:
+    """Tell whether a folder is one: it has a `.setup_assistant`, or an SRDF in `config/`."""
+    return (folder / ASSISTANT).is_file() or bool(_files(folder / "config", "*.srdf", "*.srdf.xacro"))
+
+
+def read_package(folder: Path, packages: Packages) -> MoveItPackage:
+    """Read a package; what is wrong with single files is in `findings`.
+
+    Args:
+        folder: the package.
+        packages: where the URDF's package is looked for; this one is always found.
+
+    Raises:
+        DocumentError: there is no such folder, or it isn't such a package.
+    """
+    if not folder.is_dir():
+        raise DocumentError("there is no such folder", str(folder))
+    if not is_moveit_package(folder):
+        raise DocumentError(
+            f"isn't a MoveIt configuration package: it has no {ASSISTANT} and no config/*.srdf", str(folder)
+        )
+    return _Reader(folder, packages).package()
+
+
+class _Reader:
+    def __init__(self, folder: Path, packages: Packages):
+        self.folder, self.packages, self.config = folder, packages, folder / "config"
+        self.findings: list[Finding] = []
+
+    def package(self) -> MoveItPackage:
+        assistant = self._assistant()
+        urdf, arguments = self._urdf(assistant)
+        controllers = [c for path in self._controller_files() for c in self._read(settings.controllers, path, ())]
+        return MoveItPackage(
+            self.folder,
+            self._layout(),
+            urdf,
+            arguments,
+            self._srdf(assistant),
+            self._read_named(settings.joint_limits, "joint_limits.yaml", {}),
+            self._read_named(settings.kinematics, "kinematics.yaml", {}),
+            self._read_named(settings.planners, "ompl_planning.yaml", {}),
+            tuple({c.name: c for c in reversed(controllers)}.values())[::-1],
+            self._read_named(settings.sensors, "sensors_3d.yaml", (), optional=True),
+            self._read_named(settings.initial_positions, "initial_positions.yaml", {}, optional=True),
+            tuple(self.findings),
+        )
+
+    def _layout(self) -> str:
+        ros1 = any((self.folder / "launch").glob("*.launch")) or (self.config / "fake_controllers.yaml").is_file()
+        return "ROS 1" if ros1 else "ROS 2"
+
+    def _assistant(self) -> Mapping[str, Any]:
+        path = self.folder / ASSISTANT
+        if not path.is_file():
+            return {}
+        data = self._read(read_yaml, path, {})
+        entry = data.get("moveit_setup_assistant_config", {})
+        return entry if isinstance(entry, dict) else {}
+
+    def _urdf(self, assistant: Mapping[str, Any]) -> tuple[Path | None, Mapping[str, str]]:
+        """ROS 2's packages have a xacro of their own, which adds ros2_control; ROS 1's only name another package's."""
+        own = _files(self.config, "*.urdf.xacro", "*.urdf")
+        if own:
+            return own[0], {}
+        entry = self._part(assistant, "urdf")
+        relative = str(entry.get("relative_path") or "")
+        if not relative:
+            self._warn("no-urdf", f"neither {ASSISTANT} nor config/ tells where the URDF is; give it as `urdf:`")
+            return None, {}
+        arguments = dict(word.split(":=", 1) for word in str(entry.get("xacro_args") or "").split() if ":=" in word)
+        package = str(entry.get("package") or "")
+        try:
+            base = self.packages.find(package) if package else self.folder
+        except MissingPartError as error:
+            raise DocumentError(str(error), str(self.folder / ASSISTANT)) from error
+        return base / relative, arguments
+
+    def _srdf(self, assistant: Mapping[str, Any]) -> Path | None:
+        relative = str(self._part(assistant, "srdf").get("relative_path") or "")
+        named = self.folder / relative
+        if relative and named.is_file():
+            return named
+        found = _files(self.config, "*.srdf", "*.srdf.xacro")
+        if not found:
+            self._warn("no-srdf", "it has no SRDF: no groups, no named states, no disabled collisions")
+        return found[0] if found else None
+
+    def _part(self, assistant: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+        """ROS 1 writes `URDF:` and `SRDF:`, ROS 2 `urdf:` and `srdf:`."""
+        entry = assistant.get(name) or assistant.get(name.upper())
+        return Reading(self.folder / ASSISTANT).mapping(entry, name)
+
+    def _controller_files(self) -> list[Path]:
+        files = [p for p in _files(self.config, "*controllers*.yaml") if not p.name.startswith("fake_")]
+        return sorted(files, key=lambda p: ("ros" in p.stem.split("_")[0], p.name))
+
+    def _read_named(self, read: Callable[[Path], Read], name: str, empty: Read, optional: bool = False) -> Read:
+        path = self.config / name
+        if path.is_file():
+            return self._read(read, path, empty)
+        if not optional:
+            self._warn("missing-file", f"it has no config/{name}")
+        return empty
+
+    def _read(self, read: Callable[[Path], Any], path: Path, empty: Any) -> Any:
+        try:
+            return read(path)
+        except DocumentError as error:
+            self.findings.append(Finding("error", "bad-file", error.message, error.source, error.line))
+            return empty
+
+    def _warn(self, code: str, message: str) -> None:
+        self.findings.append(Finding("warning", code, message, str(self.folder)))
+
+
+def _files(folder: Path, *patterns: str) -> list[Path]:
+    return [path for pattern in patterns for path in sorted(folder.glob(pattern))]
