@@ -1,0 +1,130 @@
+"""What moves joints, and arms as leaves ask for them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Protocol, runtime_checkable
+
+from grip_bt.operation import Operation
+from grip_bt.values import Grasp, JointState, Plan, Pose, Trajectory
+
+FREEDOMS = ("none", "x", "y", "z", "orientation")
+"""What of a goal pose may not matter: nothing, a turn about an axis of the grasp frame, or the whole orientation."""
+
+
+@runtime_checkable
+class Executor(Protocol):
+    """Moves the joints of one group along a trajectory."""
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints that it moves, in its order."""
+        ...
+
+    def state(self) -> JointState:
+        """Return the measured state of the joints."""
+        ...
+
+    def execute(self, trajectory: Trajectory) -> Operation[JointState]:
+        """Follow a trajectory that starts at the present positions; the result is the measured state at the end.
+
+        Ends with ExecutionAbortedError when the start or the end is off by more than the adapter's tolerance, with
+        CanceledError when it was stopped; the joints then hold where they are.
+        """
+        ...
+
+    def stop(self) -> None:
+        """Hold where the joints are now and end a motion under way."""
+        ...
+
+
+@runtime_checkable
+class Arm(Protocol):
+    """What leaves ask of an arm. Plans avoid the scene; straight motions are checked against it too."""
+
+    @property
+    def name(self) -> str:
+        """The arm's name in the project."""
+        ...
+
+    def state(self) -> JointState:
+        """Return the measured state of the arm's joints."""
+        ...
+
+    def grasp_pose(self) -> Pose:
+        """Return the measured pose of the hand's grasp frame in world."""
+        ...
+
+    def named_states(self) -> Mapping[str, JointState]:
+        """Return the arm's named states, such as `home`."""
+        ...
+
+    def plan(
+        self, goal: JointState | Pose | str, *, start: JointState | None = None, free: str = "none"
+    ) -> Operation[Plan]:
+        """Plan to joint positions, to a pose of the grasp frame, or to a named state.
+
+        Args:
+            goal: where to.
+            start: joint positions to begin from; the measured ones by default.
+            free: what of a pose doesn't matter: `none`, a turn about the grasp frame's `x`, `y` or `z`, or its whole
+                `orientation`.
+
+        Ends with StartInCollisionError, GoalInCollisionError, NoIkError, NoPlanError, PathInvalidError or TimeOutError.
+
+        Raises:
+            UnknownNameError: there is no such named state, or no such freedom.
+        """
+        ...
+
+    def plan_straight(self, goals: Sequence[Pose], *, start: JointState | None = None) -> Operation[Plan]:
+        """Plan a motion that moves the grasp frame along straight lines through `goals`.
+
+        Ends with NoIkError, PathInvalidError (collision or joint jump).
+        """
+        ...
+
+    def jog(
+        self, linear: Sequence[float], angular: Sequence[float] = (0.0, 0.0, 0.0), seconds: float = 0.5
+    ) -> Operation[JointState]:
+        """Move the grasp frame with a twist for a while; too large a one is made smaller, in the same direction.
+
+        Args:
+            linear: velocity of its origin in world, 3 numbers [m/s].
+            angular: angular velocity in world, 3 numbers [rad/s].
+            seconds: for how long.
+
+        Ends with NoIkError, PathInvalidError or ExecutionAbortedError; where it can't go, it doesn't begin to.
+
+        Raises:
+            ValueError: a number isn't finite, or the time isn't positive.
+        """
+        ...
+
+    def teach(self, name: str, *, pose: bool = False) -> JointState | Pose:
+        """Remember where the arm is now, as a named state or as a pose of the grasp frame, and return it.
+
+        Raises:
+            NameTakenError: the robot's description has a state of this name.
+            ValueError: the name isn't a word.
+        """
+        ...
+
+    def taught(self) -> Mapping[str, JointState | Pose]:
+        """Return what was taught: name -> state or pose. The states are named states too."""
+        ...
+
+    def execute(self, plan: Plan) -> Operation[JointState]:
+        """Execute a plan; the result is what was measured at the end."""
+        ...
+
+    def choose_grasp(self, grasps: Sequence[Grasp]) -> Operation[Grasp]:
+        """Return the first grasp, by falling quality, whose approach, closing and lift are reachable and free.
+
+        Ends with NoGraspError, whose `data['reasons']` counts why candidates were refused.
+        """
+        ...
+
+    def stop(self) -> None:
+        """Hold where the arm is now and end a motion under way."""
+        ...
