@@ -1,4 +1,4 @@
-"""`grip component add|list|test`: external software as nodes."""
+"""`grip component new|add|list|test`: external software as nodes."""
 
 from __future__ import annotations
 
@@ -17,6 +17,11 @@ def add_parser(subparsers: Any) -> None:
     """Add the verb."""
     parser = subparsers.add_parser("component", help="wrap external software: generate its node, list, test")
     actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
+    new = actions.add_parser("new", help="a template repository of a component that works, to be made one's own")
+    new.add_argument("name", help="of the component: lower case, such as my_grasps")
+    new.add_argument("--lang", choices=("python", "cpp"), default="python", help="of its server (default: python)")
+    new.add_argument("--folder", type=Path, help="where (default: components/NAME of the project here)")
+    new.set_defaults(run=run_new)
     add = actions.add_parser("add", help="make a component, or generate the node of one into its folder node/")
     add.add_argument(
         "what",
@@ -41,6 +46,20 @@ def add_parser(subparsers: Any) -> None:
     test = actions.add_parser("test", help="start a component, call it once, and check its answer")
     test.add_argument("folder", type=Path, help="a component: a folder with component.yaml")
     test.set_defaults(run=run_test)
+
+
+def run_new(args: argparse.Namespace) -> int:
+    """Write the repository and its node, and say how to go on."""
+    from grip_bt.app.new_component import components_folder
+    from grip_bt.codegen.new_repository import make_repository
+
+    folder = args.folder or components_folder(Path()) / args.name
+    written = make_repository(folder, args.name, args.lang)
+    print(f"{folder}: {', '.join(str(file) for file in written)}")
+    generate([folder])
+    algorithm = "algorithm.py" if args.lang == "python" else "src/algorithm.cpp"
+    print(f"next: grip component test {folder}; then put your own into {folder / algorithm}")
+    return 0
 
 
 def run_add(args: argparse.Namespace) -> int:
