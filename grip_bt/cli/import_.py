@@ -62,14 +62,14 @@ def run(args: argparse.Namespace) -> int:
 
 def import_smach(args: argparse.Namespace) -> int:
     """Report on every container; 1 when one of them wasn't imported."""
-    from grip_bt.smach_import import import_file, import_with_execution
+    from grip_bt.smach_import import advice, import_file, import_with_execution
 
     if args.arguments is not None and not args.execute:
         args.usage_error("--arguments are for --execute")
     files = _files(args.path)
     root = args.path if args.path.is_dir() else None
+    given = _arguments(args.arguments)
     if args.execute:
-        given = _arguments(args.arguments)
         imports = [import_with_execution(file, root, given) for file in files]
     else:
         imports = [import_file(file, root) for file in files]
@@ -77,6 +77,8 @@ def import_smach(args: argparse.Namespace) -> int:
         raise GripError(imports[0].error)
     for imported in imports:
         _report(imported)
+        for line in advice(imported, args.execute, given) if imported.containers else ():
+            print(f"  to do: {line}")
     if not any(imported.containers or imported.error for imported in imports):
         raise GripError(f"{args.path}: no SMACH machine was found")
     if args.output is not None:

@@ -1,5 +1,6 @@
 """Legacy SMACH files -> tasks: a static reading that runs nothing, and a recorded execution for what it can't see."""
 
+from .advice import advice
 from .files import ImportedFile, import_file, write_import
 from .found import Problem, Span
 from .live import FromMachine, from_machine
@@ -10,6 +11,7 @@ __all__ = [
     "ImportedFile",
     "Problem",
     "Span",
+    "advice",
     "from_machine",
     "import_file",
     "import_with_execution",

@@ -8,7 +8,7 @@ from typing import Any
 from . import construction
 from .evaluation import Evaluation
 from .found import CONTAINERS, FIXED_OUTCOMES, Found, FoundContainer, Reference, Span
-from .names import Bound, Class, Function, Instance, Scope, UnresolvedError, express
+from .names import Bound, Class, Function, Instance, Scope, UnresolvedError, UserDataOf, express
 from .project import Project
 
 _STATES = ("State", "CBState", *FIXED_OUTCOMES)
@@ -171,6 +171,8 @@ class Calls(Evaluation):
                 construction.initialise(self, found, last, arguments, named)
                 self._express(found, node, scope)
                 return found
+            if last == "UserData" and not arguments:
+                return UserDataOf(FoundContainer("UserData", "UserData", span))  # of no container yet
             owner = callee.name.split(".")[-2] if callee.name.count(".") > 1 else ""
             if last == "__init__" and arguments and isinstance(arguments[0], Found):
                 construction.initialise(self, arguments[0], owner, arguments[1:], named)

@@ -174,6 +174,16 @@ class Interpreter(Calls):
         if node.value is not None:
             self.assign(node.target, self.value(node.value, scope), node.value, scope)
 
+    def _take_userdata(self, owner: FoundContainer, value: Any, source: ast.expr, span: Span) -> None:
+        """Note a container's store; one that is another container's too is one that the task hasn't."""
+        store = value.target if isinstance(value, UserDataOf) else None
+        if isinstance(store, FoundContainer) and store.kind == "UserData" and store.parent is None:
+            store.parent, owner.userdata = owner, store.userdata  # what is set later is set in both
+            owner.problems += store.problems
+        else:
+            text = f"its userdata becomes `{ast.unparse(source)}`: SMACH shares that store, the task doesn't"
+            owner.problem("partial", text, span)
+
     def _do_augassign(self, node: ast.AugAssign, scope: Scope) -> None:
         load = ast.parse(ast.unparse(node.target), mode="eval").body
         self.assign(node.target, self.value(ast.BinOp(load, node.op, node.value), scope), node.value, scope)
@@ -187,9 +197,8 @@ class Interpreter(Calls):
                 self.set_userdata(owner.target, key, value, self.span(target, scope))
             elif isinstance(owner, (Found, Instance)) and isinstance(key, str):
                 owner.attributes[key] = value
-                if key == "userdata" and isinstance(owner, FoundContainer) and not _new_userdata(source):
-                    text = f"its userdata becomes `{ast.unparse(source)}`: SMACH shares that store, the task doesn't"
-                    owner.problem("partial", text, self.span(target, scope))
+                if key == "userdata" and isinstance(owner, FoundContainer):
+                    self._take_userdata(owner, value, source, self.span(target, scope))
                 if isinstance(owner, Found) and owner.expression is not None:
                     owner.expression, owner.why = None, f"`{key}` of {owner.cls} is set after it is made"
             elif isinstance(owner, dict) and is_literal(key):
@@ -352,10 +361,6 @@ class Interpreter(Calls):
             scope.names[spec.vararg.arg] = tuple(arguments[len(names) :])
         if spec.kwarg:
             scope.names[spec.kwarg.arg] = named
-
-
-def _new_userdata(source: ast.expr) -> bool:
-    return isinstance(source, ast.Call) and ast.unparse(source.func).split(".")[-1] == "UserData"
 
 
 def _is_main(test: ast.expr) -> bool:

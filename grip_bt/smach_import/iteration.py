@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import ast
 from dataclasses import dataclass
 from typing import Any
 
 from .concurrence import RefusedError
-from .found import FoundContainer
+from .found import FoundContainer, Opaque
 from .keys import plain_literal
 
 
@@ -40,7 +41,7 @@ def iteration_of(found: FoundContainer) -> Iteration:
         raise RefusedError("it needs exactly one contained state")
     (added,) = found.added.values()
     try:
-        items = plain_literal(settings.get("it", []))
+        items = plain_literal(_given(settings.get("it", [])))
     except ValueError as error:
         raise RefusedError(f"its items are `{error}`, which only a run knows") from None
     label, exhausted = settings.get("it_label", "it_data"), settings.get("exhausted_outcome", "exhausted")
@@ -57,3 +58,13 @@ def iteration_of(found: FoundContainer) -> Iteration:
         if target not in (found.outcomes or ()):
             raise RefusedError(f"it would end with {target!r}, which is none of its outcomes")
     return Iteration(items, label, loops, final, mapped.get(exhausted, exhausted))
+
+
+def _given(items: Any) -> Any:
+    """Return items; those of a function that only returns a literal are that."""
+    if isinstance(items, Opaque) and isinstance(items.expression, ast.Lambda):
+        try:
+            return ast.literal_eval(items.expression.body)
+        except ValueError:
+            return items
+    return items
