@@ -6,7 +6,7 @@ Only what a compiler can't do without is looked at here; `grip_bt.validation` sa
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from grip_bt.catalog import Catalog, Manifest, check_value, face_of, parse_type
@@ -29,15 +29,18 @@ from grip_bt.graph.model import (
 )
 from grip_bt.nodes.control import Edges
 from grip_bt.validation import Issue
+from grip_bt.validation.known import KnownManifests
 
 from .checks import check_edges, check_leaf, check_ports, check_root, check_rules, problem
 from .conditions import check_expressions
 from .scopes import Cell, Scope, Scopes
 
+_NO_EDGES = Edges()
 
-@dataclass(frozen=True)
+
+@dataclass(slots=True, eq=False)
 class Part:
-    """One node of a task, resolved.
+    """One node of a task, resolved; nobody changes it.
 
     Attributes:
         name: its key; the task's name for the root.
@@ -60,8 +63,8 @@ class Part:
     scope: Scope
     declares: bool
     children: tuple[Part, ...] = ()
-    exits: Edges = field(default_factory=Edges)
-    edges: Edges = field(default_factory=Edges)
+    exits: Edges = _NO_EDGES
+    edges: Edges = _NO_EDGES
     manifest: Manifest | None = None
     outside: Scope | None = None
 
@@ -74,9 +77,11 @@ class Part:
 
     def walk(self) -> Iterator[Part]:
         """Yield this part and all below it, parents first."""
-        yield self
-        for child in self.children:
-            yield from child.walk()
+        stack = [self]
+        while stack:
+            part = stack.pop()
+            yield part
+            stack.extend(reversed(part.children))
 
 
 @dataclass(frozen=True)
@@ -131,7 +136,7 @@ def resolve(task: Task, catalog: Catalog, data: Mapping[str, Any] | None = None)
 
 class _Resolver:
     def __init__(self, catalog: Catalog):
-        self.catalog = catalog
+        self.catalog, self.known = catalog, KnownManifests(catalog)
         self.scopes = Scopes()
         self.problems: list[Issue] = []
         self.chain: list[str] = []
@@ -163,32 +168,31 @@ class _Resolver:
         if isinstance(node, Subtask):
             return self.subtask(name, path, node, outer)
         scope = self.declare(path, self.variables(path, node, outer), outer)
+        outcomes = outcomes_of(node)
         check_expressions(path, node, outer, scope, self.problems)
-        self.refusal(path, node, outcomes_of(node))
-        children = tuple(
-            self.part(child, join(path, child), below, scope) for child, below in children_of(node).items()
-        )
+        self.refusal(path, node, outcomes)
+        above, below = join(path, ""), children_of(node)
+        children = tuple([self.part(child, above + child, inner, scope) for child, inner in below.items()])
         if isinstance(node, Switch):
             self.cases(path, node)
-        if isinstance(node, Parallel):
-            check_rules(path, node, {child.name: child.meaning for child in children}, self.problems)
-        machine = isinstance(node, StateMachine)
-        exits, edges = Edges(), Edges()
-        if isinstance(node, StateMachine):
-            edges = Edges.of_children({child: below.on for child, below in node.children.items()})
-        else:
-            exits = Edges.of_exits(node.exits)
-            for child, below in children_of(node).items():
-                if below.on:
-                    self.add(
-                        join(path, child),
-                        "misplaced-on",
-                        "`on:` is only for children of a state_machine; use `exits:` of the container",
-                    )
         ends = {child.name: child.meaning for child in children}
-        initial = node.initial if isinstance(node, StateMachine) else None
-        check_edges(path, edges if machine else exits, ends, set(outcomes_of(node)), initial, self.problems)
-        return Part(name, path, node, outcomes_of(node), scope, scope is not outer, children, exits, edges)
+        exits = edges = _NO_EDGES
+        if isinstance(node, Parallel):
+            check_rules(path, node, ends, self.problems)
+        if isinstance(node, StateMachine):
+            edges = Edges.of_children({child: inner.on for child, inner in below.items()})
+            check_edges(path, edges, ends, set(outcomes), node.initial, self.problems)
+        else:
+            if node.exits:
+                exits = Edges.of_exits(node.exits)
+                check_edges(path, exits, ends, set(outcomes), None, self.problems)
+            for child, inner in below.items():
+                if inner.on:
+                    self.misplaced(above + child)
+        return Part(name, path, node, outcomes, scope, scope is not outer, children, exits, edges)
+
+    def misplaced(self, path: str) -> None:
+        self.add(path, "misplaced-on", "`on:` is only for children of a state_machine; use `exits:` of the container")
 
     def variables(self, path: str, node: Container, outer: Scope) -> Mapping[str, Variable | str]:
         """Return what a container declares, with the item of a for_each."""
@@ -212,12 +216,18 @@ class _Resolver:
                 self.add(path, "unknown-child", f"a case names {name!r}, which isn't a child")
 
     def leaf(self, name: str, path: str, node: Leaf, scope: Scope) -> Part:
-        try:
-            manifest = self.catalog.get(node.node)
-        except GripError as error:
-            self.add(path, "unknown-node", str(error))
+        known = self.known[node.node]
+        if known is None:
+            try:
+                self.catalog.get(node.node)
+            except GripError as error:
+                self.add(path, "unknown-node", str(error))
             return Part(name, path, node, {}, scope, False)
-        check_leaf(path, node, manifest, scope, self.problems)
+        manifest = known.manifest
+        if not (known.fits(node) and _declared(node, scope)):
+            check_leaf(path, node, manifest, scope, self.problems)
+        if not (node.precondition or node.meaning):
+            return Part(name, path, node, manifest.outcomes, scope, False, manifest=manifest)
         check_expressions(path, node, scope, scope, self.problems)
         meaning = with_refusal(node, manifest.outcomes_for(dict(node.meaning)))
         self.refusal(path, node, meaning)
@@ -252,3 +262,11 @@ class _Resolver:
             self.add(
                 path, "contradictory-outcome", "a precondition needs the outcome `failure`, which means success here"
             )
+
+
+def _declared(node: Leaf, scope: Scope) -> bool:
+    for bound in (node.in_, node.out):
+        for variable in bound.values():
+            if scope.find(variable) is None:
+                return False
+    return True

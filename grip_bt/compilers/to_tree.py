@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 from py_trees.behaviour import Behaviour
 
@@ -36,16 +36,19 @@ class TreeBuilder:
 
     Attributes:
         by_path: every behaviour made so far.
+        leaves: those of them that are leaves.
     """
 
     def __init__(self, scopes: Scopes, factory: LeafFactory):
         self.scopes, self.factory = scopes, factory
         self.by_path: dict[str, Node] = {}
+        self.leaves: dict[str, Leaf] = {}
 
     def build(self, part: Part) -> Node:
         """Return the behaviour of `part`, with everything below it."""
         if isinstance(part.node, model.Leaf):
             node: Node = make_leaf(part, self.factory, self.scopes)
+            self.leaves[part.path] = cast(Leaf, node)
         else:
             children = [self.build(child) for child in part.children]
             node = self._container(part, face_of(part), children)
@@ -136,13 +139,10 @@ class CompiledTree:
 
     target = "bt"
 
-    def __init__(self, resolved: Resolved, root: Node, by_path: Mapping[str, Node]):
+    def __init__(self, resolved: Resolved, builder: TreeBuilder):
         self._resolved = resolved
-        self.task, self.data, self.root = resolved.task, resolved.scopes, root
-        self.by_path = dict(by_path)
-        self.leaves = {
-            part.path: leaf for part in resolved.root.walk() if isinstance(leaf := self.by_path[part.path], Leaf)
-        }
+        self.task, self.data, self.root = resolved.task, resolved.scopes, builder.build(resolved.root)
+        self.by_path, self.leaves = builder.by_path, builder.leaves
 
     def observe(self, observer: Observer) -> None:
         """Have every activation and every write reported to `observer`."""
@@ -203,6 +203,4 @@ def to_tree(
         InvalidTaskError: the task is wrong; it holds everything that was found.
     """
     resolved = resolve(task, catalog, data)
-    builder = TreeBuilder(resolved.scopes, leaf_factory or implementation_of)
-    root = builder.build(resolved.root)
-    return CompiledTree(resolved, root, builder.by_path)
+    return CompiledTree(resolved, TreeBuilder(resolved.scopes, leaf_factory or implementation_of))

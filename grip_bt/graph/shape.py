@@ -58,6 +58,9 @@ _ORDER = (
 )
 
 
+_USUAL = frozenset(_ORDER)
+
+
 def key_rank(key: str) -> float:
     """Return a number by which the keys of a node or a task are in canonical order."""
     return _ORDER.index(key) if key in _ORDER else _ORDER.index("root") - 0.5
@@ -188,6 +191,8 @@ def with_free_keys(data: dict[str, Any]) -> dict[str, Any]:
 
 
 def _gather(node: dict[str, Any]) -> None:
+    if _USUAL.issuperset(node):
+        return
     if not _FIELDS_ONLY.isdisjoint(node):
         raise NotAKeyError(*_FIELDS_ONLY.intersection(node))
     free = {key: node.pop(key) for key in list(node) if key.startswith(FREE)}

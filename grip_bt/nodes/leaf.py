@@ -25,6 +25,7 @@ from grip_bt.ports import Context
 from grip_bt.values import Failure
 
 from .asked import AskedContext, Asker
+from .beginning import begin
 from .node import LABEL, STATUS, Node
 
 T = TypeVar("T")
@@ -54,9 +55,9 @@ class Leaf(Node):
         params: Mapping[str, Any],
         meaning: Mapping[str, str],
     ):
-        super().__init__(name=name)
+        begin(self, name)
         self.path, self.manifest, self.params = path, manifest, dict(params)
-        self.meaning = {**manifest.outcomes, **meaning}
+        self.meaning = {**manifest.outcomes, **meaning} if meaning else manifest.outcomes
         self.inputs_read: dict[str, Any] = {}
         self.askers: list[Asker] = []
         self.readers: dict[str, Callable[[], Any]] = {}
