@@ -30,6 +30,7 @@ VERBS = (
     "runs",
     "replay",
     "capsule",
+    "robot",
     "doctor",
 )
 INVALID, NODE_ERROR, STOPPED = 1, 4, 130

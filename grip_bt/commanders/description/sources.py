@@ -5,9 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 from grip_bt.errors import DocumentError, UnknownNameError
-from grip_bt.graph.settings_file import read_model
+from grip_bt.graph.document import read_file
+from grip_bt.graph.faults import document_error
+from grip_bt.graph.settings_file import check_model, read_model
+from grip_bt.graph.syntax import Mapping, parse, plain
 
 from .config import RobotConfig
+
+PROJECT = "grip.yaml"
 
 
 def is_ready_made(word: str) -> bool:
@@ -20,16 +25,18 @@ def is_ready_made(word: str) -> bool:
 def config_of(word: str, folder: Path) -> tuple[RobotConfig, Path]:
     """Return the configuration that a path stands for, and the folder that its relative paths begin in.
 
-    `*.urdf`, `*.xacro` and `*.xml` (MJCF) are robots by themselves, a folder is a MoveIt configuration package, and
-    `*.yaml` holds a configuration.
+    `*.urdf`, `*.xacro` and `*.xml` (MJCF) are robots by themselves, `*.yaml` holds a configuration, a `grip.yaml` under
+    `robot:`. A folder is a project, or a MoveIt configuration package.
 
     Raises:
         UnknownNameError: there is neither such a file nor such a ready-made robot.
         DocumentError: the file is of another kind, or its configuration is wrong.
     """
     path = (folder / Path(word).expanduser()).resolve()
-    if path.is_dir():
+    if path.is_dir() and not (path / PROJECT).is_file():
         return RobotConfig(moveit=str(path)), path.parent
+    if path.is_dir():
+        path = path / PROJECT
     if not path.is_file():
         if "/" in word or path.suffix:
             raise DocumentError("there is no such file", str(path))
@@ -39,8 +46,23 @@ def config_of(word: str, folder: Path) -> tuple[RobotConfig, Path]:
     kinds = {".urdf": "urdf", ".xacro": "xacro", ".xml": "mjcf"}
     if path.suffix in kinds:
         return RobotConfig(**{kinds[path.suffix]: str(path)}), path.parent
+    if path.name == PROJECT:
+        return _of_project(path), path.parent
     if path.suffix in (".yaml", ".yml"):
         return read_model(path, RobotConfig), path.parent
     raise DocumentError(
         "a robot is a .urdf, .xacro, .xml (MJCF) or .yaml file, or a MoveIt package's folder", str(path)
     )
+
+
+def _of_project(path: Path) -> RobotConfig:
+    tree = parse(read_file(path), str(path))
+    entry = tree.entries.get("robot") if isinstance(tree, Mapping) else None
+    if entry is None:
+        raise DocumentError("the project names no `robot:`", str(path))
+    if isinstance(word := plain(entry.value), str):
+        return RobotConfig(ready=word)
+    config, faults = check_model(entry.value, RobotConfig)
+    if config is None:
+        raise document_error(faults, str(path))
+    return config

@@ -1,0 +1,130 @@
+"""`grip robot`: what is wrong with a robot's files, what a robot has, and which robots are ready-made."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from grip_bt.errors import GripError, MissingPartError
+
+if TYPE_CHECKING:
+    from grip_bt.commanders.description.findings import Finding
+    from grip_bt.commanders.description.load import Inspected
+
+WHAT = (
+    "a ready-made robot, a .urdf, .xacro or .xml (MJCF) file, a .yaml file with what `robot:` may hold, a MoveIt "
+    "configuration package's folder, or a project's folder"
+)
+
+
+def add_parser(subparsers: Any) -> None:
+    """Add the verb."""
+    parser = subparsers.add_parser("robot", help="check a robot's files, show what a robot has, list ready-made ones")
+    verbs = parser.add_subparsers(title="what to do", metavar="WHAT", required=True)
+    check = verbs.add_parser("check", help="everything that is wrong with robots' files; exit status 1 for errors")
+    show = verbs.add_parser(
+        "show", help="groups, joints, limits, end effectors, states, solvers, planners, controllers"
+    )
+    for each in (check, show):
+        each.add_argument("robot", metavar="FILE|NAME|FOLDER", help=WHAT)
+        each.add_argument("--srdf", metavar="FILE", help="the SRDF of a URDF or xacro file")
+        each.add_argument(
+            "--arg", metavar="NAME=VALUE", action="append", default=[], help="an argument of a xacro file"
+        )
+        each.add_argument(
+            "--package", metavar="NAME=FOLDER", action="append", default=[], help="where a package lies, for package://"
+        )
+        each.add_argument("--json", action="store_true", help="print one JSON object")
+    check.set_defaults(run=run_check, usage_error=check.error)
+    show.set_defaults(run=run_show, usage_error=show.error)
+    listed = verbs.add_parser("list", help="the ready-made robots")
+    listed.add_argument("--json", action="store_true", help="print one JSON list")
+    listed.set_defaults(run=run_list)
+
+
+def run_check(args: argparse.Namespace) -> int:
+    """Print all findings; 1 when one of them is an error."""
+    inspected = _inspected(args)
+    findings = [*inspected.findings, *_of_model(inspected)]
+    wrong = sum(finding.severity == "error" for finding in findings)
+    if args.json:
+        print(json.dumps({"robot": args.robot, "findings": [f.as_dict() for f in findings]}, indent=2))
+        return int(wrong > 0)
+    for finding in findings:
+        print(finding)
+    print(f"{args.robot}: {_summary(wrong, len(findings) - wrong)}")
+    return int(wrong > 0)
+
+
+def run_show(args: argparse.Namespace) -> int:
+    """Print what the robot has; 1 when it can't be used."""
+    from grip_bt.commanders.description.facts import facts, told
+
+    inspected = _inspected(args)
+    if inspected.description is None:
+        for finding in inspected.findings:
+            print(finding, file=sys.stderr)
+        return 1
+    known = facts(inspected.description, inspected.packages)
+    print(json.dumps(known, indent=2) if args.json else told(known))
+    return 0
+
+
+def run_list(args: argparse.Namespace) -> int:
+    """Print the names of the ready-made robots."""
+    from grip_bt.commanders.robots import ROBOTS
+
+    print(json.dumps(list(ROBOTS)) if args.json else "\n".join(ROBOTS))
+    return 0
+
+
+def _inspected(args: argparse.Namespace) -> Inspected:
+    """Return the robot; whatever keeps it from being read is a finding too."""
+    try:
+        from grip_bt.commanders.description.load import inspect_robot
+        from grip_bt.commanders.description.sources import config_of
+    except ImportError as error:
+        raise MissingPartError(f"motion ({error})", "pip install 'grip-bt[motion]'") from None
+    more = {
+        "srdf": str(Path(args.srdf).resolve()) if args.srdf else None,
+        "arguments": _pairs(args, "arg"),
+        "packages": {name: str(Path(folder).resolve()) for name, folder in _pairs(args, "package").items()},
+    }
+    given = {key: value for key, value in more.items() if value}
+    if not given:
+        return inspect_robot(args.robot)
+    config, folder = config_of(args.robot, Path.cwd())
+    return inspect_robot(config.model_copy(update=given), folder)
+
+
+def _of_model(inspected: Inspected) -> list[Finding]:
+    """Return what only shows when the kinematics and the shapes are made, such as a mesh that can't be read."""
+    from grip_bt.commanders.description.findings import Finding
+
+    if inspected.description is None:
+        return []
+    from grip_bt.commanders.model import RobotModel
+
+    try:
+        RobotModel(inspected.description)
+    except (GripError, ValueError, RuntimeError) as error:
+        return [Finding("error", "bad-model", " ".join(str(error).split()))]
+    return []
+
+
+def _pairs(args: argparse.Namespace, option: str) -> dict[str, str]:
+    pairs = {}
+    for word in getattr(args, option):
+        name, equals, value = word.partition("=")
+        if not equals or not name:
+            args.usage_error(f"--{option} takes NAME=VALUE, not {word!r}")
+        pairs[name] = value
+    return pairs
+
+
+def _summary(errors: int, warnings: int) -> str:
+    counts = [f"{n} {word}{'s' * (n > 1)}" for n, word in ((errors, "error"), (warnings, "warning")) if n]
+    return ", ".join(counts) or "ok"

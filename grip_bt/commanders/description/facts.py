@@ -1,0 +1,118 @@
+"""What `grip robot show` tells about a robot, as JSON data and as text."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+from typing import Any
+
+from ..moveit_package import MoveItPackage
+from ..robots.description import RobotDescription
+from .tree import Tree
+
+
+def facts(robot: RobotDescription, packages: Sequence[MoveItPackage] = ()) -> dict[str, Any]:
+    """Return a robot's groups, joints, limits, end effectors, states, and what can plan for it, as JSON data."""
+    from ..ik import SOLVERS
+    from ..planning.free import planners
+
+    joints = Tree(ET.fromstring(robot.urdf)).joints
+    return {
+        "name": robot.name,
+        "base_link": robot.base_link,
+        "groups": {group: list(mine) for group, mine in robot.groups.items()},
+        "joints": {
+            name: {
+                "type": joints[name].type,
+                "lower": joints[name].lower,
+                "upper": joints[name].upper,
+                "velocity": joints[name].velocity,
+                "effort": joints[name].effort,
+                "acceleration": robot.acceleration_limits[name],
+                "follows": robot.mimics[name].joint if name in robot.mimics else None,
+            }
+            for name in joints
+            if joints[name].movable
+        },
+        "hands": {hand: list(links) for hand, links in robot.hands.items()},
+        "fingers": {finger: list(links) for finger, links in robot.finger_links.items()},
+        "end_effectors": [asdict(end) for end in robot.end_effectors],
+        "grasp_frames": {group: frame.link for group, frame in robot.grasp_frames.items()}
+        or {"": robot.grasp_frame.link},
+        "states": {
+            group: {name: state.as_mapping() for name, state in states.items()}
+            for group, states in robot.named_states.items()
+        },
+        "solvers": sorted(SOLVERS),
+        "planners": sorted(planners()),
+        "moveit": [_package(package) for package in packages],
+    }
+
+
+def _package(package: MoveItPackage) -> dict[str, Any]:
+    return {
+        "folder": str(package.folder),
+        "layout": package.layout,
+        "kinematics": dict(package.kinematics),
+        "planners": {g: {"default": c.default, "planners": dict(c.planners)} for g, c in package.planners.items()},
+        "controllers": [asdict(controller) for controller in package.controllers],
+        "sensors": [asdict(sensor) for sensor in package.sensors],
+    }
+
+
+def told(known: dict[str, Any]) -> str:
+    """Return facts as text for people."""
+    return "\n".join(_lines(known))
+
+
+def _lines(known: dict[str, Any]) -> Iterator[str]:
+    yield f"{known['name']}, standing on {known['base_link']}"
+    for group, joints in known["groups"].items():
+        frame = known["grasp_frames"].get(group)
+        yield f"\ngroup {group}: {_count(len(joints), 'joint')}{', grasp frame on ' + frame if frame else ''}"
+        yield from (_joint(name, known["joints"][name]) for name in joints)
+        for name, state in known["states"].get(group, {}).items():
+            yield f"  state {name}: {', '.join(f'{q:g}' for q in state.values())}"
+    followers = {name: joint["follows"] for name, joint in known["joints"].items() if joint["follows"]}
+    grouped = {joint for joints in known["groups"].values() for joint in joints}
+    loose = [name for name in known["joints"] if name not in grouped and name not in followers]
+    yield ""
+    for end in known["end_effectors"]:
+        yield f"end effector {end['name']}: {end['group'] or 'a tool'} on {end['parent_link']} of {end['parent_group']}"
+    for finger, links in known["fingers"].items():
+        yield f"finger {finger}: {', '.join(links)}"
+    for name, leader in followers.items():
+        yield f"joint {name} follows {leader}"
+    for name in loose:
+        yield f"joint {name} belongs to no group"
+    yield f"solvers: {', '.join(known['solvers'])}"
+    yield f"planners: {', '.join(known['planners'])}"
+    for package in known["moveit"]:
+        yield from _moveit(package, set(known["planners"]))
+
+
+def _joint(name: str, joint: dict[str, Any]) -> str:
+    unit = "m" if joint["type"] == "prismatic" else "rad"
+    return (
+        f"  {name}: {joint['lower']:.4g} ... {joint['upper']:.4g} {unit}, {joint['velocity']:.4g} {unit}/s, "
+        f"{joint['acceleration']:.4g} {unit}/s^2"
+    )
+
+
+def _moveit(package: dict[str, Any], planners: set[str]) -> Iterator[str]:
+    yield f"\nMoveIt configuration ({package['layout']}): {package['folder']}"
+    for group, plugin in package["kinematics"].items():
+        yield f"  kinematics of {group}: {plugin}"
+    for group, choice in package["planners"].items():
+        names = [name if name in planners else f"{name} (not here)" for name in choice["planners"].values()]
+        default = f", by default {choice['default']}" if choice["default"] else ""
+        yield f"  planners of {group}: {', '.join(names)}{default}"
+    for controller in package["controllers"]:
+        yield f"  controller {controller['name']} ({controller['type']}): {', '.join(controller['joints'])}"
+    for sensor in package["sensors"]:
+        yield f"  sensor {sensor['name']}: {sensor['plugin']} on {sensor['topic']}"
+
+
+def _count(number: int, word: str) -> str:
+    return f"{number} {word}{'' if number == 1 else 's'}"
