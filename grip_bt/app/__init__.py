@@ -14,7 +14,7 @@ def __getattr__(name: str) -> Any:
 
         return getattr(execute, name)
     if name == "tree_run":
-        from .tree_run import tree_run
+        from .tree_parts import tree_run
 
         return tree_run
     raise AttributeError(f"module 'grip_bt.app' has no attribute {name!r}")

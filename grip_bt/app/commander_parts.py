@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from grip_bt.errors import UnknownNameError
 from grip_bt.ports import Executor, HandPort
-from grip_bt.values import Pose
+from grip_bt.values import JointState, Pose
 
 from .project import ArmConfig, Project
 from .resources import Resources
@@ -59,16 +59,20 @@ def open_commanders(
         name: HandCommander(
             name,
             ports[name],
-            description.named_states[hand.group],
+            _states_of(description, hand.group),
             fingers=joints_of_fingers(description, hand.group),
             limits=limits_of_joints(description, hand.group),
             taught=taught,
         )
         for name, hand in file.hands.items()
     }
-    carried = {_hand_of(name, arm, file.hands): name for name, arm in file.arms.items()}
+    hand_of = {name: _hand_of(name, arm, file.hands) for name, arm in file.arms.items()}
     scene = PlanningScene(
-        {hand: lambda arm=arm: model.grasp_pose(executors[arm].state()) for hand, arm in carried.items()},
+        {
+            hand: lambda arm=arm: model.grasp_pose(executors[arm].state(), group=file.arms[arm].group)
+            for arm, hand in hand_of.items()
+            if hand
+        },
         boxes,
         project.room(),
         links_of_groups(description, {name: part.group for name, part in (*file.arms.items(), *file.hands.items())}),
@@ -82,7 +86,7 @@ def open_commanders(
             executors[arm],
             scene,
             hand,
-            ports[hand].state,
+            ports[hand].state if hand else _no_joints,
             PlanningSettings(
                 planner=file.arms[arm].planner,
                 kinematics=file.arms[arm].kinematics,
@@ -95,12 +99,23 @@ def open_commanders(
             file.arms[arm].group,
             taught,
         )
-        for hand, arm in carried.items()
+        for arm, hand in hand_of.items()
     }
     resources.scene = scene
 
 
 def _hand_of(name: str, arm: ArmConfig, hands: Mapping[str, object]) -> str:
-    if arm.hand is None or arm.hand not in hands:
-        raise UnknownNameError("hand", str(arm.hand), hands, f"grip.yaml: arms/{name}/hand")
+    if arm.hand is None:
+        return ""  # a bare arm: it moves, and grasps nothing
+    if arm.hand not in hands:
+        raise UnknownNameError("hand", arm.hand, hands, f"grip.yaml: arms/{name}/hand")
     return arm.hand
+
+
+def _states_of(description: RobotDescription, group: str) -> Mapping[str, JointState]:
+    description.group(group)
+    return description.named_states.get(group, {})
+
+
+def _no_joints() -> JointState:
+    return JointState((), ())

@@ -13,9 +13,11 @@ from grip_bt.catalog.controller_config import RosRobotConfig
 from grip_bt.catalog.process_config import ProcessConfig
 from grip_bt.catalog.sensor_config import SensorConfig
 from grip_bt.catalog.sensors import sensor_manifest
+from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.graph.settings_file import read_model
 
 if TYPE_CHECKING:
+    from grip_bt.commanders.robots import RobotDescription
     from grip_bt.commanders.scene import SceneObject
 
 FILE_NAME = "grip.yaml"
@@ -56,7 +58,8 @@ class ProjectFile(_Config):
 
     grip: Literal[1]
     doc: str = ""
-    robot: str | None = None
+    robot: str | RobotConfig | None = None
+    """A ready-made robot's name, a file or folder that describes one, or a description; see docs/robots.md."""
     arms: dict[Key, ArmConfig] = {}
     hands: dict[Key, HandConfig] = {}
     sensors: dict[Key, SensorConfig] = {}
@@ -110,6 +113,24 @@ class Project:
         if self.file.nodes is not None:
             manifests += find_python_nodes(self.folder / self.file.nodes)
         return Catalog.builtin().with_manifests(manifests).with_tasks(TaskFolder(self.folder))
+
+    @property
+    def robot_source(self) -> str:
+        """One word for the robot, for whoever loads it in another process: its name, or the file that describes it."""
+        robot = self.file.robot
+        return str(self.folder / FILE_NAME) if isinstance(robot, RobotConfig) else str(robot)
+
+    def description(self) -> RobotDescription:
+        """Return the project's robot.
+
+        Raises:
+            InvalidRobotError: its files are wrong.
+            UnknownNameError: there is no such robot, or the project names none.
+            MissingPartError: the data of a ready-made robot isn't installed.
+        """
+        from grip_bt.commanders.description.load import load_robot
+
+        return load_robot("None" if self.file.robot is None else self.file.robot, self.folder)
 
     def room(self) -> tuple[SceneObject, ...]:
         """Return what the project's `.scene` file holds; nothing where there is none.

@@ -119,8 +119,6 @@ def _robot_frames(project: Project) -> FrameTree:
     if project.file.robot is None:
         return FrameTree()
     try:
-        from grip_bt.commanders.robots import build_robot
-
-        return FrameTree.of_urdf(build_robot(project.file.robot).urdf)
+        return FrameTree.of_urdf(project.description().urdf)
     except (ImportError, GripError):
         return FrameTree()

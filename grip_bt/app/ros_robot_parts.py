@@ -37,7 +37,6 @@ def open_robot(project: Project, resources: Resources, seed: int, stack: ExitSta
         SwitchError: a controller can't be made active.
     """
     try:
-        from grip_bt.commanders.robots import build_robot
         from grip_bt.commanders.worker import PlanningProcess
         from grip_bt.ros.bus import Bus
         from grip_bt.ros.controllers import ControllerManager, JointStates
@@ -54,7 +53,7 @@ def open_robot(project: Project, resources: Resources, seed: int, stack: ExitSta
     for name in groups:
         if name not in settings.controllers:
             raise UnknownNameError("controller of", name, settings.controllers, "grip.yaml: ros/controllers")
-    description = build_robot(str(file.robot))
+    description = project.description()
     planner = stack.enter_context(PlanningProcess(description))
     chosen = os.environ.get("ROS_DOMAIN_ID")
     bus = stack.enter_context(Bus("grip_robot", domain_id=int(chosen) if chosen else None))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
+from dataclasses import replace
 
 from grip_bt.errors import GripError, MissingPartError, UnknownNameError
 from grip_bt.values import Pose
@@ -42,15 +43,14 @@ def open_robot(
     if file.world not in WORLDS:
         raise UnknownNameError("world", str(file.world), WORLDS, "grip.yaml")
     try:
-        from grip_bt.commanders.robots import build_robot
         from grip_bt.commanders.worker import PlanningProcess
         from grip_sim import start_simulation, table_world
     except ImportError as error:
         raise MissingPartError(f"the simulator ({error})", "pip install 'grip-bt[sim]', or make demo") from None
 
-    description = build_robot(str(file.robot))
+    description = project.description()
     planner = stack.enter_context(PlanningProcess(description))  # builds its model while the simulator starts
-    spec = table_world(seed)
+    spec = replace(table_world(seed), robot=project.robot_source)
     simulation = stack.enter_context(start_simulation(spec, pace, hold))
     progress("simulator", f"SAPIEN in process {simulation.pid}: {', '.join(o.name for o in spec.objects)} on the table")
     open_commanders(

@@ -72,6 +72,14 @@ class _Renaming(ast.NodeTransformer):
             self.plan.modules[file] = self.plan.identifiers.take(file.stem)
         return ast.Name(self.plan.modules[file], ast.Load())
 
+    def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
+        """Name smach itself, which the file imports too."""
+        match node.value:
+            case ast.Attribute(ast.Name(module), "smach") if module in self.modules:
+                return ast.Attribute(ast.Name("smach", ast.Load()), node.attr, ast.Load())
+        self.generic_visit(node)
+        return node
+
     def visit_Call(self, node: ast.Call) -> ast.expr:
         """Name what is built once."""
         self.generic_visit(node)
