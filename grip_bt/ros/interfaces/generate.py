@@ -58,15 +58,34 @@ def generate(package: Package, folder: Path, prefixes: Sequence[Path]) -> Genera
         DocumentError: the package needs another one that isn't in `prefixes`.
         MissingPartError: the generators aren't installed.
     """
+    with _quietly():
+        generated = _hashed(package, folder, prefixes)
+        _generate(generated, prefixes)
+        return generated
+
+
+@contextlib.contextmanager
+def _quietly() -> Iterator[None]:
     try:
         with contextlib.redirect_stdout(io.StringIO()), warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # of the generators and their parser, not ours to mend
-            return _generate(package, folder, prefixes)
+            yield
     except ModuleNotFoundError as error:
         raise MissingPartError(f"the interface generator {error.name}", "pip install 'grip-bt[ros]'") from None
 
 
-def _generate(package: Package, folder: Path, prefixes: Sequence[Path]) -> Generated:
+def hash_types(package: Package, folder: Path, prefixes: Sequence[Path]) -> Generated:
+    """Write only the interfaces (`idl/`) and the hashes of their types (`hash/`) below `folder`.
+
+    Raises:
+        DocumentError: the package needs another one that isn't in `prefixes`.
+        MissingPartError: the generators aren't installed.
+    """
+    with _quietly():
+        return _hashed(package, folder, prefixes)
+
+
+def _hashed(package: Package, folder: Path, prefixes: Sequence[Path]) -> Generated:
     from rosidl_generator_type_description import generate_type_hash
 
     idl = _write_idl(package, folder / "idl" / package.name)
@@ -77,14 +96,18 @@ def _generate(package: Package, folder: Path, prefixes: Sequence[Path]) -> Gener
     hashes["include_paths"] = [f"{d}:{prefix / 'share' / d}" for d, prefix in generated.depends.items()]
     with _argument_file(hashes) as file:
         generate_type_hash(file)
+    return generated
+
+
+def _generate(generated: Generated, prefixes: Sequence[Path]) -> None:
+    package, folder = generated.package, generated.folder
     for generator, run in _generators().items():
         output = folder / generator / package.name
-        for kind in {f.parts[0] for f in idl}:
+        for kind in {f.parts[0] for f in generated.idl}:
             (output / kind).mkdir(parents=True, exist_ok=True)
         _write_visibility(package.name, generator, output, prefixes)
         with _argument_file(_arguments(generated, generator, output, prefixes)) as file:
             run(file)
-    return generated
 
 
 def _generators() -> dict[str, Callable[[str], Any]]:

@@ -1,0 +1,153 @@
+"""Interfaces built here are those of a real Jazzy: the same type hashes, from the files of the wheels and from ours."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+
+from grip_bt.errors import MissingPartError, UnknownNameError
+from grip_bt.ros.definitions import FOLDER, NEEDS, provide
+from grip_bt.ros.interfaces import InterfaceBuildError, build_interfaces, read_package
+from grip_bt.ros.interfaces.compiler import compilers
+from grip_bt.ros.interfaces.generate import hash_types
+from grip_bt.ros.interfaces.prefixes import search_path
+
+DOCUMENTED = {"tf2_msgs/msg/TFMessage": "RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087"}
+"""Hashes that others have published of Jazzy's types."""
+
+
+def hashes(folder: Path) -> dict[str, str]:
+    """Return the hash of every type that the .json files below a folder tell of."""
+    found = {}
+    for file in folder.rglob("*.json"):
+        for entry in json.loads(file.read_text()).get("type_hashes", []):
+            found[entry["type_name"]] = entry["hash_string"]
+    return found
+
+
+@pytest.mark.parametrize(
+    "name", ["std_msgs", "geometry_msgs", "sensor_msgs", "trajectory_msgs", "nav_msgs", "std_srvs"]
+)
+def test_definitions_of_the_wheels_get_the_hashes_that_the_wheels_have(tmp_path, name):
+    share = Path(sys.prefix) / "share" / name
+    generated = hash_types(read_package(share), tmp_path, search_path())
+    ours, theirs = hashes(tmp_path / "hash"), hashes(share)
+    assert len(theirs) >= len(generated.package.files)
+    assert {t: ours[t] for t in theirs} == theirs
+
+
+@pytest.mark.parametrize("name", [n for n in NEEDS if n not in ("grip_msgs",)])
+def test_a_package_that_is_written_here_can_be_generated_and_has_the_documented_hashes(tmp_path, name):
+    package = read_package(FOLDER / name)
+    hash_types(package, tmp_path, search_path())
+    ours = hashes(tmp_path / "hash")
+    assert {f"{package.name}/{f.parent.name}/{f.stem}" for f in package.files} <= set(ours)
+    assert {t: h for t, h in ours.items() if t in DOCUMENTED} == {
+        t: h for t, h in DOCUMENTED.items() if t.startswith(f"{name}/")
+    }
+
+
+def test_a_definition_that_is_not_here_is_named():
+    with pytest.raises(UnknownNameError, match="did you mean 'control_msgs'"):
+        provide("control_msg")
+
+
+def test_what_is_installed_is_taken_as_it_is(monkeypatch):
+    monkeypatch.setitem(NEEDS, "std_msgs", ())
+    assert provide("std_msgs") == []
+
+
+@pytest.fixture
+def package(tmp_path) -> Path:
+    """Return a package of every kind of field."""
+    folder = tmp_path / "kinds_interfaces"
+    shutil.copytree(FOLDER / "tf2_msgs", folder)
+    text = (folder / "package.xml").read_text().replace("tf2_msgs", "kinds_interfaces")
+    (folder / "package.xml").write_text(text)
+    shutil.rmtree(folder / "msg")
+    for kind in ("msg", "srv", "action"):
+        (folder / kind).mkdir()
+    (folder / "msg" / "Inner.msg").write_text("float64 x 1.5\nstring<=8 label 'none'\nint32[3] three [1, 2, 3]\n")
+    (folder / "msg" / "Outer.msg").write_text(
+        "uint8 RED=1\nstring NAME='cell'\nInner inner\nInner[] many\nInner[<=2] few\nInner[2] pair\n"
+        "geometry_msgs/Pose pose\nuint8[<=4] short_bytes\nwstring wide\nbool flag true\nstring[<=2] words\n"
+    )
+    (folder / "srv" / "Ask.srv").write_text("Outer question\n---\nint8 outcome\nOuter[] returned_object\n")
+    (folder / "action" / "Do.action").write_text("Outer goal\n---\nint32 OK=0\nint32 code\n---\nInner progress\n")
+    return folder
+
+
+@pytest.mark.slow
+def test_nested_bounded_fixed_defaulted_and_constant_fields_are_as_ros_has_them(package, tmp_path):
+    from grip_bt.ros.overlay import activate
+
+    (built,) = build_interfaces(package, tmp_path / "cache")
+    activate(built.prefix)
+    from kinds_interfaces.action import Do
+    from kinds_interfaces.msg import Inner, Outer
+    from kinds_interfaces.srv import Ask
+
+    made = Outer()
+    assert (Outer.RED, Outer.NAME, Do.Result.OK) == (1, "cell", 0)
+    assert (made.inner.x, made.inner.label, list(made.inner.three), made.flag) == (1.5, "none", [1, 2, 3], True)
+    assert (len(made.pair), len(made.many), made.pair[1].x) == (2, 0, 1.5)
+    assert type(Ask.Response().returned_object) is list
+    assert isinstance(Do.Feedback().progress, Inner)
+    for field, value in (
+        ("few", [Inner()] * 3),
+        ("pair", [Inner()]),
+        ("short_bytes", b"12345"),
+        ("words", ["a", "b", "c"]),
+    ):
+        with pytest.raises(AssertionError, match=field):
+            setattr(made, field, value)
+    with pytest.raises(AssertionError, match="label"):
+        made.inner.label = "longer than 8"
+    (again,) = build_interfaces(package, tmp_path / "cache")
+    assert again.cached
+
+
+def test_without_a_compiler_it_says_how_to_get_one(package, tmp_path, monkeypatch):
+    monkeypatch.setenv("CC", "no-such-gcc")
+    with pytest.raises(MissingPartError, match="the compiler 'no-such-gcc' isn't available here.*apt install"):
+        build_interfaces(package, tmp_path / "cache")
+    assert not list((tmp_path / "cache").glob("kinds_interfaces-*/share"))
+
+
+def test_a_compiler_that_fails_is_quoted(package, tmp_path, monkeypatch):
+    for part in ("srv", "action", "msg/Outer.msg"):
+        path = package / part
+        shutil.rmtree(path) if path.is_dir() else path.unlink()
+    broken = tmp_path / "cc"
+    broken.write_text("#!/bin/sh\necho 'error: no space left' >&2\nexit 1\n")
+    broken.chmod(0o755)
+    monkeypatch.setenv("CC", str(broken))
+    with pytest.raises(InterfaceBuildError, match="kinds_interfaces: cc failed:\nerror: no space left"):
+        build_interfaces(package, tmp_path / "cache")
+    assert compilers()[0] == str(broken)
+
+
+@pytest.mark.slow
+def test_a_colcon_workspace_is_used_as_it_is(package, tmp_path):
+    """A built prefix laid out as colcon isolates packages: install/<package>/."""
+    from grip_bt.ros.overlay import activate, child_paths, package_prefixes
+
+    shutil.move(package, package.with_name("colcon_interfaces"))
+    folder = package.with_name("colcon_interfaces")
+    (folder / "package.xml").write_text((folder / "package.xml").read_text().replace("kinds_", "colcon_"))
+    shutil.rmtree(folder / "action")
+    shutil.rmtree(folder / "srv")
+    (built,) = build_interfaces(folder, tmp_path / "cache")
+    install = tmp_path / "ws" / "install"
+    install.mkdir(parents=True)
+    shutil.copytree(built.prefix, install / "colcon_interfaces")
+    assert package_prefixes(install) == [install / "colcon_interfaces"]
+    activate(install)
+    from colcon_interfaces.msg import Outer
+
+    assert Path(sys.modules[Outer.__module__].__file__).is_relative_to(install)
+    assert child_paths([install])["LD_LIBRARY_PATH"] == [install / "colcon_interfaces" / "lib"]
