@@ -16,6 +16,8 @@ PLACED = "placed_"
 """Objects that were put down in a target; they stay."""
 TABLE_GAP = 0.003
 """Boxes of objects end this far above what they stand on [m], so that lifting one doesn't begin with a contact."""
+FINGER_DEPTHS = (0.06, 0.09)
+"""How far in front of the palm finger tips may pinch an object [m]."""
 HELD = "held_"
 """Objects that move with a hand; the rest of the name is the hand's."""
 
@@ -39,12 +41,25 @@ def closing_point(grasp: Grasp) -> NDArray[np.float64]:
     return grasp.pose.position + depth * grasp.pose.rotation()[:, 2]
 
 
+def closing_points(grasp: Grasp) -> list[NDArray[np.float64]]:
+    """Return where the grasped object may be, the likeliest first: its closing point, and out to the finger tips."""
+    normal = grasp.pose.rotation()[:, 2]
+    return [closing_point(grasp), *(grasp.pose.position + depth * normal for depth in FINGER_DEPTHS)]
+
+
 def object_at(scene: Scene, grasp: Grasp, within: float = 0.03) -> str | None:
-    """Return the seen object that a grasp takes, or None when there is none `within` [m] of its closing point."""
-    point = closing_point(grasp)
-    near = [(distance_to_box(point, *scene.box(n)), n) for n in scene.names() if n.startswith(SEEN)]
-    distance, name = min(near, default=(np.inf, None))
-    return name if distance <= within else None
+    """Return the seen object that a grasp takes, or None when there is none `within` [m] of where it closes.
+
+    That is its closing point or, for a pinch with the finger tips, further out along the palm's normal.
+    """
+    seen = [(n, *scene.box(n)) for n in scene.names() if n.startswith(SEEN)]
+    for point in closing_points(grasp):
+        distance, name = min(
+            ((distance_to_box(point, size, pose), n) for n, size, pose in seen), default=(np.inf, None)
+        )
+        if distance <= within:
+            return name
+    return None
 
 
 def objects_near(scene: Scene, hand: Pose, within: float = 0.09) -> tuple[str, ...]:

@@ -161,8 +161,75 @@ def test_an_empty_table_and_no_points_give_no_grasps(proposer):
 
 def test_what_is_outside_the_pick_region_too_low_or_too_wide_is_left_alone(proposer):
     assert proposer.propose(look(cylinder(0.5, -0.3))) == []
-    assert proposer.propose(look(cylinder(0.5, 0.1, height=0.05))) == []
+    assert proposer.propose(look(cylinder(0.5, 0.1, height=0.034))) == []
     assert proposer.propose(look(cylinder(0.5, 0.1, radius=0.07))) == []
+
+
+def lying_cylinder(x, y, yaw, radius=0.031, length=0.155, step=0.002):
+    """Return what a camera above sees of a lying cylinder: the upper half of it."""
+    along, turn = np.meshgrid(np.arange(-length / 2, length / 2, step), np.arange(0, np.pi, step / radius))
+    local = np.stack([along, radius * np.cos(turn), radius + radius * np.sin(turn)], axis=-1).reshape(-1, 3)
+    c, s = np.cos(yaw), np.sin(yaw)
+    return local @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]) + [x, y, 0]
+
+
+def lying_box(x, y, yaw, half=0.03, length=0.15):
+    """Return the foot and the height of a box that lies."""
+    corners = np.array([[-length / 2, -half], [length / 2, -half], [length / 2, half], [-length / 2, half]])
+    c, s = np.cos(yaw), np.sin(yaw)
+    return corners @ np.array([[c, s], [-s, c]]) + [x, y], 2 * half
+
+
+LYING = {
+    "cylinder": lambda yaw: lying_cylinder(0.52, 0.1, yaw),
+    "box": lambda yaw: look(lying_box(0.52, 0.1, yaw), noise=0.001),
+}
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.5, 1.2, 2.4])
+@pytest.mark.parametrize("shape", LYING)
+def test_a_lying_thing_is_pinched_from_above_across_its_shorter_side(proposer, shape, yaw):
+    found = proposer.propose(LYING[shape](yaw))
+    assert len(found) >= 2
+    axis = np.array([np.cos(yaw), np.sin(yaw), 0.0])
+    for grasp in found:
+        r = rotation(grasp.pose.quaternion)
+        assert abs(r[:, 1] @ axis) > np.cos(np.radians(8))  # the fingers flex about the thing's axis
+        assert r[2, 2] < -0.8  # the palm looks down
+        middle = grasp.pose.position + r @ proposer.MIDDLE
+        off = middle - [0.52, 0.1, 0.031]
+        assert np.linalg.norm(off - (off @ axis) * axis) < 0.012  # the thing is between the finger tips
+        assert abs(off @ axis) < 0.04
+        assert grasp.pose.position[2] >= proposer.REACH_DOWN - 1e-9
+        assert grasp.width == pytest.approx(0.06, abs=0.012)
+        back = grasp.pose.position - grasp.pre_grasp.position
+        assert back == pytest.approx(proposer.APPROACH * r[:, 2])
+        assert grasp.post_grasp.position - grasp.pose.position == pytest.approx([0, 0, proposer.LIFT])
+
+
+def test_thumb_and_fingers_may_change_sides(proposer):
+    found = proposer.propose(lying_cylinder(0.52, 0.1, 0.3))
+    sides = {float(np.sign(rotation(g.pose.quaternion)[1, 0])) for g in found}
+    assert sides == {-1.0, 1.0}
+
+
+def test_a_low_thing_is_held_nearer_to_the_finger_tips_so_that_these_do_not_scratch_the_table(proposer):
+    low = proposer.propose(look(lying_box(0.52, 0.1, 0.0, half=0.02)))
+    assert low
+    assert all(grasp.pose.position[2] == pytest.approx(proposer.REACH_DOWN) for grasp in low)
+
+
+def test_what_stands_is_taken_before_what_lies(proposer):
+    cloud = np.vstack([look(cylinder(0.42, 0.3)), lying_cylinder(0.56, 0.0, 0.0)])
+    found = proposer.propose(cloud)
+    downward = [rotation(g.pose.quaternion)[2, 2] < -0.8 for g in found]
+    assert any(downward)
+    assert downward == sorted(downward)
+
+
+def test_a_lying_thing_beside_a_standing_one_is_not_reached_over_it(proposer):
+    cloud = np.vstack([look(cylinder(0.52, 0.17)), lying_cylinder(0.52, 0.1, 0.0)])
+    assert not any(rotation(g.pose.quaternion)[2, 2] < -0.8 for g in proposer.propose(cloud))
 
 
 def test_it_knows_nothing_of_grip():

@@ -1,8 +1,9 @@
-"""Propose side grasps for upright things on a table, from a point cloud seen from above. Plain numpy and OpenCV.
+"""Propose grasps for things on a table, from a point cloud seen from above. Plain numpy and OpenCV.
 
-The hand's frame: origin on the palm, z out of the palm (the approach), x along the fingers, y the axis about which
-the fingers flex. A power grasp of an upright thing has z horizontal and y vertical. Lengths in m, angles in rad,
-world frame: z up, the robot's base at the origin.
+What stands is taken from the side, what lies from above. The hand's frame: origin on the palm, z out of the palm (the
+approach), x along the fingers, y the axis about which the fingers flex. A power grasp of an upright thing has z
+horizontal and y vertical; a pinch of a lying one has y along it, and thumb and fingers on either side. Lengths in m,
+angles in rad, world frame: z up, the robot's base at the origin.
 """
 
 from __future__ import annotations
@@ -37,9 +38,19 @@ FINGERS = 0.13  # length of the open fingers
 FOREARM = 0.22  # what follows behind the palm and is as thick as the hand
 HAND_RADIUS = 0.05
 
+# A pinch from above, in the plane of x and z. The thumb is longer than the curled fingers, so the hand leans until
+# their tips are level; between them, when they are half closed, is MIDDLE, found with the hand's kinematics.
+LEAN = 0.45
+MIDDLE = np.array([0.035, 0.0, 0.09])
+REACH_DOWN = 0.118  # how far below the palm, along the vertical, the leaning fingers sweep when they close
+FOOTPRINT = (0.10, 0.07)  # half of what the open hand covers seen from above, across the thing and along it
+LOWEST = 0.035  # what is lower lies too deep between the finger tips
+ALONG = (0.0, 0.025, -0.025)  # where along the thing, from its middle
+
 # What a good grasp is.
 ROUND = 0.89  # a square fills its bounding rectangle, a disc 0.785 of it
 OUTWARD, FREE, ALIGNED, NEAR = 1.0, 6.0, 1.0, 0.6
+STANDING_FIRST = 1.0
 
 
 @dataclass(frozen=True)
@@ -63,14 +74,15 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Thing:
-    """An upright prism or cylinder.
+    """A prism or cylinder, standing or lying.
 
     Attributes:
-        outline: its foot's corners, seen from above, shape (k, 2).
-        centre: of the foot, shape (2,).
-        angle: of one of its faces; 0 for a round thing.
+        outline: its corners, seen from above, shape (k, 2).
+        centre: of the outline, shape (2,).
+        angle: of one of its faces; 0 for a round thing. Of a lying one, the direction in which it is longest.
         top: height above the table.
-        is_round: whether it is a cylinder.
+        is_round: whether it is an upright cylinder.
+        lies: whether it is too low to be taken from the side.
     """
 
     outline: Array
@@ -78,6 +90,7 @@ class Thing:
     angle: float
     top: float
     is_round: bool
+    lies: bool = False
 
     def half_width(self, direction: Array) -> float:
         """Return half its extent along a horizontal unit vector."""
@@ -86,13 +99,16 @@ class Thing:
 
 
 def propose(points: Array) -> list[Candidate]:
-    """Return grasps of everything that stands in the pick region, the best first.
+    """Return grasps of everything that stands or lies in the pick region, the best first.
 
     Args:
         points: shape (n, 3), world frame; what isn't finite is ignored.
     """
     things = [thing for cluster in clusters(points) if (thing := fit(cluster)) is not None]
-    found = [grasp for i, thing in enumerate(things) for grasp in grasps(thing, things[:i] + things[i + 1 :])]
+    found = []
+    for i, thing in enumerate(things):
+        ways = pinches if thing.lies else grasps
+        found += ways(thing, things[:i] + things[i + 1 :])
     return sorted(found, key=lambda candidate: -candidate.quality)
 
 
@@ -115,16 +131,18 @@ def clusters(points: Array) -> list[Array]:
 
 
 def fit(points: Array) -> Thing | None:
-    """Fit an upright cylinder or prism; None where the cluster is too low or too wide for a side grasp.
+    """Fit a cylinder or prism; None where the cluster is too low or too wide for the hand.
 
     A camera above sees the whole top and some of the sides, so the foot is taken from the highest points only. How
     much of its bounding rectangle (`cv2.minAreaRect`) the top's hull fills tells a disc from a square.
     """
     top = float(np.percentile(points[:, 2], 99))
+    if top - TABLE < PALM_HEIGHT:
+        return fit_lying(points, top - TABLE)
     highest = points[points[:, 2] > top - 0.012]
     hull = cv2.convexHull(highest[:, :2].astype(np.float32))
     (x, y), (width, depth), degrees = cv2.minAreaRect(hull)
-    if top - TABLE < PALM_HEIGHT or min(width, depth) > MAX_WIDTH or min(width, depth) < 0.01:
+    if min(width, depth) > MAX_WIDTH or min(width, depth) < 0.01:
         return None
     is_round = cv2.contourArea(hull) < ROUND * width * depth and max(width, depth) < 1.2 * min(width, depth)
     if is_round:
@@ -134,6 +152,63 @@ def fit(points: Array) -> Thing | None:
         return Thing(outline, np.array([x, y]), 0.0, top - TABLE, True)
     corners = cv2.boxPoints(((x, y), (width, depth), degrees)).astype(float)
     return Thing(corners, np.array([x, y]), float(np.radians(degrees)), top - TABLE, False)
+
+
+def fit_lying(points: Array, top: float) -> Thing | None:
+    """Fit what lies: the rectangle around all that is seen of it; None where that is too low or too wide."""
+    (x, y), (width, depth), degrees = cv2.minAreaRect(points[:, :2].astype(np.float32))
+    if top < LOWEST or not 0.01 < min(width, depth) <= MAX_WIDTH:
+        return None
+    corners = cv2.boxPoints(((x, y), (width, depth), degrees)).astype(float)
+    angle = float(np.radians(degrees)) + (np.pi / 2 if depth > width else 0.0)
+    return Thing(corners, np.array([x, y]), angle, top, is_round=False, lies=True)
+
+
+def pinches(thing: Thing, others: Sequence[Thing]) -> list[Candidate]:
+    """Return grasps of a lying thing from above, with thumb and fingers across it, that keep clear of the others."""
+    reach = float(np.linalg.norm(thing.centre))
+    longest, shortest = (thing.half_width(unit(thing.angle + k * np.pi / 2)) for k in (0, 1))
+    turns = (0.0, np.pi / 2) if 2 * longest <= MAX_WIDTH else (0.0,)
+    found = []
+    for turn in turns:
+        axis = unit(thing.angle + turn)
+        across = np.array([-axis[1], axis[0]])
+        for side in (1.0, -1.0):
+            rotation = pinch_rotation(side * across)
+            # Closing fingers sweep to REACH_DOWN below the palm, which is to be above the table: a low thing is held
+            # nearer to their tips.
+            palm_height = max(-float(rotation[2] @ MIDDLE) + thing.top / 2, REACH_DOWN)
+            for along in ALONG:
+                if abs(along) > max(0.0, longest - 0.04):
+                    continue
+                spot = np.array([*(thing.centre + along * axis), TABLE + thing.top / 2])
+                palm = spot - rotation @ MIDDLE
+                palm[2] = TABLE + palm_height
+                free = room_above(spot[:2], axis, across, others)
+                if free < 0:
+                    continue
+                quality = FREE * min(free, 0.06) - NEAR * reach - 10 * abs(along) - STANDING_FIRST
+                found.append(candidate(palm, rotation, rotation[:, 2], 2 * shortest, quality))
+    return found
+
+
+def pinch_rotation(across: Array) -> Array:
+    """Return the hand's rotation matrix above a thing: x leans down along the horizontal unit vector `across`."""
+    ahead, up = np.array([*across, 0.0]), np.array([0.0, 0.0, 1.0])
+    z = -np.cos(LEAN) * up - np.sin(LEAN) * ahead
+    x = np.cos(LEAN) * ahead - np.sin(LEAN) * up
+    return np.stack([x, np.cross(z, x), z], axis=1)
+
+
+def room_above(spot: Array, axis: Array, across: Array, others: Sequence[Thing]) -> float:
+    """Return how far the open hand stays from other things, seen from above; negative when they touch [m]."""
+    wide, long = np.meshgrid(np.linspace(-1, 1, 9) * FOOTPRINT[0], np.linspace(-1, 1, 7) * FOOTPRINT[1])
+    samples = spot + wide.reshape(-1, 1) * across + long.reshape(-1, 1) * axis
+    free = 1.0
+    for other in others:
+        radius = float(np.linalg.norm(other.outline - other.centre, axis=1).max())
+        free = min(free, float(np.linalg.norm(samples - other.centre, axis=1).min()) - radius)
+    return free
 
 
 def grasps(thing: Thing, others: Sequence[Thing]) -> list[Candidate]:
@@ -165,9 +240,9 @@ def grasps(thing: Thing, others: Sequence[Thing]) -> list[Candidate]:
 
 
 def candidate(palm: Array, rotation: Array, approach: Array, width: float, quality: float) -> Candidate:
-    """Return a grasp with its straight approach and its straight lift."""
+    """Return a grasp with its straight approach, along a unit vector of 2 or 3 numbers, and its straight lift."""
     q = quaternion(rotation)
-    back = np.array([*(-APPROACH * approach), 0.0])
+    back = -APPROACH * np.array([*approach, 0.0])[:3]
     up = np.array([0.0, 0.0, LIFT])
     return Candidate(Frame(palm, q), Frame(palm + back, q), Frame(palm + up, q), width, quality)
 

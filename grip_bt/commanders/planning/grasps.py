@@ -25,6 +25,8 @@ from .straight import BrokenLineError, straight_path
 
 TARGET_WITHIN = 0.03
 """The object nearest to the closing point, at most this far from it [m], is the one that a grasp takes."""
+FINGER_DEPTHS = (0.06, 0.09)
+"""How far in front of the palm finger tips may pinch an object [m]."""
 _RESTARTS = 10
 _WARM = 3
 _SOLUTIONS = 4
@@ -37,9 +39,13 @@ def closing_point(grasp: Grasp) -> NDArray[np.float64]:
 
 
 def target_of(grasp: Grasp, scene: SceneSnapshot) -> str | None:
-    """Return the name of the object that a grasp takes, or None when the scene has none there."""
-    near = scene.around(closing_point(grasp), TARGET_WITHIN)
-    return near[0] if near else None
+    """Return the name of the object that a grasp takes, or None when the scene has none there.
+
+    It is looked for at the closing point and then, for a pinch with the finger tips, further out from the palm.
+    """
+    normal = grasp.pose.rotation()[:, 2]
+    points = [closing_point(grasp), *(grasp.pose.position + depth * normal for depth in FINGER_DEPTHS)]
+    return next((near[0] for point in points if (near := scene.around(point, TARGET_WITHIN))), None)
 
 
 def choose_grasp(
