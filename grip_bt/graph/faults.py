@@ -19,7 +19,7 @@ def fault_of(tree: Mapping, error: Any) -> Fault:
     path = [step for step in error["loc"] if step != "[key]"]
     line, column = find(tree, path)
     words = _readable(path)
-    message = error["msg"]
+    message = error["msg"].removeprefix("Value error, ")
     if error["type"] == "missing":
         message = f"the key {words[-1]!r} is missing"
         words = words[:-1]

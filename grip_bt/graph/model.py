@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BaseModel, Discriminator, Field, StringConstraints, Tag, model_validator
+from pydantic import BaseModel, Discriminator, Field, StringConstraints, Tag, field_validator, model_validator
 
 from .frozen import FrozenDict
 from .parts import FORMAT_VERSION as FORMAT_VERSION
@@ -313,6 +313,13 @@ class Task(Shape):
     data: FrozenDict[Name, Variable | str] = FrozenDict()
     root: Node
     x: FrozenDict[str, Any] = Field(default=FrozenDict(), description="free data, preserved and never read")
+
+    @field_validator("grip", mode="before")
+    @classmethod
+    def _version_is_a_number(cls, value: Any) -> Any:
+        if type(value) is not int:  # true and 1.0 equal 1
+            raise ValueError(f"the version of the format is a whole number, `grip: {FORMAT_VERSION}`")
+        return value
 
     @model_validator(mode="after")
     def _variables_are_declared_once(self) -> Task:

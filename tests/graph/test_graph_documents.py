@@ -60,6 +60,8 @@ def refused(text):
         (HEAD + "data: {a: 3}\nroot: {node: a/b}\n", (3, 11), "is a type"),
         (HEAD + "data: {a: {type: int, valu: 3}}\nroot: {node: a/b}\n", (3, 23), "'value'"),
         ("grip: 2\nname: a\nroot: {node: a/b}\n", (1, 7), "reads up to `grip: 1`"),
+        ("grip: true\nname: a\nroot: {node: a/b}\n", (1, 1), "a whole number, `grip: 1`, not True"),
+        ("grip: 1.0\nname: a\nroot: {node: a/b}\n", (1, 1), "a whole number, `grip: 1`, not 1.0"),
         ("grip: 1\nroot: {node: a/b}\n", (1, 1), "'name' is missing"),
     ],
 )  # fmt: skip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+from math import sqrt
 from pathlib import Path
 from typing import Any
 
@@ -50,7 +51,8 @@ def test_tree_and_machine_agree_on_random_tasks(chunk: int) -> None:
         if found:
             pytest.fail(report(seed, case))
         whole += found is None
-    assert whole >= 0.9 * size - 2, f"only {whole} of {size} tasks were compared to their end"
+    usual = 0.95 * size
+    assert whole >= usual - 6 * sqrt(0.05 * usual) - 1, f"only {whole} of {size} tasks were compared to their end"
 
 
 @pytest.mark.parametrize("file", CASES, ids=lambda f: f.stem)

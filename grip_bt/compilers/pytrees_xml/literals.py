@@ -18,11 +18,12 @@ _WRONG = re.compile("[{}]|[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]
 
 
 def to_text(value: Any, type_name: str) -> str:
-    """Return the text of a value.
+    """Return the text of a value; a whole number where a float is wanted is written as one, `1.0`.
 
     Raises:
         ValueError: no text is read as this value.
     """
+    value = _as_float(parse_type(type_name), value)
     text = _text(value)
     try:
         back = from_text(text, type_name)
@@ -31,6 +32,14 @@ def to_text(value: Any, type_name: str) -> str:
     if back != value or type(back) is not type(value) or _WRONG.search(text) or _HIDDEN in text:
         raise ValueError(f"{value!r} has no text that is read as {type_name}")
     return text
+
+
+def _as_float(wanted: Type, value: Any) -> Any:
+    if wanted.name == "list" and wanted.item is not None and isinstance(value, list | tuple):
+        return [_as_float(wanted.item, item) for item in value]
+    if wanted.name == "float" and type(value) is int and abs(value) <= 2**53:
+        return float(value)
+    return value
 
 
 def _text(value: Any) -> str:

@@ -22,6 +22,7 @@ from grip_bt.catalog import Catalog, Manifest
 from grip_bt.cli.__main__ import main
 from grip_bt.compilers.from_tree import to_task
 from grip_bt.compilers.pytrees_xml import from_xml, to_xml
+from grip_bt.compilers.pytrees_xml.literals import from_text, to_text
 from grip_bt.errors import DocumentError, GripError, NotExpressibleError
 from grip_bt.graph import Task
 from grip_bt.runtime import ManualClock
@@ -247,3 +248,17 @@ def test_a_mutated_file_is_a_task_or_a_typed_error() -> None:
         except GripError:
             errors += 1
     assert min(tasks, errors) > TASKS // 20
+
+
+@pytest.mark.parametrize(
+    ("value", "type_name", "text"),
+    [(1, "float", "1.0"), ([1, 2.5], "list[float]", "1.0, 2.5"), (3, "float | None", "3.0"), (3, "int", "3")],
+)
+def test_a_whole_number_is_written_as_the_float_that_is_wanted(value: Any, type_name: str, text: str) -> None:
+    assert to_text(value, type_name) == text
+    assert from_text(text, type_name) == value
+
+
+def test_a_whole_number_beyond_every_float_is_refused() -> None:
+    with pytest.raises(ValueError, match="has no text that is read as float"):
+        to_text(2**53 + 1, "float")
