@@ -42,7 +42,8 @@ def assemble(plan: Plan, folder: Path) -> str:
         folder: where it will lie.
     """
     trees = bool(plan.nodes or plan.trees)
-    sections = [_docstring(plan, trees), _imports(plan, folder, trees)]
+    plain = not trees and all(_importable(file) for file in plan.modules)
+    sections = [_docstring(plan, trees, plain), _imports(plan, folder, trees, plain)]
     if "count" in plan.parts:
         sections.append("\n\n" + _COUNT.rstrip("\n"))
     if "begin_anew" in plan.parts:
@@ -53,17 +54,19 @@ def assemble(plan: Plan, folder: Path) -> str:
     return "\n".join(sections) + "\n"
 
 
-def _docstring(plan: Plan, trees: bool) -> str:
+def _docstring(plan: Plan, trees: bool, plain: bool) -> str:
     task = plan.resolved.task
     said = [f"The task {task.name} as a machine of SMACH."]
     if task.doc.strip():
         said += ["", *_wrapped(task.doc)]
-    said += ["", *_wrapped(_about(plan, trees))]
+    said += ["", *_wrapped(_about(plan, trees, plain))]
     text = "\n".join(said).replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
     return f'"""{text}\n"""\n'
 
 
-def _about(plan: Plan, trees: bool) -> str:
+def _about(plan: Plan, trees: bool, plain: bool) -> str:
+    if not trees and not plain:
+        return "It needs GRIP, which reads the old Python of its states."
     if not trees:
         return "It needs smach: that of ROS, or grip_bt.smach_compat after its install()."
     about = "States called BehaviourTree tick a node of the task as GRIP does."
@@ -77,8 +80,7 @@ def _wrapped(text: str) -> list[str]:
     return [line.removeprefix("# ") for line in comment(text).split("\n")]
 
 
-def _imports(plan: Plan, folder: Path, trees: bool) -> str:
-    plain = not trees and all(_importable(file) for file in plan.modules)
+def _imports(plan: Plan, folder: Path, trees: bool, plain: bool) -> str:
     standard, own = [], ["import smach"] if plain or not trees else []
     if "begin_anew" in plan.parts:
         standard.append("import copy")
@@ -106,7 +108,7 @@ def _legacy(plan: Plan, folder: Path, plain: bool) -> list[str]:
     if not plain:
         return [f"{plan.modules[file]} = load_legacy(HERE / {py(place.as_posix())})" for file, place in places.items()]
     folders = dict.fromkeys(place.parent.as_posix() for place in places.values())
-    lines = [f"sys.path.append(str(HERE / {py(each)}))" for each in folders]
+    lines = [f"sys.path.append(str({'HERE' if each == '.' else f'HERE / {py(each)}'}))" for each in folders]
     for file in plan.modules:
         alias = "" if plan.modules[file] == file.stem else f" as {plan.modules[file]}"
         lines.append(f"import {file.stem}{alias}  # noqa: E402")
