@@ -81,20 +81,15 @@ def _wrapped(text: str) -> list[str]:
 
 
 def _imports(plan: Plan, folder: Path, trees: bool, plain: bool) -> str:
-    standard, own = [], ["import smach"] if plain or not trees else []
-    if "begin_anew" in plan.parts:
-        standard.append("import copy")
+    standard = ["import copy"] if "begin_anew" in plan.parts else []
     if plan.modules:
         standard += (["import sys"] if plain else []) + ["from pathlib import Path"]
-    if trees:
-        own += ["from grip_bt import BehaviourTree", "from grip_bt import smach_compat as smach"]
-    if plan.classes:
-        own.append(f"from grip_bt.runtime import {', '.join(sorted(plan.classes))}")
+    own = ["from grip_bt import BehaviourTree"] if trees else []
+    own.append("import smach" if plain else "from grip_bt import smach_compat as smach")
     if plan.modules and not plain:
         own.append("from grip_bt.nodes.smach_source import load_legacy")
-        own = [line for line in own if line != "import smach"]
-        if not trees:
-            own.insert(0, "from grip_bt import smach_compat as smach")
+    if plan.classes:
+        own.append(f"from grip_bt.runtime import {', '.join(sorted(plan.classes))}")
     lines = [*standard, *([""] if standard else []), *own]
     if trees:
         lines += ["", f"NODES = {_listed(list(plan.nodes))}"]
