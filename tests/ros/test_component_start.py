@@ -1,0 +1,97 @@
+"""Components are started by command, from a ROS package, by a launch file, or not at all."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import DATA, ended, gone
+
+from grip_bt.errors import ServerLostError
+from grip_bt.ros.components import start_components
+from grip_bt.ros.packages import PackageError, executable_of, launch_file_of, share_of
+
+TEXT = """
+name: trigger
+interface: std_srvs/srv/Trigger
+server: /trigger
+outcomes: {done: success, failed: "true"}
+start: %s
+timeouts: {call: 5, ready: 20}
+"""
+SERVER = f"{sys.executable} {DATA / 'servers.py'} std_srvs/Trigger /trigger"
+
+
+@pytest.fixture
+def component(tmp_path):
+    """Return a function that writes the component and starts it."""
+    home = tmp_path / "components" / "trigger"
+    home.mkdir(parents=True)
+
+    def start(how: str, domain: int):
+        (home / "component.yaml").write_text(TEXT % how)
+        return start_components(tmp_path, ["trigger"], domain)
+
+    start.home = home
+    return start
+
+
+@pytest.fixture
+def prefix(tmp_path, monkeypatch) -> Path:
+    """Return a prefix on the search path, with one package: a program and a launch file."""
+    root = tmp_path / "prefix"
+    program = root / "lib" / "trigger_pkg" / "server"
+    program.parent.mkdir(parents=True)
+    program.write_text(f'#!/bin/sh\nexec {SERVER} "$@"\n')
+    program.chmod(0o755)
+    launch = root / "share" / "trigger_pkg" / "launch"
+    launch.mkdir(parents=True)
+    (launch / "up.launch.xml").write_text('<launch><node pkg="trigger_pkg" exec="server"/></launch>')
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(root))
+    return root
+
+
+@pytest.mark.ros
+def test_a_program_of_a_package_is_started(component, prefix, domain):
+    with component("{package: trigger_pkg, executable: server}", domain) as components:
+        assert ended(components.client("trigger").call({}))["success"] is True
+
+
+@pytest.mark.ros
+@pytest.mark.slow
+@pytest.mark.parametrize("how", ["launch: up.launch.yaml", "package: trigger_pkg, launch: up.launch.xml"])
+def test_a_launch_file_is_started_and_all_of_it_ends_with_the_component(component, prefix, domain, how):
+    (component.home / "up.launch.yaml").write_text(
+        f'launch:\n- arg: {{name: name}}\n- executable: {{cmd: "{SERVER}", name: $(var name)}}\n'
+    )
+    arguments = ", arguments: {name: it}" if "yaml" in how else ""
+    with component("{" + how + arguments + "}", domain) as components:
+        assert ended(components.client("trigger").call({}))["success"] is True
+        pid = components.process("trigger").pid
+    assert gone(pid, 3.0)
+
+
+@pytest.mark.ros
+def test_what_is_not_to_be_run_is_not_started_twice(component, domain, serve):
+    serve("std_srvs/Trigger", "/trigger")
+    with component(f"{{command: [{', '.join(SERVER.split())}], run: false}}", domain) as components:
+        assert components.process("trigger") is None
+        assert ended(components.client("trigger").call({}))["success"] is True
+
+
+@pytest.mark.ros
+def test_a_launch_file_that_is_wrong_is_quoted(component, domain):
+    (component.home / "up.launch.xml").write_text("<launch><nod/></launch>")
+    with pytest.raises(ServerLostError, match=r"<nod> isn't understood here; did you mean 'node'"):
+        component("{launch: up.launch.xml}", domain)
+
+
+def test_what_a_package_does_not_have_is_named_with_what_it_has(prefix):
+    assert executable_of("trigger_pkg", "server") == prefix / "lib" / "trigger_pkg" / "server"
+    with pytest.raises(PackageError, match=r"no ROS package 'trigger_pk' here; did you mean 'trigger_pkg'"):
+        share_of("trigger_pk")
+    with pytest.raises(PackageError, match=r"has no program 'serve'; did you mean 'server'"):
+        executable_of("trigger_pkg", "serve")
+    with pytest.raises(PackageError, match=r"has no launch file 'up.launch.py'; .*there are: launch/up.launch.xml"):
+        launch_file_of("trigger_pkg", "up.launch.py")
