@@ -1,0 +1,86 @@
+"""One task that asks an arm, a hand and the scene for nearly everything, over fakes and in simulation."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from grip_bt.app import RunOptions, open_session
+from grip_bt.commanders.taught import Taught
+from grip_bt.runtime import JournalReader
+from grip_bt.values import Pose
+
+PROJECT = """grip: 1
+robot: panda_allegro
+arms: {right: {hand: right_hand}}
+hands: {right_hand: {}}
+world: table
+scene: room.scene
+"""
+ROOM = "(noname)+\n* lamp\n0.9 0.5 0.8\n0 0 0 1\n1\nsphere\n0.05\n0 0 0\n0 0 0 1\n0 0 0 0\n0\n.\n"
+TASK = """grip: 1
+name: tour
+data: {plan: Plan, pose: Pose, target: Pose, before: Any, count: int, reached: JointState}
+root:
+  kind: sequence
+  children:
+    wall: {node: scene/add_shape, with: {name: wall, size: [0.02, 0.4, 0.3], position: [0.9, 0.3, 0.15]}}
+    ball: {node: scene/add_shape, with: {name: ball, shape: sphere, size: [0.03], position: [0.4, -0.4, 0.6]}}
+    allow: {node: scene/allow_collisions, with: {one: ball, other: right_hand}}
+    before: {node: scene/snapshot, out: {snapshot: before}}
+    attach: {node: scene/attach, with: {name: ball}}
+    flat: {node: hand/fingers, with: {closing: {thumb: 0.1}}}
+    up: {node: arm/jog, with: {linear: [0, 0, 0.1], seconds: 0.5}}
+    show: {node: arm/teach, with: {name: above}}
+    where: {node: arm/read_pose, out: {pose: pose}}
+    aside: {node: pose/offset, with: {position: [0.0, 0.05, 0.0]}, in: {pose: pose}, out: {moved: target}}
+    follow: {node: arm/follow, in: {pose: target}}
+    back: {node: arm/move_straight, with: {offset: [0.0, -0.05, 0.0]}}
+    plan: {node: arm/plan, with: {state: home}, out: {plan: plan}}
+    go: {node: arm/execute, in: {plan: plan}, out: {reached: reached}}
+    repeat: {node: arm/move_to_taught, with: {name: above}}
+    detach: {node: scene/detach, with: {name: ball}}
+    remove: {node: scene/remove, with: {name: "*"}, out: {count: count}}
+    restore: {node: scene/restore, in: {snapshot: before}}
+    free: {node: arm/move_to_pose, with: {free: orientation}, in: {pose: target}}
+    home: {node: arm/move_to, with: {state: home}}
+    unknown: {kind: invert, child: {gone: {node: scene/attach, with: {name: nothing}}}}
+    lamp: {kind: invert, child: {fixed: {node: scene/remove, with: {name: lamp}}}}
+    empty: {kind: invert, child: {touch: {node: hand/has_contact}}}
+    close: {node: hand/synergy, with: {weights: [0.3]}}
+    hold: {node: arm/hold, with: {seconds: 0.1}}
+    say: {node: flow/log, with: {message: taken out}, in: {value: count}}
+    done: {node: flow/log, with: {message: measured}, in: {value: reached}}
+"""
+
+
+@pytest.fixture
+def task(tmp_path) -> Path:
+    (tmp_path / "grip.yaml").write_text(PROJECT)
+    (tmp_path / "room.scene").write_text(ROOM)
+    (tmp_path / "tour.yaml").write_text(TASK)
+    return tmp_path / "tour.yaml"
+
+
+@pytest.mark.parametrize("robot", ["fake", pytest.param("sim", marks=[pytest.mark.sim, pytest.mark.slow])])
+def test_every_verb_does_its_work_and_the_refused_ones_say_why(task, robot):
+    with open_session(task, RunOptions(robot=robot, journal=task.with_name("j.sqlite"))) as session:
+        home = session.resources.arms["right"].grasp_pose()
+        result = session.runner.run()
+        arm, scene = session.resources.arms["right"], session.resources.scene
+        assert (result.status, result.failure) == ("success", None), result.failure
+        assert arm.grasp_pose().matrix() == pytest.approx(home.matrix(), abs=0.02)
+        assert {"wall", "ball", "lamp"} <= set(scene.names())
+        assert scene.solid("ball")[1] == Pose((0.4, -0.4, 0.6))
+        above = arm.named_states()["above"]
+    with JournalReader(task.with_name("j.sqlite")) as reader:
+        events = list(reader.events(session.runner.run_id or ""))
+    codes = {e.path: e.code for e in events if e.event == "exit" and e.code}
+    assert codes["unknown/gone"] == "no_object"
+    assert codes["lamp/fixed"] == "no_object"
+    assert codes["empty/touch"] == "no_contact"
+    taught = task.with_name("taught.yaml")
+    assert taught.exists() == (robot == "sim")  # what fakes are taught lasts for the run
+    if robot == "sim":
+        assert Taught(taught).get("right", "above") == above
