@@ -4,6 +4,7 @@ import json
 import sys
 from pathlib import Path
 
+import py_trees
 import pytest
 from smach_lowerings import Draw, per_path
 from smach_runs import Trace, run_legacy, run_task
@@ -163,3 +164,30 @@ def test_what_has_no_equal_is_one_leaf_or_refused_with_words(tmp_path):
         made.write(tmp_path)
     with pytest.raises(GripError, match="isn't a function of a module's own"):
         grip_bt.from_machine(outer, source=lambda: outer)
+
+
+def test_the_page_about_it_is_true(tmp_path, monkeypatch):
+    page = (Path(__file__).parents[2] / "docs" / "smach.md").read_text()
+    legacy = page.split("```python legacy_pick.py\n")[1].split("```")[0]
+    shown, states = (
+        block.split("```")[0] for block in page.split("## Machines and trees")[1].split("```python\n")[1:3]
+    )
+    (tmp_path / "legacy_pick.py").write_text(legacy)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    smach.install(ros=False)
+    names = {}
+    try:
+        exec(compile(shown, "shown.py", "exec"), names)
+    finally:
+        sys.modules.pop("legacy_pick", None)
+    assert names["made"].exact
+    assert (tmp_path / "my_project" / "tasks" / "build.yaml").is_file()
+    (tmp_path / "fetch.yaml").write_text("grip: 1\nname: fetch\nroot: {node: flow/succeed}\n")
+    root = py_trees.behaviours.Success("root")
+    sm = smach.StateMachine(["done"])
+    sm.userdata.arm = "right"
+    with sm:
+        smach.StateMachine.add("LOOK", smach.CBState(lambda ud: "seen", outcomes=["seen"]), {"seen": "FETCH"})
+    exec(compile(states, "states.py", "exec"), {"sm": sm, "smach": smach, "grip_bt": grip_bt, "root": root})
+    assert sm.execute() == "done"
