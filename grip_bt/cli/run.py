@@ -12,6 +12,8 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from .resume import Given, add_resume_options, check_usage, fork_often, prepare
+
 if TYPE_CHECKING:  # the verbs are listed without loading what they run
     from grip_bt.app import RunOptions
     from grip_bt.runtime import Runner, RunResult
@@ -24,15 +26,20 @@ WATCHDOG = 10.0
 def add_parser(subparsers: Any) -> None:
     """Add the verb."""
     parser = subparsers.add_parser("run", help="run a task")
-    parser.add_argument("task", type=Path, help="the task file")
+    parser.add_argument(
+        "task", type=Path, nargs="?", help="the task file; with --resume or --fork, where the run's is now"
+    )
     add_run_options(parser)
     parser.add_argument("--set", dest="data", action="append", default=[], metavar="VAR=VALUE", type=_assignment)
     parser.add_argument("--journal", type=Path, metavar="FILE", help="where to write (default: the project's own)")
     parser.add_argument("--json", action="store_true", help="print the result as one JSON object")
-    parser.add_argument("--rate", type=_positive, metavar="HZ", help="tick so often a second (default: on wakes)")
+    parser.add_argument(
+        "--rate", type=_positive, action=Given, metavar="HZ", help="tick so often a second (default: on wakes)"
+    )
     parser.add_argument(
         "--watchdog",
         type=_not_negative,
+        action=Given,
         default=WATCHDOG,
         metavar="S",
         help=f"end a run whose node doesn't return for S seconds (default: {WATCHDOG:g}; 0: never)",
@@ -57,7 +64,8 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument(
         "--in-process", action="store_true", help="run in this process, for debuggers and profilers of Python"
     )
-    parser.set_defaults(run=run)
+    add_resume_options(parser)
+    parser.set_defaults(run=run, parser=parser)
 
 
 def add_run_options(parser: argparse.ArgumentParser) -> None:
@@ -67,11 +75,12 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         "--robot",
         choices=("sim", "fake", "ros"),
         default="sim",
+        action=Given,
         help="simulated, parts that do as asked, or the controllers of a real robot",
     )
-    parser.add_argument("--seed", type=int, default=0, help="of the simulated world (default: 0)")
+    parser.add_argument("--seed", type=int, default=0, action=Given, help="of the simulated world (default: 0)")
     parser.add_argument(
-        "--pace", type=float, metavar="X", help="simulated seconds a second (default: as fast as it goes)"
+        "--pace", type=float, action=Given, metavar="X", help="simulated seconds a second (default: as fast as it goes)"
     )
 
 
@@ -86,6 +95,7 @@ def run(args: argparse.Namespace) -> int:
     """Run the task; the exit status tells how it ended."""
     from grip_bt.app.mocks import read_mocks
 
+    check_usage(args, args.parser.error)
     debug = args.debug or (bool(args.breaks) and not args.control)
     options = replace(
         options_of(args),
@@ -96,10 +106,17 @@ def run(args: argparse.Namespace) -> int:
         breaks=args.breaks,
         paused=debug and not args.breaks,
         mocks=read_mocks(args.mocks, args.mock),
+        durable=args.durable,
     )
+    if args.resume or args.fork:
+        given = getattr(args, "given", frozenset()) | ({"mocks"} if options.mocks else frozenset())
+        ready = prepare(args, options, given)
+        args.task, options = ready.task, ready.options
+        if args.times > 1:
+            return fork_often(ready, args.times, args.json, lambda each: _supervise(args, each, debug))
     if args.in_process:
         return _run_here(args, options)
-    return _supervise(args, options, debug)
+    return _supervise(args, options, debug)[0]
 
 
 def _run_here(args: argparse.Namespace, options: RunOptions) -> int:
@@ -117,8 +134,8 @@ def _run_here(args: argparse.Namespace, options: RunOptions) -> int:
     return EXIT_STATUS[result.status]
 
 
-def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> int:
-    """Run in a child process; pass on what goes either way."""
+def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> tuple[int, Mapping[str, Any]]:
+    """Run in a child process; pass on what goes either way. Return the exit status, and the event `ended`."""
     from grip_bt.app.supervisor import Supervisor
 
     run_id: list[str] = []
@@ -152,12 +169,12 @@ def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> in
     end = supervisor.wait()
     if end["event"] == "failed":
         print(end["message"], file=sys.stderr)
-        return INVALID
+        return INVALID, end
     if not args.control:
         _tell({**end, "run": run_id[0] if run_id else None}, args.json)
         if started and not args.json:
             _tell_failures(started[0], end["message"])
-    return EXIT_STATUS[end["status"]]
+    return EXIT_STATUS[end["status"]], end
 
 
 def _tell_failures(started: Mapping[str, Any], said: str) -> None:
