@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.commanders.robots import RobotDescription
+from grip_bt.commanders.robots import Mimic, RobotDescription
 
 from .physics import ignore_each_other, physx, sapien
 
@@ -48,11 +48,12 @@ class SimRobot:
         self._target, self._speed = np.zeros(count), np.zeros(count)
         self._stiffness, self._damping = np.zeros(count), np.zeros(count)
         self._limit = np.zeros(count)
+        self._followers: dict[int, list[tuple[int, Mimic]]] = {}
+        for name, mimic in description.mimics.items():
+            self._followers.setdefault(self._rows[mimic.joint], []).append((self._rows[name], mimic))
         self._set_drives()
         self._let_neighbours_pass()
-        start = {"arm": "home", "hand": "open"}
-        for group, state in start.items():
-            self.place(description.named_state(group, state).as_mapping())
+        self.place(self._with_followers({j: q for j, q in description.at_rest.items() if j in self._rows}))
 
     def rows(self, names: Sequence[str]) -> NDArray[np.intp]:
         """Return the indices of joints, for the other methods."""
@@ -78,11 +79,10 @@ class SimRobot:
     def drive(self, rows: NDArray[np.intp], positions: Floats, velocities: Floats | None = None) -> None:
         """Set drive targets [rad, rad/s]; without velocities the joints are to stand still."""
         speeds = np.zeros(len(rows)) if velocities is None else velocities
-        self._target[rows], self._speed[rows] = positions, speeds
         for row, position, speed in zip(rows.tolist(), positions.tolist(), speeds.tolist(), strict=True):
-            joint = self._joints[row]
-            joint.set_drive_target(position)
-            joint.set_drive_velocity_target(speed)
+            self._aim(row, position, speed)
+            for follower, mimic in self._followers.get(row, ()):
+                self._aim(follower, mimic.multiplier * position + mimic.offset, mimic.multiplier * speed)
 
     def limit_torque(self, rows: NDArray[np.intp], limit: float | None) -> None:
         """Limit the drives' torque [N m]; None restores the description's limits."""
@@ -119,6 +119,16 @@ class SimRobot:
     def compensate(self) -> None:
         """Apply the joint forces that carry the robot's own weight; before each step."""
         self.body.set_qf(self.body.compute_passive_force(True, True))
+
+    def _aim(self, row: int, position: float, speed: float) -> None:
+        self._target[row], self._speed[row] = position, speed
+        self._joints[row].set_drive_target(position)
+        self._joints[row].set_drive_velocity_target(speed)
+
+    def _with_followers(self, positions: Mapping[str, float]) -> dict[str, float]:
+        mimics = self.description.mimics
+        follow = {j: m.multiplier * positions.get(m.joint, 0.0) + m.offset for j, m in mimics.items()}
+        return {**positions, **follow}
 
     def _set_drives(self) -> None:
         for row, joint in enumerate(self._joints):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from grip_bt.commanders.robots import build_robot
+from grip_bt.commanders.description.load import load_robot
 from grip_bt.errors import UnknownNameError
 
 from .adapters import SimCamera, SimExecutor, SimHand, SimReferee, check_positive
@@ -27,7 +27,7 @@ class Simulation:
         self.spec = spec
         if pace is not None:
             check_positive("pace", pace)
-        self._robot = build_robot(spec.robot)  # first: an unknown robot is found before a process runs
+        self._robot = load_robot(spec.robot)  # first: an unknown robot is found before a process runs
         self._client = SimClient(spec, pace, hold)
         self.referee = SimReferee(self._client)
 

@@ -157,7 +157,7 @@ class WorldSpec:
     """Everything that makes a world: the same spec always makes the same world.
 
     Attributes:
-        robot: name for `grip_bt.commanders.robots.build_robot`.
+        robot: a ready-made robot's name or a file; see `grip_bt.commanders.description.load.load_robot`.
         seed: what the objects were drawn from.
         objects: what may be moved.
         dt: time step of the physics [s].

@@ -8,7 +8,8 @@ from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 
-from grip_bt.commanders.robots import RobotDescription, build_robot
+from grip_bt.commanders.description.load import load_robot
+from grip_bt.commanders.robots import RobotDescription
 from grip_bt.errors import UnknownNameError
 from grip_bt.values import Pose
 
@@ -37,7 +38,7 @@ class World:
         self.spec = spec
         self._scene = make_scene(spec.dt)
         still = [(box, self._add_box(box)) for box in spec.boxes()]
-        self.robot = SimRobot(self._scene, description or build_robot(spec.robot))
+        self.robot = SimRobot(self._scene, description or load_robot(spec.robot))
         check_names(spec, (link.name for link in self.robot.links))
         self._objects = {o.name: self._add_object(o) for o in spec.objects}
         self._steps = 0
