@@ -151,3 +151,19 @@ class RecordWish(Wire):
     run: Annotated[str, Field(max_length=200)]
     seq: Annotated[int, Field(ge=1, le=2**53)]
     name: Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_ -]*$", max_length=200)]
+
+
+class ImportWish(Wire):
+    """A task from elsewhere; the file is read, not executed."""
+
+    source: Literal["smach", "btcpp", "pytrees"]
+    name: Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_-]*\.[a-z]+$", max_length=200)]
+    text: SetupTextField
+
+
+class ImportView(Wire):
+    """What became of it."""
+
+    probe: ProbeView
+    tasks: list[str]
+    """Task files that were written."""

@@ -12,10 +12,13 @@ from grip_bt.errors import GripError
 from .journal import RunSource
 from .project import ProjectFolder
 from .setup import SetupDesk
+from .setup.importing import import_file
 from .setup.interfaces import look_at, make
 from .setup.probes import Prober
 from .setup.recording import record
 from .setup_messages import (
+    ImportView,
+    ImportWish,
     InterfaceView,
     InterfaceWish,
     ProbeView,
@@ -78,6 +81,12 @@ def make_setup_router(folder: ProjectFolder, source: RunSource, changed: Callabl
         if not generated.ok:
             raise GripError(f"{view.path} was written, but its node can't be generated:\n{generated.output}")
         return view.model_copy(update={"output": generated.output})
+
+    @api.post("/import")
+    async def bring(wish: ImportWish) -> ImportView:
+        view = await import_file(folder, prober, wish)
+        changed()
+        return view
 
     @api.post("/record")
     async def keep(wish: RecordWish) -> SetupView:

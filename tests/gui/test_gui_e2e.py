@@ -198,6 +198,38 @@ def test_a_project_is_put_together_in_a_browser(folder: Path) -> None:
         assert done.returncode == 0, done.stdout + done.stderr
 
 
+LEGACY = """\
+import smach
+
+
+class Step(smach.State):
+    def __init__(self):
+        smach.State.__init__(self, outcomes=["done"])
+
+    def execute(self, userdata):
+        return "done"
+
+
+def make():
+    machine = smach.StateMachine(outcomes=["finished"])
+    with machine:
+        smach.StateMachine.add("FIRST", Step(), transitions={"done": "SECOND"})
+        smach.StateMachine.add("SECOND", Step(), transitions={"done": "finished"})
+    return machine
+"""
+
+
+@pytest.mark.e2e
+@pytest.mark.slow
+def test_a_legacy_machine_is_imported_converted_edited_and_run_in_a_browser(folder: Path, tmp_path: Path) -> None:
+    legacy = tmp_path / "two_steps.py"
+    legacy.write_text(LEGACY)
+    with editing(folder) as (_, url):
+        command = browser("import_smach.mjs", url, str(folder), str(legacy))
+        done = subprocess.run(command, capture_output=True, text=True, timeout=150)
+        assert done.returncode == 0, done.stdout + done.stderr
+
+
 def test_a_wrong_path_is_told_and_ends_with_1(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "grip_bt.cli", "edit", str(tmp_path / "nothing"), "--no-browser"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)

@@ -7,11 +7,14 @@ import type {
   ConvertWish,
   DeskView,
   DiskWish,
+  DocumentChange,
   DocumentView,
   EditWish,
   ExpressionView,
   ExpressionWish,
   FormsView,
+  ImportView,
+  ImportWish,
   InterfaceView,
   InterfaceWish,
   LeaseWish,
@@ -21,6 +24,7 @@ import type {
   PlacesView,
   ProbeView,
   ProbeWish,
+  ProblemsView,
   ProjectView,
   RecordWish,
   RunRecord,
@@ -74,23 +78,27 @@ async function ask<T>(path: string, body?: unknown): Promise<T> {
   return (await answer.json()) as T;
 }
 
+/** A document, or what has changed in it since the state that was said. */
+export type Answer = DocumentView | DocumentChange;
+
 export const server = {
   project: () => ask<ProjectView>("project"),
   catalog: () => ask<CatalogView>("catalog"),
-  document: (path: string) => ask<DocumentView>(`document?path=${encodeURIComponent(path)}`),
+  document: (path: string, since = 0) => ask<Answer>(`document?path=${encodeURIComponent(path)}&since=${since}`),
+  problems: (path: string) => ask<ProblemsView>(`document/problems?path=${encodeURIComponent(path)}`),
   forms: (path: string) => ask<FormsView>(`document/forms?path=${encodeURIComponent(path)}`),
   places: (path: string) => ask<PlacesView>(`document/places?path=${encodeURIComponent(path)}`),
   parts: (path: string, nodes: readonly string[]) =>
     ask<PartsView>(`document/parts?path=${encodeURIComponent(path)}${nodes.map((node) => `&node=${encodeURIComponent(node)}`).join("")}`),
   conversion: (path: string, node: string, form: ConvertWish["form"]) =>
     ask<ConversionView>(`document/conversion?path=${encodeURIComponent(path)}&node=${encodeURIComponent(node)}&form=${form}`),
-  convert: (wish: ConvertWish) => ask<DocumentView>("document/convert", wish),
-  edit: (wish: EditWish) => ask<DocumentView>("document/edit", wish),
-  text: (wish: TextWish) => ask<DocumentView>("document/text", wish),
-  step: (wish: StepWish) => ask<DocumentView>("document/step", wish),
-  pin: (wish: PinWish) => ask<DocumentView>("document/pin", wish),
-  save: (wish: SaveWish) => ask<DocumentView>("document/save", wish),
-  disk: (wish: DiskWish) => ask<DocumentView>("document/disk", wish),
+  convert: (wish: ConvertWish, since: number) => ask<Answer>(`document/convert?since=${since}`, wish),
+  edit: (wish: EditWish, since: number) => ask<Answer>(`document/edit?since=${since}`, wish),
+  text: (wish: TextWish, since: number) => ask<Answer>(`document/text?since=${since}`, wish),
+  step: (wish: StepWish, since: number) => ask<Answer>(`document/step?since=${since}`, wish),
+  pin: (wish: PinWish, since: number) => ask<Answer>(`document/pin?since=${since}`, wish),
+  save: (wish: SaveWish, since: number) => ask<Answer>(`document/save?since=${since}`, wish),
+  disk: (wish: DiskWish, since: number) => ask<Answer>(`document/disk?since=${since}`, wish),
   newTask: (wish: NewTask) => ask<DocumentView>("document/new", wish),
   expression: (wish: ExpressionWish) => ask<ExpressionView>("document/expression", wish),
   runs: () => ask<RunRecord[]>("runs"),
@@ -106,6 +114,7 @@ export const server = {
   setupSave: (wish: SetupSave) => ask<SetupView>("setup/save", wish),
   setupProbe: (wish: ProbeWish) => ask<ProbeView>("setup/probe", wish),
   setupInterface: (wish: InterfaceWish) => ask<InterfaceView>("setup/interface", wish),
+  setupImport: (wish: ImportWish) => ask<ImportView>("setup/import", wish),
   record: (wish: RecordWish) => ask<SetupView>("setup/record", wish),
   value: (run: string, seq: number) => ask<ValueView>(`runs/${encodeURIComponent(run)}/values/${seq}`),
 };

@@ -70,8 +70,25 @@ export interface DiskWish {
   path: string;
 }
 
+/** What has changed in a document since a state that the page has. Problems are asked for by themselves. */
+export interface DocumentChange {
+  type: "change";
+  since: number;
+  state: number;
+  path: string;
+  revision: number;
+  splice: TextSplice | null;
+  saved: boolean;
+  change: "" | "changed" | "deleted";
+  history: HistoryView;
+  layout: LayoutView | null;
+  task: TaskChange | null;
+}
+
 /** A task file that is open for editing. */
 export interface DocumentView {
+  type: "document";
+  state: number;
   path: string;
   revision: number;
   text: string;
@@ -81,6 +98,7 @@ export interface DocumentView {
   history: HistoryView;
   layout: LayoutView;
   task: TaskView;
+  checked: boolean;
 }
 
 /** Carry out a command that was made on a revision. */
@@ -165,6 +183,19 @@ export interface HistoryView {
   moments: MomentView[];
   can_undo: boolean;
   can_redo: boolean;
+}
+
+/** What became of it. */
+export interface ImportView {
+  probe: ProbeView;
+  tasks: string[];
+}
+
+/** A task from elsewhere; the file is read, not executed. */
+export interface ImportWish {
+  source: "smach" | "btcpp" | "pytrees";
+  name: string;
+  text: string;
 }
 
 /** What an interface has, and what keeps it from being a component. */
@@ -320,6 +351,12 @@ export interface Problem {
   column: number | null;
   key: string[];
   fixes: FixView[];
+}
+
+/** What the validation says about a revision. */
+export interface ProblemsView {
+  revision: number;
+  problems: Problem[];
 }
 
 /** What the page knows about the project when it opens. */
@@ -490,6 +527,16 @@ export interface Subscribe {
   from_seq: number;
 }
 
+/** What is different in a task. The order of the nodes follows from the children of each. */
+export interface TaskChange {
+  name: string;
+  doc: string;
+  outcomes: Record<string, "success" | "failure">;
+  nodes: NodeView[];
+  gone: string[];
+  variables: VariableView[] | null;
+}
+
 /** A task file of the project. */
 export interface TaskEntry {
   path: string;
@@ -512,6 +559,13 @@ export interface Template {
   title: string;
   key: string[];
   value: unknown;
+}
+
+/** One piece of a text that was replaced; counted in UTF-16 units, as pages count. */
+export interface TextSplice {
+  start: number;
+  removed: number;
+  new: string;
 }
 
 /** Take a text that was typed on a revision. */

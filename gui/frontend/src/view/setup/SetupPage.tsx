@@ -6,13 +6,17 @@ import { type JSX, useEffect, useState } from "react";
 import { freeName, valueAt } from "../../model/shapes";
 import type { SetupView, Template } from "../../protocol/generated";
 import { listSetup, openSetup, probe, saveSetup, setValue, trouble, useSetup } from "../../store/setup";
+import { ImportForm } from "./ImportForm";
 import { InterfaceForm } from "./InterfaceForm";
 import { SchemaForm } from "./SchemaForm";
 import { SetupText } from "./SetupText";
 
+/** What is being made instead of a file being shown. */
+type Making = "component" | "import" | null;
+
 export default function SetupPage(): JSX.Element {
   const view = useSetup((s) => s.view);
-  const [making, setMaking] = useState(false);
+  const [making, setMaking] = useState<Making>(null);
   useEffect(() => {
     listSetup()
       .then(() => (useSetup.getState().view === null ? openSetup("grip.yaml") : undefined))
@@ -28,10 +32,10 @@ export default function SetupPage(): JSX.Element {
         void saveSetup();
       }}
     >
-      <Files making={making} make={() => setMaking(true)} leave={() => setMaking(false)} />
+      <Files making={making} make={setMaking} />
       {making ? (
-        <main className="panel padded setup-new" aria-label="New component">
-          <InterfaceForm done={() => setMaking(false)} />
+        <main className="panel padded setup-new" aria-label={making === "component" ? "New component" : "Import a task"}>
+          {making === "component" ? <InterfaceForm done={() => setMaking(null)} /> : <ImportForm />}
         </main>
       ) : (
         view && <Open key={view.path} view={view} />
@@ -40,7 +44,12 @@ export default function SetupPage(): JSX.Element {
   );
 }
 
-function Files({ making, make, leave }: { making: boolean; make: () => void; leave: () => void }): JSX.Element {
+const MADE: readonly [Exclude<Making, null>, string, string][] = [
+  ["component", "New component", "from a .srv or .action"],
+  ["import", "Import a task", "from SMACH, BehaviorTree.CPP, py_trees"],
+];
+
+function Files({ making, make }: { making: Making; make: (what: Making) => void }): JSX.Element {
   const files = useSetup((s) => s.files);
   const path = useSetup((s) => s.view?.path);
   return (
@@ -51,10 +60,10 @@ function Files({ making, make, leave }: { making: boolean; make: () => void; lea
           <li key={file.path}>
             <button
               className="setup-file"
-              aria-current={!making && file.path === path ? "page" : undefined}
+              aria-current={making === null && file.path === path ? "page" : undefined}
               title={file.doc}
               onClick={() => {
-                leave();
+                make(null);
                 void openSetup(file.path);
               }}
             >
@@ -63,12 +72,14 @@ function Files({ making, make, leave }: { making: boolean; make: () => void; lea
             </button>
           </li>
         ))}
-        <li>
-          <button className="setup-file" aria-current={making ? "page" : undefined} onClick={make}>
-            New component
-            <code>from a .srv or .action</code>
-          </button>
-        </li>
+        {MADE.map(([what, label, hint]) => (
+          <li key={what}>
+            <button className="setup-file" aria-current={making === what ? "page" : undefined} onClick={() => make(what)}>
+              {label}
+              <code>{hint}</code>
+            </button>
+          </li>
+        ))}
       </ul>
     </nav>
   );
