@@ -7,6 +7,7 @@ import pytest
 
 from grip_bt.app import project_catalog
 from grip_bt.catalog import Catalog
+from grip_bt.cli.__main__ import main
 from grip_bt.codegen.smach import export
 from grip_bt.graph import load, loads
 from grip_bt.smach_import import import_file, write_import
@@ -89,3 +90,13 @@ def test_text_of_a_task_stays_text_in_the_file():
     assert text.count("os.abort") == 1
     assert text.index("os.abort") < text.index("def build")
     exec(compile(text, "a.py", "exec"), {"__name__": "a", "__file__": __file__})
+
+
+def test_grip_convert_writes_the_file(tmp_path, capsys):
+    (tmp_path / "words.yaml").write_text(WORDS)
+    out = tmp_path / "words.py"
+    assert main(["convert", str(tmp_path / "words.yaml"), "--to", "smach-py", "-o", str(out)]) == 0
+    assert out.read_text() == export(loads(WORDS), Catalog.builtin())
+    (tmp_path / "wrong.yaml").write_text(WORDS.replace("flow/fail", "flow/nothing"))
+    assert main(["convert", str(tmp_path / "wrong.yaml"), "--to", "smach-py"]) == 1
+    assert "tries/fails: unknown node 'flow/nothing'" in capsys.readouterr().err
