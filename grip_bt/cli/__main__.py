@@ -31,6 +31,7 @@ VERBS = (
     "replay",
     "capsule",
     "robot",
+    "teach",
     "doctor",
 )
 INVALID, NODE_ERROR, STOPPED = 1, 4, 130

@@ -57,6 +57,11 @@ class Taught:
             for part, entries in _read(file).items():
                 self._parts[part] = {name: _value(entry, f"{part}/{name}", file) for name, entry in entries.items()}
 
+    def parts(self) -> tuple[str, ...]:
+        """Return the arms and hands that something was taught to."""
+        with self._lock:
+            return tuple(self._parts)
+
     def of(self, part: str) -> Mapping[str, JointState | Pose]:
         """Return what was taught to a part: name -> joint state or pose."""
         with self._lock:

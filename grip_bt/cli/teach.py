@@ -1,0 +1,98 @@
+"""`grip teach`: remember where an arm or a hand is now, under a name, for the project's tasks."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from grip_bt.app.commander_parts import TAUGHT
+from grip_bt.app.project import find_project
+from grip_bt.app.resources import Resources, open_resources
+from grip_bt.errors import ExpectedError, GripError, MissingPartError, UnknownNameError
+
+if TYPE_CHECKING:
+    from grip_bt.values import JointState, Pose
+
+
+def add_parser(subparsers: Any) -> None:
+    """Add the verb."""
+    parser = subparsers.add_parser("teach", help="remember where an arm or a hand is now, under a name")
+    parser.add_argument("name", nargs="?", help="a word; without it, what was taught is listed")
+    parser.add_argument("--project", default=".", help="a project folder, or a file in it (default: this folder)")
+    part = parser.add_mutually_exclusive_group()
+    part.add_argument("--arm", default="", help="which arm (default: the only one)")
+    part.add_argument("--hand", help="remember a hand's posture instead")
+    parser.add_argument("--pose", action="store_true", help="the pose of the arm's hand instead of its joints")
+    parser.add_argument("--robot", choices=("ros", "sim"), default="ros", help="which robot is asked (default: ros)")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Teach, or list."""
+    project = find_project(args.project)
+    if args.name is None:
+        return _list(project.folder / TAUGHT, args.json)
+    if project.file.robot is None:
+        raise MissingPartError("a robot", f"name one in {project.folder / 'grip.yaml'} (`robot:`)")
+    with open_resources(project, ["arm/teach"], args.robot, 0, None, lambda *_: None) as resources:
+        try:
+            part, value = _teach(resources, args)
+        except ExpectedError as error:
+            raise GripError(f"{error.code}: {error.message}") from error
+        except ValueError as error:
+            raise GripError(str(error)) from error
+    print(
+        json.dumps({"part": part, "name": args.name, **_plain(value)}) if args.json else _line(part, args.name, value)
+    )
+    return 0
+
+
+def _teach(resources: Resources, args: argparse.Namespace) -> tuple[str, JointState | Pose]:
+    if args.hand is not None:
+        hand = _one("hand", resources.hands, args.hand)
+        return hand.name, hand.teach(args.name)
+    arm = _one("arm", resources.arms, args.arm)
+    return arm.name, arm.teach(args.name, pose=args.pose)
+
+
+def _one(kind: str, parts: Any, name: str) -> Any:
+    if not name and len(parts) == 1:
+        return next(iter(parts.values()))
+    if name not in parts:
+        raise UnknownNameError(kind, name, parts, "grip.yaml")
+    return parts[name]
+
+
+def _list(file: Path, as_json: bool) -> int:
+    from grip_bt.commanders.taught import Taught
+
+    taught = Taught(file)
+    entries = [(part, name, value) for part in taught.parts() for name, value in taught.of(part).items()]
+    if as_json:
+        print(json.dumps([{"part": part, "name": name, **_plain(value)} for part, name, value in entries], indent=2))
+    elif not entries:
+        print(f"nothing was taught yet; `grip teach NAME` writes {file}")
+    for part, name, value in [] if as_json else entries:
+        print(_line(part, name, value))
+    return 0
+
+
+def _plain(value: JointState | Pose) -> dict[str, Any]:
+    from grip_bt.values import JointState
+
+    if isinstance(value, JointState):
+        return {"state": value.as_mapping()}
+    return {
+        "pose": {"position": value.position.tolist(), "quaternion": value.quaternion.tolist(), "frame": value.frame}
+    }
+
+
+def _line(part: str, name: str, value: JointState | Pose) -> str:
+    from grip_bt.values import JointState
+
+    if isinstance(value, JointState):
+        return f"{part}/{name}: " + ", ".join(f"{joint} {angle:.4f}" for joint, angle in value.as_mapping().items())
+    return f"{part}/{name}: {value!r}"
