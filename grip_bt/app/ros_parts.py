@@ -50,6 +50,8 @@ def open_ros(
     from grip_bt.ros.sensors import close_sensors, mounted_frames, open_sensors
     from grip_bt.ros.tf import Transforms
 
+    if "ros/lookup_transform" in needs:
+        _provide_frames(progress)
     domain = _domain(project, names, sensors, needs, stack)
     poses, _ = mounted_frames(project.file.sensors)
     frames = _robot_frames(project).with_poses(poses)
@@ -108,6 +110,17 @@ def _domain(
 def _users_domain() -> int | None:
     chosen = os.environ.get("ROS_DOMAIN_ID")
     return int(chosen) if chosen else None
+
+
+def _provide_frames(progress: Progress) -> None:
+    """Have the messages of TF, built where they aren't installed; without them only fixed frames are known."""
+    from grip_bt.ros.definitions import provide
+
+    try:
+        built = provide("tf2_msgs")
+        progress("frames", f"tf2_msgs, built in {built[0]}" if built else "tf2_msgs, as installed")
+    except GripError as error:
+        progress("frames", f"only those that never move: {error}")
 
 
 def _starts(start: Start | None) -> bool:

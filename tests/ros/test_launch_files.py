@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -219,3 +221,30 @@ def test_another_project_of_the_name_launch_is_not_taken_for_ros(tmp_path, monke
     assert not has_launch_package()
     (tmp_path / "launch" / "launch_description_sources").mkdir()
     assert has_launch_package()
+
+
+def test_ros_own_package_is_given_the_file_and_its_arguments(tmp_path):
+    """A stand-in of the package tells how it was asked; the real one isn't on PyPI."""
+    package = tmp_path / "launch"
+    package.mkdir()
+    (package / "__init__.py").write_text(
+        "class LaunchDescription(list): pass\n"
+        "class LaunchService:\n"
+        "    def __init__(self, argv): self.argv = argv\n"
+        "    def include_launch_description(self, description): self.description = description\n"
+        "    def run(self):\n"
+        "        (action,) = self.description\n"
+        "        print(self.argv, action.source.path, action.arguments)\n"
+        "        return 3\n"
+    )
+    (package / "actions.py").write_text(
+        "class IncludeLaunchDescription:\n"
+        "    def __init__(self, source, launch_arguments): self.source, self.arguments = source, launch_arguments\n"
+    )
+    (package / "launch_description_sources.py").write_text(
+        "class AnyLaunchDescriptionSource:\n    def __init__(self, path): self.path = path\n"
+    )
+    command = [sys.executable, "-m", "grip_bt.ros.launch.with_package", "it.launch.py", "ip:=1:=2"]
+    env = dict(os.environ, PYTHONPATH=str(tmp_path))
+    done = subprocess.run(command, env=env, capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (3, "['ip:=1:=2'] it.launch.py [('ip', '1:=2')]\n")

@@ -87,6 +87,21 @@ def test_a_message_of_any_type_is_kept_whole_with_its_header(messages):
     assert ended(messages.names("wrenches")) == ("touch",)
 
 
+def test_bytes_that_are_no_message_of_their_type_are_refused(messages):
+    from grip_bt.ros.managers.wire import RawMessage
+
+    for raw, reason in (
+        (RawMessage("geometry_msgs/msg/PoseStamped", b"12345678"), "8 bytes aren't a geometry_msgs/msg/PoseStamped"),
+        (RawMessage("geometry_msgs/msg/PoseStamped", b""), "0 bytes aren't"),
+        (RawMessage("geometry_msgs/msg/Pos", b""), "did you mean"),
+        (RawMessage("nothing_msgs/msg/X", b""), "the interface package 'nothing_msgs'"),
+        (RawMessage("nonsense", b""), "unknown ROS type"),
+    ):
+        with pytest.raises(BadReplyError, match=reason):
+            ended(messages.put("poses", "bad", raw))
+    assert ended(messages.names("poses")) == ("bin",)
+
+
 def test_files_of_the_project_are_there_from_the_start_in_full_precision(messages, folder):
     entry = ended(messages.get("poses", "bin"))
     assert list(entry.value.position) == [0.1234567890123456, 1.0e-17, 3.0]

@@ -13,6 +13,7 @@ from grip_bt.operation import Operation
 from ..bus import Bus
 from ..convert_geometry import seconds
 from ..definitions import provide
+from ..door import BadRequestError
 from ..fields import ConversionError
 from ..topic import Received
 from ..types import load_type
@@ -120,6 +121,6 @@ class RosMessages:
 def _entry(store: str, message: Any) -> Operation[Entry[Any]]:
     try:
         value = unpack(store, RawMessage(message.type, bytes(message.data)))
-    except ConversionError as error:
+    except (ConversionError, BadRequestError) as error:
         raise BadReplyError(f"store {store!r}: {message.name!r}: {error}") from None
     return Operation.finished(Entry(message.name, value, seconds(message.stamp), message.provenance, message.revision))

@@ -17,7 +17,7 @@ from ..bus import Bus
 from ..convert_geometry import seconds
 from ..definitions import provide
 from ..types import load_type
-from .wire import MESSAGES, PREFIX, RawMessage, pack
+from .wire import MESSAGES, PREFIX, RawMessage, message_of, pack
 
 _KINDS = {"put": 0, "deleted": 1, "pushed": 2, "taken": 3}
 _DEPTH = 100
@@ -85,7 +85,7 @@ class MessageServer:
         if not given.store:
             raise ExpectedError("the entry names no store")
         raw = RawMessage(given.type, bytes(given.data))
-        load_type(raw.type)  # so that nobody is given what can't be read
+        message_of(raw)  # so that nobody is given what can't be read
         wanted = self._types.setdefault(given.store, raw.type)
         if raw.type != wanted:
             raise WrongMessageError(given.store, wanted, raw.type)

@@ -65,13 +65,28 @@ def pack(store: str, value: Any) -> RawMessage:
     return RawMessage(MESSAGES[store], bytes(serialize_message(message)))
 
 
+def message_of(raw: RawMessage) -> Any:
+    """Return a message from its CDR.
+
+    Raises:
+        BadRequestError: the bytes aren't one of this type.
+        UnknownNameError, MissingPartError: there is no such type here.
+    """
+    cls = load_type(raw.type)
+    try:
+        return deserialize_message(raw.data, cls)
+    except Exception as error:  # noqa: BLE001 - rclpy's own errors, which share no class
+        raise BadRequestError(f"{len(raw.data)} bytes aren't a {raw.type} in CDR: {error}") from None
+
+
 def unpack(store: str, raw: RawMessage) -> Any:
     """Return what a store keeps as the value of a standard store, else as the message itself.
 
     Raises:
         ConversionError: a standard store has something that can't be its value.
+        BadRequestError: the bytes aren't a message of the type.
     """
-    message = deserialize_message(raw.data, load_type(raw.type))
+    message = message_of(raw)
     if MESSAGES.get(store) != raw.type:
         return message
     if store == "robot_poses":
