@@ -166,3 +166,87 @@ def test_pages_forbid_foreign_scripts_and_frames(page: TestClient) -> None:
     assert "default-src 'self'" in headers["content-security-policy"]
     assert "frame-ancestors 'none'" in headers["content-security-policy"]
     assert headers["x-content-type-options"] == "nosniff"
+
+
+OUTSIDE = [
+    "../secret.yaml",
+    "/etc/x.yaml",
+    "tasks/../../secret.yaml",
+    "..\\secret.yaml",
+    ".grip/x.yaml",
+    "tasks/a\0.yaml",
+]
+
+
+@pytest.mark.parametrize("path", OUTSIDE)
+def test_no_route_takes_a_path_that_leads_out(page: TestClient, project: Path, path: str) -> None:
+    before = sorted(project.parent.rglob("*.yaml"))
+    wishes: list[tuple[str, dict[str, object]]] = [
+        ("/api/breakpoints", {"task": path, "breakpoints": []}),
+        ("/api/setup/check", {"path": path, "text": ""}),
+        ("/api/setup/change", {"path": path, "text": "", "key": ["a"], "value": 1}),
+        ("/api/setup/save", {"path": path, "text": "a: 1", "over": True}),
+        ("/api/setup/probe", {"path": path, "what": "generate"}),
+    ]
+    for route, wish in wishes:
+        assert page.post(route, json=wish).status_code == 403, route
+    assert page.get("/api/setup/file", params={"path": path}).status_code == 403
+    assert sorted(project.parent.rglob("*.yaml")) == before
+
+
+@pytest.mark.parametrize("name", ["../a.py", "a/b.py", "a.sh", ".a.py", "a.py.sh", "", "a\0.py", "a.xml"])
+def test_an_imported_file_lands_in_its_folder_or_nowhere(page: TestClient, project: Path, name: str) -> None:
+    answer = page.post("/api/setup/import", json={"source": "smach", "name": name, "text": "x = 1"})
+    assert answer.status_code in {400, 422}
+    assert not (project / "legacy").exists()
+
+
+def test_an_import_does_not_follow_a_link_out_of_the_project(page: TestClient, project: Path) -> None:
+    outside = project.parent / "outside"
+    outside.mkdir()
+    (project / "legacy").symlink_to(outside)
+    answer = page.post("/api/setup/import", json={"source": "smach", "name": "a.py", "text": "x = 1"})
+    assert answer.status_code == 400
+    assert not list(outside.iterdir())
+
+
+def test_an_imported_file_is_read_and_never_executed(page: TestClient, project: Path) -> None:
+    spoor = project.parent / "spoor"
+    text = f"import smach\nopen({str(spoor)!r}, 'w').write('here')\nmachine = smach.StateMachine(outcomes=['a'])\n"
+    assert page.post("/api/setup/import", json={"source": "smach", "name": "a.py", "text": text}).status_code == 200
+    assert not spoor.exists()
+
+
+@pytest.mark.parametrize("route", ["session", "session/control", "breakpoints", "lease", "setup/check", "setup/change"])
+@pytest.mark.parametrize("body", [b"", b"{", b"[]", b"null", b"\xff", b'{"a": 1}', b"[" * 20_000, b'{"task": 1e999}'])
+def test_what_is_malformed_is_refused_everywhere_and_the_server_lives(
+    page: TestClient, route: str, body: bytes
+) -> None:
+    answer = page.post(f"/api/{route}", content=body, headers={"content-type": "application/json"})
+    assert answer.status_code in {400, 422}
+    assert page.get("/api/desk").status_code == 200
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a: &a [1]\nb: *a\n",
+        "&a [*a]",
+        "a: !!python/object/apply:os.system [true]",
+        "[" * 5000,
+        "a: 1\na: 2\n",
+        "\x00",
+        "a" * 100_000,
+    ],
+)
+def test_hostile_texts_of_settings_are_told_as_faults(page: TestClient, text: str) -> None:
+    answer = page.post("/api/setup/check", json={"path": "grip.yaml", "text": text})
+    assert answer.status_code == 200
+    assert answer.json()["problems"]
+    change = {"path": "grip.yaml", "text": text, "key": ["doc"], "value": "x"}
+    assert page.post("/api/setup/change", json=change).status_code in {200, 400}
+
+
+def test_a_page_id_that_is_none_is_refused_at_the_socket(page: TestClient) -> None:
+    with pytest.raises(WebSocketDisconnect), page.websocket_connect(SOCKET + "?page=" + "x" * 65):
+        pass
