@@ -7,6 +7,8 @@ explains which parts these are.
 
 from .as_edit import expanded
 from .equivalence import Comparison, Difference, compare
+from .extraction import Extracted, extracted
+from .inlining import inlined
 from .result import Note, Restructured
 from .to_composites import to_trees
 from .to_states import to_state_machines
@@ -17,6 +19,9 @@ __all__ = [
     "Difference",
     "compare",
     "expanded",
+    "Extracted",
+    "extracted",
+    "inlined",
     "Note",
     "Restructured",
     "to_state_machines",

@@ -8,24 +8,28 @@ from grip_bt.catalog import Catalog
 from grip_bt.errors import EditError, InvalidTaskError
 from grip_bt.graph import dumps, loads
 from grip_bt.graph.canonical import data_of
-from grip_bt.graph.edit import AnyCommand, Convert, Group, Patch, apply, path_after, title_of
+from grip_bt.graph.edit import AnyCommand, Convert, Group, Inline, Patch, apply, path_after, title_of
 from grip_bt.graph.edit.draft import Draft, deep
 from grip_bt.graph.edit.rewriting import differences
 from grip_bt.graph.edit.steps import Place, Put, Rekey, Shift, Step
 from grip_bt.graph.model import Task, join, walk
 from grip_bt.graph.shape import CHILDREN
 
+from .inlining import inlined
 from .result import Restructured
 from .to_composites import to_trees
 from .to_states import to_state_machines
 
 
 def expanded(command: AnyCommand, task: Task, catalog: Catalog) -> AnyCommand:
-    """Return a command in which every `convert` is the edit that it comes to, for whoever applies it.
+    """Return a command in which every `convert` and `inline` is the edit that it comes to, for whoever applies it.
 
     Raises:
-        EditError: what is to be converted has no equal in the other form, or the task isn't right.
+        EditError: what is to be converted has no equal in the other form, the task isn't right, or a subtask can't be
+            put in its place.
     """
+    if isinstance(command, Inline):
+        return inlined(command, task, catalog)
     if isinstance(command, Convert):
         return _conversion(command, task, catalog)
     if isinstance(command, Group):

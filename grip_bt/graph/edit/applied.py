@@ -22,9 +22,11 @@ from .variables import declare, rename_variable, undeclare
 from .wrapping import wrap
 
 
-def _needs_a_catalogue(editing: Editing, command: c.Convert) -> None:
-    """Refuse a conversion as it is: this room knows no nodes."""
-    message = "a conversion takes a catalogue: apply what `grip_bt.compilers.restructure.expanded` returns for it"
+def _needs_a_catalogue(editing: Editing, command: c.Convert | c.Extract | c.Inline) -> None:
+    """Refuse a command as it is: this room knows no nodes."""
+    name = "extracted" if isinstance(command, c.Extract) else "expanded"
+    what = "a conversion takes" if isinstance(command, c.Convert) else f"{command.do} takes"
+    message = f"{what} a catalogue: apply what `grip_bt.compilers.restructure.{name}` returns for it"
     raise EditError(command.path, message)
 
 
@@ -42,6 +44,8 @@ _PLANS: dict[type[Any], Callable[[Editing, Any], None]] = {
     c.Unwrap: unwrap,
     c.ChangeKind: change_kind,
     c.Convert: _needs_a_catalogue,
+    c.Extract: _needs_a_catalogue,
+    c.Inline: _needs_a_catalogue,
     c.Bind: bind,
     c.Unbind: unbind,
     c.SetMeaning: set_meaning,

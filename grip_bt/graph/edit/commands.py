@@ -187,6 +187,34 @@ class Convert(_Command):
     """Of `sm`: reactive composites too, which then aren't the same."""
 
 
+class Extract(_Command):
+    """A node with all below it goes to a file of its own, and a subtask that runs that file takes its place.
+
+    What goes in and out depends on what leaves read and write, so this takes a catalogue: `extracted` of
+    `grip_bt.compilers.restructure` returns the file and the edit, and `apply` refuses it as it is.
+    """
+
+    do: Literal["extract"] = "extract"
+    path: str
+    file: str
+    """The new file, relative to the project's folder, such as `tasks/fetch.yaml`."""
+    approximate: bool = False
+    """Also where somebody can tell that values go in and out at once: what may be halted, or has others beside it."""
+
+
+class Inline(_Command):
+    """What is in a subtask's file takes the subtask's place; the reverse of `extract`.
+
+    It takes a catalogue, which knows the file: `expanded` of `grip_bt.compilers.restructure` returns the edit that it
+    comes to, and `apply` refuses it as it is.
+    """
+
+    do: Literal["inline"] = "inline"
+    path: str
+    approximate: bool = False
+    """As in `extract`."""
+
+
 class Bind(_Command):
     """A port of a leaf reads from or writes to a variable."""
 
@@ -290,7 +318,8 @@ class Patch(_Command):
 
 AnyCommand = (
     Add | Paste | Remove | Move | Rename | Set | Unset | Connect | Disconnect | Wrap | Unwrap | ChangeKind
-    | Convert | Bind | Unbind | SetMeaning | Declare | Undeclare | RenameVariable | RenameOutcome | Group | Patch
+    | Convert | Extract | Inline | Bind | Unbind | SetMeaning | Declare | Undeclare | RenameVariable | RenameOutcome
+    | Group | Patch
 )  # fmt: skip
 Command = Annotated[AnyCommand, Discriminator("do")]
 

@@ -1,0 +1,152 @@
+"""A part of a task as a file of its own: `extract`. `inlining` is the way back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import PurePosixPath
+from typing import Any
+
+from grip_bt.catalog import Catalog
+from grip_bt.errors import EditError
+from grip_bt.graph import read_text
+from grip_bt.graph.canonical import dumps, lines_of
+from grip_bt.graph.document import Document
+from grip_bt.graph.edit import Patch, Set, Unset, apply_to_document, title_of
+from grip_bt.graph.edit.commands import Extract
+from grip_bt.graph.edit.draft import deep
+from grip_bt.graph.edit.editing import Editing, slot
+from grip_bt.graph.edit.steps import Assign
+from grip_bt.graph.frozen import FrozenDict
+from grip_bt.graph.model import Task
+from grip_bt.graph.scalars import write_scalar
+from grip_bt.graph.syntax import Mapping, parse
+from grip_bt.validation.dataflow import DataFlow
+from grip_bt.validation.survey import Spot, Survey
+
+from .handovers import expect_nobody_can_tell
+
+_AROUND = ("on", "precondition")
+"""Keys that speak about what is around a node, and so stay where it was."""
+
+
+@dataclass(frozen=True)
+class Extracted:
+    """A part of a task, taken out.
+
+    Attributes:
+        file: the new file, relative to the project's folder.
+        text: what is in it, with the comments of the part where it was taken from a document.
+        edit: the command that puts a subtask in its place; its inverse leads back.
+    """
+
+    file: str
+    text: str
+    edit: Patch
+
+
+def extracted(command: Extract, source: Document | Task, catalog: Catalog) -> Extracted:
+    """Take a node with all below it out to a file, which the task then runs as a subtask of the same name.
+
+    Inputs are the variables around it that it may read before it has written them, outputs those that it writes, each
+    with its type and its name; outcomes are the node's. Its `on` and `precondition` stay.
+
+    Args:
+        command: what is taken out, and where to.
+        source: the task, or the document that it was read from; comments go with the part.
+        catalog: the nodes that exist, and the files of the project.
+
+    Raises:
+        EditError: there is no such node, it is the root, the part has errors, or a subtask would do something else.
+    """
+    document = source if isinstance(source, Document) else read_text(dumps(source))
+    spot, survey = _spot(command, document.task, catalog)
+    part = _part(command, spot, survey, catalog)
+    inputs, outputs = _ports(command, spot, part, catalog)
+    if not command.approximate:
+        expect_nobody_can_tell(spot, set(inputs), set(outputs))
+    record: dict[str, Any] = {"kind": "subtask", "task": command.file}
+    for key, bound in (("in", inputs), ("out", outputs)):
+        record |= {key: {name: name for name in bound}} if bound else {}
+    record |= {key: deep(value) for key in _AROUND if (value := getattr(spot.node, key))}
+    editing = Editing(document.task)
+    parent, name, container = editing.parent(command.path, "is the task already; wrap it, and take out the child")
+    edit = Patch(
+        title=title_of(command),
+        steps=(Assign(at=(*editing.place(parent), slot(container)), key=name, value=record),),
+    )
+    return Extracted(command.file, _text(document, edit, part, inputs, outputs), edit)
+
+
+def _spot(command: Extract, task: Task, catalog: Catalog) -> tuple[Spot, Survey]:
+    survey = Survey(task, catalog)
+    spot = next((spot for spot in survey.spots if spot.path == command.path), None)
+    if spot is None:
+        raise EditError(command.path, "there is no such node")
+    if spot.parent is None:
+        raise EditError(command.path, "the root is the task already; wrap it, and take out the child")
+    file = PurePosixPath(command.file)
+    if file.is_absolute() or ".." in file.parts or file.suffix not in (".yaml", ".yml"):
+        raise EditError(command.path, f"{command.file!r} isn't a task file of the project, such as `tasks/fetch.yaml`")
+    if any(inside.manifest is None for inside in survey.leaves if _below(inside.path, spot.path)):
+        raise EditError(command.path, "it has a node that the catalogue doesn't know; mend it first (`grip check`)")
+    missing = [name for (path, _), name in DataFlow(survey).missing.items() if _below(path, spot.path)]
+    if missing:
+        raise EditError(command.path, f"{missing[0]!r} may be read in it before it is written; mend it first")
+    return spot, survey
+
+
+def _below(path: str, above: str) -> bool:
+    return path == above or path.startswith(f"{above}/")
+
+
+def _part(command: Extract, spot: Spot, survey: Survey, catalog: Catalog) -> Task:
+    """Return the part as a task whose variables are all those that were around it."""
+    root = {key: value for key, value in deep(spot.node).items() if key not in _AROUND}
+    types = {name: str(declared.type or "Any") for name, declared in spot.around.items()}
+    outcomes = dict(spot.outcomes)
+    if spot.node.precondition and "failure" not in _own_outcomes(spot, root, catalog):
+        del outcomes["failure"]  # only its refusal is one, which stays outside
+    name = PurePosixPath(command.file).stem
+    return Task.model_validate({"grip": 1, "name": name, "outcomes": outcomes, "data": types, "root": root})
+
+
+def _own_outcomes(spot: Spot, root: dict[str, Any], catalog: Catalog) -> set[str]:
+    bare = Task.model_validate({"grip": 1, "name": "part", "root": root})
+    return set(Survey(bare, catalog).root.outcomes)
+
+
+def _ports(command: Extract, spot: Spot, part: Task, catalog: Catalog) -> tuple[dict[str, str], dict[str, str]]:
+    """Return the inputs and outputs of a part, each with its type."""
+    types = {name: declared.type_text for name, declared in Survey(part, catalog).task_scope.items()}
+    inputs: dict[str, str] = {}
+    while True:  # an expression that reads several variables names one of them at a time
+        asked = part.model_copy(update={"inputs": FrozenDict(inputs), "data": FrozenDict(types)})
+        survey = Survey(asked, catalog)
+        missing = set(DataFlow(survey).missing.values()) & types.keys()
+        if not missing:
+            break
+        inputs |= {name: types.pop(name) for name in sorted(missing)}
+    written = survey.root.writes
+    outputs = {name: declared.type_text for name, declared in survey.task_scope.items() if declared.bit & written}
+    return inputs, outputs
+
+
+def _text(document: Document, edit: Patch, part: Task, inputs: dict[str, str], outputs: dict[str, str]) -> str:
+    """Return the new file: the very lines of the part, below a head of its own."""
+    taken = apply_to_document(document, edit).inverse.steps[0]
+    assert isinstance(taken, Assign), "its inverse puts the part back"
+    head = f"grip: 1\nname: {write_scalar(part.name, False)}\n"
+    source = taken.source or "\n".join(lines_of(taken.key, taken.value, True)) + "\n"
+    tree = parse(source)
+    assert isinstance(tree, Mapping), "an entry is a mapping of one key"
+    entry = next(iter(tree.entries.values()))
+    made = read_text(head + source[: entry.start] + "root" + source[entry.key_end :])
+    for key in _AROUND:
+        if getattr(made.task.root, key):
+            made = apply_to_document(made, Unset(path="/", key=(key,))).document
+    if dict(part.outcomes) != {"success": "success", "failure": "failure"}:
+        made = apply_to_document(made, Set(path="", key=("outcomes",), value=dict(part.outcomes))).document
+    for key, ports in (("inputs", inputs), ("outputs", outputs)):
+        if ports:
+            made = apply_to_document(made, Set(path="", key=(key,), value=ports)).document
+    return made.text

@@ -1,0 +1,198 @@
+"""A part of a task to a file of its own, and back: the text that comes of it, and what is refused."""
+
+import pytest
+
+from grip_bt.catalog import Catalog, TaskTexts
+from grip_bt.compilers.restructure import expanded, extracted
+from grip_bt.errors import EditError
+from grip_bt.graph import loads, read_text
+from grip_bt.graph.edit import Extract, Inline, apply, apply_to_document, command_of
+from grip_bt.validation import validate
+
+TEXT = """\
+grip: 1
+name: demo
+data: {start: {type: int, value: 1}, reached: int, unused: {type: int, value: 0}}
+root:
+  kind: state_machine
+  initial: count
+  outcomes: {done: success, lost: failure}
+  on: {done: success, lost: failure}
+  children:
+    # how far it goes
+    count:
+      kind: sequence  # one after the other
+      precondition: unused < 3
+      on: {success: say, failure: lost, failure.loop_limit: lost}
+      children:
+        begin: {node: flow/compute, with: {expression: a}, in: {a: start}, out: {value: reached}}
+        # and on
+        add: {node: flow/compute, with: {expression: a + 1}, in: {a: reached}, out: {value: reached}}
+    say: {node: flow/log, with: {message: there}, in: {value: reached}, on: {success: done}}
+"""
+PART = """\
+grip: 1
+name: count
+inputs: {start: int}
+outputs: {reached: int}
+root:
+  kind: sequence  # one after the other
+  children:
+    begin: {node: flow/compute, with: {expression: a}, in: {a: start}, out: {value: reached}}
+    # and on
+    add: {node: flow/compute, with: {expression: a + 1}, in: {a: reached}, out: {value: reached}}
+"""
+LEFT = """\
+    count:
+      kind: subtask
+      precondition: unused < 3
+      task: tasks/count.yaml
+      in: {start: start}
+      out: {reached: reached}
+      on: {success: say, failure: lost, failure.loop_limit: lost}
+"""
+CATALOG = Catalog.builtin()
+TAKE = Extract(path="count", file="tasks/count.yaml")
+
+
+def with_files(**texts):
+    return CATALOG.with_tasks(TaskTexts({f"tasks/{name}.yaml": loads(text) for name, text in texts.items()}))
+
+
+def test_a_part_goes_to_a_file_with_its_comments_and_its_ports():
+    document = read_text(TEXT)
+    made = extracted(TAKE, document, CATALOG)
+    assert made.text == PART
+    done = apply_to_document(document, made.edit)
+    assert LEFT in done.document.text
+    assert not validate(done.document.task, with_files(count=made.text)).issues
+    assert apply_to_document(done.document, done.inverse).document.text == TEXT
+
+
+def test_a_part_taken_out_and_put_back_is_the_same_task():
+    task = loads(TEXT)
+    made = extracted(TAKE, task, CATALOG)
+    after = apply(task, made.edit).task
+    back = expanded(Inline(path="count"), after, with_files(count=made.text))
+    assert apply(after, back).task == task
+
+
+def test_the_commands_have_a_wire_form():
+    assert command_of(TAKE.model_dump(mode="json")) == TAKE
+    assert command_of({"do": "inline", "path": "count"}) == Inline(path="count")
+
+
+@pytest.mark.parametrize(("command", "name"), [(TAKE, "extracted"), (Inline(path="count"), "expanded")])
+def test_they_take_a_catalogue(command, name):
+    with pytest.raises(EditError, match=rf"takes a catalogue: apply what .*\.{name}"):
+        apply(loads(TEXT), command)
+
+
+HEAD = "grip: 1\nname: a\n"
+INNER = "{kind: sequence, children: {b: {node: flow/compute, with: {expression: '1'}, out: {value: v}}}}"
+READER = "{kind: sequence, children: {b: {node: flow/log, with: {message: b}, in: {value: v}}}}"
+WRITER = "{node: flow/compute, with: {expression: '2'}, out: {value: v}}"
+
+
+@pytest.mark.parametrize(
+    ("text", "path", "words"),
+    [
+        (f"{HEAD}root: {{kind: sequence, children: {{n: {INNER}}}}}\n", "/", "the root is the task already"),
+        (f"{HEAD}root: {{kind: sequence, children: {{n: {INNER}}}}}\n", "m", "there is no such node"),
+        (f"{HEAD}root: {{kind: sequence, children: {{n: {{node: a/b}}}}}}\n", "n", "the catalogue doesn't know"),
+        (
+            f"{HEAD}data: {{v: int}}\nroot: {{kind: sequence, children: {{n: {READER}}}}}\n",
+            "n",
+            "'v' may be read in it before it is written",
+        ),
+        (
+            f"{HEAD}data: {{v: int}}\nroot: {{kind: timeout, seconds: 3, child: {{n: {INNER}}}}}\n",
+            "n",
+            "it writes v, and the timeout / may halt it, after which a subtask hands nothing out; take all of",
+        ),
+        (
+            f"{HEAD}data: {{v: {{type: int, value: 1}}}}\n"
+            f"root: {{kind: parallel, order: declared, children: {{w: {WRITER}, n: {READER}}}}}\n",
+            "n",
+            "it reads v, which another child of the parallel / may write while it runs",
+        ),
+    ],
+)
+def test_a_part_that_would_do_something_else_is_refused(text, path, words):
+    with pytest.raises(EditError, match=words):
+        extracted(Extract(path=path, file="tasks/n.yaml"), loads(text), CATALOG)
+
+
+def test_an_inexact_part_is_taken_out_when_that_is_asked_for():
+    text = f"{HEAD}data: {{v: int}}\nroot: {{kind: timeout, seconds: 3, child: {{n: {INNER}}}}}\n"
+    made = extracted(Extract(path="n", file="tasks/n.yaml", approximate=True), loads(text), CATALOG)
+    assert loads(made.text).outputs == {"v": "int"}
+
+
+@pytest.mark.parametrize("file", ["/tmp/a.yaml", "../a.yaml", "a.py"])
+def test_a_file_outside_of_the_project_is_refused(file):
+    with pytest.raises(EditError, match="isn't a task file of the project"):
+        extracted(Extract(path="count", file=file), loads(TEXT), CATALOG)
+
+
+SUB = """\
+grip: 1
+name: sub
+doc: Counts.
+inputs: {a: int, limit: {type: int, value: 3}}
+outputs: {b: int}
+data: {v: {type: int, value: 0}}
+root:
+  kind: sequence
+  children:
+    one: {node: flow/compute, with: {expression: a + b}, in: {a: a, b: v}, out: {value: b}}
+    two: {node: flow/compute, with: {expression: a + b}, in: {a: b, b: limit}, out: {value: v}}
+"""
+RUNS = (
+    HEAD
+    + "data: {v: {type: int, value: 1}, b: int}\nroot: {kind: sequence, children: {s: {kind: subtask, "
+    + "task: tasks/sub.yaml, %s}, say: {node: flow/log, with: {message: x}, in: {value: b}}}}\n"
+)
+
+
+def test_ports_become_the_variables_they_are_bound_to_and_the_rest_is_declared():
+    task = loads(RUNS % "in: {a: v}, with: {limit: 7}, out: {b: b}")
+    catalog = with_files(sub=SUB)
+    done = apply(task, expanded(Inline(path="s"), task, catalog)).task
+    node = done.root.children["s"]
+    assert dict(node.children["one"].in_) == {"a": "v", "b": "v_2"}
+    assert dict(node.children["two"].in_) == {"a": "b", "b": "limit"}
+    assert dict(node.children["two"].out) == {"value": "v_2"}
+    assert (node.data["limit"].value, node.data["v_2"].value, node.doc) == (7, 0, "Counts.")
+    assert not validate(done, catalog).errors
+
+
+@pytest.mark.parametrize(
+    ("bound", "sub", "words"),
+    [
+        ("in: {a: v}, out: {b: v}", SUB, "two ports are bound to one variable"),
+        ("in: {a: v}, out: {b: b}", SUB.replace("value: b}", "value: a}"), "'a' is written inside, which 'v' mustn't"),
+        ("in: {a: v}, out: {b: b}", SUB.replace("{b: int}", "{b: {type: int, value: 1}}"), "begins with a value of"),
+        ("in: {a: v}, out: {b: b}, meaning: {success: failure}", SUB, "`meaning` differs"),
+        (
+            "in: {a: v}, out: {b: b}",
+            SUB.replace("name: sub", "name: sub\noutcomes: {ok: success, failure: failure}").replace(
+                "root:", "root:\n  on: {success: ok}"
+            ),
+            "has outcomes of its own",
+        ),
+        ("in: {a: v}, out: {b: b}", SUB.replace("root:", "root:\n  precondition: v < 1"), "reads variables of its own"),
+    ],
+)
+def test_a_subtask_that_is_no_part_is_refused(bound, sub, words):
+    task = loads(RUNS % bound)
+    with pytest.raises(EditError, match=words):
+        expanded(Inline(path="s"), task, with_files(sub=sub))
+
+
+def test_what_is_no_subtask_or_has_no_file_is_refused():
+    task = loads(RUNS % "in: {a: v}")
+    with pytest.raises(EditError, match="there is no subtask"):
+        expanded(Inline(path="say"), task, CATALOG)
+    with pytest.raises(EditError, match="there is no such file"):
+        expanded(Inline(path="s"), task, with_files())
