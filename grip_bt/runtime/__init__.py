@@ -11,12 +11,14 @@ from .plan import Plan
 from .recording import Recording
 from .reliving import Reliving, Result
 from .runner import Runner, RunResult
+from .tree_choice import Choose
 from .tree_containers import Each, Joining
 from .tree_state import BehaviourTree, TreeRun
 from .waker import Waker
 
 __all__ = [
     "BehaviourTree",
+    "Choose",
     "Each",
     "Event",
     "Joining",

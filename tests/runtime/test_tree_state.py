@@ -17,7 +17,7 @@ from grip_bt.errors import NodeError
 from grip_bt.graph.model import Task
 from grip_bt.nodes import Leaf
 from grip_bt.nodes.smach_leaf import SmachLeaf
-from grip_bt.runtime import BehaviourTree, RunContext, Runner, TreeRun
+from grip_bt.runtime import BehaviourTree, Choose, RunContext, Runner, TreeRun
 
 WAITING = Manifest(
     id="test/waits",
@@ -236,3 +236,19 @@ def test_failure_codes_can_be_outcomes_of_their_own():
         state = BehaviourTree.of_node(node, run, outcomes={"failure": "failure"}, codes=["failure.no_ik"])
         assert list(state.get_registered_outcomes()) == ["failure", "failure.no_ik"]
         assert state.execute(smach.UserData()) == "failure.no_ik"
+
+
+def test_a_state_that_chooses_reads_userdata_and_says_what_is_wrong():
+    with TreeRun() as run:
+        switch = Choose.case(run, "n % 3", {"a": [0, 1]}, place="pick", codes=["failure.no_case"])
+        data = smach.UserData()
+        data.n = 4
+        assert switch.execute(data) == "do a"
+        data.n = 5
+        assert switch.execute(data) == "failure.no_case"
+        loop = Choose.loop(run, "a", "n < 7", times=1)
+        assert [loop.execute(data), loop.execute(data)] == ["do a", "failure"]
+        data.n = 7
+        assert loop.execute(data) == "success"
+        with pytest.raises(NodeError, match="pick: .*variable 'n' was read before it was written"):
+            switch.execute(smach.UserData())

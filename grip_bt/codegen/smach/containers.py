@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 from grip_bt.compilers.behaviour_state import Refined, labels
 from grip_bt.compilers.resolve import Part
-from grip_bt.compilers.transitions import COUNT, counts, state_labels, table_of
+from grip_bt.compilers.transitions import COUNT, chooses, counts, state_labels, table_of
 from grip_bt.graph import model
 
 from ..standalone.layout import Code, Items, call
@@ -57,6 +57,7 @@ def machine(
     if then is not None:
         then()
     counter = _counter(plan, part, name) if counts(part) else ""
+    choice = _choice(plan, part, needed, name) if chooses(part) else ""
     plan.body.append(f"    with {name}:")
     for child in part.children:
         leads = {label: ends.get(to, to) for label, to in table.rows[names[child.name]].items()}
@@ -65,6 +66,12 @@ def machine(
         end = "failure" if isinstance(part.node, model.Retry) else "success"
         leads = {"again": names[part.children[0].name], "enough": ends.get(end, end)}
         plan.write(call("smach.StateMachine.add", COUNT, Code(counter), transitions=leads), "", 8)
+    if choice:
+        leads = {f"do {child.name}": names[child.name] for child in part.children}
+        leads |= {end: ends.get(end, end) for end in labels(("success", "failure"), _failures(needed))}
+        if isinstance(part.node, model.Switch):  # a child without a case is never next
+            leads = {end: to for end, to in leads.items() if end[:3] != "do " or end[3:] in _cased(part.node)}
+        plan.write(call("smach.StateMachine.add", COUNT, Code(choice), transitions=leads), "", 8)
     if table.initial != names[part.children[0].name]:
         plan.write(call(f"{name}.set_initial_state", [table.initial]), "", 4)
     return name
@@ -77,6 +84,37 @@ def _counter(plan: Plan, part: Part, name: str) -> str:
     plan.write(call("Count", part.node.times), counter)
     plan.write(call(f"{name}.register_start_cb", Code(f"{counter}.begin")))
     return counter
+
+
+def _choice(plan: Plan, part: Part, needed: Refined, name: str) -> str:
+    """Write the state that asks a rule, and return its name."""
+    plan.classes["Choose"] = None
+    more: dict[str, object] = {"place": part.path}
+    if failures := _failures(needed):
+        more["codes"] = [f"{outcome}.{code}" for outcome, code in sorted(failures)]
+    if isinstance(part.node, model.Switch):
+        cases: dict[str, list[object]] = {}
+        for child, literal in model.cases_of(part.node):
+            cases.setdefault(child, []).append(literal)
+        default = {"default": part.node.default} if part.node.default else {}
+        made = call("Choose.case", Code("run"), part.node.on_value, cases, **default, **more)
+    else:
+        assert isinstance(part.node, model.Loop), "the others are no machines"
+        said = {"condition": part.node.while_, "times": part.node.times}
+        given = {key: value for key, value in said.items() if value not in ("", None)}
+        made = call("Choose.loop", Code("run"), part.children[0].name, **given, **more)
+    choice = plan.identifiers.take(f"choice_of_{name}")
+    plan.write(made, choice)
+    plan.write(call(f"{name}.register_start_cb", Code(f"{choice}.begin")))
+    return choice
+
+
+def _failures(needed: Refined) -> set[tuple[str, str]]:
+    return {(outcome, code) for outcome, code in needed if outcome == "failure"}
+
+
+def _cased(node: model.Switch) -> set[str]:
+    return {*(child for child, _ in model.cases_of(node)), node.default}
 
 
 def add(plan: Plan, label: str, made: Made, part: Part, refined: Refined, leads: Mapping[str, str] | None) -> None:

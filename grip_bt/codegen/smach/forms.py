@@ -28,7 +28,7 @@ def form_of(part: Part, needed: Refined) -> Form:
     node = part.node
     if isinstance(node, model.Leaf):
         return "tree" if legacy_state(part) is None else "state"
-    if isinstance(node, model.Foreign | model.Subtask | model.Switch | model.Loop | model.Cooldown):
+    if isinstance(node, model.Foreign | model.Subtask | model.Cooldown):
         return "tree"
     if node.precondition or interrupts(part):
         return "tree"

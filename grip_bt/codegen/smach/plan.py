@@ -17,7 +17,7 @@ from .keys import reads, writes
 
 _TAKEN = (
     *("smach", "copy", "sys", "Path", "HERE", "NODES", "build", "run", "task", "load_legacy", "BehaviourTree"),
-    *("Count", "Each", "Joining", "begin_anew", "tree_run", "userdata", "states", "ends"),
+    *("Choose", "Count", "Each", "Joining", "begin_anew", "tree_run", "userdata", "states", "ends"),
 )
 
 

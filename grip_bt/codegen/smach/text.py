@@ -41,7 +41,7 @@ def assemble(plan: Plan, folder: Path) -> str:
         plan: what it holds.
         folder: where it will lie.
     """
-    trees = bool(plan.nodes or plan.trees)
+    trees = bool(plan.nodes or plan.trees or plan.classes)
     plain = not trees and all(_importable(file) for file in plan.modules)
     sections = [_docstring(plan, trees, plain), _imports(plan, folder, trees, plain)]
     if "count" in plan.parts:
@@ -84,7 +84,7 @@ def _imports(plan: Plan, folder: Path, trees: bool, plain: bool) -> str:
     standard = ["import copy"] if "begin_anew" in plan.parts else []
     if plan.modules:
         standard += (["import sys"] if plain else []) + ["from pathlib import Path"]
-    own = ["from grip_bt import BehaviourTree"] if trees else []
+    own = ["from grip_bt import BehaviourTree"] if plan.nodes or plan.trees else []
     own.append("import smach" if plain else "from grip_bt import smach_compat as smach")
     if plan.modules and not plain:
         own.append("from grip_bt.nodes.smach_source import load_legacy")

@@ -1,0 +1,123 @@
+"""The state of a SMACH machine that asks a rule of a task who is next: a switch's cases, or a loop's condition."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from typing import Any, Self
+
+from grip_bt.compilers.behaviour_state import Refined, label, labels
+from grip_bt.errors import DataError, NodeError
+from grip_bt.graph.evaluation import condition_of, value_of
+from grip_bt.graph.expression import Expression, parse_expression
+from grip_bt.nodes.control import Cases, Condition, Passes, Rule
+from grip_bt.smach_compat import State
+
+from .tree_state import TreeRun
+
+
+class Choose(State):
+    """Asks a rule; ends with `do CHILD`, `success`, or `failure`. Made by `case` or `loop`.
+
+    Its machine begins with it; a loop's child leads back to it. Register `begin` as a start callback of the machine.
+    """
+
+    def __init__(
+        self, run: TreeRun, names: Collection[str], children: Sequence[str], place: str, codes: Collection[str]
+    ):
+        pairs = [code.partition(".") for code in codes]
+        self._refined: Refined = [(outcome, code) for outcome, _, code in pairs]
+        ends = labels(("success", "failure"), self._refined)
+        super().__init__([*(f"do {child}" for child in children), *ends], list(names), list(names))
+        self.run, self.place = run, place
+        self.rule = Rule()
+        self._userdata: Any = None
+
+    @classmethod
+    def case(
+        cls,
+        run: TreeRun,
+        value: str,
+        cases: Mapping[str, Sequence[Any]],
+        default: str = "",
+        *,
+        place: str = "/",
+        codes: Collection[str] = (),
+    ) -> Self:
+        """Return the state of a switch.
+
+        Args:
+            run: what the machine's states share.
+            value: an expression over userdata.
+            cases: child -> the literals for which it is next.
+            default: the child for every other value; without it the state ends with `failure`.
+            place: path in messages.
+            codes: failure codes with outcomes of their own, such as `failure.no_case`.
+        """
+        expression = parse_expression(value)
+        children = list(dict.fromkeys([*cases, *([default] if default else [])]))
+        state = cls(run, expression.names, children, place, codes)
+        pairs = [(child, literal) for child, literals in cases.items() for literal in literals]
+        state.rule = Cases(value_of(expression, state._readers(expression, "on_value")), pairs, default)
+        return state
+
+    @classmethod
+    def loop(
+        cls,
+        run: TreeRun,
+        child: str,
+        condition: str = "",
+        times: int | None = None,
+        *,
+        place: str = "/",
+        codes: Collection[str] = (),
+    ) -> Self:
+        """Return the state of a loop.
+
+        Args:
+            run: what the machine's states share.
+            child: what is done.
+            condition: an expression over userdata: while it is true.
+            times: how often at most.
+            place: path in messages.
+            codes: failure codes with outcomes of their own, such as `failure.loop_limit`.
+        """
+        expression = parse_expression(condition) if condition else None
+        state = cls(run, expression.names if expression else (), [child], place, codes)
+        holds = None
+        if expression is not None:
+            readers = state._readers(expression, "while")
+            holds = Condition(expression.text, condition_of(expression, readers), lambda written: None)
+        state.rule = Passes(child, holds, times)
+        return state
+
+    def begin(self, userdata: Any, states: Any) -> None:
+        """Begin anew; called when the machine is entered."""
+        self.rule.begin()
+
+    def execute(self, userdata: Any) -> str:
+        """Ask.
+
+        Raises:
+            NodeError: the expression can't be computed.
+            Halted: the run was stopped.
+        """
+        self.run.shared.turn()
+        self._userdata = userdata
+        try:
+            turn = self.rule.choose()
+        except Exception as error:
+            wrapped = NodeError(self.place, error)
+            self.run.shared.fail(wrapped)
+            raise wrapped from error
+        return f"do {turn.child}" if turn.child is not None else label(turn.outcome, turn.failure, self._refined)
+
+    def _readers(self, expression: Expression, key: str) -> dict[str, Callable[[], Any]]:
+        def reader(name: str) -> Callable[[], Any]:
+            def read() -> Any:
+                if name not in self._userdata:
+                    raise DataError(self.place, key, f"variable {name!r} was read before it was written")
+                return self._userdata[name]
+
+            return read
+
+        return {name: reader(name) for name in expression.names}
