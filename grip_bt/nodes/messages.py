@@ -11,16 +11,16 @@ from grip_bt.operation import Operation
 from .leaf import OperationLeaf, Status
 
 
-class GetMessage(OperationLeaf):
-    """Read a value by its name."""
+class _Reading(OperationLeaf):
+    """Read an entry of a store."""
 
     def start(self) -> Operation[Any]:
         """Ask for it."""
         return self.context.messages().get(self.params["store"], self.entry_name())
 
     def entry_name(self) -> str:
-        """Return the name that is asked for."""
-        return str(self.params["name"])
+        """Return the name that is asked for; of the queue, an empty one."""
+        return ""
 
     def finish(self, result: Any) -> Status:
         """Hand it out, when it is what the task expects."""
@@ -31,7 +31,15 @@ class GetMessage(OperationLeaf):
         return self.end(value=result.value)
 
 
-class SelectMessage(GetMessage):
+class GetMessage(_Reading):
+    """Read a value by its name."""
+
+    def entry_name(self) -> str:
+        """Return the name that the task says."""
+        return str(self.params["name"])
+
+
+class SelectMessage(_Reading):
     """Read a value whose name the task has worked out."""
 
     def entry_name(self) -> str:
@@ -39,32 +47,32 @@ class SelectMessage(GetMessage):
         return str(self.read("name"))
 
 
-class TakeMessage(GetMessage):
+class TakeMessage(_Reading):
     """Take the oldest value out of a store's queue."""
 
-    def entry_name(self) -> str:
-        """Return the name of the queue."""
-        return ""
 
-
-class PutMessage(OperationLeaf):
-    """Keep a value under a name."""
+class _Writing(OperationLeaf):
+    """Hand a value to a store."""
 
     def start(self) -> Operation[None]:
         """Hand it over."""
         return self.context.messages().put(self.params["store"], self.entry_name(), self.read("value"), self.path)
 
     def entry_name(self) -> str:
-        """Return the name under which it is kept."""
+        """Return the name under which it is kept; of the queue, an empty one."""
+        return ""
+
+
+class PutMessage(_Writing):
+    """Keep a value under a name."""
+
+    def entry_name(self) -> str:
+        """Return the name that the task says."""
         return str(self.params["name"])
 
 
-class PushMessage(PutMessage):
+class PushMessage(_Writing):
     """Put a value at the end of a store's queue."""
-
-    def entry_name(self) -> str:
-        """Return the name of the queue."""
-        return ""
 
 
 class DeleteMessage(OperationLeaf):

@@ -9,7 +9,7 @@ from xml.parsers import expat
 
 from grip_bt.errors import DocumentError
 from grip_bt.graph.document import read_file
-from grip_bt.graph.syntax import Listing, Mapping, Scalar, Value, parse
+from grip_bt.graph.syntax import Listing, Mapping, Scalar, Value, parse, plain
 
 from .errors import LaunchError
 
@@ -116,7 +116,7 @@ def _add(element: Element, key: str, value: Value, line: int, source: str) -> No
         for item in value.entries:
             element.children.append(_tagged(key, item.value, item.line, source))
     elif isinstance(value, Listing) and all(isinstance(item.value, Scalar) for item in value.entries):
-        element.attributes[key] = "[" + ", ".join(text_of(item.value.value) for item in value.entries) + "]"
+        element.attributes[key] = "[" + ", ".join(text_of(word) for word in plain(value)) + "]"
     else:
         raise LaunchError(source, line, f"`{element.tag}`: `{key}` can't be given like this")
 

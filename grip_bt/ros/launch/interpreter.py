@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import shlex
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from grip_bt.errors import listing, nearest
@@ -14,72 +13,13 @@ from ..packages import PackageError, executable_of
 from .element import Element, read_elements
 from .errors import LaunchError
 from .legacy import check_not_legacy
+from .model import Argument, Launch, LaunchedProcess, Scope, joined
 from .parameters import parameters_of
 from .substitutions import Place, substitute, truth
 
 DEEPEST = 30
 """Files that include each other."""
 _CONDITIONS = {"if", "unless"}
-
-
-@dataclass(frozen=True)
-class LaunchedProcess:
-    """One process that a launch file asks for.
-
-    Attributes:
-        name: of the node or the executable, made unique.
-        command: program and arguments.
-        env: environment variables beside the inherited ones.
-        unset: inherited variables that are taken away.
-        folder: working directory, or None for the present one.
-        respawn: whether it is started again when it ends.
-        respawn_delay: how long to wait before [s].
-        required: whether everything ends when it ends (`on_exit="shutdown"`).
-        place: where it is written, for messages.
-    """
-
-    name: str
-    command: tuple[str, ...]
-    env: Mapping[str, str] = field(default_factory=dict)
-    unset: frozenset[str] = frozenset()
-    folder: Path | None = None
-    respawn: bool = False
-    respawn_delay: float = 0.0
-    required: bool = False
-    place: str = ""
-
-
-@dataclass(frozen=True)
-class Argument:
-    """An argument that a launch file declares."""
-
-    name: str
-    default: str | None
-    doc: str
-    choices: tuple[str, ...] = ()
-
-
-@dataclass
-class Launch:
-    """What a launch file asks for."""
-
-    processes: list[LaunchedProcess] = field(default_factory=list)
-    arguments: list[Argument] = field(default_factory=list)
-
-
-@dataclass
-class _Scope:
-    """What a group has of its own; children change a copy, elements of one group share it."""
-
-    variables: dict[str, str]
-    env: dict[str, str]
-    unset: frozenset[str] = frozenset()
-    namespace: str = ""
-    remaps: tuple[tuple[str, str], ...] = ()
-    parameters: tuple[str, ...] = ()
-
-    def copy(self) -> _Scope:
-        return replace(self, variables=dict(self.variables), env=dict(self.env))
 
 
 def read_launch_file(
@@ -97,7 +37,7 @@ def read_launch_file(
         LegacyLaunchFileError: it is one of ROS 1; it says what to change.
     """
     reader = _Reader(prefixes)
-    reader.read_file(Path(path), dict(arguments or {}), _Scope({}, {}), ())
+    reader.read_file(Path(path), dict(arguments or {}), Scope({}, {}), ())
     return reader.launch
 
 
@@ -109,7 +49,7 @@ class _Reader:
         self._files: tuple[Path, ...] = ()
         self._given: dict[str, str] = {}
 
-    def read_file(self, path: Path, given: dict[str, str], scope: _Scope, above: tuple[Path, ...]) -> None:
+    def read_file(self, path: Path, given: dict[str, str], scope: Scope, above: tuple[Path, ...]) -> None:
         if len(above) >= DEEPEST:
             raise LaunchError(str(path), None, f"files include each other more than {DEEPEST} deep")
         if path.suffix == ".py":
@@ -132,7 +72,7 @@ class _Reader:
         self._all(root.children, scope)
         self._files, self._given = files, outer
 
-    def _all(self, elements: Sequence[Element], scope: _Scope) -> None:
+    def _all(self, elements: Sequence[Element], scope: Scope) -> None:
         for element in elements:
             handler = _HANDLERS.get(element.tag)
             if handler is None:
@@ -144,10 +84,10 @@ class _Reader:
             if self._holds(element, scope):
                 handler[0](self, element, scope)
 
-    def _place(self, element: Element, scope: _Scope) -> Place:
+    def _place(self, element: Element, scope: Scope) -> Place:
         return Place(self._files[-1], element.line, scope.variables, {**os.environ, **scope.env}, self._prefixes)
 
-    def _holds(self, element: Element, scope: _Scope) -> bool:
+    def _holds(self, element: Element, scope: Scope) -> bool:
         """Tell whether the element's conditions hold, after a look at its attributes."""
         allowed = _HANDLERS[element.tag][1] | _CONDITIONS
         place = self._place(element, scope)
@@ -164,7 +104,7 @@ class _Reader:
         if_, unless = element.attributes.get("if"), element.attributes.get("unless")
         return (if_ is None or truth(if_, place)) and (unless is None or not truth(unless, place))
 
-    def _text(self, element: Element, scope: _Scope, name: str, default: str | None = None) -> str:
+    def _text(self, element: Element, scope: Scope, name: str, default: str | None = None) -> str:
         """Return an attribute with its substitutions made."""
         if name not in element.attributes:
             if default is None:
@@ -174,7 +114,7 @@ class _Reader:
 
     # --- elements ---
 
-    def _arg(self, element: Element, scope: _Scope) -> None:
+    def _arg(self, element: Element, scope: Scope) -> None:
         name = self._text(element, scope, "name")
         if "value" in element.attributes and "default" not in element.attributes:
             raise self._place(element, scope).error(
@@ -195,34 +135,34 @@ class _Reader:
             said = scope.variables[name]
             raise self._place(element, scope).error(f"{name}:={said}: not one of {', '.join(choices)}")
 
-    def _let(self, element: Element, scope: _Scope) -> None:
+    def _let(self, element: Element, scope: Scope) -> None:
         scope.variables[self._text(element, scope, "name")] = self._text(element, scope, "value")
 
-    def _set_env(self, element: Element, scope: _Scope) -> None:
+    def _set_env(self, element: Element, scope: Scope) -> None:
         name = self._text(element, scope, "name")
         scope.env[name] = self._text(element, scope, "value")
         scope.unset -= {name}
 
-    def _unset_env(self, element: Element, scope: _Scope) -> None:
+    def _unset_env(self, element: Element, scope: Scope) -> None:
         name = self._text(element, scope, "name")
         scope.env.pop(name, None)
         scope.unset |= {name}
 
-    def _namespace(self, element: Element, scope: _Scope) -> None:
-        scope.namespace = _joined(scope.namespace, self._text(element, scope, "namespace"))
+    def _namespace(self, element: Element, scope: Scope) -> None:
+        scope.namespace = joined(scope.namespace, self._text(element, scope, "namespace"))
 
-    def _set_remap(self, element: Element, scope: _Scope) -> None:
+    def _set_remap(self, element: Element, scope: Scope) -> None:
         scope.remaps = (*scope.remaps, (self._text(element, scope, "from"), self._text(element, scope, "to")))
 
-    def _set_parameter(self, element: Element, scope: _Scope) -> None:
+    def _set_parameter(self, element: Element, scope: Scope) -> None:
         name, value = self._text(element, scope, "name"), self._text(element, scope, "value")
         scope.parameters = (*scope.parameters, "-p", f"{name}:={value}")
 
-    def _group(self, element: Element, scope: _Scope) -> None:
+    def _group(self, element: Element, scope: Scope) -> None:
         scoped = truth(element.attributes.get("scoped", "true"), self._place(element, scope))
         self._all(element.children, scope.copy() if scoped else scope)
 
-    def _include(self, element: Element, scope: _Scope) -> None:
+    def _include(self, element: Element, scope: Scope) -> None:
         file = Path(self._text(element, scope, "file"))
         if not file.is_absolute():
             file = self._files[-1].parent / file
@@ -235,7 +175,7 @@ class _Reader:
                 raise self._place(element, scope).error(f"<include>: {error}") from None
             raise
 
-    def _node(self, element: Element, scope: _Scope) -> None:
+    def _node(self, element: Element, scope: Scope) -> None:
         place = self._place(element, scope)
         package, program = self._text(element, scope, "pkg"), self._text(element, scope, "exec")
         try:
@@ -244,7 +184,7 @@ class _Reader:
             raise place.error(str(error)) from None
         name = self._text(element, scope, "name", "")
         own = self._text(element, scope, "namespace", "")
-        namespace = _joined(scope.namespace, own) if own else scope.namespace
+        namespace = joined(scope.namespace, own) if own else scope.namespace
         remaps = [
             *scope.remaps,
             *((self._text(r, scope, "from"), self._text(r, scope, "to")) for r in element.of("remap")),
@@ -260,7 +200,7 @@ class _Reader:
         command = [file, *words, *(["--ros-args", *ros] if ros else [])]
         self._start(element, scope, command, name or program)
 
-    def _executable(self, element: Element, scope: _Scope) -> None:
+    def _executable(self, element: Element, scope: Scope) -> None:
         words = shlex.split(self._text(element, scope, "cmd"))
         if not words:
             raise self._place(element, scope).error("<executable>: `cmd` is empty")
@@ -268,7 +208,7 @@ class _Reader:
             words = ["/bin/sh", "-c", self._text(element, scope, "cmd")]
         self._start(element, scope, words, self._text(element, scope, "name", Path(words[0]).stem))
 
-    def _start(self, element: Element, scope: _Scope, command: list[str], name: str) -> None:
+    def _start(self, element: Element, scope: Scope, command: list[str], name: str) -> None:
         place = self._place(element, scope)
         prefix = shlex.split(self._text(element, scope, "launch-prefix", ""))
         env = {**scope.env, **{self._text(e, scope, "name"): self._text(e, scope, "value") for e in element.of("env")}}
@@ -296,16 +236,9 @@ class _Reader:
         )
 
 
-def _joined(outer: str, inner: str) -> str:
-    """Return a name space within another; one that begins with a slash stands alone."""
-    if inner.startswith("/"):
-        return inner.rstrip("/")
-    return f"{outer}/{inner.rstrip('/')}" if inner else outer
-
-
 _COMMON = {"name", "output", "respawn", "respawn_delay", "launch-prefix", "on_exit", "cwd"}
 _NAMED = {"name", "value"}
-_HANDLERS: dict[str, tuple[Callable[[_Reader, Element, _Scope], None], set[str]]] = {
+_HANDLERS: dict[str, tuple[Callable[[_Reader, Element, Scope], None], set[str]]] = {
     "arg": (_Reader._arg, {"name", "default", "description", "value"}),
     "let": (_Reader._let, _NAMED),
     "set_env": (_Reader._set_env, _NAMED),

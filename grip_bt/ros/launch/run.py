@@ -11,7 +11,8 @@ from pathlib import Path
 from ..process import child_environment
 from .errors import LaunchError
 from .group import Member
-from .interpreter import LaunchedProcess, read_launch_file
+from .interpreter import read_launch_file
+from .model import LaunchedProcess
 
 SUFFIXES = (".launch.py", ".launch.xml", ".launch.yaml", ".launch.yml", ".launch", ".xml", ".yaml", ".yml", ".py")
 
