@@ -153,6 +153,8 @@ def test_environment_of_the_shell_defaults_and_nested_logic(tmp_path, monkeypatc
         ('<!DOCTYPE l [<!ENTITY a "b">]><launch/>', "declares no entities"),
         ('<launch><composable_node pkg="a" plugin="b"/></launch>', "<composable_node> isn't understood here"),
         ('<launch><arg name="a" default="x"><choice value="y"/></arg></launch>', "a:=x: not one of y"),
+        ("<launch>" + "<group>" * 5000 + "</group>" * 5000 + "</launch>", "nested more than 50 deep"),
+        ('<launch><executable cmd="' + "$(not " * 5000 + ")" * 5000 + '"/></launch>', "more than 100 substitutions"),
         ('<launch><include file="$(dirname)/it.launch.xml"/></launch>', "more than 30 deep"),
     ],
 )

@@ -13,6 +13,8 @@ from grip_bt.graph.syntax import Listing, Mapping, Scalar, Value, parse, plain
 
 from .errors import LaunchError
 
+DEEPEST = 50
+"""Elements in elements; what launch files need is a handful."""
 _MANY = {"param", "remap", "env", "arg", "let"}
 """Keys of YAML whose list holds sub-elements."""
 
@@ -53,6 +55,8 @@ def _from_xml(text: str, source: str) -> Element:
     stack = [root]
 
     def start(tag: str, attributes: dict[str, str]) -> None:
+        if len(stack) > DEEPEST:
+            raise LaunchError(source, parser.CurrentLineNumber, f"elements are nested more than {DEEPEST} deep")
         element = Element(tag, attributes, line=parser.CurrentLineNumber)
         stack[-1].children.append(element)
         stack.append(element)

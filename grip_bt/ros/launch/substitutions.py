@@ -12,6 +12,8 @@ from ..packages import PackageError, executable_of, prefix_of, share_of
 from .errors import LaunchError
 
 TRUE, FALSE = ("true", "1"), ("false", "0")
+MOST = 100
+"""Substitutions in one text, also within each other."""
 _REFUSED = {
     "eval": "it runs Python code of the file; write the condition with if/unless, `equals`, `not`, `and`, `or`",
     "command": "it runs a program while the file is read; give its output as an argument",
@@ -51,6 +53,8 @@ def substitute(text: str, place: Place) -> str:
     Raises:
         LaunchError: an unknown or refused substitution, or one that fails; with its place.
     """
+    if text.count("$(") > MOST:
+        raise place.error(f"more than {MOST} substitutions in one text")
     made, at = [], 0
     while at < len(text):
         if text.startswith(r"\$", at):
