@@ -6,6 +6,8 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
+from grip_bt.errors import DocumentError, GripError
+
 Severity = Literal["error", "warning"]
 
 
@@ -34,6 +36,13 @@ class Finding:
     def as_dict(self) -> dict[str, Any]:
         """Return it as JSON data."""
         return asdict(self)
+
+
+def finding_of(error: GripError) -> Finding:
+    """Return an error of reading as a finding."""
+    if isinstance(error, DocumentError):
+        return Finding("error", "bad-file", error.message, error.source, error.line)
+    return Finding("error", "bad-robot", str(error))
 
 
 def errors(findings: Iterable[Finding]) -> list[Finding]:

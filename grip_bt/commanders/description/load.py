@@ -6,12 +6,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from grip_bt.errors import DocumentError, GripError, InvalidRobotError
+from grip_bt.errors import DocumentError, InvalidRobotError, UnknownNameError
 
 from ..moveit_package import MoveItPackage
 from ..robots.description import RobotDescription
 from .config import RobotConfig
-from .findings import Finding, errors
+from .findings import Finding, errors, finding_of
 from .joining import Placed, in_one_world, namespaced, on_arm
 from .single import Loaded, load_single
 from .sources import config_of, is_ready_made
@@ -71,17 +71,10 @@ def inspect_robot(source: str | RobotConfig, folder: Path | None = None) -> Insp
             return Inspected((finding_of(error),))
     try:
         return _renamed(_inspected(source, folder), source, named)
-    except DocumentError as error:
+    except (DocumentError, UnknownNameError) as error:
         return Inspected((finding_of(error),))
     except RecursionError:
         return Inspected((Finding("error", "cycle", "the robot is, in the end, a part of itself"),))
-
-
-def finding_of(error: GripError) -> Finding:
-    """Return an error of reading as a finding."""
-    if isinstance(error, DocumentError):
-        return Finding("error", "bad-file", error.message, error.source, error.line)
-    return Finding("error", "bad-robot", str(error))
 
 
 def _inspected(config: RobotConfig, folder: Path) -> Inspected:

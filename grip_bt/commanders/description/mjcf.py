@@ -83,6 +83,8 @@ class _Conversion:
         return values
 
     def _body(self, body: ET.Element, parent: str | None, childclass: str) -> None:
+        if found := [attribute for attribute in _REFUSED if attribute in body.attrib]:
+            self._refuse(f"<body {found[0]}=...> isn't converted; use quat", body)
         childclass = body.get("childclass", childclass)
         name = body.get("name") or f"body_{len(self.urdf)}"
         link = ET.SubElement(self.urdf, "link", name=name)

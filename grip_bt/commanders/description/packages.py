@@ -1,4 +1,4 @@
-"""Where `package://NAME/...` and `$(find NAME)` lie: given folders, ROS's shares, installed Python packages.
+"""Where `package://NAME/...` and `$(find NAME)` lie: given folders, packages beside them, ROS's, Python's.
 
 Nothing is imported, and no ROS has to be there.
 """
@@ -41,6 +41,9 @@ class Packages:
         """
         if name in self.given:
             return self.given[name]
+        for folder in self.given.values():  # as in a workspace's src/
+            if name and (folder.parent / name / "package.xml").is_file():
+                return folder.parent / name
         for place in _PLACES:
             if (folder := place(name)) is not None:
                 return folder

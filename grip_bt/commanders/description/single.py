@@ -16,7 +16,7 @@ from .build import build
 from .check_srdf import check_srdf
 from .check_urdf import check_urdf
 from .config import RobotConfig
-from .findings import Finding, errors
+from .findings import Finding, errors, finding_of
 from .mjcf import urdf_of_mjcf
 from .normal import normal
 from .packages import Packages
@@ -42,11 +42,12 @@ def load_single(config: RobotConfig, folder: Path) -> Loaded:
     Args:
         config: with a `urdf`, `xacro`, `mjcf` or `moveit`.
         folder: that relative paths begin in.
-
-    Raises:
-        DocumentError: a file can't be read at all.
     """
-    return _Single(config, folder).loaded()
+    single = _Single(config, folder)
+    try:
+        return single.loaded()
+    except DocumentError as error:
+        return Loaded((*single.findings, finding_of(error)), None, ())
 
 
 class _Single:

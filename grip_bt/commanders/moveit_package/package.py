@@ -127,7 +127,8 @@ class _Reader:
         try:
             base = self.packages.find(package) if package else self.folder
         except MissingPartError as error:
-            raise DocumentError(str(error), str(self.folder / ASSISTANT)) from error
+            self._warn("no-urdf", f"where the URDF is can't be told: {error}")
+            return None, {}
         return base / relative, arguments
 
     def _srdf(self, assistant: Mapping[str, Any]) -> Path | None:

@@ -1,0 +1,176 @@
+import re
+
+import pytest
+from robot_files import SRDF, urdf
+
+from grip_bt.commanders.description.config import RobotConfig
+from grip_bt.commanders.description.load import inspect_robot, load_robot
+from grip_bt.errors import InvalidRobotError
+
+LIMIT = '<limit lower="-2.8" upper="2.8" velocity="2.0" effort="80"/>'
+J1 = f'<axis xyz="0 0 1"/>{LIMIT}'
+MASS = '<mass value="1"/>'
+INERTIA = 'ixx="0.01"'
+URDF_FAULTS = [
+    (('name="l2"', 'name="l1"'), "double-name", "two links are called 'l1'"),
+    (('name="j2"', 'name="j1"'), "double-name", "two joints are called 'j1'"),
+    (('type="prismatic"', 'type="slides"'), "joint-type", "unknown type 'slides'.*prismatic"),
+    (('<parent link="l2"/>', '<parent link="l22"/>'), "unknown-link", "parent of joint 'j3' is link 'l22'.*'l2'"),
+    (('<child link="l2"/>', ""), "unknown-link", "child of joint 'j2' is no link"),
+    ((J1, '<axis xyz="0 0 1"/>'), "missing-limit", r"joint 'j1' has no <limit>; add .*\[rad\]"),
+    ((J1, '<limit velocity="1"/>'), "missing-limit", "it lacks lower and upper"),
+    ((J1, '<limit lower="1" upper="-1" velocity="1"/>'), "missing-limit", "lower 1 isn't below upper -1"),
+    ((J1, '<limit lower="-1" upper="1"/>'), "missing-limit", "no velocity limit above zero"),
+    ((J1, J1.replace("2.8", "nan")), "bad-number", "lower='-nan' of <limit> has to be a finite number"),
+    ((J1, J1.replace("0 0 1", "0 0 0")), "zero-axis", "the axis of joint 'j1' is 0 0 0"),
+    (('xyz="0 0 0.2"', 'xyz="0 0 NaN"'), "bad-number", "xyz='0 0 NaN' of <origin> has to be 3 finite numbers"),
+    ((MASS, '<mass value="-1"/>'), "bad-inertia", "link 'base' has a mass of -1 kg"),
+    ((INERTIA, 'ixx="-0.01"'), "bad-inertia", "a principal moment of inertia of -0.01"),
+    ((MASS, ""), "bad-inertia", "<inertial> of link 'base' has no <mass>"),
+    (('<cylinder radius="0.06" length="0.1"/>', "<cone/>"), "bad-shape", "has <cone>; it has to be one of: box"),
+    (
+        ('<cylinder radius="0.06"', '<cylinder radius="0"'),
+        "bad-shape",
+        "the radius of a cylinder of link 'base' is '0'",
+    ),
+    (('joint="slide_left"', 'joint="slide_lefd"'), "unknown-joint", "mimics 'slide_lefd'.*'slide_left'"),
+    (('joint="slide_left"', 'joint="slide_right"'), "cycle", "mimics, in the end, itself"),
+    (('<parent link="base"/>', '<parent link="l6"/>'), "cycle", "is part of a loop of joints"),
+    (('<child link="l5"/>', '<child link="l4"/>'), "two-parents", "link 'l4' hangs on two joints"),
+    (('<child link="l5"/>', '<child link="l4"/>'), "two-roots", "these links hang on nothing: base, l5"),
+]
+
+
+def inspected(folder, text=None, srdf=SRDF):
+    (folder / "r.urdf").write_text(urdf() if text is None else text)
+    (folder / "r.srdf").write_text(srdf)
+    return inspect_robot(RobotConfig(urdf="r.urdf", srdf="r.srdf"), folder)
+
+
+@pytest.mark.parametrize(("change", "code", "says"), URDF_FAULTS)
+def test_every_fault_of_a_urdf_is_told_with_its_place(tmp_path, change, code, says):
+    text = urdf().replace(change[0], change[1])
+    assert text != urdf()
+    found = inspected(tmp_path, text)
+    assert found.description is None
+    mine = [f for f in found.findings if f.code == code and f.severity == "error"]
+    assert mine
+    assert any(re.search(says, f.message) for f in mine), mine
+    assert all(f.source.endswith("r.urdf") and f.line is not None for f in mine)
+
+
+def test_all_faults_are_told_at_once_each_on_its_line(tmp_path):
+    text = urdf().replace(J1, "").replace(MASS, '<mass value="-1"/>').replace('name="l2"', 'name="l1"')
+    found = inspected(tmp_path, text)
+    codes = {f.code for f in found.findings}
+    assert {"missing-limit", "bad-inertia", "double-name", "unknown-link"} <= codes
+    lines = text.splitlines()
+    (missing,) = [f for f in found.findings if f.code == "missing-limit"]
+    assert 'name="j1"' in lines[missing.line - 1]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code", "says"),
+    [
+        ('tip_link="l6"', 'tip_link="l66"', "unknown-link", "group 'manipulator'.*there is no link 'l66'.*'l6'"),
+        (
+            'base_link="base" tip_link="l6"',
+            'base_link="l6" tip_link="base"',
+            "no-chain",
+            "'l6' doesn't carry link 'base'",
+        ),
+        (
+            '<joint name="slide_left"/>',
+            '<joint name="slyde"/>',
+            "unknown-joint",
+            "group 'gripper': there is no joint 'slyde'",
+        ),
+        (
+            '<group name="gripper"/>',
+            '<group name="griper"/>',
+            "unknown-group",
+            "no group 'griper'; did you mean 'gripper'",
+        ),
+        ('<group name="gripper"/>', '<group name="all"/>', "cycle", "group 'all' is, in the end, a part of itself"),
+        ('parent_link="l6"', 'parent_link="l7"', "unknown-link", "end effector 'hand': there is no link 'l7'"),
+        ('child_link="base"', 'child_link="bass"', "unknown-link", "virtual joint 'stand': there is no link 'bass'"),
+        (
+            'name="j5" value="1.2"',
+            'name="j9" value="1.2"',
+            "unknown-joint",
+            "state 'home' of group 'manipulator'.*'j9'",
+        ),
+        ('value="1.2"', 'value="nan"', "bad-file", "position of joint 'j5' has to be one finite number, not 'nan'"),
+        ('group="manipulator">', 'group="arm">', "unknown-group", "named states: there is no group 'arm'"),
+        ('<group name="all">', '<group name="gripper">', "bad-file", "two groups are called 'gripper'"),
+        ("</robot>", "", "bad-file", "isn't well-formed XML: no element found"),
+        ("<robot name", "<robo name", "bad-file", "mismatched tag"),
+    ],
+)
+def test_every_fault_of_an_srdf_is_told(tmp_path, old, new, code, says):
+    assert old in SRDF
+    found = inspected(tmp_path, srdf=SRDF.replace(old, new))
+    assert found.description is None
+    assert any(f.code == code and re.search(says, f.message) for f in found.findings), found.findings
+
+
+def test_what_can_be_lived_with_is_a_warning_and_the_robot_is_there(tmp_path):
+    srdf = SRDF.replace('link2="l3"', 'link2="l33"').replace('value="1.2"', 'value="9"')
+    found = inspected(tmp_path, urdf().replace(MASS, '<mass value="0"/>'), srdf)
+    assert {f.severity for f in found.findings} == {"warning"}
+    assert {f.code for f in found.findings} == {"no-mass", "unknown-link", "out-of-limits"}
+    assert found.description.named_state("manipulator", "home").as_mapping()["j5"] == 2.8
+
+
+@pytest.mark.parametrize(
+    ("mesh", "code", "says"),
+    [
+        ("meshes/arm.stl", "missing-mesh", r"link 'base': there is no mesh 'meshes/arm.stl' \(looked for /"),
+        ("package://nowhere/arm.stl", "missing-package", "package 'nowhere' isn't available"),
+        ("meshes/arm.step", "mesh-format", "isn't one of: .dae, .obj, .ply, .stl"),
+    ],
+)
+def test_a_missing_mesh_is_named(tmp_path, mesh, code, says):
+    (found,) = [f for f in inspected(tmp_path, urdf(mesh=mesh)).findings if f.severity == "error"]
+    assert found.code == code
+    assert re.search(says, found.message)
+
+
+def test_a_mesh_that_is_only_seen_may_be_missing(tmp_path):
+    visual = '<visual><geometry><mesh filename="nowhere.stl"/></geometry></visual>'
+    found = inspected(tmp_path, urdf().replace('<link name="l1">', f'<link name="l1">{visual}'))
+    assert [(f.severity, f.code) for f in found.findings] == [("warning", "missing-mesh")]
+    assert "nowhere.stl" not in found.description.urdf
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("", "isn't well-formed XML: no element found"),
+        ('<robot name="r"/>', "the robot has no links"),
+        ("<robot", "unclosed token"),
+        ("<model/>", "outermost element has to be <robot>, not <model>"),
+        ('<!DOCTYPE r [<!ENTITY a "b">]><robot/>', "declares an entity"),
+        ("<robot>" + "<a>" * 300, "nested more than 200 deep"),
+        ('<?xml version="1.0" encoding="nonsense"?><robot/>', "isn't well-formed XML: unknown encoding"),
+    ],
+)
+def test_what_is_no_urdf_at_all_is_told_too(tmp_path, text, says):
+    (finding,) = [f for f in inspected(tmp_path, text).findings if f.severity == "error"]
+    assert says in finding.message
+
+
+def test_loading_a_wrong_robot_raises_all_of_its_errors(tmp_path):
+    (tmp_path / "r.urdf").write_text(urdf().replace(J1, "").replace(MASS, '<mass value="-1"/>'))
+    with pytest.raises(InvalidRobotError, match=r"(?s)can't be used.*missing-limit.*") as error:
+        load_robot("r.urdf", tmp_path)
+    assert len(error.value.findings) > 2
+
+
+def test_a_chain_of_a_thousand_links_is_refused_not_recursed_into(tmp_path):
+    links = "".join(f'<link name="k{k}"/>' for k in range(1001))
+    joints = "".join(
+        f'<joint name="f{k}" type="fixed"><parent link="k{k}"/><child link="k{k + 1}"/></joint>' for k in range(1000)
+    )
+    found = inspected(tmp_path, f'<robot name="long">{links}{joints}</robot>', '<robot name="long"/>')
+    assert any(f.code == "cycle" and "more than 500 joints deep" in f.message for f in found.findings)

@@ -1,0 +1,216 @@
+import numpy as np
+import pytest
+from robot_files import JOINTS, SRDF, description_package, moveit_package, urdf
+
+from grip_bt.commanders.description.config import RobotConfig
+from grip_bt.commanders.description.load import inspect_robot, load_robot
+from grip_bt.commanders.description.packages import Packages
+from grip_bt.commanders.model import RobotModel
+from grip_bt.commanders.moveit_package import read_package
+from grip_bt.errors import DocumentError, InvalidRobotError, MissingPartError, UnknownNameError
+from grip_bt.values import JointState
+
+
+@pytest.fixture
+def files(tmp_path):
+    (tmp_path / "smally.urdf").write_text(urdf())
+    (tmp_path / "smally.srdf").write_text(SRDF)
+    return tmp_path
+
+
+def test_a_urdf_and_its_srdf_make_a_robot(files):
+    robot = load_robot(RobotConfig(urdf="smally.urdf", srdf="smally.srdf"), files)
+    assert robot.name == "smally"
+    assert robot.groups == {"manipulator": JOINTS, "gripper": ("slide_left",), "all": (*JOINTS, "slide_left")}
+    assert robot.named_state("gripper", "open").as_mapping() == {"slide_left": 0.04}
+    assert robot.hands["gripper"] == ("palm", "left", "right")
+    assert robot.finger_links == {"left": ("left",), "right": ("right",)}
+    (end,) = robot.end_effectors
+    assert (end.group, end.parent_group, end.parent_link) == ("gripper", "manipulator", "l6")
+    assert robot.grasp_frame.link == "l6"
+    assert robot.disabled_pairs == {("l1", "l3")}
+    assert robot.opened("manipulator").as_mapping() == {"slide_left": 0.04}
+
+
+def test_a_joint_that_mimics_follows_and_belongs_to_no_group(files):
+    robot = load_robot(RobotConfig(urdf="smally.urdf", srdf="smally.srdf"), files)
+    model = RobotModel(robot)
+    q = model.configuration(JointState(("slide_left",), [0.03]))
+    assert "slide_right" not in robot.joints
+    assert q[model._columns["slide_right"]] == 0.03
+
+
+def test_the_robot_rests_in_its_named_states_and_the_grasp_frame_is_where_hand_computation_puts_it(files):
+    model = RobotModel(load_robot(RobotConfig(urdf="smally.urdf", srdf="smally.srdf"), files))
+    straight = model.grasp_pose(JointState(JOINTS, np.zeros(6)), group="manipulator")
+    assert np.allclose(straight.position, (0, 0, 0.2 + 0.1 + 0.35 + 0.1 + 0.25 + 0.08))
+    bent = model.grasp_pose(JointState(JOINTS, [0, np.pi / 2, 0, 0, 0, 0]), group="manipulator")
+    assert np.allclose(bent.position, (0.35 + 0.1 + 0.25 + 0.08, 0, 0.3))
+    assert model.description.at_rest["j3"] == 1.0
+
+
+@pytest.mark.parametrize("ros", [1, 2])
+def test_a_moveit_package_of_either_layout_makes_a_robot(tmp_path, ros):
+    description_package(tmp_path)
+    folder = moveit_package(tmp_path, ros)
+    config = RobotConfig(moveit=str(folder))  # the package with the URDF lies beside it
+    inspected = inspect_robot(config, tmp_path)
+    assert [str(f) for f in inspected.findings if f.severity == "error"] == []
+    (package,), robot = inspected.packages, inspected.description
+    assert package.layout == f"ROS {ros}"
+    assert package.kinematics == {"manipulator": "kdl_kinematics_plugin/KDLKinematicsPlugin"}
+    assert package.planners["manipulator"].planners["ESTkConfigDefault"] == "EST"
+    (controller,) = package.controllers
+    assert (controller.name, controller.joints, controller.default) == ("arm_controller", JOINTS, True)
+    assert package.sensors[0].topic == "/camera/points"
+    assert robot.acceleration_limits["j1"] == 3.5
+    assert robot.acceleration_limits["j3"] == pytest.approx(2.0 / 0.5)
+    limits = RobotModel(robot).limits("manipulator")
+    assert limits.velocity[:2].tolist() == [1.25, 2.0]
+    assert limits.lower[1] == pytest.approx(-np.pi / 2)
+    assert limits.upper[1] == 1.5
+    if ros == 2:
+        assert robot.at_rest["j2"] == 0.7
+
+
+def test_a_moveit_package_says_what_it_lacks_and_what_it_cannot_be_read_in(tmp_path):
+    description_package(tmp_path)
+    folder = moveit_package(tmp_path, 2)
+    (folder / "config" / "kinematics.yaml").unlink()
+    (folder / "config" / "joint_limits.yaml").write_text("joint_limits: {j1: {max_velocity: fast}}\n")
+    (folder / "config" / "ompl_planning.yaml").write_text("a: [\n")
+    found = read_package(folder, Packages()).findings
+    assert {(f.severity, f.code) for f in found} == {
+        ("warning", "missing-file"),
+        ("error", "bad-file"),
+        ("warning", "no-urdf"),
+    }
+    assert "package 'smally_description' isn't available" in str(found[-1]) + str(found[0])
+    told = "\n".join(map(str, found))
+    assert "has no config/kinematics.yaml" in told
+    assert "joint_limits/j1/max_velocity has to be a finite number, not 'fast'" in told
+    assert "ompl_planning.yaml:2" in told
+    with pytest.raises(DocumentError, match=r"it has no \.setup_assistant and no config/\*\.srdf"):
+        read_package(tmp_path / "smally_description", Packages())
+
+
+def test_arguments_reach_a_xacro_file_and_those_that_it_includes(tmp_path):
+    package = description_package(tmp_path)
+    groups = {"arm": {"joints": ["left_j1"]}}
+    config = RobotConfig(
+        xacro=str(package / "urdf" / "smally.urdf.xacro"), arguments={"prefix": "left_", "reach": 0.5}, groups=groups
+    )
+    robot = load_robot(config)
+    assert robot.joints == ("left_j1",)
+    assert RobotModel(robot).grasp_pose(group="arm").position.tolist() == [0, 0, 1.0]
+    odd = inspect_robot(config.model_copy(update={"arguments": {"prefix": "left_", "raech": 1}}))
+    assert "declares no argument 'raech'; did you mean 'reach'?" in str(odd.findings[0])
+
+
+def test_a_xacro_file_that_fails_says_why(tmp_path):
+    path = tmp_path / "odd.xacro"
+    start = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+    for body, why in (
+        ("<xacro:nothing/>", "nothing"),
+        ('<link name="${1/0}"/>', "division by zero"),
+        ('<xacro:include filename="$(find nowhere)/x.xacro"/>', "package 'nowhere' isn't available"),
+        ('<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>', "without end"),
+        ("<link>", "mismatched tag"),
+    ):
+        path.write_text(f"{start}{body}</robot>")
+        with pytest.raises(InvalidRobotError, match=why):
+            load_robot(str(path))
+
+
+@pytest.mark.parametrize(
+    "start",
+    [
+        '<robot name="smally">',
+        "<robot name='smally' xmlns:xacro='http://www.ros.org/wiki/xacro'>",
+        '<robot\n name="smally" >',
+    ],
+)
+def test_a_robots_name_is_read_by_a_parser_not_by_a_pattern(tmp_path, start):
+    (tmp_path / "r.urdf").write_text(urdf().replace('<robot name="smally">', start))
+    assert load_robot(RobotConfig(urdf="r.urdf"), tmp_path).name == "smally"
+
+
+def test_packages_are_found_in_given_folders_in_ros_and_among_installed_ones(tmp_path, monkeypatch):
+    prefix = tmp_path / "install"
+    description_package(prefix / "share")
+    monkeypatch.setenv("AMENT_PREFIX_PATH", f"{tmp_path / 'other'}:{prefix}")
+    here = tmp_path / "given"
+    packages = Packages({"mine": here})
+    assert packages.resolve("package://mine/a.stl", tmp_path) == here / "a.stl"
+    assert packages.find("smally_description") == prefix / "share" / "smally_description"
+    assert packages.find("example-robot-data").name == "example-robot-data"
+    assert (packages.find("robopianist") / "models").is_dir()
+    with pytest.raises(MissingPartError, match=r"package 'nowhere' isn't available.*`packages:` \(given: mine\)"):
+        packages.find("nowhere")
+
+
+def test_groups_states_and_frames_can_be_said_without_an_srdf(files):
+    config = RobotConfig.model_validate(
+        {
+            "urdf": "smally.urdf",
+            "groups": {"arm": {"chain": ["base", "l6"]}, "hand": {"joints": ["slide_left"]}},
+            "end_effectors": {"hand": {"parent_link": "l6", "group": "hand"}},
+            "states": {"arm": {"home": [0, 0.5, 1, 0, 1.2, 0]}, "hand": {"open": {"slide_left": 0.04}}},
+            "grasp_frames": {"arm": {"link": "palm", "xyz": [0, 0, 0.09]}},
+            "drives": {"arm": {"stiffness": 900, "damping": 90, "limit": 50}},
+            "accelerations": {"arm": 5.0, "j1": 2.0},
+            "namespace": "left",
+        }
+    )
+    robot = load_robot(config, files)
+    assert robot.groups["left_arm"] == tuple(f"left_{j}" for j in JOINTS)
+    assert robot.drives["left_j2"].stiffness == 900
+    assert (robot.acceleration_limits["left_j1"], robot.acceleration_limits["left_j2"]) == (2.0, 5.0)
+    assert robot.grasp_frames["left_arm"].link == "left_palm"
+    assert RobotModel(robot).grasp_pose(JointState(robot.groups["left_arm"], np.zeros(6)), group="left_arm").position[
+        2
+    ] == pytest.approx(1.08 + 0.07 + 0.09)
+
+
+def test_a_configuration_that_names_what_is_not_there_is_told_all_of_it(files):
+    config = RobotConfig.model_validate(
+        {
+            "urdf": "smally.urdf",
+            "srdf": "smally.srdf",
+            "grasp_frames": {"manipulator": {"link": "plam"}},
+            "fingers": {"gripper": {"left": ["lefd"]}},
+            "drives": {"arm": {"stiffness": 1, "damping": 1, "limit": 1}},
+            "states": {"manipulator": {"odd": [1, 2]}},
+        }
+    )
+    with pytest.raises(InvalidRobotError, match="lists 2 positions, and the group has 6 joints: j1, j2"):
+        load_robot(config, files)
+    with pytest.raises(InvalidRobotError) as error:
+        load_robot(config.model_copy(update={"states": {}}), files)
+    told = str(error.value)
+    assert "grasp_frames/manipulator: there is no link 'plam'; did you mean 'palm'?" in told
+    assert "there is no link 'lefd'; did you mean 'left'?" in told
+    assert "drives: there is no group 'arm'" in told
+
+
+def test_a_robot_that_is_no_file_and_not_ready_made_lists_those_that_are():
+    with pytest.raises(UnknownNameError, match="did you mean 'panda'.*ur10_shadow"):
+        load_robot("pandaa")
+    with pytest.raises(InvalidRobotError, match="there is no such file"):
+        load_robot("pandaa.urdf")
+
+
+def test_a_robot_that_is_a_part_of_itself_is_refused(tmp_path):
+    (tmp_path / "r.yaml").write_text("robots: {a: {robot: r.yaml}}\n")
+    with pytest.raises(InvalidRobotError, match="a part of itself"):
+        load_robot("r.yaml", tmp_path)
+
+
+def test_a_continuous_joint_turns_once_to_both_sides_and_a_driving_base_is_held(tmp_path):
+    text = urdf().replace('name="j1" type="revolute"', 'name="j1" type="continuous"')
+    text = text.replace('name="wrist_to_palm" type="fixed"', 'name="wrist_to_palm" type="floating"')
+    (tmp_path / "r.urdf").write_text(text)
+    (tmp_path / "r.srdf").write_text(SRDF.replace('type="fixed"', 'type="planar"'))
+    inspected = inspect_robot(RobotConfig(urdf="r.urdf", srdf="r.srdf"), tmp_path)
+    assert [f.code for f in inspected.findings] == ["held-joint", "held-joint"]
+    assert RobotModel(inspected.description).limits("manipulator").upper[0] == pytest.approx(2 * np.pi)
