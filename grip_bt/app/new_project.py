@@ -8,7 +8,7 @@ from pathlib import Path
 from grip_bt.errors import ProjectExistsError
 
 TEMPLATE = Path(__file__).with_name("template")
-FOLDERS = ("tasks", "components", "nodes")
+FOLDERS = ("tasks", "components", "nodes", "messages")
 
 
 def make_project(folder: str | Path) -> list[Path]:

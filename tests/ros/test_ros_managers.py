@@ -15,7 +15,7 @@ from conftest import ended
 from grip_bt.errors import BadReplyError, EmptyQueueError, NoEntryError, ServerLostError
 from grip_bt.values import Grasp, Image, JointState, Plan, PointCloud, Pose, Trajectory
 
-pytestmark = pytest.mark.ros
+pytestmark = [pytest.mark.ros, pytest.mark.slow]  # the first one builds the interfaces
 POSES = """
 bin: {reference_frame: world, position: {x: 0.1234567890123456, y: 1.0e-17, z: 3}, orientation: {r: 0, p: 0, y: 0}}
 pinch:

@@ -148,11 +148,12 @@ class MessageServer:
 
     def _watch(self, name: str, store: MessageStore[Any]) -> None:
         def tell(change: Change[Any]) -> None:
+            if self._publisher is None or not self._publisher.get_subscription_count():
+                return  # while the stores are first filled; and nobody listens, which saves a copy of a cloud
             entry = self._entry(store=name, name=change.name, revision=change.revision)
             if change.value is not None:
                 entry.type, entry.data = change.value.type, array("B", change.value.data)
-            if self._publisher is not None:  # not while the stores are first filled
-                self._publisher.publish(self._change(kind=_KINDS[change.kind], entry=entry))
+            self._publisher.publish(self._change(kind=_KINDS[change.kind], entry=entry))
 
         store.watch(tell)
 
