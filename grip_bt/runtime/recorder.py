@@ -41,9 +41,9 @@ class Recorder:
         """The run begins; `facts` are JSON about how."""
         self._append(self._now(), "/", "run_started", data=dict(facts) if facts else None)
 
-    def resumed(self, facts: Mapping[str, Any]) -> None:
-        """It goes on in another process; `facts` are JSON about how."""
-        self._append(self._now(), "/", "run_resumed", data=dict(facts))
+    def resumed(self, t: float, facts: Mapping[str, Any]) -> None:
+        """It goes on at `t` [s], in another process; `facts` are JSON about how."""
+        self._append(t, "/", "run_resumed", data=dict(facts))
 
     def went_on(self, path: str, how: str) -> None:
         """A leaf that was active when its process died goes on, or is started again."""

@@ -197,7 +197,7 @@ class Runner:
             if self._reliving is None:
                 self._recorder.started(self._facts)
             else:
-                self._recorder.resumed(self._facts)
+                self._recorder.resumed(self._reliving.recording.end_time, self._facts)
                 self._reliving.tell = self._recorder.went_on
         self._start = self.context.clock.now()
         threading.Thread(target=self._work, name="grip_run", daemon=True).start()
