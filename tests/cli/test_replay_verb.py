@@ -130,3 +130,19 @@ def test_places_are_numbers_nodes_and_ends_of_nodes(text, seq):
     ]
     until = Until(text)
     assert next((event.seq for event in events if until.reached(event)), None) == seq
+
+
+def test_the_page_begins_with_the_run_that_is_replayed(folder):
+    testing = pytest.importorskip("fastapi.testclient")
+    from grip_gui.application import create_app
+
+    with JournalReader(folder / ".grip" / "runs.sqlite") as reader:
+        record = reader.runs()[0]
+    app = create_app(folder, token="t", show_run=record.id)
+    with testing.TestClient(app, base_url="http://127.0.0.1:8765") as client:
+        client.get("/?token=t")
+        with client.websocket_connect(
+            "ws://127.0.0.1:8765/api/socket", headers={"origin": "http://127.0.0.1:8765"}
+        ) as socket:
+            session = socket.receive_json()["session"]
+            assert (session["run"], session["state"], session["status"]) == (record.id, "ended", "success")

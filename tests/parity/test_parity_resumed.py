@@ -11,7 +11,7 @@ from parity_generate import make_case
 from parity_resumed import Life, live, resume
 from parity_world import projections
 
-TASKS = int(os.environ.get("GRIP_FUZZ_RESUMED", "250"))
+TASKS = int(os.environ.get("GRIP_FUZZ_RESUMED", "100"))
 FIRST = int(os.environ.get("GRIP_FUZZ_SEED", "0"))
 CHUNKS = 5
 
