@@ -63,7 +63,8 @@ def extracted(command: Extract, source: Document | Task, catalog: Catalog) -> Ex
     part = _part(command, spot, survey, catalog)
     inputs, outputs = _ports(command, spot, part, catalog)
     if not command.approximate:
-        expect_nobody_can_tell(spot, set(inputs), set(outputs))
+        written = {name for name in outputs if spot.around[name].bit & spot.writes}
+        expect_nobody_can_tell(spot, set(inputs), written)
     record: dict[str, Any] = {"kind": "subtask", "task": command.file}
     for key, bound in (("in", inputs), ("out", outputs)):
         record |= {key: {name: name for name in bound}} if bound else {}
@@ -126,8 +127,10 @@ def _ports(command: Extract, spot: Spot, part: Task, catalog: Catalog) -> tuple[
         if not missing:
             break
         inputs |= {name: types.pop(name) for name in sorted(missing)}
-    written = survey.root.writes
-    outputs = {name: declared.type_text for name, declared in survey.task_scope.items() if declared.bit & written}
+    used, written, scope = survey.root.reads, survey.root.writes, survey.task_scope
+    # what is read only where nothing leads to has to be declared all the same, and need not be there on entry
+    unread = {name for name, declared in scope.items() if declared.bit & used and name not in inputs}
+    outputs = {n: declared.type_text for n, declared in scope.items() if declared.bit & written or n in unread}
     return inputs, outputs
 
 

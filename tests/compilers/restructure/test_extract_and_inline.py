@@ -196,3 +196,14 @@ def test_what_is_no_subtask_or_has_no_file_is_refused():
         expanded(Inline(path="say"), task, CATALOG)
     with pytest.raises(EditError, match="there is no such file"):
         expanded(Inline(path="s"), task, with_files())
+
+
+def test_what_is_read_only_where_nothing_leads_to_is_declared_all_the_same():
+    never = "{node: flow/log, with: {message: b}, in: {value: v}}"
+    inner = f"{{kind: sequence, children: {{stop: {{node: flow/fail}}, b: {never}}}}}"
+    task = loads(f"{HEAD}data: {{v: int}}\nroot: {{kind: sequence, children: {{n: {inner}}}}}\n")
+    made = extracted(Extract(path="n", file="tasks/n.yaml"), task, CATALOG)
+    catalog = with_files(n=made.text)
+    assert not validate(loads(made.text), catalog).errors
+    after = apply(task, made.edit).task
+    assert apply(after, expanded(Inline(path="n"), after, catalog)).task == task
