@@ -41,7 +41,7 @@ def _inertial(inertial: ET.Element, name: str, reporter: Reporter) -> Iterator[F
         yield reporter.error("bad-inertia", f"the <inertial> of link {name!r} has no <{tag}>", inertial)
         return
     wrong = list(reporter.check_numbers(mass, "value", 1, ""))
-    wrong += [f for attribute in _INERTIA for f in reporter.check_numbers(inertia, attribute, 1, "0")]
+    wrong += [f for attribute in _INERTIA for f in reporter.check_numbers(inertia, attribute, 1, "")]
     yield from wrong
     if wrong:
         return
