@@ -74,7 +74,7 @@ def make_setup_router(folder: ProjectFolder, source: RunSource, changed: Callabl
     @api.post("/interface")
     async def interface(wish: InterfaceWish) -> InterfaceView:
         if not wish.create:
-            return await asyncio.to_thread(look_at, wish)
+            return await asyncio.to_thread(look_at, folder, wish)
         view, home = await asyncio.to_thread(make, folder, wish)
         generated = await prober.run(("component", "add", str(home)))
         changed()

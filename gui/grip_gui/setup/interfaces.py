@@ -40,14 +40,18 @@ _PACKAGE = """\
 """
 
 
-def look_at(wish: InterfaceWish) -> InterfaceView:
+def look_at(folder: ProjectFolder, wish: InterfaceWish) -> InterfaceView:
     """Return what an interface has, and what keeps it from being a component; nothing is written.
+
+    Args:
+        folder: the project, whose own interface packages are known besides the installed ones.
+        wish: the interface, pasted or named.
 
     Raises:
         DocumentError: it can't be read, or isn't installed.
         GripError: its name, its outcomes, or the component's name are none.
     """
-    with _found(wish) as found:
+    with _found(folder, wish) as found:
         return _view(wish, found.interface)
 
 
@@ -58,7 +62,7 @@ def make(folder: ProjectFolder, wish: InterfaceWish) -> tuple[InterfaceView, Pat
         ContractError: something keeps it from being a component.
         GripError: the folder has a component file already, or something can't be read.
     """
-    with _found(wish) as found:
+    with _found(folder, wish) as found:
         view = _view(wish, found.interface)
         if view.problems:
             raise ContractError(found.interface.type_name, view.problems)
@@ -101,13 +105,15 @@ def _view(wish: InterfaceWish, interface: InterfaceSpec) -> InterfaceView:
 
 
 @contextmanager
-def _found(wish: InterfaceWish) -> Iterator[Wish]:
+def _found(folder: ProjectFolder, wish: InterfaceWish) -> Iterator[Wish]:
     """Give the interface, from an installed type or from a package made of what was pasted."""
     name = _TYPE.match(wish.type.strip())
     if name is None:
         raise GripError(f"{wish.type!r} isn't the name of an interface, such as my_interfaces/srv/PlanGrasp")
     if not wish.text.strip():
-        yield from_type(wish.type.strip())
+        own = f"*/interfaces/{name['package']}/{name['kind']}/{name['name']}.{name['kind']}"
+        file = next(components_folder(folder.folder).glob(own), None)
+        yield from_type(wish.type.strip()) if file is None else from_file(file)
         return
     with TemporaryDirectory() as place:
         package = Path(place) / name["package"]

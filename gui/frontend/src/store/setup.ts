@@ -40,6 +40,7 @@ export function isDirty(): boolean {
 
 /** Open a file; what isn't saved of another one is asked about. */
 export async function openSetup(path: string): Promise<void> {
+  await changes;
   const { view } = useSetup.getState();
   if (view !== null && isDirty() && view.path !== path) {
     const options = [
@@ -82,7 +83,8 @@ export function typeSetup(text: string): Promise<void> {
 let changes: Promise<void> = Promise.resolve();
 
 function changed(work: (view: SetupView) => Promise<SetupView>): Promise<void> {
-  changes = changes.then(() => looked(work));
+  const path = useSetup.getState().view?.path;
+  changes = changes.then(() => (useSetup.getState().view?.path === path ? looked(work) : undefined));
   return changes;
 }
 

@@ -21,6 +21,8 @@ function Value({ view, place, shape }: FieldProps): JSX.Element {
   const exact = resolved(shape, view.shape as Shape, value);
   switch (formKind(exact)) {
     case "fields":
+      // A short form that the file's reader understands, such as a port's type alone.
+      if (typeof value === "string") return <Scalar view={view} place={place} shape={{ type: "string" }} />;
       return <Fields view={view} place={place} shape={exact} />;
     case "entries":
       return <Entries view={view} place={place} shape={exact} />;

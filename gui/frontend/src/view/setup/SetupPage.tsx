@@ -22,16 +22,12 @@ export default function SetupPage(): JSX.Element {
       .then(() => (useSetup.getState().view === null ? openSetup("grip.yaml") : undefined))
       .catch(trouble);
   }, []);
+  useEffect(() => {
+    window.addEventListener("keydown", onKeyDown);
+    return () => window.removeEventListener("keydown", onKeyDown);
+  }, []);
   return (
-    <div
-      className="setup"
-      onKeyDown={(event) => {
-        if (!(event.ctrlKey || event.metaKey) || event.key !== "s") return;
-        event.preventDefault();
-        if (event.target instanceof HTMLInputElement) event.target.blur();
-        void saveSetup();
-      }}
-    >
+    <div className="setup">
       <Files making={making} make={setMaking} />
       {making ? (
         <main className="panel padded setup-new" aria-label={making === "component" ? "New component" : "Import a task"}>
@@ -48,6 +44,14 @@ const MADE: readonly [Exclude<Making, null>, string, string][] = [
   ["component", "New component", "from a .srv or .action"],
   ["import", "Import a task", "from SMACH, BehaviorTree.CPP, py_trees"],
 ];
+
+function onKeyDown(event: KeyboardEvent): void {
+  if (!(event.ctrlKey || event.metaKey) || event.key !== "s") return;
+  event.preventDefault();
+  // What was typed into a field counts when the field is left.
+  if (event.target instanceof HTMLInputElement) event.target.blur();
+  void saveSetup();
+}
 
 function Files({ making, make }: { making: Making; make: (what: Making) => void }): JSX.Element {
   const files = useSetup((s) => s.files);
