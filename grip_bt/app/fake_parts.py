@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from grip_bt.catalog.types import parse_type
 from grip_bt.commanders.fake import FakeArm, FakeCamera, FakeComponent, FakeHand
 from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.scene import PlanningScene
-from grip_bt.errors import UnknownNameError
+from grip_bt.errors import GripError, InvalidRobotError, UnknownNameError
 from grip_bt.values import CameraInfo, DepthImage, Grasp, Image, JointState, Pose, RgbdFrame
 
 from .project import Project
@@ -22,10 +23,11 @@ from .resources import Resources
 def open_robot(project: Project, resources: Resources) -> None:
     """Put a fake of every arm, hand and camera of the project into `resources`."""
     file = project.file
-    arms = {name: FakeArm(name) for name in file.arms}
+    known = _state_names(project)
+    arms = {name: FakeArm(name, states=_arm_states(known.get(arm.group, ()))) for name, arm in file.arms.items()}
     hands = {arm.hand: arms[name] for name, arm in file.arms.items() if arm.hand is not None}
     resources.arms, resources.pausable = arms, list(arms.values())
-    resources.hands = {name: _hand(name) for name in file.hands}
+    resources.hands = {name: _hand(name, known.get(hand.group, ())) for name, hand in file.hands.items()}
     resources.cameras = {name: FakeCamera(_CAMERA, [_empty_table()]) for name, s in file.sensors.items() if s.camera}
     resources.scene = PlanningScene(
         {hand: arm.grasp_pose for hand, arm in hands.items()}, _CRATE, project.room(), folder=project.folder
@@ -61,9 +63,33 @@ def _nothing(manifest: Manifest) -> dict[str, Any]:
     return {port: empty.get(parse_type(face.type).name) for port, face in manifest.outputs.items()}
 
 
-def _hand(name: str) -> HandCommander:
+def _state_names(project: Project) -> dict[str, tuple[str, ...]]:
+    """Return group -> names of its states, as far as the robot's description can be had here.
+
+    Raises:
+        InvalidRobotError: its files are wrong.
+    """
+    try:
+        return {group: tuple(states) for group, states in project.description().named_states.items()}
+    except InvalidRobotError:
+        raise
+    except (GripError, ImportError):
+        return {}  # a task can be tried before there is a robot, or what describes it
+
+
+def _arm_states(names: Iterable[str]) -> dict[str, JointState]:
+    """Return a place of its own for each state but `home`, 5 cm above one another: fakes know no kinematics."""
+    states = {}
+    for number, name in enumerate(name for name in names if name != "home"):
+        states[name] = FakeArm(home=Pose((0.3, -0.4, 0.55 + 0.05 * number))).state()
+    return states
+
+
+def _hand(name: str, known: Iterable[str] = ()) -> HandCommander:
     joints = ("finger", "thumb")
     postures = {posture: JointState(joints, np.full(2, angle)) for posture, angle in (("open", 0.0), ("closed", 1.0))}
+    for posture in known:
+        postures.setdefault(posture, JointState(joints, np.full(2, 0.5)))
     thing = JointState(joints, np.full(2, 0.6))
     return HandCommander(
         name,

@@ -46,10 +46,11 @@ def test_two_arms_of_two_namespaced_robots_move_at_the_same_time(tmp_path, robot
         result = session.runner.run()
         assert (result.status, result.failure) == ("success", None)
         measured = {side: arm.state() for side, arm in session.resources.arms.items()}
-    if robot == "sim":
-        for side, state in measured.items():
-            assert all(name.startswith(f"{side}_") for name in state.names)
-            assert state.position == pytest.approx([0.0, -1.57, 0.0, -1.57, 0.0, 0.0], abs=0.02)
+    if robot == "fake":
+        return  # fakes are there at once
+    for side, state in measured.items():
+        assert all(name.startswith(f"{side}_") for name in state.names)
+        assert state.position == pytest.approx([0.0, -1.57, 0.0, -1.57, 0.0, 0.0], abs=0.02)
     with JournalReader(tmp_path / "j.sqlite") as reader:
         seen = [(e.event, e.path) for e in reader.events(session.runner.run_id or "") if e.path in ("left", "right")]
     enters = [k for k, (event, _) in enumerate(seen) if event == "enter"]
