@@ -21,6 +21,8 @@ from .target import Target
 
 _TIME = 0.005
 """Longest time of one attempt [s]; TRAC-IK's own default."""
+_NEAR = 0.3
+"""A seed whose grasp frame is this near the target [m + rad] is gone down from before the race."""
 _PRECISION = 1e-5
 """Largest error in each direction [m, rad]: the norm of six of them stays below our tolerance."""
 
@@ -44,6 +46,12 @@ def solutions(
     if target.free != "none":
         yield from damped_least_squares.solutions(chain, target, rng, seeds, restarts)
         return
+    for seed in seeds:
+        # The race may end anywhere; what lies next to a seed is found by going down from it.
+        near = target.distance(chain, np.clip(seed, chain.limits.lower, chain.limits.upper)) < _NEAR
+        q = damped_least_squares.solve_from(chain, target, seed) if near else None
+        if q is not None:
+            yield q
     engine, lower, upper = _engine(chain), chain.limits.lower, chain.limits.upper
     columns = [chain.model.joints[joint].idx_q for joint in moved_by(chain)]
     place = pin.SE3ToXYZQUAT(target.pose)
