@@ -44,6 +44,8 @@ class Maker:
     """The files that subtasks run."""
     without: tuple[str, ...] = ()
     """Kinds and settings that aren't made."""
+    shared: bool = False
+    """Whether the children of a concurrence share variables, in their order."""
     ends_of: dict[str, dict[str, str]] = field(default_factory=dict)
     """File -> its outcomes."""
 
@@ -64,7 +66,7 @@ class Maker:
         A leaf mostly ends with the `usual` meaning, so that what comes after it is reached.
         """
         node, outcomes = self.bare(depth, seen, own, embedded, usual)
-        if outcomes.get("failure") != "success" and self.chance(0.08):
+        if outcomes.get("failure") != "success" and self.chance(0.08) and "precondition" not in self.without:
             node["precondition"] = self.condition(seen)
             outcomes = {**outcomes, "failure": "failure"}
         return node, outcomes
@@ -150,8 +152,8 @@ class Maker:
         ends: dict[str, dict[str, str]] = {}
         for _ in range(1 if single else self.random.choice((2, 2, 3, 3, 4))):
             name = self.name()
-            # The children of a concurrence write only what they declare themselves: else their order would show.
-            writable = [] if kind == "join" and not embedded else own
+            # Without a turnstile the children of a concurrence write only what they declare, or their order would show.
+            writable = [] if kind == "join" and not embedded and not self.shared else own
             children[name], ends[name] = self.node(depth - 1, seen, writable, inside, usual)
         if kind == "state_machine":
             node, outcomes = self.machine(children, ends)
@@ -164,6 +166,8 @@ class Maker:
                 node["exits"] = self.exits(ends, list(outcomes))
             if kind in ("parallel", "join"):
                 node.update(self.rules(ends, list(outcomes), kind == "join"))
+                if self.shared:
+                    node["order"] = "declared"
         if kind == "for_each":
             items = [self.random.randint(0, 9) for _ in range(self.random.choice((0, 1, 2, 3, 3)))]
             node["item"], data = item, {**data, "list": {"type": "list[int]", "value": items}}
@@ -323,7 +327,20 @@ class Maker:
         return {"kind": "state_machine", "initial": initial, "outcomes": outcomes, "children": children}, outcomes
 
 
-def make_case(seed: int, without: tuple[str, ...] = ()) -> dict[str, Any]:
+def make_turns(seed: int) -> dict[str, Any]:
+    """Return a random task with concurrent parts whose leaves share variables, for runs in the order of a turnstile.
+
+    Only leaves pass a turnstile, so that nothing else in it looks at variables, and nothing stops it from outside.
+    """
+    case = make_case(seed, (*CHOOSING, "subtask", "guard", "reactive_switch", "precondition"), shared=True)
+    case.pop("preempt_at", None)
+    for step in (step for steps in case["scripts"].values() for step in steps):
+        step.pop("raises", None)
+        step.pop("stops", None)
+    return case
+
+
+def make_case(seed: int, without: tuple[str, ...] = (), shared: bool = False) -> dict[str, Any]:
     """Return a random task with scripts; three in five have no part that must be embedded.
 
     One in five has concurrent parts: its leaves' own sequences are compared, so that nothing in it depends on the order
@@ -332,10 +349,12 @@ def make_case(seed: int, without: tuple[str, ...] = ()) -> dict[str, Any]:
     Args:
         seed: of everything.
         without: kinds and settings that it hasn't.
+        shared: whether it has concurrent parts in which variables are shared.
     """
     random = Random(seed)
     flavour = seed % 5
-    maker = Maker(random, embed=flavour in (3, 4) or seed % 15 == 2, join=flavour == 2, without=without)
+    maker = Maker(random, embed=flavour in (3, 4) or seed % 15 == 2, join=shared or flavour == 2, without=without)
+    maker.shared = shared
     data = maker.variables()
     root, outcomes = maker.node(random.randint(2, 5), seen_of(data), list(data), False, "success")
     task: dict[str, Any] = {"grip": 1, "name": "fuzzed", "root": root}

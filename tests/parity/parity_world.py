@@ -41,6 +41,8 @@ MAX_ACTIVATIONS = 150
 TIRED = 6
 """Activations of a leaf after which it succeeds and fails by turns, whatever its script says: so most tasks end."""
 MAX_TURNS = 3000
+PATIENCE = 60
+"""Seconds until a turnstile takes it that nobody comes; only a run that differs waits so long."""
 
 
 @dataclass
@@ -64,6 +66,43 @@ class World:
     trace: list[tuple[Any, ...]] = field(default_factory=list)
     events: list[tuple[Any, ...]] = field(default_factory=list)
     lock: threading.Lock = field(default_factory=threading.Lock)
+    order: list[str] = field(default_factory=list)
+    """The leaf of each tick of a leaf."""
+    schedule: list[str] | None = None
+    """A turnstile: the `order` of another run, in which the leaves of this one are let through one at a time."""
+    gate: threading.Condition = field(default_factory=threading.Condition)
+    inside: bool = False
+    """Whether a leaf is being ticked."""
+    stuck: bool = False
+
+    def arrive(self, path: str) -> None:
+        """Wait until it is this leaf's turn; raise Halted where its turn never comes."""
+        with self.gate:
+            if self.schedule is not None:
+                self.gate.wait_for(lambda: self._next_is(path) or self._nobody_is_next(), timeout=PATIENCE)
+                if not self._next_is(path):
+                    self.stuck = True
+                    self.gate.notify_all()
+                    raise Halted
+            self.inside = True
+            self.order.append(path)
+
+    def leave(self) -> None:
+        """Let the next leaf through."""
+        with self.gate:
+            self.inside = False
+            self.gate.notify_all()
+
+    def _next_is(self, path: str) -> bool:
+        return (
+            self.schedule is not None
+            and not self.inside
+            and self.schedule[len(self.order) : len(self.order) + 1] == [path]
+        )
+
+    def _nobody_is_next(self) -> bool:
+        ended = self.schedule is not None and not self.inside and len(self.order) >= len(self.schedule)
+        return ended or self.stuck or self.stopped or self.over_budget
 
     def wake(self) -> None:
         """The runs here never wait."""
@@ -137,11 +176,24 @@ class ScriptedLeaf(Leaf):
     def known_as(self) -> str:
         return self.world.named(self.path) or self.path
 
+    arrived = False
+
     def initialise(self) -> None:
+        self.world.arrive(self.known_as)
+        self.arrived = True
         self.k, self.step = self.world.begin(self.known_as, self.params["script"])
         self.ticks = self.step.get("ticks", 0)
 
     def update(self) -> Status:
+        if not self.arrived:
+            self.world.arrive(self.known_as)
+        try:
+            return self._update()
+        finally:
+            self.arrived = False
+            self.world.leave()
+
+    def _update(self) -> Status:
         assert self.step is not None
         if self.step.get("stops"):
             self.world.stopped = True
@@ -190,6 +242,7 @@ class Run:
     data: dict[Any, Any]
     over_budget: bool
     turns: int
+    order: list[str] = field(default_factory=list)
 
 
 def _factory(world: World) -> Any:
@@ -220,7 +273,7 @@ def _run_of(world: World, end: tuple[Any, ...], data: Scopes) -> Run:
     if end[0] == "error":
         known_as = world.named(end[1]) or end[1]
         end = ("error", known_as, end[2].replace(f"{end[1]}:", f"{known_as}:"))
-    return Run(end, world.trace, world.events, values, world.over_budget, world.turns)
+    return Run(end, world.trace, world.events, values, world.over_budget, world.turns, world.order)
 
 
 def run_tree(
@@ -274,10 +327,17 @@ def run_tree(
     return _run_of(world, end, compiled.data)
 
 
-def run_machine(case: dict[str, Any], task: Task | None = None, origin: Mapping[str, str] | None = None) -> Run:
-    """Execute the compiled machine; arguments as for `run_tree`."""
+def run_machine(
+    case: dict[str, Any],
+    task: Task | None = None,
+    origin: Mapping[str, str] | None = None,
+    *,
+    schedule: list[str] | None = None,
+) -> Run:
+    """Execute the compiled machine; arguments as for `run_tree`, and the turnstile of its leaves, if there is one."""
     task = task or Task.model_validate(case["task"])
     world = _world(case, task, origin)
+    world.schedule = schedule
     compiled = to_machine(task, catalog_of(case), leaf_factory=_factory(world))
     world.request_preempt = compiled.request_preempt
     if world.preempt_at == -1:
