@@ -20,7 +20,7 @@ from .rules.variables import check_variables
 from .subtasks import Checked, Subtasks
 from .survey import Survey
 
-__all__ = ["SEVERITY", "Issue", "Report", "Severity", "validate"]
+__all__ = ["SEVERITY", "Issue", "Report", "Severity", "survey_of", "validate"]
 
 
 def validate(task: Task, catalog: Catalog, document: Document | None = None) -> Report:
@@ -35,6 +35,11 @@ def validate(task: Task, catalog: Catalog, document: Document | None = None) -> 
         All issues, in the order of the text.
     """
     return ordered(_checked(task, catalog, document, None).issues)
+
+
+def survey_of(task: Task, catalog: Catalog) -> Survey:
+    """Return what the rules read, after all rules: with what is known of the files that the task runs."""
+    return _checked(task, catalog, None, None)
 
 
 def _checked(task: Task, catalog: Catalog, document: Document | None, subtasks: Subtasks | None) -> Survey:

@@ -20,6 +20,7 @@ from grip_bt.graph.frozen import FrozenDict
 from grip_bt.graph.model import Task
 from grip_bt.graph.scalars import write_scalar
 from grip_bt.graph.syntax import Mapping, parse
+from grip_bt.validation import survey_of
 from grip_bt.validation.dataflow import DataFlow
 from grip_bt.validation.survey import Spot, Survey
 
@@ -79,7 +80,7 @@ def extracted(command: Extract, source: Document | Task, catalog: Catalog) -> Ex
 
 
 def _spot(command: Extract, task: Task, catalog: Catalog) -> tuple[Spot, Survey]:
-    survey = Survey(task, catalog)
+    survey = survey_of(task, catalog)
     spot = next((spot for spot in survey.spots if spot.path == command.path), None)
     if spot is None:
         raise EditError(command.path, "there is no such node")
@@ -122,7 +123,7 @@ def _ports(command: Extract, spot: Spot, part: Task, catalog: Catalog) -> tuple[
     inputs: dict[str, str] = {}
     while True:  # an expression that reads several variables names one of them at a time
         asked = part.model_copy(update={"inputs": FrozenDict(inputs), "data": FrozenDict(types)})
-        survey = Survey(asked, catalog)
+        survey = survey_of(asked, catalog)
         missing = set(DataFlow(survey).missing.values()) & types.keys()
         if not missing:
             break
