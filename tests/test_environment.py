@@ -35,6 +35,13 @@ def test_importing_grip_is_light():
     assert loaded.strip() == "[]"
 
 
+def test_listing_the_verbs_is_light():
+    heavy = "{'rclpy', 'sapien', 'pinocchio', 'ompl', 'numpy', 'py_trees', 'fastapi', 'cv2'}"
+    loaded = f"print(sorted({heavy} & set(sys.modules)))"
+    code = f"import sys; from grip_bt.cli.__main__ import make_parser; make_parser(); {loaded}"
+    assert _python(code).strip() == "[]"
+
+
 def test_public_names_exist():
     import grip_bt
 

@@ -7,12 +7,10 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from grip_bt.app.commander_parts import TAUGHT
-from grip_bt.app.project import find_project
-from grip_bt.app.resources import Resources, open_resources
 from grip_bt.errors import ExpectedError, GripError, MissingPartError, UnknownNameError
 
 if TYPE_CHECKING:
+    from grip_bt.app.resources import Resources
     from grip_bt.values import JointState, Pose
 
 
@@ -32,6 +30,10 @@ def add_parser(subparsers: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Teach, or list."""
+    from grip_bt.app.commander_parts import TAUGHT
+    from grip_bt.app.project import find_project
+    from grip_bt.app.resources import open_resources
+
     project = find_project(args.project)
     if args.name is None:
         return _list(project.folder / TAUGHT, args.json)
