@@ -340,7 +340,9 @@ def make_turns(seed: int) -> dict[str, Any]:
     return case
 
 
-def make_case(seed: int, without: tuple[str, ...] = (), shared: bool = False) -> dict[str, Any]:
+def make_case(
+    seed: int, without: tuple[str, ...] = (), shared: bool = False, random: Random | None = None
+) -> dict[str, Any]:
     """Return a random task with scripts; three in five have no part that must be embedded.
 
     One in five has concurrent parts: its leaves' own sequences are compared, so that nothing in it depends on the order
@@ -350,8 +352,9 @@ def make_case(seed: int, without: tuple[str, ...] = (), shared: bool = False) ->
         seed: of everything.
         without: kinds and settings that it hasn't.
         shared: whether it has concurrent parts in which variables are shared.
+        random: draws in place of those of the seed, of which only the flavour remains.
     """
-    random = Random(seed)
+    random = random or Random(seed)
     flavour = seed % 5
     maker = Maker(random, embed=flavour in (3, 4) or seed % 15 == 2, join=shared or flavour == 2, without=without)
     maker.shared = shared

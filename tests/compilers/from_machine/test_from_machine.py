@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import os
+from random import Random
 from typing import Any
 
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 from parity_flows import make_flow
 from parity_generate import make_case
 from parity_world import ScriptedLeaf, catalog_of
@@ -37,13 +40,22 @@ def machine() -> CompiledMachine:
     return compiled({"kind": "state_machine", "initial": "a", "outcomes": {"success": "success"}, "children": children})
 
 
-@pytest.mark.parametrize("make", [make_case, make_flow])
-def test_a_compiled_machine_gives_its_document_back(make: Any) -> None:
-    for seed in range(FIRST, FIRST + TASKS // 2):
-        case = make(seed)
-        task = Task.model_validate(case["task"])
-        again = to_task(to_machine(task, catalog_of(case), leaf_factory=leaf))
-        assert dumps(again) == dumps(task), f"seed {seed}"
+def expect_back(case: dict[str, Any]) -> None:
+    task = Task.model_validate(case["task"])
+    again = to_task(to_machine(task, catalog_of(case), leaf_factory=leaf))
+    assert dumps(again) == dumps(task)
+
+
+@settings(max_examples=TASKS // 2, deadline=None, suppress_health_check=list(HealthCheck))
+@given(st.randoms(use_true_random=False), st.integers(0, 14))
+def test_a_compiled_machine_gives_its_document_back(random: Random, flavour: int) -> None:
+    expect_back(make_case(flavour, random=random))
+
+
+@settings(max_examples=TASKS // 2, deadline=None)
+@given(st.integers(FIRST, FIRST + 10**6))
+def test_a_compiled_machine_of_any_edges_gives_its_document_back(seed: int) -> None:
+    expect_back(make_flow(seed))
 
 
 def test_an_edge_that_was_changed_on_the_machine_is_an_edge_of_the_task() -> None:

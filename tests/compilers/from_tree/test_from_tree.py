@@ -10,6 +10,8 @@ from typing import Any
 
 import py_trees
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 from parity_generate import make_case
 from parity_world import ScriptedLeaf, catalog_of
 from py_trees import behaviours, composites, decorators
@@ -47,20 +49,18 @@ def compiled(root: dict[str, Any], **task: Any) -> CompiledTree:
     return to_tree(Task.model_validate({"grip": 1, "name": "t", "root": root, **task}), Catalog.builtin())
 
 
-def test_a_compiled_task_gives_its_document_back() -> None:
-    done = 0
-    for seed in range(FIRST, FIRST + TASKS):
-        case = make_case(seed)
-        task = Task.model_validate(case["task"])
-        tree = to_tree(
-            task, catalog_of(case), leaf_factory=lambda p, n, m: ScriptedLeaf(p, p, m, dict(n.with_), dict(n.meaning))
-        )
-        again = to_task(tree)
-        assert again.task == task, f"seed {seed}"
-        assert dumps(again.task) == dumps(task), f"seed {seed}"
-        assert (again.names, again.remarks) == ({}, ())
-        done += 1
-    assert done == TASKS
+@settings(max_examples=TASKS, deadline=None, suppress_health_check=list(HealthCheck))
+@given(st.randoms(use_true_random=False), st.integers(0, 14))
+def test_a_compiled_task_gives_its_document_back(random: Random, flavour: int) -> None:
+    case = make_case(flavour, random=random)
+    task = Task.model_validate(case["task"])
+    tree = to_tree(
+        task, catalog_of(case), leaf_factory=lambda p, n, m: ScriptedLeaf(p, p, m, dict(n.with_), dict(n.meaning))
+    )
+    again = to_task(tree)
+    assert again.task == task
+    assert dumps(again.task) == dumps(task)
+    assert (again.names, again.remarks) == ({}, ())
 
 
 def statuses(root: Behaviour) -> list[str]:
