@@ -25,6 +25,7 @@ export async function onPage(url, test, options = {}) {
     await page.goto(url);
     await page.getByRole("tree").waitFor();
     await test(page, words(page)).catch(async (error) => {
+      if (complaints.length > 0) console.error(`the page complained: ${complaints.join("\n")}`);
       if (process.env.SHOT) await page.screenshot({ path: process.env.SHOT });
       throw error;
     });

@@ -230,6 +230,24 @@ def test_a_legacy_machine_is_imported_converted_edited_and_run_in_a_browser(fold
         assert done.returncode == 0, done.stdout + done.stderr
 
 
+@pytest.mark.e2e
+@pytest.mark.slow
+@pytest.mark.ros
+@pytest.mark.sim
+def test_a_first_task_from_nothing_takes_eighty_actions_at_most(tmp_path: Path) -> None:
+    examples = Path(__file__).parents[2] / "examples" / "components" / "antipodal_grasps"
+    home = tmp_path / "project" / "components" / "antipodal_grasps"
+    shutil.copytree(examples / "interfaces", home / "interfaces")
+    for name in ("server.py", "proposer.py"):
+        shutil.copy(examples / name, home)
+    (tmp_path / "project" / "grip.yaml").write_text("grip: 1\n")
+    (tmp_path / "project" / "tasks").mkdir()
+    with editing(tmp_path / "project") as (_, url):
+        command = browser("first_task.mjs", url, str(tmp_path / "project"))
+        done = subprocess.run(command, capture_output=True, text=True, timeout=240)
+        assert done.returncode == 0, done.stdout + done.stderr
+
+
 def test_a_wrong_path_is_told_and_ends_with_1(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "grip_bt.cli", "edit", str(tmp_path / "nothing"), "--no-browser"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
