@@ -43,14 +43,24 @@ def view_of_text(folder: ProjectFolder, text: str, path: str) -> TaskView:
 
 def view_of_document(folder: ProjectFolder, document: Document, path: str) -> TaskView:
     """Return the view of a task, with what is wrong with it and what can be done about that."""
+    view = unchecked_view(folder, document, path)
+    return view.model_copy(update={"problems": problems_of(folder, document)})
+
+
+def unchecked_view(folder: ProjectFolder, document: Document, path: str) -> TaskView:
+    """Return the view of a task without its problems, which take longer than all the rest."""
+    return project_task(document.task, path, _finder(catalog_of(folder)[0]))
+
+
+def problems_of(folder: ProjectFolder, document: Document) -> list[Problem]:
+    """Return what is wrong with a task, and what can be done about that."""
     catalog, trouble = catalog_of(folder)
     if trouble is not None:
-        # The project's other files are wrong; the task can still be drawn, with the built-in nodes' faces.
-        return project_task(document.task, path, _finder(catalog), [trouble])
+        # The project's other files are wrong; the task is still drawn, with the built-in nodes' faces.
+        return [trouble]
     issues = validate(document.task, catalog, document).issues
     fixer = Fixer(document.task, catalog) if issues else None
-    problems = [_problem(issue, fixer if number < FIXED else None) for number, issue in enumerate(issues)]
-    return project_task(document.task, path, _finder(catalog), problems)
+    return [_problem(issue, fixer if number < FIXED else None) for number, issue in enumerate(issues)]
 
 
 def catalog_of(folder: ProjectFolder) -> tuple[Catalog, Problem | None]:

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from .messages import Meaning, TaskView, Wire
+from .messages import Meaning, NodeView, Problem, TaskView, VariableView, Wire
 
 TaskPath = Annotated[str, Field(max_length=1024)]
 View = Literal["flow", "tree"]
@@ -112,6 +112,9 @@ class LayoutView(Wire):
 class DocumentView(Wire):
     """A task file that is open for editing."""
 
+    type: Literal["document"] = "document"
+    state: int = 0
+    """Number of what is shown; who says it with the next wish is sent what has changed since."""
     path: str
     revision: int
     text: str
@@ -123,6 +126,54 @@ class DocumentView(Wire):
     history: HistoryView
     layout: LayoutView
     task: TaskView
+    checked: bool = True
+    """Whether `task.problems` are known; where they aren't yet, they are asked for by themselves."""
+
+
+class TextSplice(Wire):
+    """One piece of a text that was replaced; counted in UTF-16 units, as pages count."""
+
+    start: int
+    removed: int
+    new: str
+
+
+class TaskChange(Wire):
+    """What is different in a task. The order of the nodes follows from the children of each."""
+
+    name: str
+    doc: str
+    outcomes: dict[str, Meaning]
+    nodes: list[NodeView]
+    """Those that are new or different."""
+    gone: list[str]
+    variables: list[VariableView] | None
+    """All of them; None where none is different."""
+
+
+class DocumentChange(Wire):
+    """What has changed in a document since a state that the page has. Problems are asked for by themselves."""
+
+    type: Literal["change"] = "change"
+    since: int
+    state: int
+    path: str
+    revision: int
+    splice: TextSplice | None
+    saved: bool
+    change: Change
+    history: HistoryView
+    layout: LayoutView | None
+    """None where no position is different."""
+    task: TaskChange | None
+    """None where nothing is drawn differently."""
+
+
+class ProblemsView(Wire):
+    """What the validation says about a revision."""
+
+    revision: int
+    problems: list[Problem]
 
 
 class FormView(Wire):

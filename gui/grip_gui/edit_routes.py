@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Callable
 from typing import Annotated, TypeVar
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Query, Response
 from pydantic import ValidationError
 
 from grip_bt.errors import EditError
@@ -18,7 +18,6 @@ from .edit_messages import (
     ConversionView,
     ConvertWish,
     DiskWish,
-    DocumentView,
     EditWish,
     ExpressionView,
     ExpressionWish,
@@ -28,15 +27,17 @@ from .edit_messages import (
     PartsView,
     PinWish,
     PlacesView,
+    ProblemsView,
     SaveWish,
     StepWish,
     TextWish,
 )
 from .editing import EditDesk, Sheet, StaleEditError
+from .editing.changes import Shown
 from .editing.conversion import conversion_view, convert
 from .editing.forms import forms_view
 from .editing.palette import catalog_view
-from .editing.views import check_expression, document_view, parts_view, places_view
+from .editing.views import check_expression, document_view, parts_view, places_view, problems_view
 
 T = TypeVar("T")
 
@@ -66,7 +67,14 @@ def _add_questions(api: APIRouter, desk: EditDesk) -> None:
     @api.get("/document/forms")
     def forms(path: str) -> FormsView:
         with desk.reading(path) as sheet:
-            return forms_view(sheet, catalog_of(folder)[0])
+            find = forms_view(sheet, catalog_of(folder)[0])
+        return find()
+
+    @api.get("/document/problems")
+    def problems(path: str) -> ProblemsView:
+        with desk.reading(path) as sheet:
+            find = problems_view(folder, sheet)
+        return find()
 
     @api.get("/document/places")
     def places(path: str) -> PlacesView:
@@ -90,55 +98,60 @@ def _add_questions(api: APIRouter, desk: EditDesk) -> None:
 
 
 def _add_wishes(api: APIRouter, desk: EditDesk, notify: Callable[[], None]) -> None:
-    async def change(path: str, work: Callable[[Sheet], object]) -> DocumentView:
-        def changed() -> DocumentView:
+    shown = Shown(desk.folder)
+
+    async def change(path: str, work: Callable[[Sheet], object], since: int | None, status: int = 200) -> Response:
+        def changed() -> str:
             with desk.changing(path) as sheet:
                 work(sheet)
-                return document_view(desk.folder, sheet)
+                view = document_view(desk.folder, sheet) if since is None else shown.answer(sheet, since)
+            return view.model_dump_json()
 
-        view = await asyncio.to_thread(changed)
+        body = await asyncio.to_thread(changed)
         notify()
-        return view
+        return Response(body, status, media_type="application/json")
 
     @api.get("/document")
-    async def document(path: str) -> DocumentView:
-        return await change(path, Sheet.follow_disk)
+    async def document(path: str, since: int | None = None) -> Response:
+        return await change(path, Sheet.follow_disk, since)
 
     @api.post("/document/edit")
-    async def edit(wish: EditWish) -> DocumentView:
+    async def edit(wish: EditWish, since: int | None = None) -> Response:
         command = understood(wish.command)
-        return await change(wish.path, lambda sheet: sheet.do(command, wish.base))
+        return await change(wish.path, lambda sheet: sheet.do(command, wish.base), since)
 
     @api.post("/document/convert")
-    async def convert_container(wish: ConvertWish) -> DocumentView:
+    async def convert_container(wish: ConvertWish, since: int | None = None) -> Response:
         found = catalog_of(desk.folder)[0]
-        return await change(wish.path, lambda sheet: convert(sheet, found, wish.node, wish.form, wish.base))
+        return await change(wish.path, lambda sheet: convert(sheet, found, wish.node, wish.form, wish.base), since)
 
     @api.post("/document/text")
-    async def text(wish: TextWish) -> DocumentView:
-        return await change(wish.path, lambda sheet: sheet.write(wish.text, sheet.revision if wish.over else wish.base))
+    async def text(wish: TextWish, since: int | None = None) -> Response:
+        return await change(
+            wish.path, lambda sheet: sheet.write(wish.text, sheet.revision if wish.over else wish.base), since
+        )
 
     @api.post("/document/step")
-    async def step(wish: StepWish) -> DocumentView:
-        return await change(wish.path, lambda sheet: _step(sheet, wish))
+    async def step(wish: StepWish, since: int | None = None) -> Response:
+        return await change(wish.path, lambda sheet: _step(sheet, wish), since)
 
     @api.post("/document/pin")
-    async def pin(wish: PinWish) -> DocumentView:
+    async def pin(wish: PinWish, since: int | None = None) -> Response:
         title = f"place {next(iter(wish.positions), '')}"
-        return await change(wish.path, lambda sheet: sheet.pin(wish.view, wish.positions, title))
+        return await change(wish.path, lambda sheet: sheet.pin(wish.view, wish.positions, title), since)
 
     @api.post("/document/save")
-    async def save(wish: SaveWish) -> DocumentView:
-        return await change(wish.path, lambda sheet: sheet.save(wish.over))
+    async def save(wish: SaveWish, since: int | None = None) -> Response:
+        return await change(wish.path, lambda sheet: sheet.save(wish.over), since)
 
     @api.post("/document/disk")
-    async def disk(wish: DiskWish) -> DocumentView:
-        return await change(wish.path, Sheet.take_from_disk)
+    async def disk(wish: DiskWish, since: int | None = None) -> Response:
+        return await change(wish.path, Sheet.take_from_disk, since)
 
-    @api.post("/document/new", status_code=201)
-    async def new(wish: NewTask) -> DocumentView:
+    @api.post("/document/new")
+    async def new(wish: NewTask, since: int | None = None) -> Response:
         await asyncio.to_thread(desk.create, wish.path, wish.text)
-        return await change(wish.path, lambda _: None)
+        return await change(wish.path, lambda _: None, since, 201)
 
 
 def _step(sheet: Sheet, wish: StepWish) -> None:

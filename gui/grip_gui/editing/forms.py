@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from grip_bt.catalog import Catalog
 from grip_bt.compilers.restructure import to_state_machines, to_trees
 from grip_bt.errors import GripError, InvalidTaskError
@@ -12,17 +14,22 @@ from ..edit_messages import FormsView, FormView
 from .sheet import Sheet
 
 
-def forms_view(sheet: Sheet, catalog: Catalog) -> FormsView:
-    """Return the forms of a document's composites and state machines."""
-    if sheet.history is None or sheet.draft is not None:
-        return FormsView(revision=sheet.revision, forms=[], trouble="the text isn't a task at the moment")
-    task = sheet.history.document.task
-    try:
-        return FormsView(revision=sheet.revision, forms=_forms(task, catalog))
-    except InvalidTaskError:
-        return FormsView(revision=sheet.revision, forms=[], trouble="known once the task has no errors")
-    except GripError as error:
-        return FormsView(revision=sheet.revision, forms=[], trouble=str(error))
+def forms_view(sheet: Sheet, catalog: Catalog) -> Callable[[], FormsView]:
+    """Return what finds the forms of a document's composites and state machines; it needs nobody to wait for it."""
+    revision, history = sheet.revision, sheet.history
+    if history is None or sheet.draft is not None:
+        return lambda: FormsView(revision=revision, forms=[], trouble="the text isn't a task at the moment")
+    task = history.document.task
+
+    def found() -> FormsView:
+        try:
+            return FormsView(revision=revision, forms=_forms(task, catalog))
+        except InvalidTaskError:
+            return FormsView(revision=revision, forms=[], trouble="known once the task has no errors")
+        except GripError as error:
+            return FormsView(revision=revision, forms=[], trouble=str(error))
+
+    return found
 
 
 def _edge(machine: str, label: str) -> tuple[str, str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import get_args
 
 from grip_bt.errors import DocumentError, EditError, GripError
@@ -9,7 +10,7 @@ from grip_bt.graph import read_text, walk
 from grip_bt.graph.edit import Set, apply, clip_of
 from grip_bt.validation import validate
 
-from ..documents import catalog_of, trouble_of, view_of_document
+from ..documents import catalog_of, problems_of, trouble_of, unchecked_view, view_of_document
 from ..edit_messages import (
     Change,
     DocumentView,
@@ -21,6 +22,7 @@ from ..edit_messages import (
     Part,
     PartsView,
     PlacesView,
+    ProblemsView,
 )
 from ..messages import Problem, TaskView
 from ..project import ProjectFolder
@@ -30,8 +32,14 @@ SHOWN = 200
 """Moments of a history that a page gets."""
 
 
-def document_view(folder: ProjectFolder, sheet: Sheet) -> DocumentView:
-    """Return a document as it is now."""
+def document_view(folder: ProjectFolder, sheet: Sheet, checked: bool = True) -> DocumentView:
+    """Return a document as it is now.
+
+    Args:
+        folder: the project.
+        sheet: the open file.
+        checked: with the problems; without them the view is there several times sooner.
+    """
     change = sheet.file.change()
     assert change in get_args(Change)
     return DocumentView(
@@ -43,8 +51,19 @@ def document_view(folder: ProjectFolder, sheet: Sheet) -> DocumentView:
         change=change,  # type: ignore[arg-type]
         history=_history(sheet),
         layout=LayoutView(**{view: dict(spots) for view, spots in sheet.layout.pinned.items()}),
-        task=_task(folder, sheet),
+        task=_task(folder, sheet, checked),
+        checked=checked or sheet.draft is not None,
     )
+
+
+def problems_view(folder: ProjectFolder, sheet: Sheet) -> Callable[[], ProblemsView]:
+    """Return what finds the problems of a document as it is now; it needs nobody to wait for it."""
+    revision, history = sheet.revision, sheet.history
+    if history is None or sheet.draft is not None:
+        fault = _fault(sheet)
+        return lambda: ProblemsView(revision=revision, problems=[fault])
+    document = history.document
+    return lambda: ProblemsView(revision=revision, problems=problems_of(folder, document))
 
 
 def _history(sheet: Sheet) -> HistoryView:
@@ -58,14 +77,15 @@ def _history(sheet: Sheet) -> HistoryView:
     )
 
 
-def _task(folder: ProjectFolder, sheet: Sheet) -> TaskView:
+def _task(folder: ProjectFolder, sheet: Sheet, checked: bool) -> TaskView:
     name = sheet.file.name
     if sheet.draft is None and sheet.history is not None:
-        return view_of_document(folder, sheet.history.document, name)
+        viewed = view_of_document if checked else unchecked_view
+        return viewed(folder, sheet.history.document, name)
     fault = _fault(sheet)
     if sheet.history is None:
         return TaskView(path=name, name=name.rsplit("/", 1)[-1].rsplit(".", 1)[0], problems=[fault])
-    stale = view_of_document(folder, sheet.history.document, name)
+    stale = unchecked_view(folder, sheet.history.document, name)
     return stale.model_copy(update={"problems": [fault]})
 
 

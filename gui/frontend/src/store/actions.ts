@@ -1,4 +1,5 @@
 /** Every action by name and key: for the keyboard, the buttons, and the list of commands. */
+import { allFolded } from "../model/folding";
 import { KINDS } from "../model/words";
 import { askChoice } from "./ask";
 import { askConversion } from "./converting";
@@ -10,6 +11,7 @@ import { addHere, changeKind, connectFree, copy, cut, duplicate, paste, remove, 
 import { pauseOrResume, runFromHere, runToHere, start, step, stop, toggleBreakpoint } from "./running";
 import { newTask } from "./tasks";
 import { usePage, type ViewName } from "./page";
+import { useRun } from "./run";
 
 export interface Action {
   readonly id: string;
@@ -26,6 +28,11 @@ const show = (view: ViewName) => (): void => usePage.getState().setView(view);
 function toggleView(): void {
   const { view, setView } = usePage.getState();
   setView(view === "tree" ? "flow" : "tree");
+}
+
+function foldAll(): void {
+  usePage.setState({ closed: allFolded(useRun.getState().task.nodes) });
+  usePage.getState().select("/");
 }
 
 export const ACTIONS: readonly Action[] = [
@@ -58,6 +65,8 @@ export const ACTIONS: readonly Action[] = [
   { id: "text", title: "Show the text", keys: ["Alt+4"], inFields: true, run: show("text") },
   { id: "enter", title: "Go into the container", keys: ["Enter"], run: enterSelected },
   { id: "leave", title: "Go out of the container", keys: ["Backspace"], run: leaveContainer },
+  { id: "unfold", title: "Unfold everything", keys: [], run: () => usePage.setState({ closed: new Set() }) },
+  { id: "fold", title: "Fold everything", keys: [], run: foldAll },
   { id: "run", title: "Run", keys: ["Alt+r"], inFields: true, run: () => start() },
   { id: "pause", title: "Pause or resume", keys: ["Alt+p"], inFields: true, run: pauseOrResume },
   { id: "stop", title: "STOP", keys: ["F8"], inFields: true, run: stop },

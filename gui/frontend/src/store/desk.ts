@@ -3,6 +3,7 @@ import { server, Socket } from "../protocol/client";
 import type { RunRecord, ServerFrame } from "../protocol/generated";
 import { useDocument } from "./document";
 import { heardOfRevisions, take } from "./editing";
+import { foldedAtFirst } from "../model/folding";
 import { usePage } from "./page";
 import { useRun } from "./run";
 import { useRunning } from "./runDesk";
@@ -83,8 +84,9 @@ export function openTask(path: string): Promise<void> {
   const wish = ++wishes;
   return trying(async () => {
     const document = await server.document(path);
-    if (wish !== wishes) return;
+    if (wish !== wishes || document.type !== "document") return;
     useDocument.getState().setConflict(null);
+    usePage.setState({ closed: foldedAtFirst(document.task.nodes) });
     useRun.getState().showTask(document.task);
     take(document);
     usePage.getState().enter("/");

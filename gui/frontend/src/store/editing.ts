@@ -1,12 +1,15 @@
 /** What edits do: each goes to the server, one after the other, and its answer is the new state. */
 import type { Command } from "../model/commands";
-import { RefusedError, server } from "../protocol/client";
+import { changed } from "../model/changes";
+import { type Answer, RefusedError, server } from "../protocol/client";
 import type { DocumentView, PinWish } from "../protocol/generated";
 import { type Conflict, useDocument } from "./document";
 import { usePage } from "./page";
 import { useRun } from "./run";
 
 const CONFLICTS = new Set(["stale", "disk", "unfinished"]);
+/** Tasks of more nodes are checked only when the person pauses. */
+const LARGE = 1000;
 /** Wishes are sent one at a time, so that each is made on the newest revision. */
 let queue: Promise<unknown> = Promise.resolve();
 
@@ -15,16 +18,25 @@ export function editable(): boolean {
   return useRun.getState().record === null && useDocument.getState().document !== null;
 }
 
-/** Take a document that the server sent; an older one than that which is shown comes too late. */
-export function take(view: DocumentView): void {
+/** Take what the server sent, a document or a change of it; an older one than that which is shown comes too late. */
+export function take(answer: Answer): void {
   const { document, setDocument } = useDocument.getState();
-  if (document?.path === view.path && view.revision < document.revision) return;
+  if (document?.path === answer.path && answer.revision < document.revision) return;
+  if (answer.type === "change" && (document?.path !== answer.path || document.state !== answer.since)) {
+    // The page has gone on meanwhile: ask for the whole.
+    if (document?.path === answer.path) void server.document(answer.path).then(take);
+    return;
+  }
+  const view = answer.type === "change" ? changed(document as DocumentView, answer) : answer;
+  // What was wrong is shown until it is known what is wrong now.
+  if (answer.type === "document" && document?.path === view.path && !view.checked) view.task = { ...view.task, problems: document.task.problems };
   setDocument(view);
   const { record, task, showTask } = useRun.getState();
   if (record !== null) return;
-  if (task.path !== view.path || JSON.stringify(task) !== JSON.stringify(view.task)) showTask(view.task);
+  if (task !== view.task) showTask(view.task);
   keepSelection();
-  void loadForms();
+  if (!view.checked) loadProblems();
+  loadForms();
 }
 
 /** Selection and place of a task whose nodes have changed: what is gone gives way to what is above it. */
@@ -41,7 +53,7 @@ function keepSelection(): void {
   if (!known.has(container)) usePage.setState({ container: near(container) });
 }
 
-function send(wish: (document: DocumentView) => Promise<DocumentView>, text?: string): Promise<boolean> {
+function send(wish: (document: DocumentView) => Promise<Answer>, text?: string): Promise<boolean> {
   const sent = queue.then(async () => {
     const { document } = useDocument.getState();
     if (document === null) return false;
@@ -75,7 +87,7 @@ export async function edit(command: Command, select?: string | readonly string[]
     return false;
   }
   const before = usePage.getState().selected;
-  const done = await send(({ path, revision }) => server.edit({ path, base: revision, command }));
+  const done = await send(({ path, revision, state }) => server.edit({ path, base: revision, command }, state));
   // Who has turned to another node meanwhile stays there.
   const stayed = usePage.getState().selected === before || !useRun.getState().index.byPath.has(before ?? "");
   if (done && select !== undefined && stayed) {
@@ -88,7 +100,7 @@ export async function edit(command: Command, select?: string | readonly string[]
 }
 
 function step(what: "undo" | "redo" | "go", number: number | null = null): Promise<boolean> {
-  return send(({ path, revision }) => server.step({ path, base: revision, step: what, number }));
+  return send(({ path, revision, state }) => server.step({ path, base: revision, step: what, number }, state));
 }
 
 export const undo = (): Promise<boolean> => step("undo");
@@ -97,23 +109,23 @@ export const goTo = (number: number): Promise<boolean> => step("go", number);
 
 /** Take a text that was typed on the revision `base`; null puts it over whatever is there. */
 export function typeText(text: string, base: number | null): Promise<boolean> {
-  return send(({ path, revision }) => server.text({ path, base: base ?? revision, text, over: base === null }), text);
+  return send(({ path, revision, state }) => server.text({ path, base: base ?? revision, text, over: base === null }, state), text);
 }
 
 export function pin(view: PinWish["view"], positions: Record<string, [number, number] | null>): Promise<boolean> {
-  return send(({ path }) => server.pin({ path, view, positions }));
+  return send(({ path, state }) => server.pin({ path, view, positions }, state));
 }
 
 export function convert(node: string, form: "tree" | "machine"): Promise<boolean> {
-  return send(({ path, revision }) => server.convert({ path, base: revision, node, form }));
+  return send(({ path, revision, state }) => server.convert({ path, base: revision, node, form }, state));
 }
 
 export function save(over = false): Promise<boolean> {
-  return send(({ path }) => server.save({ path, over }));
+  return send(({ path, state }) => server.save({ path, over }, state));
 }
 
 export function takeFromDisk(): Promise<boolean> {
-  return send(({ path }) => server.disk({ path }));
+  return send(({ path, state }) => server.disk({ path }, state));
 }
 
 /** Ask for the newest state where the server has told of one. */
@@ -121,20 +133,33 @@ export function heardOfRevisions(revisions: Record<string, number>): void {
   void queue.then(async () => {
     const { document } = useDocument.getState();
     if (document === null || (revisions[document.path] ?? 0) <= document.revision) return;
-    take(await server.document(document.path));
+    take(await server.document(document.path, document.state));
   });
 }
 
-let formsTimer: ReturnType<typeof setTimeout> | undefined;
-
-/** Ask which containers both forms edit, once nothing has changed for a while. */
-function loadForms(): void {
-  clearTimeout(formsTimer);
-  formsTimer = setTimeout(async () => {
-    const path = useDocument.getState().document?.path;
-    if (path === undefined) return;
-    const forms = await server.forms(path).catch(() => null);
-    const now = useDocument.getState().document;
-    if (forms && now?.path === path && now.revision === forms.revision) useDocument.getState().setForms(forms);
-  }, 250);
+/** Ask for something about the newest state, once nothing has changed for a while [ms]. */
+function afterwards<T extends { readonly revision: number }>(pause: () => number, find: (path: string) => Promise<T>, put: (found: T) => void): () => void {
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  return () => {
+    clearTimeout(timer);
+    timer = setTimeout(async () => {
+      const path = useDocument.getState().document?.path;
+      if (path === undefined) return;
+      const found = await find(path).catch(() => null);
+      const now = useDocument.getState().document;
+      if (found && now?.path === path && now.revision === found.revision) put(found);
+    }, pause());
+  };
 }
+
+/** Which containers both forms edit; long to find in a large task, so that the next edit isn't kept waiting for it. */
+const loadForms = afterwards(() => (useRun.getState().task.nodes.length > LARGE ? 1500 : 250), server.forms, (found) => useDocument.getState().setForms(found));
+
+const loadProblems = afterwards(() => (useRun.getState().task.nodes.length > LARGE ? 400 : 60), server.problems, ({ problems }) => {
+  const { document, setDocument } = useDocument.getState();
+  const { record, setProblems } = useRun.getState();
+  if (document === null) return;
+  const task = { ...document.task, problems };
+  setDocument({ ...document, task, checked: true });
+  if (record === null) setProblems(task);
+});

@@ -1,6 +1,8 @@
 /** What this page shows of the task: selection, open containers, which view, whether the canvas follows the run. */
 import { create } from "zustand";
 
+import { opened } from "../model/folding";
+
 export type ViewName = "tree" | "flow" | "split" | "text";
 export type FootTab = "problems" | "run" | "holds" | "history";
 
@@ -48,7 +50,7 @@ export const usePage = create<PageStore>()((set) => ({
   foot: "problems",
   lens: null,
   room: "task",
-  select: (selected) => set({ selected, marked: new Set(selected === null ? [] : [selected]) }),
+  select: (selected) => set(({ closed }) => ({ selected, marked: new Set(selected === null ? [] : [selected]), closed: opened(closed, selected === null ? [] : [selected]) })),
   mark: (path) =>
     set(({ marked, selected }) => {
       const next = new Set(marked);
@@ -59,14 +61,16 @@ export const usePage = create<PageStore>()((set) => ({
     }),
   markAll: (paths) => {
     const marked = new Set(paths);
-    set({ marked, selected: [...marked].at(-1) ?? null });
+    set(({ closed }) => ({ marked, selected: [...marked].at(-1) ?? null, closed: opened(closed, marked) }));
   },
   setClosed: (path, closed) =>
     set((state) => {
       const next = new Set(state.closed);
       if (closed) next.add(path);
       else next.delete(path);
-      return { closed: next };
+      // What is selected stays in sight: a node that is folded away gives way to its container.
+      const inside = closed && state.selected !== null && state.selected !== path && (path === "/" || state.selected.startsWith(`${path}/`));
+      return inside ? { closed: next, selected: path, marked: new Set([path]) } : { closed: next };
     }),
   setFollow: (follow) => set({ follow }),
   setView: (view) => set({ view }),

@@ -24,6 +24,8 @@ export interface RunStore {
   readonly trouble: string;
 
   showTask(task: TaskView, record?: RunRecord | null): void;
+  /** The same task, with what is wrong with it. */
+  setProblems(task: TaskView): void;
   addEvents(run: string, events: readonly RunEvent[], complete: boolean): void;
   scrub(cursor: number | null): void;
   setSession(session: SessionView | null): void;
@@ -40,6 +42,8 @@ export const useRun = create<RunStore>()((set, get) => ({
   trouble: "",
 
   showTask: (task, record = null) => set((s) => ({ ...fresh(task), record, version: s.version + 1 })),
+
+  setProblems: (task) => set({ task, index: new TaskIndex(task) }),
 
   addEvents: (run, events, complete) => {
     const { record, history, cursor, version } = get();

@@ -1,46 +1,52 @@
 /** The tree of the task. Statuses reach the nodes through the store, never through the node list. */
-import { Background, Controls, type Edge, MiniMap, type Node, Position, ReactFlow, useReactFlow,
-  useStore,
-  type Viewport,
-} from "@xyflow/react";
-import { type JSX, useEffect, useMemo } from "react";
+import { Background, ControlButton, Controls, type Node, Position, ReactFlow, type ReactFlowState, useReactFlow, useStore, type Viewport, ViewportPortal } from "@xyflow/react";
+import { type JSX, type RefObject, useEffect, useMemo, useRef, useState } from "react";
 
+import { nearestShown, unfolded } from "../model/folding";
 import { type Box, layoutTree } from "../model/layout";
+import { areaInSight, extent, LINE_AT, linesIn, nodesIn } from "../model/sight";
 import type { Moment, TaskIndex } from "../model/status";
-import type { TaskView } from "../protocol/generated";
+import type { NodeView } from "../protocol/generated";
 import { usePage } from "../store/page";
 import { useRun } from "../store/run";
 import { Detail } from "./Detail";
+import { TreeMap } from "./TreeMap";
 import { TreeNode } from "./TreeNode";
 
 const NODE_TYPES = { task: TreeNode };
-/** Above this number only nodes in sight are mounted. */
-const CULL_ABOVE = 150;
+const NO_EDGES: never[] = [];
 const READABLE_ZOOM = 0.8;
+/** Below this a whole tree isn't shown at first: nobody could read it. */
+const LEAST_ZOOM = 0.35;
 
 export function TreeCanvas(): JSX.Element {
-  const task = useRun((s) => s.task);
-  const boxes = useMemo(() => layoutTree(task.nodes), [task]);
-  const nodes = useMemo(() => flowNodes(task, boxes), [task, boxes]);
-  const edges = useMemo(() => flowEdges(task), [task]);
+  const path = useRun((s) => s.task.path);
+  const all = useRun((s) => s.task.nodes);
+  const closed = usePage((s) => s.closed);
+  const shown = useMemo(() => unfolded(all, closed), [all, closed]);
+  const boxes = useMemo(() => layoutTree(shown), [shown]);
+  const { left, top, right, bottom } = useStore(inSight, sameArea);
+  const area = useMemo(() => ({ left, top, right, bottom }), [left, top, right, bottom]);
+  const known = useRef(new Map<string, Node>());
+  const nodes = useMemo(() => drawn(nodesIn(area, shown, boxes), boxes, known), [area, shown, boxes]);
+  const lines = useMemo(() => linesIn(area, shown, boxes), [area, shown, boxes]);
+  const [begun, setBegun] = useState("");
   const { select, mark } = usePage.getState();
   const setFollow = usePage((s) => s.setFollow);
   return (
     <ReactFlow
-      key={task.path}
+      key={path}
       nodes={nodes}
-      edges={edges}
+      edges={NO_EDGES}
       nodeTypes={NODE_TYPES}
       nodesDraggable={false}
       nodesConnectable={false}
       nodesFocusable={false}
       edgesFocusable={false}
       elementsSelectable={false}
-      onlyRenderVisibleElements={nodes.length > CULL_ABOVE}
+      onInit={() => setBegun(path)}
       minZoom={0.1}
       maxZoom={2}
-      fitView
-      fitViewOptions={{ padding: 0.04, maxZoom: 1.1 }}
       onNodeClick={(event, node) => (event.ctrlKey || event.metaKey || event.shiftKey ? mark(node.id) : select(node.id))}
       onNodeDoubleClick={(_, node) => {
         usePage.getState().enter(node.id);
@@ -52,12 +58,53 @@ export function TreeCanvas(): JSX.Element {
       }}
       aria-label="Tree of the task; the outline has the same content for keyboards"
     >
+      <ViewportPortal>
+        <svg className="tree-lines" aria-hidden="true">
+          <path d={lines} />
+        </svg>
+      </ViewportPortal>
       <Background gap={24} />
-      <Controls showInteractive={false} />
-      {nodes.length > 12 && <MiniMap pannable zoomable style={{ width: 140, height: 96 }} />}
+      <Whole key={path} boxes={boxes} begun={begun === path} />
+      {shown.length > 12 && <TreeMap boxes={boxes} />}
       <Detail />
       <Follower boxes={boxes} />
     </ReactFlow>
+  );
+}
+
+const inSight = (s: ReactFlowState): ReturnType<typeof areaInSight> => areaInSight(s.transform, s.width, s.height);
+
+function sameArea(one: ReturnType<typeof areaInSight>, other: ReturnType<typeof areaInSight>): boolean {
+  return one.left === other.left && one.top === other.top && one.right === other.right && one.bottom === other.bottom;
+}
+
+/** The buttons for the zoom. Only nodes in sight are known to the canvas, so that the whole is fitted by its extent. */
+function Whole({ boxes, begun }: { boxes: ReadonlyMap<string, Box>; begun: boolean }): JSX.Element {
+  const { setViewport } = useReactFlow();
+  const width = useStore((s) => s.width);
+  const height = useStore((s) => s.height);
+  const fitted = useRef(false);
+  const fit = (least: number): void => {
+    const { left, top, right, bottom } = extent(boxes.values());
+    const zoom = Math.min(1.1, (width * 0.92) / (right - left), (height * 0.92) / (bottom - top));
+    if (zoom >= least) return void setViewport({ x: (width - (left + right) * zoom) / 2, y: (height - (top + bottom) * zoom) / 2, zoom });
+    // From where it begins, as large as can be read.
+    const root = boxes.get("/") as Box;
+    void setViewport({ x: 24 - root.x * READABLE_ZOOM, y: height / 2 - (root.y + LINE_AT) * READABLE_ZOOM, zoom: READABLE_ZOOM });
+  };
+  useEffect(() => {
+    if (fitted.current || !begun || width === 0 || boxes.size === 0) return;
+    fitted.current = true;
+    fit(LEAST_ZOOM);
+  });
+  return (
+    <Controls showInteractive={false} showFitView={false}>
+      <ControlButton onClick={() => fit(0.1)} title="Fit View" aria-label="Fit View">
+        <svg viewBox="0 0 32 30" aria-hidden="true">
+          <path d="M3 9V3h7M22 3h7v6M29 21v6h-7M10 27H3v-6" fill="none" stroke="currentColor" strokeWidth="3" />
+        </svg>
+      </ControlButton>
+    </Controls>
   );
 }
 
@@ -69,7 +116,7 @@ function Follower({ boxes }: { boxes: ReadonlyMap<string, Box> }): null {
   const follow = usePage((s) => s.follow);
   const selected = usePage((s) => s.selected);
   const running = useRun((s) => (s.cursor === null && s.complete ? null : runningLeaf(s.index, s.moment)));
-  const target = follow && running ? running : null;
+  const target = follow && running ? nearestShown(running, boxes) : null;
   useEffect(() => {
     const box = target ? boxes.get(target) : undefined;
     const readable = getZoom() >= READABLE_ZOOM;
@@ -84,30 +131,33 @@ function Follower({ boxes }: { boxes: ReadonlyMap<string, Box> }): null {
   return null;
 }
 
-function flowNodes(task: TaskView, boxes: ReadonlyMap<string, Box>): Node[] {
-  return task.nodes.map((node) => {
-    const { x, y, width, height } = boxes.get(node.path) as Box;
-    const handle = { width: 1, height: 1, y: 25 };
-    return {
-      id: node.path,
-      type: "task",
-      position: { x, y },
-      data: { node },
-      width,
-      height,
-      measured: { width, height },
-      handles: [
-        { type: "target", position: Position.Left, x: 0, ...handle },
-        { type: "source", position: Position.Right, x: width, ...handle },
-      ],
-    };
+/** Nodes as the canvas takes them; those that are drawn already stay the same objects, so that nothing of them is done again. */
+function drawn(nodes: readonly NodeView[], boxes: ReadonlyMap<string, Box>, known: RefObject<Map<string, Node>>): Node[] {
+  const now = nodes.map((node) => {
+    const box = boxes.get(node.path) as Box;
+    const before = known.current.get(node.path);
+    const same = before?.data["node"] === node && before.position.x === box.x && before.position.y === box.y && before.height === box.height;
+    return same ? before : canvasNode(node, box);
   });
+  known.current = new Map(now.map((node) => [node.id, node]));
+  return now;
 }
 
-function flowEdges(task: TaskView): Edge[] {
-  return task.nodes
-    .filter((node) => node.parent !== null)
-    .map((node) => ({ id: `e:${node.path}`, source: node.parent as string, target: node.path, focusable: false }));
+function canvasNode(node: NodeView, { x, y, width, height }: Box): Node {
+  const handle = { width: 1, height: 1, y: LINE_AT };
+  return {
+    id: node.path,
+    type: "task",
+    position: { x, y },
+    data: { node },
+    width,
+    height,
+    measured: { width, height },
+    handles: [
+      { type: "target", position: Position.Left, x: 0, ...handle },
+      { type: "source", position: Position.Right, x: width, ...handle },
+    ],
+  };
 }
 
 function runningLeaf(index: TaskIndex, moment: Moment): string | null {

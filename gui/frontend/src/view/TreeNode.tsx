@@ -30,6 +30,7 @@ export function TreeNode({ data }: NodeProps): JSX.Element {
     >
       <Handle type="target" position={Position.Left} isConnectable={false} />
       <div className="node-head">
+        {node.children.length > 0 && <Fold node={node} />}
         <KindIcon kind={node.kind} />
         <span className="node-name">{node.name}</span>
         {node.initial && <span className="initial">start</span>}
@@ -58,6 +59,27 @@ export function TreeNode({ data }: NodeProps): JSX.Element {
       )}
       <Handle type="source" position={Position.Right} isConnectable={false} />
     </div>
+  );
+}
+
+/** Folds a container, or opens it; folded, it says how many are inside. */
+function Fold({ node }: { node: NodeView }): JSX.Element {
+  const closed = usePage((s) => s.closed.has(node.path));
+  return (
+    <button
+      className={`fold${closed ? " closed" : ""}`}
+      aria-expanded={!closed}
+      aria-label={`Inside of ${node.name}`}
+      tabIndex={-1}
+      onClick={(event) => {
+        event.stopPropagation();
+        usePage.getState().setClosed(node.path, !closed);
+      }}
+      onDoubleClick={(event) => event.stopPropagation()}
+    >
+      <span className={`twisty ${closed ? "closed" : "open"}`} />
+      {closed && node.children.length}
+    </button>
   );
 }
 

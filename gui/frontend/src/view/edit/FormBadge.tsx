@@ -1,11 +1,21 @@
 /** Whether a container can be edited in both forms; where it can't, which edges are in the way. */
 import type { JSX } from "react";
 
+import type { FormsView, FormView } from "../../protocol/generated";
 import { useDocument } from "../../store/document";
 import { usePage } from "../../store/page";
 
-export function useForm(path: string): { readonly both: boolean; readonly reason: string; readonly edges: readonly (readonly [string, string])[] } | undefined {
-  return useDocument((s) => s.forms?.forms.find((form) => form.path === path));
+/** Forms by path, found once for each answer of the server. */
+const BY_PATH = new WeakMap<FormsView, ReadonlyMap<string, FormView>>();
+
+function byPath(forms: FormsView): ReadonlyMap<string, FormView> {
+  const known = BY_PATH.get(forms) ?? new Map(forms.forms.map((form) => [form.path, form]));
+  BY_PATH.set(forms, known);
+  return known;
+}
+
+export function useForm(path: string): FormView | undefined {
+  return useDocument((s) => (s.forms === null ? undefined : byPath(s.forms).get(path)));
 }
 
 export function FormBadge({ path }: { path: string }): JSX.Element | null {
