@@ -17,6 +17,8 @@ from .physics import ignore_each_other, physx, sapien
 Floats = NDArray[np.float64]
 HAND_FRICTION = 1.0
 NEAR_BASE, THUMB = 30, 29
+PAIRS = range(28, 11, -1)
+"""For pairs of a finger's links that touch by construction; no hand that we know has as many."""
 
 
 @dataclass(frozen=True)
@@ -147,6 +149,10 @@ class SimRobot:
                 ignore_each_other(link.collision_shapes, NEAR_BASE)
             if link.name in thumb:
                 ignore_each_other(link.collision_shapes, THUMB)
+        shapes = {link.name: link.collision_shapes for link in self.links}
+        touching = sorted(pair for pair in self.description.disabled_pairs if distal & set(pair))
+        for bit, (one, other) in zip(PAIRS, touching, strict=False):
+            ignore_each_other([*shapes[one], *shapes[other]], bit)
 
 
 def _load(scene: sapien.Scene, description: RobotDescription) -> physx.PhysxArticulation:

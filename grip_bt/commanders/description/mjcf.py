@@ -34,6 +34,16 @@ def urdf_of_mjcf(path: Path) -> ET.Element:
     return _Conversion(path).robot()
 
 
+def excluded_pairs(path: Path) -> frozenset[tuple[str, str]]:
+    """Return the pairs of bodies that a MJCF model lets touch, each sorted: those of its `<contact>`.
+
+    Raises:
+        DocumentError: it can't be read.
+    """
+    pairs = ((e.get("body1", ""), e.get("body2", "")) for e in read_xml(path, "mujoco").iterfind("contact/exclude"))
+    return frozenset((min(pair), max(pair)) for pair in pairs)
+
+
 class _Conversion:
     def __init__(self, path: Path):
         self.path, self.root = path, read_xml(path, "mujoco")

@@ -17,7 +17,7 @@ from .check_srdf import check_srdf
 from .check_urdf import check_urdf
 from .config import RobotConfig
 from .findings import Finding, errors, finding_of
-from .mjcf import urdf_of_mjcf
+from .mjcf import excluded_pairs, urdf_of_mjcf
 from .normal import normal
 from .packages import Packages
 from .semantics import with_config, with_states
@@ -119,7 +119,8 @@ class _Single:
         if path is None:
             if not self.config.groups:
                 self._warn("no-groups", "there is no SRDF and no `groups:`; nothing can be planned", None)
-            return Srdf()
+            mjcf = self.config.mjcf
+            return Srdf() if mjcf is None else Srdf(disabled=excluded_pairs(self._path(mjcf)))
         if path.suffix == ".xacro":
             return read_srdf(expanded(path, self.config.arguments, self.packages), str(path))
         return read_srdf(read_xml(path, "robot"), str(path))
