@@ -87,8 +87,11 @@ def _parallel(part: Part, children: list[str], plan: Plan) -> Items:
     assert isinstance(node, model.Parallel)
     plain = not (part.exits or node.rules) and node.wait_for is None
     if plain and node.policy == "all" and node.cancel == "halt":
-        policy = Code("py_trees.common.ParallelPolicy.SuccessOnAll()")
+        again = "synchronise=False" if node.retick else ""
+        policy = Code(f"py_trees.common.ParallelPolicy.SuccessOnAll({again})")
         return call("py_trees.composites.Parallel", part.name, policy=policy, children=_names(children))
+    if node.retick:
+        raise NotExpressibleError(part.path, "`retick` of a parallel with exits, rules or another policy", TARGET)
     plan.parts.add("parallel")
     given: dict[str, Any] = {
         "children": _names(children),

@@ -14,7 +14,7 @@ _KNOWN: dict[type[Any], set[str]] = {
     model.Leaf: {*_COMMON, "node", "with_", "in_", "out", "meaning"},
     model.Sequence: {*_CONTAINER, "children", "exits", "memory"},
     model.Fallback: {*_CONTAINER, "children", "exits", "memory"},
-    model.Parallel: {*_CONTAINER, "children", "exits", "policy", "cancel", "order", "rules", "wait_for"},
+    model.Parallel: {*_CONTAINER, "children", "exits", "policy", "cancel", "order", "rules", "wait_for", "retick"},
     model.Switch: {*_CONTAINER, "children", "exits", "on_value", "cases", "default"},
     model.ForEach: {*_CONTAINER, "child", "exits", "items", "item"},
     model.Loop: {*_CONTAINER, "child", "exits", "while_", "times"},

@@ -165,3 +165,12 @@ def test_run_stops_what_still_runs_when_a_leaf_raises() -> None:
     with pytest.raises(RuntimeError, match="broken"):
         made["run"](root)
     assert all(node.status != Status.RUNNING for node in root.iterate())
+
+
+def test_children_that_are_activated_again_are_those_of_py_trees_without_synchronising():
+    root = {"kind": "parallel", "retick": True, "children": {"a": {"node": "flow/succeed"}}}
+    made = export(Task.model_validate({"grip": 1, "name": "t", "root": root}), Catalog.builtin())
+    assert "SuccessOnAll(synchronise=False)" in made
+    ruled = {**root, "policy": "any"}
+    with pytest.raises(NotExpressibleError, match="`retick` of a parallel with exits, rules or another policy"):
+        export(Task.model_validate({"grip": 1, "name": "t", "root": ruled}), Catalog.builtin())
