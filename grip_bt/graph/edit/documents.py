@@ -47,7 +47,7 @@ def apply_to_document(document: Document, command: AnyCommand) -> Edited:
     if isinstance(command, Patch) and command.restore and command.restore.digest == digest_of(document.text):
         text, splices, sources = _restored(document.text, command.restore), command.restore.splices, {}
     else:
-        draft = Text(document.text)
+        draft = Text(document.text, document.tree)
         taken = [draft.take(step) for step in done.steps]
         draft.flush()
         text, splices = draft.text, tuple(draft.splices)

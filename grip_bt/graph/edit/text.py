@@ -24,15 +24,23 @@ _FIRST = "this text is spelled in a way that can't be changed in place; bring it
 
 
 class Text:
-    """A text under edit; `splices` are the changes, in their order."""
+    """A text under edit; `splices` are the changes, in their order.
 
-    def __init__(self, text: str):
+    Args:
+        text: the text.
+        tree: its syntax, where it is known already.
+
+    Raises:
+        EditError: its lines end in a way that can't be kept.
+    """
+
+    def __init__(self, text: str, tree: Mapping | None = None):
         if "\r" in text.replace("\r\n", ""):
             raise EditError("", _FIRST)
         self.text = text
         self.splices: list[Splice] = []
         self._newline = "\r\n" if "\r\n" in text else "\n"
-        self._tree: Mapping | None = None
+        self._tree: Mapping | None = tree
         self._pending: dict[int, tuple[int, str]] = {}
 
     def take(self, step: Step) -> str | None:
