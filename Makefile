@@ -63,8 +63,9 @@ fuzz: $(STAMP) ## the long proofs; figures go to docs/proofs.md
 	@GRIP_FUZZ_KILLS=100 $(BIN)/pytest -q -s --timeout 7200 tests/runtime/test_runtime_journal_blocks.py
 	@GRIP_FUZZ_TASKS=250 $(BIN)/pytest -q -s -n 2 --timeout 7200 tests/smach_import/test_smach_import_lowerings.py
 
-soak: $(STAMP) ## 20 seeds of the demo, as a table
+soak: $(STAMP) ## 20 seeds of the demo, as a table; an hour of 20 pages
 	@$(BIN)/python benchmarks/demo_seeds.py
+	@$(BIN)/python benchmarks/gui_load.py soak
 
 gui: ## build the page into gui/grip_gui/static
 	cd gui/frontend && npm ci --no-audit --no-fund && npm run build
