@@ -11,12 +11,13 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-import rclpy.action
+from action_msgs.srv import CancelGoal
 from rclpy.logging import LoggingSeverity, set_logger_level
 
 from grip_bt.errors import CanceledError, ServerLostError, UnfitServerError
 from grip_bt.operation import Operation
 
+from .action_wire import WireClient
 from .client import pass_error
 from .goal import LIVE, AskCancel, AskResult, Command, Goal, GoalEnd, Patience, Phase, Send, Tell
 from .preflight import action_servers, check_action_servers, gids_of
@@ -49,6 +50,7 @@ class _Entry:
         self.began = time.monotonic()
         self.servers: frozenset[bytes] = frozenset()
         self.handle: Any = None
+        self.status = 0  # what the server last published of it, 0 when nothing
         self.result: Any = None
         self.futures: list[Any] = []
 
@@ -167,8 +169,8 @@ class ActionClient:
             for entry in list(self._entries):
                 if entry.servers:
                     self._do(entry, entry.machine.server_seen(bool(entry.servers & present), now))
-                if entry.handle is not None:
-                    self._do(entry, entry.machine.status(entry.handle.status, now))
+                if entry.status:
+                    self._do(entry, entry.machine.status(entry.status, now))
         self._advance(now)
         for entry in list(self._entries):
             self._do(entry, entry.machine.tick(now))
@@ -224,7 +226,7 @@ class ActionClient:
             return False
         check_action_servers(self._bus.node, self.type, self.name, servers)
         if self._client is None:  # not before: a client of the wrong type would spoil the name for this process
-            self._client = rclpy.action.ActionClient(self._bus.node, self.type, self.name)
+            self._client = WireClient(self._bus.node, self.type, self.name, self._statuses)
             # It warns of a second server at every answer to a goal that was given up here.
             set_logger_level(f"{self._bus.node.get_logger().name}.action_client", LoggingSeverity.ERROR)
         if not self._client.server_is_ready():
@@ -265,6 +267,8 @@ class ActionClient:
             for future in entry.futures:
                 future.cancel()  # which takes it out of rclpy's lists; nobody else would, and they would grow for ever
             entry.futures.clear()
+            if entry.handle is not None:
+                self._client.forget(entry.handle)
 
     def _send(self, entry: _Entry) -> None:
         def feedback(message: Any) -> None:
@@ -273,9 +277,10 @@ class ActionClient:
                 if entry.on_feedback is not None:
                     entry.on_feedback(message.feedback)
 
-        entry.servers = self._servers
+        entry.servers, entry.handle = self._servers, self._client.new_goal()
+        goal_id = entry.handle.goal_id
         try:
-            future = self._client.send_goal_async(entry.message, feedback_callback=feedback)
+            future = self._client.send_goal_async(entry.message, feedback_callback=feedback, goal_uuid=goal_id)
         except Exception as error:  # noqa: BLE001 - rclpy's own errors and TypeErrors of a wrong goal
             self._do(entry, entry.machine.send_failed(error))
             return
@@ -299,7 +304,6 @@ class ActionClient:
         future.add_done_callback(ended)
 
     def _goal_answered(self, entry: _Entry, handle: Any) -> None:
-        entry.handle = handle
         now = time.monotonic()
         self._do(entry, entry.machine.accepted(now) if handle.accepted else entry.machine.rejected())
         self._advance(now)
@@ -308,5 +312,20 @@ class ActionClient:
         self._do(entry, entry.machine.result(response.status, response.result))
 
     def _cancel_answered(self, entry: _Entry, response: Any) -> None:
-        # Its return code is 0 also for a goal that the server refused to cancel; the list is what counts.
-        self._do(entry, entry.machine.cancel_answered(bool(response.goals_canceling)))
+        # Its return code is 0 also for a goal that the server refused to cancel; the list is what counts. "Terminated"
+        # is said of goals that end already, too.
+        codes = CancelGoal.Response
+        stops = bool(response.goals_canceling) or response.return_code == codes.ERROR_GOAL_TERMINATED
+        known = response.return_code != codes.ERROR_UNKNOWN_GOAL_ID
+        now = time.monotonic()
+        self._do(entry, entry.machine.cancel_answered(stops, known, now))
+        self._advance(now)
+
+    def _statuses(self, statuses: dict[bytes, int]) -> None:
+        """Hear of goals from the server, also of such whose acceptance was lost."""
+        for entry in list(self._entries):
+            status = statuses.get(bytes(entry.handle.goal_id.uuid)) if entry.handle is not None else None
+            if status:
+                entry.status = status
+                if entry.machine.phase in (Phase.SENT, Phase.LOOSE_SENT):
+                    self._do(entry, entry.machine.status(status, time.monotonic()))

@@ -5,9 +5,12 @@
                                +--- the owner was told something else --+--> LOOSE_SENT, LOOSE --> OVER
 
 The owner of a goal is told exactly once how it ended, and never later than its patience allows. What the server still
-works on when its owner has been told (a time-out, a cancel that nobody answered) is *loose*: it is cancelled as soon as
-it can be, and again until the server answers, so that nothing goes on moving for nobody. `grip_bt.ros.action` drives
-this machine with rclpy.
+works on when its owner has been told (a time-out, a cancel that nobody answered) is *loose*: it is cancelled, by its
+id, and again until the server answers, so that nothing goes on moving for nobody.
+
+The server's acceptance may be lost, for instance when the server doesn't know our ear yet. So a goal is accepted, too,
+when the server publishes its status or agrees to cancel it; and it is cancelled although nobody knows whether it was
+accepted. `grip_bt.ros.action` drives this machine with rclpy.
 """
 
 from __future__ import annotations
@@ -26,6 +29,9 @@ RECANCEL = 0.5
 REASK = 0.5
 """How long the result may take after the server published that the goal has ended, until it is asked for again [s]:
 a server keeps the last 10 requests and drops others without a word."""
+NEVER_CAME = 30.0
+"""For how long a server must say that it doesn't know a loose goal until it is believed [s]: it may have the goal in
+hand, not taken yet."""
 FORGET = 10.0
 """How long a loose goal is kept after its server was last seen [s]: a lease that ran out may be only a busy machine."""
 
@@ -119,7 +125,9 @@ class Goal:
         self.phase, self.refused = Phase.WAITING, False
         self._began = now
         self._cancel_since: float | None = None
+        self._sent = now
         self._asked: float | None = None  # when the last cancel request was sent, None when it was answered
+        self._unknown_since: float | None = None  # since when the server says that it doesn't know a loose goal
         self._gone_since: float | None = None
         self._ended_since: float | None = None
 
@@ -129,7 +137,7 @@ class Goal:
         """There is one server, of the right type, and our client is connected to it."""
         if self.phase is not Phase.WAITING:
             return []
-        self.phase = Phase.SENT
+        self.phase, self._sent = Phase.SENT, now
         return [Send()]
 
     def server_unfit(self, error: Exception) -> list[Command]:
@@ -165,7 +173,7 @@ class Goal:
         return self._over_or_tell(error)
 
     def accepted(self, now: float) -> list[Command]:
-        """The server took the goal."""
+        """The server took the goal: it answered so, or what else it says of the goal shows it."""
         if self.phase is Phase.SENT:
             if self._cancel_since is None:
                 self.phase = Phase.RUNNING
@@ -196,6 +204,8 @@ class Goal:
 
     def status(self, status: int, now: float) -> list[Command]:
         """What the server publishes of the goal; to be said at every look. The result comes by another way, or not."""
+        if self.phase in (Phase.SENT, Phase.LOOSE_SENT):
+            return self.accepted(now)  # only goals that were taken have a status
         if self.phase not in (Phase.RUNNING, Phase.CANCELING) or status not in STATUSES:
             return []
         if self._ended_since is None:
@@ -205,11 +215,31 @@ class Goal:
             return [AskResult()]
         return []
 
-    def cancel_answered(self, will_cancel: bool) -> list[Command]:
-        """The server answered the request to cancel. It counts for the owner only when the result comes."""
-        self._asked, self.refused = None, not will_cancel
-        if self.phase is Phase.LOOSE:
+    def cancel_answered(self, stops: bool, known: bool, now: float) -> list[Command]:
+        """The server answered the request to cancel. It counts for the owner only when the result comes.
+
+        Args:
+            stops: whether the goal will end, or has ended.
+            known: whether the server knows the goal; if it doesn't, the goal may still be under way to it.
+            now: the time [s].
+        """
+        if self.phase in (Phase.SENT, Phase.LOOSE_SENT) and not known:
+            return self._doubt(now)
+        self._asked, self.refused = None, not stops
+        if self.phase is Phase.SENT:
+            self.phase = Phase.CANCELING
+            return [AskResult()]
+        if self.phase in (Phase.LOOSE, Phase.LOOSE_SENT):
             self.phase = Phase.OVER
+        return []
+
+    def _doubt(self, now: float) -> list[Command]:
+        """Give up a loose goal that the server hasn't known for long; ask on until then."""
+        if self.phase is Phase.LOOSE_SENT:
+            if self._unknown_since is None:
+                self._unknown_since = now
+            if now >= self._unknown_since + NEVER_CAME:
+                self.phase = Phase.OVER
         return []
 
     # --- the owner, and time ---
@@ -223,6 +253,7 @@ class Goal:
             if self.phase is Phase.RUNNING:
                 self.phase = Phase.CANCELING
                 return self._ask_cancel(now)
+            return self._ask_again(now)
         return []
 
     def close(self, now: float) -> list[Command]:
@@ -245,11 +276,19 @@ class Goal:
             error = self._impatience(now)
             if error is not None:
                 return [*self._let_go(error), *self.tick(now)]
-        unanswered = self._asked is not None and now >= self._asked + RECANCEL
-        never_asked = self.phase is Phase.LOOSE and self._asked is None
-        if self.phase in (Phase.CANCELING, Phase.LOOSE) and (unanswered or never_asked):
-            return self._ask_cancel(now)
-        return []
+        return self._ask_again(now)
+
+    def _ask_again(self, now: float) -> list[Command]:
+        """Ask the server to cancel, if it is time to."""
+        if self.phase is Phase.CANCELING:
+            due = self._asked is not None and now >= self._asked + RECANCEL
+        elif self.phase is Phase.SENT:  # the acceptance may be lost; a cancel that overtakes the goal does nothing
+            since = self._sent if self._asked is None else self._asked
+            due = self._cancel_since is not None and now >= since + RECANCEL
+        else:
+            loose = self.phase in (Phase.LOOSE, Phase.LOOSE_SENT)
+            due = loose and (self._asked is None or now >= self._asked + RECANCEL)
+        return self._ask_cancel(now) if due else []
 
     def _impatience(self, now: float) -> Exception | None:
         if self._cancel_since is not None:
@@ -277,6 +316,7 @@ class Goal:
     def _let_go(self, error: Exception) -> list[Command]:
         """Tell the owner, and keep the goal until the server knows that nobody waits."""
         if self.phase is Phase.SENT:
+            self._asked = None  # to be asked at once: the goal may have got there meanwhile
             return self._tell(error, Phase.LOOSE_SENT)
         told = self.phase is Phase.CANCELING and self._asked is None  # it has answered a cancel request already
         return self._tell(error, Phase.OVER if told else Phase.LOOSE)

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from itertools import count
 
 from grip_bt.errors import ExpectedError, UnfitServerError
-from grip_bt.ros.goal import LIVE, AskCancel, AskResult, Goal, GoalEnd, Patience, Phase, Send, Tell
+from grip_bt.ros.goal import AskCancel, AskResult, Goal, GoalEnd, Patience, Phase, Send, Tell
 
 POLL = 0.05
-SUCCEEDED, CANCELED, ABORTED, UNKNOWN = 4, 5, 6, 0
+ACCEPTED, SUCCEEDED, CANCELED, ABORTED, UNKNOWN = 1, 4, 5, 6, 0
 NAMED = {"server_lost", "timed_out", "rejected", "canceled"}
 
 
@@ -38,7 +38,7 @@ class Outcome:
 
 
 class World:
-    """One race. The wire loses nothing as long as the server lives; a server that dies forgets everything."""
+    """One race. A server that dies forgets everything; one that doesn't know the client's ear yet answers in vain."""
 
     def __init__(self, seed: int):
         self.random = random.Random(seed)
@@ -58,6 +58,11 @@ class World:
         self.died_at = -10.0
         self.work: Work | None = None
         self.rejects, self.unfit = draw() < 0.1, draw() < 0.05
+        self.loses_goal = draw() < 0.05
+        self.loses_acceptance = draw() < 0.3
+        self.hides_status = draw() < 0.5
+        self.drops_cancels = self.random.choice((0.0, 0.0, 0.3))
+        self.takes_when_heard = draw() < 0.5  # else a cancel that comes while the server thinks finds no goal
         self._plan(draw)
 
     def _plan(self, draw) -> None:
@@ -80,7 +85,7 @@ class World:
 
     def run(self) -> Outcome:
         self.at(0.0, self._poll)
-        while self.queue and self.now < 60.0:
+        while self.queue and self.now < 90.0:
             self.now, _, do = heapq.heappop(self.queue)
             do()
         left = self.alive and self.work is not None and self.work.ended is None
@@ -120,8 +125,8 @@ class World:
         elif self.sent_to is not None:
             there = self.alive and self.incarnation == self.sent_to
             self.do(self.goal.server_seen(there or self.now < self.died_at + self.notice, self.now))
-            if there and self.work is not None and self.work.ended is not None:
-                self.do(self.goal.status(self.work.ended, self.now))
+            if there and self.work is not None and not self.hides_status:
+                self.do(self.goal.status(self.work.ended or ACCEPTED, self.now))
         self.do(self.goal.tick(self.now))
         if self.goal.phase is not Phase.OVER:
             self.at(POLL, self._poll)
@@ -143,15 +148,26 @@ class World:
                 self.at(0.01, lambda: self.do(self.goal.server_ended("the process ended")))
 
     def _take_goal(self) -> None:
+        if self.loses_goal:
+            return
         if self.rejects:
             self.wire(lambda: self.do(self.goal.rejected()), to_client=True)
             return
         draw = self.random
-        lasts = draw.choice((0.0, 0.05, 1.0, 100.0))
-        self.work = Work(self.now + lasts, draw.choice((SUCCEEDED, SUCCEEDED, ABORTED)), draw.random() < 0.2)
-        self.at(lasts, lambda work=self.work: self._end(work, work.status))
-        thinks = draw.choice((0.0, 0.0, 0.5, 5.0))
-        self.at(thinks, lambda: self.wire(lambda: self.do(self.goal.accepted(self.now)), to_client=True))
+        lasts, status = draw.choice((0.0, 0.05, 1.0, 100.0)), draw.choice((SUCCEEDED, SUCCEEDED, ABORTED))
+        stubborn, thinks, mine = draw.random() < 0.2, draw.choice((0.0, 0.0, 0.5, 5.0)), self.incarnation
+
+        def take() -> None:
+            if self.alive and self.incarnation == mine:
+                self.work = work = Work(self.now + lasts, status, stubborn)
+                self.at(lasts, lambda: self._end(work, status))
+
+        def answer() -> None:
+            if self.alive and self.incarnation == mine and not self.loses_acceptance:
+                self.wire(lambda: self.do(self.goal.accepted(self.now)), to_client=True)
+
+        self.at(0.0 if self.takes_when_heard else thinks, take)
+        self.at(thinks, answer)
 
     def _want_result(self) -> None:
         if self.random.random() < 0.1:
@@ -166,11 +182,13 @@ class World:
     def _hear_cancel(self) -> None:
         work = self.work
         takes = work is not None and work.ended is None and not work.stubborn
+        stops, known = takes or (work is not None and work.ended is not None), work is not None
         if work is not None:
             work.told_to_stop = True
         if takes:
             self.at(self.random.choice((0.0, 0.1, 3.0)), lambda: self._end(work, CANCELED))
-        self.wire(lambda: self.do(self.goal.cancel_answered(takes)), to_client=True)
+        if self.random.random() >= self.drops_cancels:
+            self.wire(lambda: self.do(self.goal.cancel_answered(stops, known, self.now)), to_client=True)
 
     def _end(self, work: Work, status: int) -> None:
         if work is self.work and self.alive and work.ended is None:
@@ -197,5 +215,5 @@ def race(seed: int) -> Outcome:
         assert isinstance(told, ExpectedError), told
         assert told.code in NAMED, f"seed {seed}: {told!r}"
     assert not outcome.orphan, f"seed {seed}: the server works on for nobody: {outcome}"
-    assert world.goal.phase not in LIVE, f"seed {seed}: {world.goal.phase}"
+    assert world.goal.phase is Phase.OVER, f"seed {seed}: {world.goal.phase}"
     return outcome

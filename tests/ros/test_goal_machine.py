@@ -80,7 +80,7 @@ def test_a_cancel_after_the_result_does_nothing():
     made = goal(Phase.RUNNING)
     made.result(4, None)
     assert made.cancel(1.0) == []
-    assert made.cancel_answered(True) == []
+    assert made.cancel_answered(True, True, 20.0) == []
 
 
 def test_a_cancel_that_nobody_answers_is_sent_again():
@@ -91,7 +91,7 @@ def test_a_cancel_that_nobody_answers_is_sent_again():
 
 def test_a_refused_cancel_ends_for_the_owner_and_says_so():
     made = goal(Phase.CANCELING)
-    made.cancel_answered(False)
+    made.cancel_answered(False, True, 1.0)
     assert made.refused
     assert "refused to stop" in str(told(made.tick(2.4)))
     assert made.phase is Phase.OVER
@@ -103,7 +103,7 @@ def test_a_goal_whose_time_is_over_is_cancelled():
     assert isinstance(end.end, ServerTimeOutError)
     assert "no result after 10.0 s" in str(end.end)
     assert cancel == AskCancel()
-    assert made.cancel_answered(True) == []
+    assert made.cancel_answered(True, True, 20.0) == []
     assert made.phase is Phase.OVER
 
 
@@ -112,6 +112,54 @@ def test_a_goal_taken_after_its_time_is_cancelled_then():
     assert "didn't take the goal after 10.0 s" in str(told(made.tick(10.0)))
     assert made.phase is Phase.LOOSE_SENT
     assert made.accepted(30.0) == [AskCancel()]
+
+
+def test_a_goal_whose_acceptance_was_lost_runs_on_when_its_status_is_published():
+    made = goal(Phase.SENT)
+    assert made.status(1, 0.2) == [AskResult()]
+    assert made.accepted(0.3) == []
+    assert told(made.result(4, "r")) == GoalEnd("succeeded", "r")
+
+
+def test_a_cancel_without_an_acceptance_goes_out_by_the_goals_id():
+    made = goal(Phase.SENT)
+    assert made.cancel(0.2) == []
+    assert made.tick(0.5) == []
+    assert made.tick(0.7) == [AskCancel()]
+    assert made.cancel_answered(True, True, 0.8) == [AskResult()]
+    assert told(made.result(5, None)).status == "canceled"
+
+
+def test_a_cancel_long_after_the_goal_was_sent_waits_for_no_acceptance():
+    assert goal(Phase.SENT).cancel(3.0) == [AskCancel()]
+
+
+@pytest.mark.parametrize("stops", [True, False])
+def test_a_goal_that_nobody_saw_accepted_is_cancelled_when_its_time_is_over(stops):
+    made = goal(Phase.SENT)
+    end, cancel = made.tick(10.0)
+    assert "didn't take the goal" in str(end.end)
+    assert cancel == AskCancel()
+    assert made.cancel_answered(stops, True, 10.1) == []
+    assert (made.phase, made.refused) == (Phase.OVER, not stops)
+
+
+def test_a_cancel_that_overtakes_its_goal_is_sent_again():
+    made = goal(Phase.SENT)
+    made.tick(10.0)
+    assert made.cancel_answered(False, False, 10.1) == []
+    assert made.phase is Phase.LOOSE_SENT
+    assert made.tick(10.5) == [AskCancel()]
+
+
+def test_a_goal_that_the_server_never_knew_is_given_up_after_long():
+    made = goal(Phase.SENT)
+    made.tick(10.0)
+    made.cancel_answered(False, False, 10.1)
+    made.cancel_answered(False, False, 40.0)
+    assert made.phase is Phase.LOOSE_SENT
+    made.cancel_answered(False, False, 40.2)
+    assert made.phase is Phase.OVER
 
 
 @pytest.mark.parametrize("phase", [Phase.SENT, Phase.RUNNING, Phase.CANCELING])
@@ -165,7 +213,7 @@ def test_closing_cancels_what_runs():
 def test_a_stale_answer_of_any_kind_changes_nothing():
     made = goal(Phase.RUNNING)
     made.result(4, None)
-    for late in (made.accepted(1.0), made.rejected(), made.result(6, None), made.cancel_answered(True)):
+    for late in (made.accepted(1.0), made.rejected(), made.result(6, None), made.cancel_answered(True, True, 20.0)):
         assert late == []
     assert made.server_ended("x") == []
     assert made.tick(99.0) == []
@@ -187,6 +235,7 @@ EVENTS = st.sampled_from(
         "published",
         "yes",
         "no",
+        "who",
     ]
     + ["cancel", "close", "tick"]
 )
@@ -205,8 +254,9 @@ def happen(made, name, now):
         "result": lambda: made.result(4, None),
         "unknown": lambda: made.result(0, None),
         "published": lambda: made.status(4, now),
-        "yes": lambda: made.cancel_answered(True),
-        "no": lambda: made.cancel_answered(False),
+        "yes": lambda: made.cancel_answered(True, True, now),
+        "no": lambda: made.cancel_answered(False, True, now),
+        "who": lambda: made.cancel_answered(False, False, now),
         "cancel": lambda: made.cancel(now),
         "close": lambda: made.close(now),
         "tick": lambda: made.tick(now),

@@ -105,6 +105,47 @@ def test_a_goal_taken_after_its_time_is_cancelled_when_it_is_taken(bus, act):
     assert counts(bus)["canceled"] == 1
 
 
+def test_a_goal_whose_acceptance_was_lost_ends_with_its_result(bus, act):
+    act()
+    end = ended(bus.action(WORK, "/work").send(work("unanswered", 0.1)))
+    assert (end.status, end.result.returned_object) == ("succeeded", "did unanswered")
+
+
+@pytest.mark.parametrize("lost", ["unanswered", "unseen"])
+def test_a_goal_whose_acceptance_was_lost_can_be_canceled(bus, act, lost):
+    act()
+    ended(bus.action(WORK, "/work").wait_ready(10))
+    operation = bus.action(WORK, "/work").send(work(lost, 60.0))
+    operation.cancel()
+    assert ended(operation).status == "canceled"
+    assert (counts(bus)["active"], counts(bus)["canceled"]) == (0, 1)
+
+
+def test_a_goal_that_nobody_saw_accepted_is_cancelled_when_its_time_is_over(bus, act):
+    act()
+    ended(bus.action(WORK, "/work").wait_ready(10))
+    with pytest.raises(ServerTimeOutError, match="the server didn't take the goal"):
+        ended(bus.action(WORK, "/work").send(work("unseen", 60.0), timeout=0.3))
+    assert no_active_goal(bus)
+    assert counts(bus)["canceled"] == 1
+
+
+def test_closing_the_bus_cancels_a_goal_that_nobody_saw_accepted(domain, act):
+    from grip_bt.ros.bus import Bus
+
+    act()
+    with Bus("looks", domain_id=domain) as other, Bus("closes", domain_id=domain) as first:
+        operation = first.action(WORK, "/work").send(work("unseen", 60.0))
+        seen = time.monotonic() + 10
+        while counts(other)["active"] == 0 and time.monotonic() < seen:
+            time.sleep(0.02)
+        first.close()
+        with pytest.raises(CanceledError, match="closed"):
+            ended(operation, 1)
+        assert no_active_goal(other)
+        assert counts(other)["canceled"] == 1
+
+
 def test_a_server_that_refuses_to_stop_ends_for_the_owner_and_says_so(bus, act):
     act()
     ended(bus.action(WORK, "/work").wait_ready(10))
@@ -204,7 +245,7 @@ def test_the_end_of_an_interpreter_cancels_what_runs(domain, act, trial, bus):
 
 
 def test_random_races_leave_no_goal_and_name_every_failure(bus, act, monkeypatch):
-    """Owners that cancel, time-outs, refusals and aborts at random moments, against a real server that is killed."""
+    """Owners that cancel, time-outs, refusals, lost acceptances at random moments, and a real server that is killed."""
     monkeypatch.setattr("grip_bt.ros.goal.FORGET", 2.0)
     drawn = random.Random(int(os.environ.get("GRIP_FUZZ_SEED", "0")))
     server, kills, ends = act(), 0, Counter()
@@ -229,7 +270,7 @@ def test_random_races_leave_no_goal_and_name_every_failure(bus, act, monkeypatch
 
 
 def _race(client, drawn):
-    how = drawn.choice(("finish", "finish", "abort", "reject"))
+    how = drawn.choice(("finish", "finish", "abort", "reject", "unanswered", "unseen"))
     timeout = drawn.choice((20.0, 20.0, 0.02, 0.1))
     operation = client.send(work(how, drawn.choice((0.0, 0.01, 0.1))), timeout=timeout)
     if drawn.random() < 0.5:

@@ -1,4 +1,8 @@
-"""An action server that does as each goal tells it, and counts: `action_server.py NAME [NAME ...]`."""
+"""An action server that does as each goal tells it, and counts: `action_server.py NAME`.
+
+Goals `unanswered` and `unseen` are taken without a word, as by a server that doesn't know the client's ear yet; of
+`unseen` ones no status is published either.
+"""
 
 import json
 import os
@@ -13,6 +17,24 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 from trial_interfaces.action import Work
+
+
+class Wire:
+    """The server's end of the wire, which loses what the goals say."""
+
+    def __init__(self, wire):
+        self.wire, self.silent, self.hidden = wire, False, False
+
+    def __getattr__(self, name):
+        return getattr(self.wire, name)
+
+    def send_goal_response(self, header, response):
+        if not self.silent:
+            self.wire.send_goal_response(header, response)
+
+    def publish_status(self):
+        if not self.hidden:
+            self.wire.publish_status()
 
 
 class Server(Node):
@@ -31,8 +53,11 @@ class Server(Node):
             cancel_callback=self._cancel,
             result_timeout=5,
         )
+        self.server._handle = self.wire = Wire(self.server._handle)
 
     def _goal(self, goal):
+        self.wire.silent = goal.input in ("unanswered", "unseen")
+        self.wire.hidden = goal.input == "unseen"
         if goal.input == "slow_accept":
             time.sleep(goal.seconds)
         if goal.input == "reject":
