@@ -28,6 +28,13 @@ test("an outcome shows what it means to the task", () => {
   expect(history.now().status("/").phase).toBe("running");
 });
 
+test("what happens inside a subtask is said at the subtask, and leaves its phase alone", () => {
+  const history = played([event(0, "a", "enter"), event(1, "a/sub/inner", "enter"), event(2, "a/sub/inner", "exit", { outcome: "failure", code: "no_plan" })]);
+  expect(history.at(2).status("a")).toMatchObject({ phase: "running", message: "sub/inner: running", activations: 1 });
+  expect(history.now().status("a")).toMatchObject({ phase: "running", message: "sub/inner: failure.no_plan" });
+  expect(history.now().nodes.has("a/sub/inner")).toBe(false);
+});
+
 test("a container that starts again forgets what was below it and counts its activations", () => {
   const history = played([
     event(0, "again", "enter"),

@@ -83,6 +83,13 @@ export class TaskIndex {
     return variableKey("", name);
   }
 
+  /** The node of this task at which an event is shown: that of a subtask's inside at the subtask. */
+  shownAt(path: string): string {
+    let at = path;
+    while (!this.byPath.has(at) && at.includes("/") && at !== "/") at = at.slice(0, at.lastIndexOf("/"));
+    return this.byPath.has(at) ? at : path;
+  }
+
   descendants(path: string): readonly string[] {
     const found: string[] = [];
     const open = [...(this.byPath.get(path)?.children ?? [])];
@@ -102,6 +109,8 @@ export function variableKey(scope: string, name: string): string {
 export function apply(moment: Moment, event: RunEvent, index: TaskIndex): void {
   moment.t = event.t;
   const { path } = event;
+  const shown = index.shownAt(path);
+  if (shown !== path && event.event !== "write") return applyInside(moment, event, shown);
   const before = moment.status(path);
   switch (event.event) {
     case "enter":
@@ -160,6 +169,23 @@ export function apply(moment: Moment, event: RunEvent, index: TaskIndex): void {
         outcome: event.outcome ?? undefined,
       };
       break;
+  }
+}
+
+/** What happens inside a subtask, said at the subtask: which of its nodes does what. */
+function applyInside(moment: Moment, event: RunEvent, shown: string): void {
+  const before = moment.status(shown);
+  const inner = event.path.slice(shown.length + 1);
+  const label = [event.outcome, event.code].filter(Boolean).join(".");
+  const said = text(event.data["message"]) || text(event.data["text"]);
+  const words = { enter: "running", exit: label, interrupted: "interrupted", message: said, error: `${text(event.data["type"])}: ${said}` }[event.event];
+  if (words === undefined) return;
+  const message = `${inner}: ${event.event === "exit" && said ? `${words}, ${said}` : words}`;
+  const failed = event.event === "error";
+  moment.nodes.set(shown, { ...before, ...(failed ? { phase: "error" as const, since: event.t } : {}), message });
+  if (failed) {
+    const error = { path: event.path, type: text(event.data["type"]), message: said, traceback: text(event.data["traceback"]) };
+    moment.facts = { ...moment.facts, error };
   }
 }
 

@@ -28,6 +28,7 @@ export const KINDS: Record<string, string> = {
   switch: "switch",
   loop: "loop",
   for_each: "for each",
+  subtask: "subtask",
   foreign: "py_trees behaviour",
 };
 

@@ -43,7 +43,7 @@ export async function connect(path: string, outcome: string, target: string): Pr
     await edit({ do: "connect", path, outcome, target }, path, `${nameOf(path)}.${outcome} leads to ${target}`);
     return;
   }
-  const ways = meanings(around, path, outcome, target);
+  const ways = lastFirst(meanings(around, path, outcome, target));
   const way = await askChoice({
     title: `${nameOf(path)}.${outcome} to ${target}?`,
     label: "What is meant",
@@ -51,7 +51,17 @@ export async function connect(path: string, outcome: string, target: string): Pr
     options: ways,
   });
   const command = ways.find((each) => each.value === way)?.command;
+  if (way) localStorage.setItem(LAST_WAY, way);
   if (command) await edit(command, undefined, "done as chosen");
+}
+
+const LAST_WAY = "grip.last-way";
+
+/** What was chosen last time comes first, where it is offered again. */
+function lastFirst(ways: Way[]): Way[] {
+  const last = localStorage.getItem(LAST_WAY);
+  const again = ways.filter((way) => way.value === last).map((way) => ({ ...way, mark: "as last time" }));
+  return [...again, ...ways.filter((way) => way.value !== last)];
 }
 
 interface Way extends Option {
@@ -68,6 +78,11 @@ function meanings(around: NodeView, path: string, outcome: string, target: strin
   if (around.children[at + 1] === to && around.kind !== kind) {
     const { command } = wrapping(useDocument.getState().catalog, nodes(), [path, to], kind);
     ways.push({ value: kind, label: `${KINDS[kind]}(${nameOf(path)}, ${target})`, detail: `${target} runs when ${nameOf(path)} ends with ${failed ? "failure" : "success"}; both become one step of ${around.name}`, command });
+  }
+  if (to === path) {
+    const kind = failed ? "retry" : "repeat";
+    const { command } = wrapping(useDocument.getState().catalog, nodes(), [path], kind);
+    ways.push({ value: kind, label: `${KINDS[kind]}(${nameOf(path)})`, detail: `${nameOf(path)} runs again when it ends with ${failed ? "failure" : "success"}, as often as the ${kind} says`, command });
   }
   const machine: Command = { do: "change_kind", path: around.path, kind: "state_machine", fields: kindFields("state_machine", around) };
   const connected = group(`${around.name} as a state machine`, [machine, { do: "connect", path, outcome, target }]);

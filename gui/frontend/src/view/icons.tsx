@@ -19,6 +19,7 @@ const KIND_SHAPES: Record<string, JSX.Element> = {
   switch: <path d="M2 8h4l4-4h3.5M6 8l4 4h3.5M11.5 2l2 2-2 2M11.5 10l2 2-2 2" />,
   loop: <path d="M13 8a5 5 0 1 1-1.5-3.5M12 1.5v3.3H8.7" />,
   for_each: <path d="M2 4h6M2 8h6M2 12h6M11 3v10M9 11l2 2 2-2" />,
+  subtask: <path d="M3 2h7l3 3v9H3zM10 2v3h3M5.5 9h5M8.5 7l2 2-2 2" />,
   foreign: <path d="M5 3 1.5 8 5 13M11 3l3.5 5-3.5 5" />,
 };
 

@@ -64,11 +64,16 @@ const LABELS: Record<string, string> = {
   wait_for: "Waits for",
   order: "Order",
   rules: "Rules",
+  prompt: "Decides after each child",
+  retick: "Asks the finished again",
+  task: "File",
   initial: "Begins with",
   as: "Always ends with",
 };
 
 const DOCS: Record<string, string> = {
   precondition: "Where it is false on entry, the node fails at once.",
-  memory: "No: the first child is asked again on every tick.",
+  memory: "No: it is decided anew on every tick, not only on entry.",
+  prompt: "The later ones are not ticked any more once it is decided.",
+  retick: "Children that have ended are activated again on every tick, until it is decided.",
 };

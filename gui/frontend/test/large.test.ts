@@ -1,0 +1,57 @@
+import { expect, test } from "vitest";
+
+import { changed } from "../src/model/changes";
+import { foldedAtFirst, opened, unfolded } from "../src/model/folding";
+import { layoutTree } from "../src/model/layout";
+import { extent, linesIn, nodesIn } from "../src/model/sight";
+import type { DocumentChange, DocumentView, NodeView } from "../src/protocol/generated";
+import { SMALL } from "./tasks";
+
+const [pattern] = SMALL.nodes as [NodeView];
+
+function node(path: string, parent: string | null, children: string[]): NodeView {
+  return { ...pattern, path, parent, name: path, children, on: [] };
+}
+
+/** A root with `groups` containers of `leaves` leaves each. */
+function tree(groups: number, leaves: number): NodeView[] {
+  const names = Array.from({ length: groups }, (_, g) => `g${g}`);
+  const inside = (g: string): string[] => Array.from({ length: leaves }, (_, l) => `${g}/l${l}`);
+  return [node("/", null, names), ...names.flatMap((g) => [node(g, "/", inside(g)), ...inside(g).map((l) => node(l, g, []))])];
+}
+
+test("a large task opens with its top alone, a small one whole", () => {
+  expect(foldedAtFirst(tree(20, 20)).size).toBe(0);
+  const large = tree(100, 30);
+  expect(unfolded(large, foldedAtFirst(large)).length).toBe(101);
+});
+
+test("who selects a node inside folded containers sees it", () => {
+  const large = tree(100, 30);
+  const closed = opened(foldedAtFirst(large), ["g7/l3"]);
+  expect(unfolded(large, closed).map((each) => each.path)).toContain("g7/l3");
+  expect(unfolded(large, closed).length).toBe(131);
+});
+
+test("only what touches the part in sight is drawn, and everything is somewhere", () => {
+  const nodes = tree(100, 10);
+  const boxes = layoutTree(nodes);
+  const whole = extent(boxes.values());
+  expect(nodesIn(whole, nodes, boxes).length).toBe(nodes.length);
+  expect(linesIn(whole, nodes, boxes).split("M").length - 1).toBe(nodes.length - 1);
+  const top = { ...whole, bottom: 300 };
+  const seen = nodesIn(top, nodes, boxes);
+  expect(seen.length).toBeGreaterThan(0);
+  expect(seen.length).toBeLessThan(20);
+});
+
+test("a change leaves every node that isn't in it the object that it was", () => {
+  const nodes = tree(2, 2);
+  const document = { path: "t", state: 1, text: "a😀bc", task: { ...SMALL, nodes, problems: [] } } as unknown as DocumentView;
+  const root = node("/", null, ["new", "g1"]);
+  const change = { type: "change", since: 1, state: 2, path: "t", splice: { start: 3, removed: 1, new: "X" }, layout: null, task: { name: "t", doc: "", outcomes: {}, nodes: [root, node("new", "/", [])], gone: ["g0", "g0/l0", "g0/l1"], variables: null } };
+  const next = changed(document, change as unknown as DocumentChange);
+  expect(next.text).toBe("a😀Xc");
+  expect(next.task.nodes.map((each) => each.path)).toEqual(["/", "new", "g1", "g1/l0", "g1/l1"]);
+  expect(next.task.nodes[2]).toBe(nodes.find((each) => each.path === "g1"));
+});
