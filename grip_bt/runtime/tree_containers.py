@@ -12,6 +12,8 @@ from typing import Any
 from grip_bt import smach_compat
 from grip_bt.smach_compat import Concurrence, Iterator, State
 
+from .tree_state import TreeRun
+
 
 class Joining(Concurrence):
     """A Concurrence that leaves a preempt request to its children, and ends by its `outcome_cb` all the same."""
@@ -33,11 +35,21 @@ class Joining(Concurrence):
 
 
 class Each(Iterator):
-    """An Iterator that goes on with its items when a preempt is requested; its state sees the request."""
+    """An Iterator that goes on with its items when a preempt is requested; its state sees the request.
+
+    Args:
+        run: what the machine's states share: a stop is seen before each item, and where there is none.
+        **said: as an Iterator's.
+    """
+
+    def __init__(self, run: TreeRun, **said: Any):
+        super().__init__(**said)
+        self.run = run
 
     def _loop(self, items: Iterable[Any]) -> Any:
         state = self._state
         assert state is not None, "a state is contained"
+        self.run.shared.turn()
         for item in items:
             if smach_compat.is_shutdown():
                 break
@@ -51,6 +63,7 @@ class Each(Iterator):
             if self._breaks(outcome):
                 return outcome
             self.call_transition_cbs()
+            self.run.shared.turn()
         return self._exhausted_outcome
 
     def _taken_back(self, state: State) -> None:

@@ -17,7 +17,7 @@ from grip_bt.errors import NodeError
 from grip_bt.graph.model import Task
 from grip_bt.nodes import Leaf
 from grip_bt.nodes.smach_leaf import SmachLeaf
-from grip_bt.runtime import BehaviourTree, Choose, RunContext, Runner, TreeRun
+from grip_bt.runtime import BehaviourTree, Choose, Each, RunContext, Runner, TreeRun
 
 WAITING = Manifest(
     id="test/waits",
@@ -252,3 +252,16 @@ def test_a_state_that_chooses_reads_userdata_and_says_what_is_wrong():
         assert loop.execute(data) == "success"
         with pytest.raises(NodeError, match="pick: .*variable 'n' was read before it was written"):
             switch.execute(smach.UserData())
+
+
+def test_a_machine_that_goes_round_over_nothing_can_be_stopped():
+    with TreeRun() as run:
+        each = Each(run, outcomes=["over"], input_keys=[], output_keys=[], it=[], exhausted_outcome="over")
+        with each:
+            Each.set_contained_state("NEVER", smach.CBState(lambda ud: "x", outcomes=["x"]), loop_outcomes=["x"])
+        machine = smach.StateMachine(["done"])
+        with machine:
+            smach.StateMachine.add("EACH", each, {"over": "EACH"})
+        threading.Timer(0.05, run.halt).start()
+        with pytest.raises(Halted):
+            machine.execute()

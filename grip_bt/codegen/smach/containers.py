@@ -139,7 +139,8 @@ def _iterator(plan: Plan, part: Part, needed: Refined) -> str:
     name, keys = plan.take(part), {"input_keys": [], "output_keys": [], **keys_of(part)}
     outcomes = labels(part.meaning, needed)
     own = _own(plan, part, "Each", "smach.Iterator")
-    plan.begin(name, call(own, outcomes=outcomes, **keys, exhausted_outcome="success"), part)
+    run = [Code("run")] if own == "Each" else []
+    plan.begin(name, call(own, *run, outcomes=outcomes, **keys, exhausted_outcome="success"), part)
     items, item = part.node.items, part.node.item
     given = f"lambda userdata, states: {name}.set_iteritems(list(userdata[{items!r}]), {item!r})"
     plan.write(call(f"{name}.register_start_cb", Code(given)))
@@ -164,7 +165,9 @@ def _items(plan: Plan, part: Part, needed: Refined) -> str:
     }
     name = plan.take(part)
     plan.body.append("")
-    plan.write(call(_own(plan, part, "Each", "smach.Iterator"), outcomes=labels(part.meaning, needed), **given), name)
+    own = _own(plan, part, "Each", "smach.Iterator")
+    run = [Code("run")] if own == "Each" else []
+    plan.write(call(own, *run, outcomes=labels(part.meaning, needed), **given), name)
     _contained(plan, name, other, made, table.rows[other.name], first.name)
     return name
 
