@@ -248,8 +248,8 @@ class DivergedError(GripError):
     def __init__(self, path: str, now: str, before: str):
         self.path, self.now, self.before = path, now, before
         super().__init__(
-            f"{path}: the journal has {before!r} there, and now it is {now!r}: the task, a subtask or the project's nodes"
-            " have changed since; fork the run before that event, or run the task anew"
+            f"{path}: the journal has {before!r} there, and now it is {now!r}: the task, a subtask or the project's"
+            " nodes have changed since; fork the run before that event, or run the task anew"
         )
 
 

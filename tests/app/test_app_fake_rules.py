@@ -11,7 +11,8 @@ def test_a_task_with_a_ruled_component_runs_with_fakes(tmp_path):
     home = tmp_path / "components" / "counts"
     home.mkdir(parents=True)
     (home / "component.yaml").write_text(
-        "name: counts\ninterface: std_srvs/srv/Trigger\nserver: /c\noutcomes: {some: success, none: not success}\nmeaning: {none: failure}\n"
+        "name: counts\ninterface: std_srvs/srv/Trigger\nserver: /c\n"
+        "outcomes: {some: success, none: not success}\nmeaning: {none: failure}\n"
     )
     assert main(["component", "add", str(home)]) == 0
     task = tmp_path / "t.yaml"

@@ -58,8 +58,8 @@ def places_to_die(case: dict[str, Any], whole: Life) -> list[int]:
     """Return the events after which going on is exact.
 
     Not after what a leaf says in the middle of a tick, nor, among siblings, between what it writes and its end, which
-    is made again: the next tick begins with its first sibling. And not while everything is interrupted because a leaf has
-    raised: that leaf is asked anew.
+    is made again: the next tick begins with its first sibling. And not while everything is interrupted because a leaf
+    has raised: that leaf is asked anew.
     """
     siblings = case.get("concurrent") or case.get("embedded")
     events = list(whole.events)
