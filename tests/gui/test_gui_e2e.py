@@ -139,7 +139,7 @@ def browser(script: str, url: str, *more: str) -> list[str]:
 @pytest.mark.e2e
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "script", ["run_and_scrub.mjs", "pause_and_stop.mjs", "debug.mjs", "control.mjs", "accessibility.mjs"]
+    "script", ["run_and_scrub.mjs", "pause_and_stop.mjs", "debug.mjs", "control.mjs", "accessibility.mjs", "touch.mjs"]
 )
 def test_the_page_in_a_browser(folder: Path, script: str) -> None:
     with editing(folder) as (_, url):

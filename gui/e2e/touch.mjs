@@ -1,0 +1,53 @@
+// Watching a run by touch on a small screen that asks for calm: pan, pinch, and STOP under the thumb.
+import assert from "node:assert/strict";
+
+import { onPage, url } from "./page.mjs";
+
+await onPage(
+  url,
+  async (page, { button, choose, nodeIs, runIs }) => {
+    await choose("Task", "tasks/long.yaml");
+    await choose("Robot", "fake");
+    await button("Run").tap();
+    await nodeIs("one", "running");
+
+    // Nothing lies outside of the screen, and nothing over STOP.
+    const size = await page.evaluate(() => [document.documentElement.scrollWidth, document.documentElement.scrollHeight]);
+    assert.deepEqual(size, [1280, 720]);
+    const stop = await button("STOP").boundingBox();
+    assert.ok(stop.x >= 0 && stop.y >= 0 && stop.x + stop.width <= 1280 && stop.y + stop.height <= 720, "STOP is in sight");
+    assert.ok(stop.width >= 44 && stop.height >= 24, "STOP is large enough for a thumb");
+
+    // The spinner of a running node stands still.
+    assert.equal(await page.locator(".react-flow .spin").first().evaluate((mark) => getComputedStyle(mark).animationName), "none");
+
+    const touch = await page.context().newCDPSession(page);
+    const fingers = (type, ...points) => touch.send("Input.dispatchTouchEvent", { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+    const view = () =>
+      page.locator(".react-flow__viewport").evaluate((element) => {
+        const { a, e, f } = new DOMMatrix(getComputedStyle(element).transform);
+        return { zoom: a, x: e, y: f };
+      });
+    const box = await page.locator(".react-flow").boundingBox();
+    const [x, y] = [box.x + box.width / 2, box.y + box.height - 60];
+
+    const before = await view();
+    await fingers("touchStart", [x, y]);
+    for (let step = 1; step <= 8; step++) await fingers("touchMove", [x - 10 * step, y - 5 * step]);
+    await fingers("touchEnd");
+    const panned = await view();
+    assert.ok(panned.x < before.x - 40 && panned.y < before.y - 20, "one finger moves the drawing");
+    assert.equal(panned.zoom, before.zoom);
+
+    await fingers("touchStart", [x - 20, y], [x + 20, y]);
+    for (let step = 1; step <= 8; step++) await fingers("touchMove", [x - 20 + 2 * step, y], [x + 20 - 2 * step, y]);
+    await fingers("touchEnd");
+    assert.ok((await view()).zoom < panned.zoom, "two fingers zoom");
+
+    await button("STOP").tap();
+    await runIs("stopped");
+    await nodeIs("one", "interrupted");
+    if (process.env.PICTURE) await page.screenshot({ path: process.env.PICTURE });
+  },
+  { hasTouch: true, reducedMotion: "reduce" },
+);
