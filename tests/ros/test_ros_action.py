@@ -44,6 +44,13 @@ def counts(bus, name="/work"):
     return json.loads(ended(client.call(Trigger.Request())).message)
 
 
+def comes(bus, what, number, within=20.0):
+    deadline = time.monotonic() + within
+    while counts(bus)[what] != number and time.monotonic() < deadline:
+        time.sleep(0.02)
+    return counts(bus)[what] == number
+
+
 def no_active_goal(bus, within=5.0):
     deadline = time.monotonic() + within
     while time.monotonic() < deadline:
@@ -90,8 +97,8 @@ def test_a_canceled_goal_ends_at_the_server_too(bus, act, after):
 def test_a_goal_whose_time_is_over_is_cancelled_at_the_server(bus, act):
     act()
     ended(bus.action(WORK, "/work").wait_ready(10))
-    with pytest.raises(ServerTimeOutError, match=r"/work: no result after 0\.3 s"):
-        ended(bus.action(WORK, "/work").send(work(seconds=30.0), timeout=0.3))
+    with pytest.raises(ServerTimeOutError, match=r"/work: no result after 1\.\d s"):
+        ended(bus.action(WORK, "/work").send(work(seconds=60.0), timeout=1.0))
     assert no_active_goal(bus)
 
 
@@ -99,10 +106,9 @@ def test_a_goal_taken_after_its_time_is_cancelled_when_it_is_taken(bus, act):
     act()
     ended(bus.action(WORK, "/work").send(work(seconds=0.0)))
     with pytest.raises(ServerTimeOutError, match="the server didn't take the goal"):
-        ended(bus.action(WORK, "/work").send(work("slow_accept", 1.0), timeout=0.3))
-    time.sleep(1.0)
+        ended(bus.action(WORK, "/work").send(work("slow_accept", 2.0), timeout=1.0))
+    assert comes(bus, "canceled", 1)
     assert no_active_goal(bus)
-    assert counts(bus)["canceled"] == 1
 
 
 def test_a_goal_whose_acceptance_was_lost_ends_with_its_result(bus, act):
@@ -125,7 +131,7 @@ def test_a_goal_that_nobody_saw_accepted_is_cancelled_when_its_time_is_over(bus,
     act()
     ended(bus.action(WORK, "/work").wait_ready(10))
     with pytest.raises(ServerTimeOutError, match="the server didn't take the goal"):
-        ended(bus.action(WORK, "/work").send(work("unseen", 60.0), timeout=0.3))
+        ended(bus.action(WORK, "/work").send(work("unseen", 60.0), timeout=1.0))
     assert no_active_goal(bus)
     assert counts(bus)["canceled"] == 1
 
@@ -136,9 +142,7 @@ def test_closing_the_bus_cancels_a_goal_that_nobody_saw_accepted(domain, act):
     act()
     with Bus("looks", domain_id=domain) as other, Bus("closes", domain_id=domain) as first:
         operation = first.action(WORK, "/work").send(work("unseen", 60.0))
-        seen = time.monotonic() + 10
-        while counts(other)["active"] == 0 and time.monotonic() < seen:
-            time.sleep(0.02)
+        assert comes(other, "active", 1)
         first.close()
         with pytest.raises(CanceledError, match="closed"):
             ended(operation, 1)
@@ -149,8 +153,8 @@ def test_closing_the_bus_cancels_a_goal_that_nobody_saw_accepted(domain, act):
 def test_a_server_that_refuses_to_stop_ends_for_the_owner_and_says_so(bus, act):
     act()
     ended(bus.action(WORK, "/work").wait_ready(10))
-    operation = bus.action(WORK, "/work").send(work("stubborn", 1.0), cancel_within=0.3)
-    time.sleep(0.1)
+    operation = bus.action(WORK, "/work").send(work("stubborn", 60.0), cancel_within=1.5)
+    assert comes(bus, "active", 1)
     operation.cancel()
     with pytest.raises(CanceledError, match="refused to stop"):
         ended(operation)
@@ -217,10 +221,8 @@ def test_closing_the_bus_cancels_what_runs(domain, act):
     act()
     with Bus("closes", domain_id=domain) as first:
         operation = first.action(WORK, "/work").send(work(seconds=60.0))
-        seen = time.monotonic() + 10
         with Bus("looks", domain_id=domain) as other:
-            while counts(other)["active"] == 0 and time.monotonic() < seen:
-                time.sleep(0.02)
+            assert comes(other, "active", 1)
             first.close()
             with pytest.raises(CanceledError, match="closed"):
                 ended(operation, 1)

@@ -5,8 +5,10 @@ from __future__ import annotations
 import shutil
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -29,7 +31,7 @@ CAMERA = {
         "depth": {"topic": "/cam/depth", "type": "DepthImage"},
         "info": {"topic": "/cam/info", "type": "CameraInfo"},
     },
-    "timeout": 5.0,
+    "timeout": 20.0,
 }
 TF2 = "geometry_msgs/TransformStamped[] transforms\n"
 
@@ -229,14 +231,33 @@ def test_one_bad_sensor_stops_no_other(door, camera, tmp_path):
     assert set(ended(sensors["cam"].capture())) == {"image", "depth", "info"}
 
 
+class Deadline:
+    """Stands for `threading.Timer`: time is over when the test says so."""
+
+    def __init__(self, seconds, end):
+        self.seconds, self.over = seconds, end
+        Deadline.last = self
+
+    def start(self):
+        """Begin to wait; nothing happens by itself."""
+
+    cancel = start
+
+
 @ros
-def test_a_part_of_a_sensor_that_is_missing_is_named(door, camera, tmp_path):
-    config = SensorConfig.model_validate(
-        {"topics": {**CAMERA["topics"], "more": {"topic": "/cam/more", "type": "Image"}}, "timeout": 0.5}
-    )
-    sensor = open_sensors({"cam": config}, door, tmp_path)["cam"]
+def test_a_part_of_a_sensor_that_is_missing_is_named(door, camera, tmp_path, monkeypatch):
+    monkeypatch.setattr("grip_bt.ros.door.threading", SimpleNamespace(Timer=Deadline, Lock=threading.Lock))
+    topics = {**CAMERA["topics"], "more": {"topic": "/cam/more", "type": "Image"}}
+    config = SensorConfig.model_validate({"topics": topics, "timeout": 0.5})
+    capture = open_sensors({"cam": config}, door, tmp_path)["cam"].capture()
+    for name in CAMERA["topics"]:  # listeners are called in turn: what comes here, the capture has had
+        came, topic = threading.Event(), config.topics[name]
+        door.bus.reader(topic.message_type(), topic.topic).listen(lambda _, came=came: came.set())
+        assert came.wait(30), f"nothing came on {topic.topic}"
+    Deadline.last.over()
+    assert Deadline.last.seconds == 0.5
     with pytest.raises(ServerTimeOutError, match=r"no set of messages within 0\.5 s: nothing came on /cam/more"):
-        ended(sensor.capture())
+        ended(capture)
 
 
 @ros
