@@ -207,11 +207,19 @@ class Bus:
         if self._timer.is_canceled():
             self._timer.reset()
 
+    def watch_soon(self) -> None:
+        """Have a call looked at that is among the sent ones already; from any thread."""
+        if self._timer.is_canceled():
+            self.post(self.watch)
+
     def _poll(self) -> None:
         with self._lock:
             clients = list(self._clients.values())
         if not any([client.poll() for client in clients]):
             self._timer.cancel()
+            if any(isinstance(client, ServiceClient) and client.in_flight for client in clients):
+                # sent meanwhile, when the timer still seemed to run
+                self._timer.reset()
         self._hurry(any(client.waiting for client in clients))
 
     def _hurry(self, wanted: bool) -> None:

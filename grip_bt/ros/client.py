@@ -2,10 +2,14 @@
 
 A call waits until there is one server that fits, is sent, and ends with the answer or with `ServerLostError` (nobody
 came, or who had the request is gone), `UnfitServerError` (see `preflight`) or `ServerTimeOutError`.
+
+A call to a server that was checked a moment ago is sent from the caller's thread, which saves it the way to the bus's:
+rclpy's service clients, unlike its action clients, allow that. Everything else happens on the bus's thread.
 """
 
 from __future__ import annotations
 
+import threading
 import time
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -67,6 +71,8 @@ class ServiceClient:
         self._client: Any = None
         self._waiting: list[_Call] = []
         self._sent: list[_Call] = []
+        self._handed_over = 0  # calls on their way to the bus's thread, which no later one may overtake
+        self._lock = threading.Lock()  # of `_handed_over` and `_sent`, and of what a call is sent on
         self._servers: frozenset[bytes] = frozenset()
         self._checked = float("-inf")
         self._settled: tuple[frozenset[bytes], float] = (frozenset(), 0.0)
@@ -82,6 +88,11 @@ class ServiceClient:
     def waiting(self) -> bool:
         """Whether somebody waits for the server to appear."""
         return bool(self._waiting)
+
+    @property
+    def in_flight(self) -> bool:
+        """Whether a call is under way."""
+        return bool(self._sent)
 
     @property
     def busy(self) -> bool:
@@ -108,7 +119,8 @@ class ServiceClient:
         """Say that the server's process is known to have ended: every call fails at once, now and until it is back."""
 
         def end() -> None:
-            self._server_ended, self._servers = reason, frozenset()
+            with self._lock:
+                self._server_ended, self._servers = reason, frozenset()
             self.end(self._lost(reason))
 
         self._bus.post(end)
@@ -128,9 +140,28 @@ class ServiceClient:
         operation: Operation[Any] = Operation(on_cancel=abandon)
         now = time.monotonic()
         call = _Call(operation, request, now, now + wait, now + timeout)
+        if request is not None and self._sent_at_once(call):
+            return operation
+        with self._lock:
+            self._handed_over += 1
         posted = self._bus.post(lambda: self._submit(call))
         posted.add_done_callback(lambda: pass_error(posted, operation))
         return operation
+
+    def _sent_at_once(self, call: _Call) -> bool:
+        """Send a call from the caller's thread, if nothing has to be waited for or looked at first."""
+        with self._lock:
+            servers, trusted = self._servers, time.monotonic() - self._checked < TRUST
+            free = not self._waiting and not self._handed_over and len(self._sent) < IN_FLIGHT
+            if not (servers and trusted and free) or self._server_ended is not None or self._bus.closed:
+                return False
+            if not self._client.service_is_ready():
+                return False
+            call.servers = servers
+            self._sent.append(call)
+            self._bus.watch_soon()
+        self._request(call)
+        return True
 
     # --- on the bus's thread ---
 
@@ -153,10 +184,14 @@ class ServiceClient:
 
     def end(self, error: Exception) -> None:
         """End every call with an error."""
-        for call in (*self._sent, *self._waiting):
+        with self._lock:  # whoever sends a call after this sees why it mustn't
+            calls = (*self._sent, *self._waiting)
+        for call in calls:
             self._finish(call, error)
 
     def _submit(self, call: _Call) -> None:
+        with self._lock:
+            self._handed_over -= 1
         if call.operation.done():
             return
         if self._bus.closed:
@@ -213,20 +248,35 @@ class ServiceClient:
         return True
 
     def _send(self, call: _Call) -> None:
-        self._waiting.remove(call)
+        call.servers = self._servers
+        with self._lock:
+            self._waiting.remove(call)
+            self._sent.append(call)
+        self._request(call)
+
+    def _request(self, call: _Call) -> None:
+        """Put a call that is among the sent ones on the wire; from any thread."""
         try:
             call.future = self._client.call_async(call.request)
         except Exception as error:  # noqa: BLE001 - rclpy's own errors and TypeErrors of a wrong request
+            self._take_out(call)
             call.operation.fail(error)
             return
-        call.servers = self._servers
-        self._sent.append(call)
         call.future.add_done_callback(lambda future: self._answered(call, future))
+        if call.operation.done():  # it was ended from the bus's thread before there was a request to forget
+            self._client.remove_pending_request(call.future)
+
+    def _take_out(self, call: _Call) -> bool:
+        """Take a call out of those that are under way; False when it wasn't among them."""
+        with self._lock:
+            if call not in self._sent:
+                return False
+            self._sent.remove(call)
+            return True
 
     def _answered(self, call: _Call, future: Any) -> None:
-        if call not in self._sent:
+        if not self._take_out(call):
             return
-        self._sent.remove(call)
         error = future.exception()
         if error is not None:
             call.operation.fail(error)
@@ -237,8 +287,7 @@ class ServiceClient:
 
     def _finish(self, call: _Call, error: Exception | None) -> None:
         """End a call that got no answer; a request under way is forgotten, else rclpy keeps it for ever."""
-        if call in self._sent:
-            self._sent.remove(call)
+        if self._take_out(call) and call.future is not None:
             self._client.remove_pending_request(call.future)
         if call in self._waiting:
             self._waiting.remove(call)
