@@ -92,9 +92,13 @@ def process_facts() -> dict[str, Any]:
 
 
 def _begun(pid: int) -> int | None:
-    """Return when a process began [ticks since boot]; None when there is none."""
+    """Return when a process began [ticks since boot]; None when there is none.
+
+    One that has ended and whose parent hasn't taken note of it doesn't count: in a container nobody may ever.
+    """
     try:
-        return int(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[19])
+        facts = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+        return None if facts[0] in "ZX" else int(facts[19])
     except (OSError, ValueError, IndexError):
         return None
 

@@ -52,7 +52,7 @@ def test_what_is_wrong_in_an_older_file_is_said_as_of_the_new_one(monkeypatch):
     [
         ("2", "t.yaml:2:7: a file of the newer format 2; this grip reads up to `grip: 1`: update it"),
         ("0", "t.yaml:2:7: a file of the format 0; the oldest that is read is `grip: 1`"),
-        ("'1'", "Input should be 1"),
+        ("'1'", "t.yaml:2:1: grip: the version of the format is a whole number, `grip: 1`, not '1'"),
     ],
 )
 def test_other_versions_are_refused_with_what_to_do(version, words):
