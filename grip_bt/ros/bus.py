@@ -1,6 +1,7 @@
 """The one door to ROS of a process: one context, one executor, one thread that is joined, for the life of the process.
 
-Every rclpy entity is created, used and destroyed on that thread, because rclpy's clients aren't safe elsewhere.
+Every rclpy entity is created, used and destroyed on that thread, because rclpy's clients aren't safe elsewhere; one
+exception, calls of a service whose server was seen a moment ago, is in `client`.
 rclpy itself never says that a server died or that a type was wrong, and never gives up; so each call has a deadline, is
 checked before it is sent, and is watched while it is under way (`grip_bt.ros.client`). Nothing else creates a client.
 
