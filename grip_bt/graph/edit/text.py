@@ -6,6 +6,7 @@ one entry a line.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from grip_bt.errors import EditError
@@ -14,7 +15,7 @@ from ..canonical import lines_of
 from ..comments import attach_comments
 from ..scalars import write_scalar
 from ..shape import FREE, key_rank
-from ..syntax import Entry, Mapping, Scalar, Value, entries_of, parse, plain, tree_of
+from ..syntax import Entry, Listing, Mapping, Scalar, Value, entries_of, parse, plain, tree_of
 from ..writer import WIDTH, in_braces, write
 from .commands import Splice
 from .regions import content_end, dedented, indented, is_tidy, line_end, line_start, region_end, region_start
@@ -28,7 +29,7 @@ class Text:
 
     Args:
         text: the text.
-        tree: its syntax, where it is known already.
+        tree: its syntax, where it is known already; it stays as it is.
 
     Raises:
         EditError: its lines end in a way that can't be kept.
@@ -41,6 +42,7 @@ class Text:
         self.splices: list[Splice] = []
         self._newline = "\r\n" if "\r\n" in text else "\n"
         self._tree: Mapping | None = tree
+        self._lent = tree is not None
         self._pending: dict[int, tuple[int, str]] = {}
 
     def take(self, step: Step) -> str | None:
@@ -71,8 +73,26 @@ class Text:
         if self._tree is None:
             tree = parse(self.text)
             assert isinstance(tree, Mapping)
-            self._tree = tree
+            self._tree, self._lent = tree, False
         return self._tree
+
+    def _own(self, at: Place) -> None:
+        """Make the entries on the way to a place our own, so that a syntax that was lent stays as it is."""
+        if not self._lent:
+            return
+        value: Value = _copied(self.tree)
+        assert isinstance(value, Mapping)
+        self._tree = value
+        for key in at:
+            entry = _inner(value, key)
+            if entry is None:
+                raise EditError("/".join(at), _FIRST)
+            mine = replace(entry, value=_copied(entry.value))
+            if isinstance(value, Mapping):
+                value.entries[key] = mine
+            elif isinstance(value, Listing):
+                value.entries[int(key)] = mine
+            value = mine.value
 
     def _value(self, at: Place) -> Value:
         value: Value = self.tree
@@ -117,7 +137,8 @@ class Text:
             self.flush()
             entry = self._entry(step.at, step.key)
         self._pending[entry.start] = (entry.key_end, write_scalar(step.to, flow=True))
-        inside = self._mapping(step.at)
+        self._own((*step.at, step.key))
+        inside, entry = self._mapping(step.at), self._entry(step.at, step.key)
         entry.key = step.to
         inside.entries = {e.key: e for e in inside.entries.values()}
 
@@ -132,6 +153,8 @@ class Text:
             if len(new) == 1 and begin not in self._pending and entry.start not in self._pending:
                 taken = self._taken(step.at, entry)
                 self._pending[begin] = (end, new[0].removeprefix("k: "))
+                self._own((*step.at, step.key))
+                value = self._entry(step.at, step.key).value
                 assert isinstance(value, Scalar)
                 value.value = step.value
                 return taken
@@ -334,6 +357,15 @@ class Text:
         written = write(Mapping({holder.key: holder}), lambda value: id(value) in blocks)
         lines = indented(written.removesuffix("\n").split("\n"), holder.column)
         self._splice(line_start(self.text, holder.start), end, self._joined(lines, end))
+
+
+def _copied(value: Value) -> Value:
+    """Return a value with entries of its own; what these hold is shared."""
+    if isinstance(value, Mapping):
+        return replace(value, entries=dict(value.entries))
+    if isinstance(value, Listing):
+        return replace(value, entries=list(value.entries))
+    return replace(value)
 
 
 def _inner(value: Value, key: str) -> Entry | None:

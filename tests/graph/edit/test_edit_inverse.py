@@ -1,13 +1,15 @@
 """Every command has an exact inverse, and one that can't be carried out changes nothing."""
 
+from copy import deepcopy
+
 from hypothesis import HealthCheck, event, given, settings
 from hypothesis import strategies as st
 from random_commands import commands
 from random_tasks import tasks
 
 from grip_bt.errors import EditError
-from grip_bt.graph import Task, dumps, loads
-from grip_bt.graph.edit import Group, apply, command_of
+from grip_bt.graph import Task, dumps, loads, read_text
+from grip_bt.graph.edit import Group, apply, apply_to_document, command_of
 
 unhurried = settings(
     deadline=None, max_examples=300, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large]
@@ -33,6 +35,22 @@ def test_a_command_and_its_inverse_are_nothing(data, task):
     assert dumps(undone.task) == before
     redone = apply(undone.task, undone.inverse)
     assert dumps(redone.task) == dumps(done.task)
+
+
+@unhurried
+@given(st.data(), tasks)
+def test_an_edit_of_a_document_leaves_it_as_it_was(data, task):
+    document = read_text(dumps(task))
+    command = data.draw(commands(task))
+    syntax = deepcopy(document.tree)
+    try:
+        done = apply_to_document(document, command)
+    except EditError:
+        assert document.tree == syntax
+        return
+    assert document.tree == syntax
+    again = apply_to_document(document, command)
+    assert again.document.text == done.document.text
 
 
 @unhurried
