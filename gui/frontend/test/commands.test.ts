@@ -78,6 +78,12 @@ describe("several nodes", () => {
     expect(paths).toEqual(["a"]);
   });
 
+  it("count those that haven't moved yet", () => {
+    const tree = new TaskIndex(task([node("/", { children: ["a", "b", "c", "d"] }), node("a"), node("b"), node("c"), node("d")]));
+    const { command } = moving(tree.byPath, ["a", "b"], { parent: "/", index: 3 });
+    expect((command["commands"] as { index: number }[]).map(({ index }) => index)).toEqual([2, 2]);
+  });
+
   it("move in their order, whatever they are: simulated on lists", () => {
     fc.assert(
       fc.property(randomTree, fc.nat(), fc.nat(), fc.array(fc.nat(), { minLength: 1, maxLength: 4 }), (nodes, pick, at, picks) => {

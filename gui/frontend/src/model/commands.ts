@@ -130,18 +130,23 @@ export function removal(paths: readonly string[]): Command {
 
 /** Move nodes to a spot, in their order; names that are taken there get a number. */
 export function moving(nodes: Nodes, paths: readonly string[], spot: Spot): { command: Command; paths: string[] } {
-  const children = nodes.get(spot.parent)?.children ?? [];
-  const leaving = children.slice(0, spot.index).filter((path) => paths.includes(path)).length;
+  // The moves are done one after the other, so each counts with those that haven't moved yet: they are done here too.
+  const HERE = "#here";
+  const rows = [...(nodes.get(spot.parent)?.children ?? [])];
+  rows.splice(spot.index, 0, HERE);
   const names = childNames(nodes, spot.parent);
   const commands: Command[] = [];
   const now: string[] = [];
-  paths.forEach((path, i) => {
+  for (const path of paths) {
     const stays = parentOf(path) === spot.parent;
     const name = stays ? nameOf(path) : freshName(names, nameOf(path));
-    if (!stays) names.push(name);
-    commands.push({ do: "move", path, parent: spot.parent, index: spot.index - leaving + i, name: name === nameOf(path) ? null : name });
+    if (stays) rows.splice(rows.indexOf(path), 1);
+    else names.push(name);
+    const index = rows.indexOf(HERE);
+    rows.splice(index, 0, path);
+    commands.push({ do: "move", path, parent: spot.parent, index, name: name === nameOf(path) ? null : name });
     now.push(join(spot.parent, name));
-  });
+  }
   return { command: group(`move ${paths.length} nodes`, commands), paths: now };
 }
 
