@@ -106,7 +106,8 @@ class SimpleServer:
         future = self._futures[bytes(handle.goal_id.uuid)] = Future(executor=self._bus.node.executor)
         with self._lock:
             self._queue.put(_Work(handle, future))
-            busy = self._current is not None
+            # A goal that has its result is over, though its thread may not have come back from telling it.
+            busy = self._current is not None and not self._current.future.done()
         if busy:
             self._ask()
 
