@@ -13,7 +13,7 @@ from grip_bt.errors import InvalidTaskError
 from grip_bt.graph import Document, Variable, read, read_text
 from grip_bt.graph.model import type_of
 from grip_bt.nodes.mock import MockLeaf
-from grip_bt.runtime import Journal, JournalReader, RunContext, Runner, RunResult
+from grip_bt.runtime import Journal, JournalReader, Runner, RunResult
 from grip_bt.runtime.durable import Durable
 from grip_bt.validation import Issue, Report, validate
 
@@ -145,18 +145,7 @@ def open_session(
         log = reliving = None
         if go_on is not None:
             log, reliving = begin_again(journal, compiled, go_on, resources.clock, options.seed)
-        context = RunContext(
-            resources.clock if reliving is None else reliving.clock,
-            arms=resources.arms,
-            hands=resources.hands,
-            cameras=resources.cameras,
-            components=resources.components,
-            scene=resources.scene,
-            sensors=resources.sensors,
-            ros=resources.ros,
-            messages=resources.messages,
-            pausable=resources.pausable,
-        )
+        context = resources.context(None if reliving is None else reliving.clock)
         runner = Runner(
             compiled,
             context,

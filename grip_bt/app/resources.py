@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from grip_bt.errors import UnknownNameError
 from grip_bt.ports import Arm, Camera, Clock, Component, Hand, Messages, Pausable, Ros, Scene, Sensor
 
 from .project import Project
+
+if TYPE_CHECKING:
+    from grip_bt.runtime import RunContext
 
 Progress = Callable[[str, str], None]
 """Told `(part, detail)` as parts come up."""
@@ -35,6 +38,23 @@ class Resources:
     scene: Scene | None = None
     referee: Any = None
     pausable: Sequence[Pausable] = ()
+
+    def context(self, clock: Clock | None = None) -> RunContext:
+        """Return what a run gives to its leaves; `clock` in place of the parts' own."""
+        from grip_bt.runtime import RunContext
+
+        return RunContext(
+            clock or self.clock,
+            arms=self.arms,
+            hands=self.hands,
+            cameras=self.cameras,
+            components=self.components,
+            scene=self.scene,
+            sensors=self.sensors,
+            ros=self.ros,
+            messages=self.messages,
+            pausable=self.pausable,
+        )
 
 
 @contextmanager

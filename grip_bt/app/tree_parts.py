@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from grip_bt.runtime import RunContext, TreeRun
+from grip_bt.runtime import TreeRun
 
 from .execute import RobotKind
 from .project import find_project
@@ -38,17 +38,5 @@ def tree_run(
     """
     project = find_project(path)
     with open_resources(project, needs, robot, seed, pace, progress) as resources:
-        context = RunContext(
-            resources.clock,
-            arms=resources.arms,
-            hands=resources.hands,
-            cameras=resources.cameras,
-            components=resources.components,
-            scene=resources.scene,
-            sensors=resources.sensors,
-            ros=resources.ros,
-            messages=resources.messages,
-            pausable=resources.pausable,
-        )
-        with TreeRun(context, project.catalog()) as run:
+        with TreeRun(resources.context(), project.catalog()) as run:
             yield run
