@@ -19,6 +19,7 @@ VERBS = (
     "new",
     "check",
     "fmt",
+    "apply",
     "run",
     "convert",
     "import_",

@@ -1,0 +1,92 @@
+"""`grip apply`: edit commands on a task file, as the editor and Python give them; only their own lines change."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from grip_bt.errors import DocumentError, EditError
+
+if TYPE_CHECKING:  # the verbs are listed without loading what they run
+    from grip_bt.catalog import Catalog
+    from grip_bt.graph.document import Document
+    from grip_bt.graph.edit import Edited
+
+
+def add_parser(subparsers: Any) -> None:
+    """Add the verb."""
+    parser = subparsers.add_parser("apply", help="edit a task by commands; comments and other lines stay")
+    parser.add_argument("task", metavar="TASK", help="a task file; it is changed")
+    parser.add_argument(
+        "command",
+        help='a command, or a list, in JSON, such as \'{"do": "rename", "path": "a", "name": "b"}\'; - reads stdin',
+    )
+    parser.add_argument("--inverse", metavar="FILE", help="write the command that takes it all back")
+    parser.add_argument("--dry-run", action="store_true", help="print the text that it would give; change no file")
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Apply the commands in their order, all or none."""
+    from grip_bt.app.project import project_catalog
+    from grip_bt.cli.fmt import replace_text
+    from grip_bt.graph import read
+
+    words = sys.stdin.read() if args.command == "-" else args.command
+    document, catalog = read(args.task), project_catalog(args.task)
+    files: dict[str, str] = {}
+    inverses = []
+    for data in _listed(words):
+        edited = _applied(data, document, catalog, files)
+        document = edited.document
+        inverses.insert(0, edited.inverse.model_dump(mode="json"))
+    if args.dry_run:
+        print(document.text, end="")
+        return 0
+    for name, text in files.items():
+        _write_new(Path(args.task).resolve(), name, text)
+    replace_text(Path(args.task), document.text)
+    if args.inverse:
+        Path(args.inverse).write_text(json.dumps(inverses, indent=1) + "\n", encoding="utf-8")
+    print(f"{args.task}: {len(inverses)} command{'s' * (len(inverses) != 1)} applied")
+    return 0
+
+
+def _listed(words: str) -> list[Any]:
+    try:
+        data = json.loads(words)
+    except json.JSONDecodeError as error:
+        raise DocumentError(f"no JSON: {error.msg}", "<command>", error.lineno, error.colno) from None
+    return data if isinstance(data, list) else [data]
+
+
+def _applied(data: Any, document: Document, catalog: Catalog, files: dict[str, str]) -> Edited:
+    from pydantic import ValidationError
+
+    from grip_bt.compilers.restructure import expanded, extracted
+    from grip_bt.graph.edit import Extract, apply_to_document, command_of
+
+    try:
+        command = command_of(data)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        place = ".".join(str(part) for part in first["loc"])
+        raise DocumentError(f"no command: {place}: {first['msg']}; docs/editing.md lists them", "<command>") from None
+    if isinstance(command, Extract):
+        part = extracted(command, document, catalog)
+        files[part.file] = part.text
+        return apply_to_document(document, part.edit)
+    return apply_to_document(document, expanded(command, document.task, catalog))
+
+
+def _write_new(task: Path, name: str, text: str) -> None:
+    from grip_bt.app.project import find_project
+
+    file = find_project(task).folder / name
+    if file.exists():
+        raise EditError("", f"{file} is there already; name another file for the part")
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(text, encoding="utf-8")
