@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Protocol, runtime_checkable
+from typing import Literal, Protocol, get_args, runtime_checkable
 
 from grip_bt.operation import Operation
 from grip_bt.values import Grasp, JointState, Plan, Pose, Trajectory
 
-FREEDOMS = ("none", "x", "y", "z", "orientation")
+Free = Literal["none", "x", "y", "z", "orientation"]
+FREEDOMS: tuple[Free, ...] = get_args(Free)
 """What of a goal pose may not matter: nothing, a turn about an axis of the grasp frame, or the whole orientation."""
 
 

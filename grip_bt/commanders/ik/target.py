@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, get_args
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
 from grip_bt.errors import UnknownNameError
+from grip_bt.ports.motion import FREEDOMS as FREE
+from grip_bt.ports.motion import Free
 
 from ..model import Chain
-
-Free = Literal["none", "x", "y", "z", "orientation"]
-"""What of the pose doesn't matter: nothing, a turn about one axis of the grasp frame, or the whole orientation."""
-FREE: tuple[Free, ...] = get_args(Free)
 
 
 @dataclass(frozen=True, slots=True)
