@@ -89,6 +89,17 @@ def test_a_motion_ends_with_what_is_measured_then(executor):
     assert measured.time > 0
 
 
+def test_a_streamed_motion_ends_only_when_the_joints_have_caught_up(bus, robot):
+    from grip_bt.ros.controllers import JointStates, StreamedExecutor
+
+    robot("slow")
+    made = JointStates(bus)
+    made.wait_for(NAMES, 10.0)
+    arm = StreamedExecutor(bus, "/stream/commands", NAMES, made)
+    # Five times as fast as the joints are: they are still far off when the last set-point is sent.
+    assert ended(arm.execute(to((0.5, -0.3), 0.2))).position == pytest.approx([0.5, -0.3], abs=1e-3)
+
+
 def test_joints_of_a_trajectory_may_come_in_another_order(executor):
     assert ended(executor.execute(to((-0.3, 0.5), names=("joint_b", "joint_a")))).position == pytest.approx([0.5, -0.3])
 

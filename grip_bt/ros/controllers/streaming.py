@@ -7,7 +7,9 @@ import time
 from array import array
 from collections.abc import Sequence
 
-from grip_bt.errors import CanceledError, ExecutionAbortedError, ServerTimeOutError
+import numpy as np
+
+from grip_bt.errors import CanceledError, ExecutionAbortedError, SensorError, ServerTimeOutError
 from grip_bt.operation import Operation
 from grip_bt.values import JointState, Trajectory
 
@@ -19,8 +21,14 @@ from .motion import check_start, measured
 MESSAGE = "std_msgs/msg/Float64MultiArray"
 RATE = 100.0
 """Set-points a second."""
-SETTLE = 0.2
-"""How long joints may take to catch up with the last set-point [s]."""
+REACHED = 1e-3
+"""Joints so near to the last set-point are there [rad or m]."""
+STILL = 0.3
+"""Joints that were measured where they are for so long don't come nearer to it [s]."""
+MOVED = 1e-4
+"""A joint that moved less between two measurements stood still [rad or m]."""
+SETTLE = 3.0
+"""How long joints may take in all to catch up with the last set-point [s]."""
 
 
 class StreamedExecutor:
@@ -92,17 +100,36 @@ class StreamedExecutor:
             began = time.monotonic()
             while (passed := time.monotonic() - began) < trajectory.duration:
                 if stop.wait(self._period):
-                    self._publish(self.state().position, 0)
-                    done.fail(CanceledError("the motion was stopped"))
-                    return
+                    break
                 self._publish(trajectory.at(passed + self._period)[order], 0)
-            self._publish(trajectory.positions[-1][order], 0).wait(1.0)
-            stop.wait(SETTLE)
-            done.succeed(None)
+            else:
+                self._publish(trajectory.positions[-1][order], 0).wait(1.0)
+                self._settle(trajectory.positions[-1][order], stop)
+            if stop.is_set():
+                self._publish(self.state().position, 0)
+                done.fail(CanceledError("the motion was stopped"))
+            else:
+                done.succeed(None)
         except ServerTimeOutError as error:
             done.fail(ExecutionAbortedError(error.message, cause=error.code))
         except BaseException as error:  # noqa: BLE001 - of this thread; the owner has to hear of it
             done.fail(error)
+
+    def _settle(self, target: np.ndarray, stop: threading.Event) -> None:
+        """Wait until the joints are at `target` or stand still elsewhere, by the stamps of what is measured."""
+        deadline = time.monotonic() + SETTLE
+        moved: JointState | None = None
+        while time.monotonic() < deadline and not stop.wait(self._period):
+            try:
+                now = self.state()
+            except SensorError:
+                return  # the measurement at the end says so
+            if np.abs(now.position - target).max() <= REACHED:
+                return
+            if moved is None or np.abs(now.position - moved.position).max() > MOVED:
+                moved = now
+            elif now.time - moved.time > STILL:
+                return
 
     def _publish(self, positions: Sequence[float], subscribers: int) -> Operation[None]:
         return self._writer.publish(self._message(data=array("d", positions)), subscribers)

@@ -1,7 +1,7 @@
 """A robot for the tests: two arm joints and a gripper, moved as controllers of ros2_control are asked to.
 
 A trajectory that ends beyond 3 rad is given up half-way; one of other joints is rejected. The gripper meets something
-at 0.02. The topic /stream/commands moves the arm at once. `none` as an argument publishes no joint states; a JSON
+at 0.02. The topic /stream/commands moves the arm at once, or, with `slow`, at 0.5 rad/s. `none` as an argument publishes no joint states; a JSON
 object {server: {joint: position}} has other joints than these, each under a trajectory action `/<server>/...`.
 """
 
@@ -22,8 +22,9 @@ from std_msgs.msg import Float64MultiArray
 
 NAMES = ["joint_a", "joint_b"]
 OBJECT = 0.02
-others = {} if len(sys.argv) < 2 or sys.argv[1] == "none" else json.loads(sys.argv[1])
+others = {} if len(sys.argv) < 2 or sys.argv[1] in ("none", "slow") else json.loads(sys.argv[1])
 positions = {"joint_a": 0.0, "joint_b": 0.0, "finger": 0.08}
+targets = {}
 for joints in others.values():
     positions.update(joints)
 states = {"arm_controller": "inactive", "stream_controller": "active", "broken_controller": "inactive"}
@@ -97,7 +98,7 @@ def switched(request, response):
 
 def streamed(message):
     with lock:
-        positions.update(zip(NAMES, message.data, strict=True))
+        (targets if "slow" in sys.argv else positions).update(zip(NAMES, message.data, strict=True))
 
 
 rclpy.init()
@@ -119,6 +120,9 @@ publisher = node.create_publisher(JointState, "/joint_states", 10)
 
 def publish():
     with lock:
+        for name, target in targets.items():
+            step = target - positions[name]
+            positions[name] += math.copysign(min(abs(step), 0.005), step)
         message = JointState(name=list(positions), position=list(positions.values()))
     message.velocity = [0.0] * len(message.name)
     now = time.time()
