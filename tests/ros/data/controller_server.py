@@ -1,8 +1,9 @@
 """A robot for the tests: two arm joints and a gripper, moved as controllers of ros2_control are asked to.
 
 A trajectory that ends beyond 3 rad is given up half-way; one of other joints is rejected. The gripper meets something
-at 0.02. The topic /stream/commands moves the arm at once, or, with `slow`, at 0.5 rad/s. `none` as an argument publishes no joint states; a JSON
-object {server: {joint: position}} has other joints than these, each under a trajectory action `/<server>/...`.
+at 0.02. The topic /stream/commands moves the arm at once, or, with `slow`, at 0.5 rad/s. `none` as an argument
+publishes no joint states; a JSON object {server: {joint: position}} has other joints than these, each under a
+trajectory action `/<server>/...`.
 """
 
 import json
