@@ -21,6 +21,7 @@ _HOME = {
     "to_machine": "grip_bt.compilers",
     "Leaf": "grip_bt.nodes",
     "OperationLeaf": "grip_bt.nodes",
+    "AsyncLeaf": "grip_bt.nodes.async_leaf",
     "leaf": "grip_bt.nodes.function",
     "End": "grip_bt.nodes.function",
     "Input": "grip_bt.nodes.ports_of_class",

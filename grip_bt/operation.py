@@ -8,7 +8,8 @@ result that was quicker.
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Generator
+from contextlib import suppress
 from typing import Any, Generic, TypeVar
 
 from .errors import CanceledError
@@ -74,6 +75,32 @@ class Operation(Generic[T]):
     def wait(self, timeout: float | None = None) -> bool:
         """Block until it ends, at most `timeout` [s]; for scripts and tests, never for a leaf's `update`."""
         return self._ended.wait(timeout)
+
+    def __await__(self) -> Generator[Any, None, T]:
+        """Wait for it in a coroutine, and return its result or raise its error.
+
+        Where the coroutine is cancelled there, this is cancelled too, and isn't waited for.
+        """
+        import asyncio  # here: this module is imported by everything, asyncio by few
+
+        loop = asyncio.get_running_loop()
+        ended: asyncio.Future[None] = loop.create_future()
+
+        def end() -> None:
+            if not ended.done():
+                ended.set_result(None)
+
+        def tell() -> None:
+            with suppress(RuntimeError):  # the loop is closed: nobody waits any more
+                loop.call_soon_threadsafe(end)
+
+        self.add_done_callback(tell)
+        try:
+            yield from ended
+        except asyncio.CancelledError:
+            self.cancel()
+            raise
+        return self.result()
 
     def cancel(self) -> None:
         """Ask it to stop. Returns at once; harmless when it was asked before or has ended."""

@@ -15,7 +15,6 @@ In a project's `nodes` folder both are found without running them; see `catalog.
 
 from __future__ import annotations
 
-import asyncio
 import inspect
 import types
 import typing
@@ -23,13 +22,16 @@ from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 from grip_bt.catalog.manifest import InputPort, Manifest, OutputPort, Parameter
-from grip_bt.errors import CanceledError
 from grip_bt.graph.frozen import FrozenDict
 from grip_bt.operation import Operation
 from grip_bt.ports import Context
 
+from .coroutines import run_coroutine
 from .leaf import Leaf, OperationLeaf, Status
 from .ports_of_class import with_ports
+from .results import End, finish
+
+__all__ = ["End", "FunctionLeaf", "leaf", "type_name"]
 
 
 class FunctionLeaf(OperationLeaf):
@@ -55,42 +57,12 @@ class FunctionLeaf(OperationLeaf):
         if type(self).quick:
             return Operation.finished(call(**arguments))
         if inspect.iscoroutinefunction(call):
-            return _run_coroutine(self.context, lambda: call(**arguments))
+            return run_coroutine(self.context, lambda: call(**arguments))
         return self.context.run_in_worker(lambda: call(**arguments))
 
     def finish(self, result: Any) -> Status:
         """Hand out the result: as the one output, or as a mapping of several."""
-        names = list(self.manifest.outputs)
-        if isinstance(result, End):
-            return self._end(result)
-        if type(self).labelled:
-            raise TypeError(f"{self.manifest.id} has outcomes of its own: return End('outcome', ...), not {result!r}")
-        if not names:
-            return self.end()
-        if len(names) == 1:
-            return self.end(**{names[0]: result})
-        if not isinstance(result, Mapping) or set(result) != set(names):
-            raise TypeError(f"{self.manifest.id} has several outputs: return a mapping with the keys {names}")
-        return self.end(**result)
-
-    def _end(self, said: End) -> Status:
-        if said.code:
-            return self.fail(said.code, said.message, outcome=said.outcome, outputs=said.outputs)
-        return self.end(said.outcome, **said.outputs)
-
-
-class End:
-    """How a function ends that has outcomes of its own: `return End("heavy", weight=3.2)`.
-
-    Args:
-        outcome: one of those that were declared.
-        code: of a failure, for `on: {failure.<code>: ...}`.
-        message: of a failure, a sentence for people.
-        **outputs: output port -> value.
-    """
-
-    def __init__(self, outcome: str, /, *, code: str = "", message: str = "", **outputs: Any):
-        self.outcome, self.code, self.message, self.outputs = outcome, code, message, outputs
+        return finish(self, result, labelled=type(self).labelled)
 
 
 def leaf(
@@ -171,40 +143,3 @@ def type_name(hint: Any) -> str:
     if origin is not None:
         return f"{origin.__name__}[{', '.join(type_name(a) for a in arguments)}]"
     return str(getattr(hint, "__name__", hint))
-
-
-def _run_coroutine(context: Context, coroutine: Callable[[], Any]) -> Operation[Any]:
-    """Run a coroutine to its end in a worker; cancelling the operation cancels the coroutine's task."""
-    loop_and_task: list[Any] = []
-
-    async def main() -> Any:
-        loop_and_task[:] = [asyncio.get_running_loop(), asyncio.current_task()]
-        if whole.cancel_asked:
-            raise CanceledError("canceled")
-        return await coroutine()
-
-    def work() -> Any:
-        try:
-            return asyncio.run(main())
-        except asyncio.CancelledError:
-            raise CanceledError("canceled") from None
-
-    def cancel() -> None:
-        if loop_and_task:
-            loop, task = loop_and_task
-            try:
-                loop.call_soon_threadsafe(task.cancel)
-            except RuntimeError:  # the loop has just closed: the coroutine has ended
-                pass
-
-    whole: Operation[Any] = Operation(on_cancel=cancel)
-    part = context.run_in_worker(work)
-
-    def ended() -> None:
-        try:
-            whole.succeed(part.result())
-        except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it
-            whole.fail(error)
-
-    part.add_done_callback(ended)
-    return whole

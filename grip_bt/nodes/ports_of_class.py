@@ -18,9 +18,11 @@ the default None may be left unbound.
 
 from __future__ import annotations
 
+import inspect
 import re
 from typing import Any, Generic, TypeVar, overload
 
+from .async_leaf import AsyncLeaf
 from .leaf import Leaf
 
 T = TypeVar("T")
@@ -87,15 +89,31 @@ def with_ports(cls: type) -> type[Leaf]:
     """Give a class that is a leaf an attribute for each annotated port.
 
     Raises:
-        TypeError: it isn't a `Leaf`, or a port has the name of something that leaves have already.
+        TypeError: it isn't a `Leaf`, a port has the name of something that leaves have already, or its coroutine
+            `run` and its base don't go together.
     """
     if not issubclass(cls, Leaf):
-        raise TypeError(f"class {cls.__qualname__} has to be a grip_bt.Leaf or a grip_bt.OperationLeaf")
+        raise TypeError(
+            f"class {cls.__qualname__} has to be a grip_bt.Leaf, a grip_bt.OperationLeaf or a grip_bt.AsyncLeaf"
+        )
+    _check_run(cls)
     for name, hint in vars(cls).get("__annotations__", {}).items():
         mark = _MARK.search(hint if isinstance(hint, str) else str(hint))
         if mark is None:
             continue
-        if hasattr(Leaf, name) or name in _OWN:
+        if any(hasattr(base, name) for base in cls.__bases__) or name in _OWN:
             raise TypeError(f"{cls.__qualname__}: leaves have an attribute {name!r} already; call the port otherwise")
         setattr(cls, name, _KINDS[mark.group(1)](name))
     return cls
+
+
+def _check_run(cls: type[Leaf]) -> None:
+    """Refuse a coroutine `run` that nobody would call, and a `run` that isn't one."""
+    run = getattr(cls, "run", None)
+    if issubclass(cls, AsyncLeaf):
+        if run is AsyncLeaf.run or not inspect.iscoroutinefunction(run):
+            raise TypeError(f"{cls.__qualname__}: a grip_bt.AsyncLeaf has a coroutine: async def run(self)")
+    elif inspect.iscoroutinefunction(run):
+        raise TypeError(f"{cls.__qualname__}: a class with `async def run` has to be a grip_bt.AsyncLeaf")
+    if inspect.iscoroutinefunction(cls.update):
+        raise TypeError(f"{cls.__qualname__}: update() is ticked; make it `async def run` of a grip_bt.AsyncLeaf")

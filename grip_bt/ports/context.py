@@ -13,7 +13,7 @@ from .messages import Messages
 from .motion import Arm
 from .scene import Scene
 from .sensing import Camera, Sensor
-from .timing import Clock
+from .timing import Clock, Pausable
 
 T = TypeVar("T")
 
@@ -41,6 +41,10 @@ class Context(Protocol):
 
     def run_in_worker(self, work: Callable[[], T]) -> Operation[T]:
         """Run blocking code in a worker thread."""
+        ...
+
+    def hold_with(self, part: Pausable) -> Callable[[], None]:
+        """Have `part` stand still whenever the run is paused, at once if it is; call what is returned to end that."""
         ...
 
     def arm(self, name: str) -> Arm:

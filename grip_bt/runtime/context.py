@@ -2,12 +2,26 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
 
 from grip_bt.errors import MissingPartError, UnknownNameError
 from grip_bt.operation import Operation
-from grip_bt.ports import Arm, Camera, Clock, Component, Hand, Messages, Pausable, Ros, Scene, Sensor
+from grip_bt.ports import (
+    Arm,
+    Camera,
+    Clock,
+    Component,
+    Executor,
+    Hand,
+    HandPort,
+    Messages,
+    Pausable,
+    Ros,
+    Scene,
+    Sensor,
+)
 
 from .clock import WallClock
 from .waker import Waker
@@ -57,6 +71,8 @@ class RunContext:
         self._preempt_requested = False
         self._pausable = [part for part in (*pausable, self._clock) if isinstance(part, Pausable)]
         self._used: dict[int, Arm | Hand] = {}
+        self._pausing = threading.RLock()  # a part that goes on may end what has another one let go
+        self._paused = False
         self.waker = Waker(self._clock)
 
     @property
@@ -85,6 +101,19 @@ class RunContext:
     def run_in_worker(self, work: Callable[[], T]) -> Operation[T]:
         """Run blocking code in a worker thread."""
         return self._workers.run(work)
+
+    def hold_with(self, part: Pausable) -> Callable[[], None]:
+        """Have `part` stand still whenever the run is paused, at once if it is; call what is returned to end that."""
+        with self._pausing:
+            self._pausable.insert(0, part)
+            if self._paused:
+                part.pause()
+
+        def over() -> None:
+            with self._pausing:
+                self._pausable = [other for other in self._pausable if other is not part]
+
+        return over
 
     def arm(self, name: str) -> Arm:
         """Return an arm; an empty name means the only one.
@@ -148,13 +177,25 @@ class RunContext:
 
     def pause(self) -> None:
         """Have the clock, and whatever moves and can, stand still."""
-        for part in self._pausable:
-            part.pause()
+        with self._pausing:
+            self._paused = True
+            for part in list(self._pausable):
+                part.pause()
 
     def resume(self) -> None:
         """Have all that go on."""
-        for part in reversed(self._pausable):
-            part.resume()
+        with self._pausing:
+            self._paused = False
+            for part in reversed(self._pausable):
+                part.resume()
+
+    def release(self) -> None:
+        """Let everything go on for the end of the run, but for motions that are held: those end where they are."""
+        with self._pausing:
+            for part in list(self._pausable):
+                if self._paused and isinstance(part, (Executor, Arm, HandPort)):
+                    part.stop()
+            self.resume()
 
     def moving(self) -> list[Arm | Hand]:
         """Return the arms and hands that leaves have asked for: what has to hold when the run is stopped."""

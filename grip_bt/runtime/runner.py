@@ -179,6 +179,8 @@ class Runner:
     def _hold_parts(self, state: State) -> None:
         if state == "paused":
             self.context.pause()
+        elif state == "stopping":
+            self.context.release()
         else:
             self.context.resume()
 

@@ -85,7 +85,8 @@ class FakeArm(Steps):
     def named_states(self):
         return {"home": JointState(("j",), [0.0])}
 
-    def plan(self, goal, *, start=None, free="none"):
+    def plan(self, goal, *, start=None, free="none", constraint=None):
+        self.constraint = constraint
         return self._plan("plan", goal)
 
     def plan_straight(self, goals, *, start=None):
@@ -153,6 +154,9 @@ class FakeContext:
 
     def wake_at(self, time):
         self.alarms.append(time)
+
+    def hold_with(self, part):
+        return lambda: None
 
     def run_in_worker(self, work):
         operation = Operation()

@@ -129,6 +129,9 @@ class ThreadContext:
     def wake(self):
         self.woken.set()
 
+    def hold_with(self, part):
+        return lambda: None
+
     def run_in_worker(self, work):
         operation = Operation()
 
