@@ -211,13 +211,13 @@ def test_an_endless_update_ends_the_run_as_an_error_with_its_path_and_place(targ
 def test_waiting_is_no_hanging(target: Any) -> None:
     root = {"kind": "parallel", "cancel": "join", "children": {"w": leaf("break"), "v": leaf("break")}}
     run = Started(target, root)
-    run.runner = Runner(run.compiled, run.context, poll=None, watchdog=0.02)
+    run.runner = Runner(run.compiled, run.context, poll=None, watchdog=0.5)
     run.start()
     run.wait_tick("w")
     run.wait_tick("v")
     run.leaves["w"].told.set()
     run.context.wake()
-    assert not run.runner._ended.wait(0.2)  # ten times the limit; what would be wrong here is an end
+    assert not run.runner._ended.wait(1.0)  # twice the limit; what would be wrong here is an end
     run.leaves["v"].told.set()
     run.context.wake()
     assert run.join().status == "success"
