@@ -97,6 +97,13 @@ class EditError(GripError):
         super().__init__(f"{path or 'the task'}: {message}")
 
 
+class HandoverError(EditError):
+    """A part and a subtask can't take each other's place unseen: values go in and out of a subtask all at once.
+
+    Who wants it all the same says `approximate: true`.
+    """
+
+
 class SubtaskError(GripError):
     """A file can't be run as a subtask.
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from grip_bt.errors import EditError, listing
+from grip_bt.errors import HandoverError, listing
 from grip_bt.graph.model import Fallback, Guard, Parallel, Sequence, Switch, Timeout
 from grip_bt.validation.survey import Spot
 
@@ -23,13 +23,13 @@ def expect_nobody_can_tell(spot: Spot, reads: set[str], writes: set[str]) -> Non
         writes: variables around it that it writes.
 
     Raises:
-        EditError: it could; the message names what, and where.
+        HandoverError: it could; the message names what, and where.
     """
     fix = "take all of that container, or say `approximate: true`"
     for around, inside in _interrupting(spot):
         kind = around.node.kind  # type: ignore[union-attr]
         if writes:
-            raise EditError(
+            raise HandoverError(
                 spot.path,
                 f"it writes {listing(sorted(writes))}, and the {kind} {around.path} may halt it, after which a subtask "
                 f"hands nothing out; {fix}",
@@ -39,7 +39,7 @@ def expect_nobody_can_tell(spot: Spot, reads: set[str], writes: set[str]) -> Non
             beside |= 0 if child is inside else child.writes
         changed = [name for name in sorted(reads) if name in spot.around and spot.around[name].bit & beside]
         if changed:
-            raise EditError(
+            raise HandoverError(
                 spot.path,
                 f"it reads {listing(changed)}, which another child of the {kind} {around.path} may write while it runs,"
                 f" and a subtask gets its inputs on entry; {fix}",
