@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -13,13 +14,15 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from fastapi.staticfiles import StaticFiles
 
-from grip_bt.errors import DocumentError, GripError, MissingPartError, UnknownNameError
+from grip_bt.errors import DocumentError, GripError, HandoverError, MissingPartError, UnknownNameError
 
 from .edit_routes import make_edit_router
 from .editing import ChangedOnDiskError, EditDesk, StaleEditError, UnfinishedTextError
 from .journal import JournalRuns, RunSource
 from .launcher import CommandLineLauncher, Launcher, RunOptions
 from .lease import HeldElsewhereError
+from .live import RosWindow
+from .live_routes import make_live_router
 from .messages import Trouble
 from .project import OutsideProjectError, ProjectFolder
 from .routes import make_router
@@ -39,12 +42,14 @@ _STATUS: tuple[tuple[type[GripError], int], ...] = (
     (StaleEditError, 409),
     (ChangedOnDiskError, 409),
     (UnfinishedTextError, 409),
+    (HandoverError, 409),
 )
 _KIND: dict[type[GripError], str] = {
     StaleEditError: "stale",
     ChangedOnDiskError: "disk",
     UnfinishedTextError: "unfinished",
     HeldElsewhereError: "held",
+    HandoverError: "approximate",
 }
 
 
@@ -90,20 +95,26 @@ def create_app(
         if autostart is not None and task is not None and task_file is not None:
             await desk.start(task, task_file, autostart)
         yield
-        await desk.close()
+        await asyncio.gather(desk.close(), window.close())
 
     app = FastAPI(title="GRIP editor", lifespan=lifespan, docs_url=None, redoc_url=None, openapi_url=None)
     app.state.token = token or token_urlsafe(24)
     app.add_middleware(Gate, token=app.state.token)
     app.add_exception_handler(GripError, _teach)
     app.add_exception_handler(RequestValidationError, _refuse_malformed)
-    edits = EditDesk(folder)
+    edits, window = EditDesk(folder), RosWindow(folder.folder)
     app.include_router(make_edit_router(edits, desk.notify))
     app.include_router(make_run_router(folder, desk))
     app.include_router(make_setup_router(folder, runs, desk.notify))
+    app.include_router(make_live_router(folder, window, lambda: _run_under_way(desk)))
     app.include_router(make_router(folder, desk, runs, task, edits))
     app.mount("/", StaticFiles(directory=STATIC, html=True))
     return app
+
+
+def _run_under_way(desk: RunDesk) -> str:
+    session = desk.session
+    return (session.view.run or "") if session is not None and not session.over else ""
 
 
 async def _teach(request: Request, error: Exception) -> JSONResponse:

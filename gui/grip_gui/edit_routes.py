@@ -37,6 +37,7 @@ from .editing.changes import Shown
 from .editing.conversion import conversion_view, convert
 from .editing.forms import forms_view
 from .editing.palette import catalog_view
+from .editing.parts import carry_out, takes_catalogue
 from .editing.views import check_expression, document_view, parts_view, places_view, problems_view
 
 T = TypeVar("T")
@@ -118,7 +119,10 @@ def _add_wishes(api: APIRouter, desk: EditDesk, notify: Callable[[], None]) -> N
     @api.post("/document/edit")
     async def edit(wish: EditWish, since: int | None = None) -> Response:
         command = understood(wish.command)
-        return await change(wish.path, lambda sheet: sheet.do(command, wish.base), since)
+        if not takes_catalogue(command):
+            return await change(wish.path, lambda sheet: sheet.do(command, wish.base), since)
+        found = catalog_of(desk.folder)[0]
+        return await change(wish.path, lambda sheet: carry_out(desk, sheet, command, wish.base, found), since)
 
     @api.post("/document/convert")
     async def convert_container(wish: ConvertWish, since: int | None = None) -> Response:

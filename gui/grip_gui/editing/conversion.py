@@ -53,7 +53,7 @@ def convert(sheet: Sheet, catalog: Catalog, path: str, form: Form, base: int) ->
         StaleEditError: the task has changed since `base`.
     """
     command = Convert(path=path, to="bt" if form == "tree" else "sm")
-    sheet.do(expanded(command, _task(sheet), catalog), base)
+    sheet.do(expanded(command, _task(sheet), catalog), base)  # what was looked at is that state alone
 
 
 def _task(sheet: Sheet) -> Task:

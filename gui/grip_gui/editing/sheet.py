@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import TypeAlias
 
 from grip_bt.errors import DocumentError, EditError
 from grip_bt.graph import History, read_text
+from grip_bt.graph.document import Document
 from grip_bt.graph.edit import AnyCommand, Edited, Group, rewrite
 from grip_bt.graph.edit.history_file import history_path, load_history, save_history
 from grip_bt.graph.edit.steps import Step
@@ -23,6 +25,8 @@ KEPT = 1000
 """So many edits back an edit of a page that was late is still carried over."""
 FROM_DISK = "take the file's text"
 RECOVERED = "recover unsaved changes"
+Meaning: TypeAlias = Callable[[AnyCommand, Document], AnyCommand]
+"""What a command comes to in a document, where that takes more than the document itself."""
 
 
 @dataclass(frozen=True)
@@ -130,8 +134,13 @@ class Sheet:
 
     # --- edits ------------------------------------------------------------------------------------------------------
 
-    def do(self, command: AnyCommand, base: int) -> Edited:
+    def do(self, command: AnyCommand, base: int, meaning: Meaning | None = None) -> Edited:
         """Carry out a command that was made on the state `base`.
+
+        Args:
+            command: what to do.
+            base: the revision that it was made on.
+            meaning: what the command comes to in the document as it is now; itself by default.
 
         Raises:
             EditError: it can't be carried out.
@@ -139,7 +148,8 @@ class Sheet:
             UnfinishedTextError: the text isn't a task.
         """
         history = self._settled()
-        edited = history.do(rebased(command, self._since(base)))
+        now = rebased(command, self._since(base))
+        edited = history.do(now if meaning is None else meaning(now, history.document))
         self._dropped = None
         self._enter(edited.steps, self._previous().after(edited.steps))
         return edited

@@ -9,6 +9,7 @@ import { find } from "./finding";
 import { connectOutcome, enterSelected, leaveContainer } from "./flowing";
 import { addHere, changeKind, connectFree, copy, cut, duplicate, paste, remove, rename, shift, unwrap, wrap } from "./gestures";
 import { pauseOrResume, runFromHere, runToHere, start, step, stop, toggleBreakpoint } from "./running";
+import { extract, inline, openSubtask } from "./subtasks";
 import { newTask } from "./tasks";
 import { usePage, type ViewName } from "./page";
 import { useRun } from "./run";
@@ -52,6 +53,9 @@ export const ACTIONS: readonly Action[] = [
   { id: "unwrap", title: "Unwrap", keys: ["Shift+W"], run: unwrap },
   { id: "kind", title: "Change kind", keys: ["k"], run: () => changeKind() },
   { id: "convert", title: "Convert to the other form", keys: ["Shift+K"], run: () => askConversion() },
+  { id: "extract", title: "Extract to a task of its own", keys: ["Shift+E"], run: extract },
+  { id: "inline", title: "Inline the subtask", keys: ["Shift+I"], run: inline },
+  { id: "open", title: "Open the subtask", keys: ["o"], run: () => openSubtask() },
   { id: "up", title: "Move up", keys: ["Alt+ArrowUp"], run: () => shift("up") },
   { id: "down", title: "Move down", keys: ["Alt+ArrowDown"], run: () => shift("down") },
   { id: "out", title: "Move out of the container", keys: ["Alt+ArrowLeft"], run: () => shift("out") },

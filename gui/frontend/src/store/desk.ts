@@ -4,7 +4,7 @@ import type { RunRecord, ServerFrame } from "../protocol/generated";
 import { useDocument } from "./document";
 import { heardOfRevisions, take } from "./editing";
 import { foldedAtFirst } from "../model/folding";
-import { usePage } from "./page";
+import { type Above, usePage } from "./page";
 import { useRun } from "./run";
 import { useRunning } from "./runDesk";
 
@@ -68,10 +68,11 @@ export async function trying(work: () => Promise<void>): Promise<void> {
   }
 }
 
-/** Show a task that a person picked. */
-export function chooseTask(path: string): Promise<void> {
+/** Show a task that a person picked, alone or through the subtasks of others. */
+export async function chooseTask(path: string, trail: readonly Above[] = []): Promise<void> {
   chosen = true;
-  return openTask(path);
+  await openTask(path);
+  if (useRun.getState().task.path === path) usePage.setState({ trail });
 }
 
 /** Show a run that a person picked. */

@@ -53,7 +53,10 @@ function keepSelection(): void {
   if (!known.has(container)) usePage.setState({ container: near(container) });
 }
 
-function send(wish: (document: DocumentView) => Promise<Answer>, text?: string): Promise<boolean> {
+/** What takes a refusal over, so that it isn't told as trouble; false where it doesn't. */
+type Refused = (kind: string, message: string) => boolean;
+
+function send(wish: (document: DocumentView) => Promise<Answer>, text?: string, taken: Refused = () => false): Promise<boolean> {
   const sent = queue.then(async () => {
     const { document } = useDocument.getState();
     if (document === null) return false;
@@ -63,7 +66,7 @@ function send(wish: (document: DocumentView) => Promise<Answer>, text?: string):
       take(await wish(document));
       return true;
     } catch (error) {
-      await refused(document.path, error, text);
+      if (!(error instanceof RefusedError) || !taken(error.kind, error.message)) await refused(document.path, error, text);
       return false;
     }
   });
@@ -81,13 +84,13 @@ async function refused(path: string, error: unknown, text?: string): Promise<voi
 }
 
 /** Carry out a command; afterwards these nodes are selected. */
-export async function edit(command: Command, select?: string | readonly string[], said?: string): Promise<boolean> {
+export async function edit(command: Command, select?: string | readonly string[], said?: string, taken?: Refused): Promise<boolean> {
   if (!editable()) {
     useRun.getState().setTrouble("What is shown is the record of a run; go back to the task to edit it.");
     return false;
   }
   const before = usePage.getState().selected;
-  const done = await send(({ path, revision, state }) => server.edit({ path, base: revision, command }, state));
+  const done = await send(({ path, revision, state }) => server.edit({ path, base: revision, command }, state), undefined, taken);
   // Who has turned to another node meanwhile stays there.
   const stayed = usePage.getState().selected === before || !useRun.getState().index.byPath.has(before ?? "");
   if (done && select !== undefined && stayed) {

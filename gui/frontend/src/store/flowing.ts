@@ -8,6 +8,7 @@ import { edit } from "./editing";
 import { kindFields } from "./gestures";
 import { usePage } from "./page";
 import { useRun } from "./run";
+import { goUp, openSubtask } from "./subtasks";
 
 const nodes = (): ReadonlyMap<string, NodeView> => useRun.getState().index.byPath;
 
@@ -115,6 +116,7 @@ export async function beginWith(path: string): Promise<void> {
 export function enterSelected(): void {
   const { selected, enter, setView, view } = usePage.getState();
   const node = selected === null ? undefined : nodes().get(selected);
+  if (node?.kind === "subtask") return openSubtask(node);
   if (node === undefined || node.children.length === 0) return;
   enter(node.path);
   if (view === "tree") setView("flow");
@@ -123,7 +125,7 @@ export function enterSelected(): void {
 export function leaveContainer(): void {
   const { container, enter, select } = usePage.getState();
   const parent = parentOf(container);
-  if (parent === null) return;
+  if (parent === null) return void goUp();
   select(container);
   enter(parent);
 }

@@ -9,6 +9,14 @@ export type FootTab = "problems" | "run" | "holds" | "history";
 /** A task, or the files that put the project together. */
 export type Room = "task" | "project";
 
+/** A task that was left by going into one of its subtasks. */
+export interface Above {
+  readonly task: string;
+  readonly name: string;
+  /** The subtask. */
+  readonly node: string;
+}
+
 export interface PageStore {
   readonly room: Room;
   /** The node that has the focus; forms are about it. */
@@ -22,6 +30,8 @@ export interface PageStore {
   readonly beside: "flow" | "text";
   /** The container whose inside the flow chart shows. */
   readonly container: string;
+  /** The tasks through whose subtasks this one was come to, the outermost first. */
+  readonly trail: readonly Above[];
   readonly foot: FootTab;
   /** Variable whose writers and readers are lit: its key. */
   readonly lens: string | null;
@@ -47,6 +57,7 @@ export const usePage = create<PageStore>()((set) => ({
   view: "tree",
   beside: "flow",
   container: "/",
+  trail: [],
   foot: "problems",
   lens: null,
   room: "task",

@@ -5,6 +5,7 @@ import { server } from "../protocol/client";
 import type { ProjectView } from "../protocol/generated";
 import { askText } from "./ask";
 import { chooseTask } from "./desk";
+import { useDocument } from "./document";
 import { useRun } from "./run";
 
 export const useProject = create<{ readonly project: ProjectView | null }>()(() => ({ project: null }));
@@ -25,7 +26,7 @@ export async function newTask(): Promise<void> {
   if (name === null) return;
   try {
     await server.newTask({ path: `tasks/${name}.yaml`, text: null });
-    await loadProject();
+    await Promise.all([loadProject(), server.catalog().then(useDocument.getState().setCatalog)]);
     await chooseTask(`tasks/${name}.yaml`);
   } catch (error) {
     useRun.getState().setTrouble(error instanceof Error ? error.message : String(error));

@@ -9,6 +9,7 @@ import type { Moment, TaskIndex } from "../model/status";
 import type { NodeView } from "../protocol/generated";
 import { usePage } from "../store/page";
 import { useRun } from "../store/run";
+import { openSubtask } from "../store/subtasks";
 import { Detail } from "./Detail";
 import { TreeMap } from "./TreeMap";
 import { TreeNode } from "./TreeNode";
@@ -49,6 +50,8 @@ export function TreeCanvas(): JSX.Element {
       maxZoom={2}
       onNodeClick={(event, node) => (event.ctrlKey || event.metaKey || event.shiftKey ? mark(node.id) : select(node.id))}
       onNodeDoubleClick={(_, node) => {
+        const view = all.find((each) => each.path === node.id);
+        if (view?.kind === "subtask") return openSubtask(view);
         usePage.getState().enter(node.id);
         usePage.getState().setView("flow");
       }}

@@ -7,6 +7,7 @@ import { useDocument } from "../../store/document";
 import { redo, save, undo } from "../../store/editing";
 import { usePage, type ViewName } from "../../store/page";
 import { useRun } from "../../store/run";
+import { Trail } from "./Trail";
 
 const VIEWS: readonly [ViewName, string][] = [
   ["tree", "Tree"],
@@ -36,6 +37,7 @@ export function EditBar(): JSX.Element {
           <option value="text">with text</option>
         </select>
       )}
+      <Trail />
       <span className="grow" />
       {record ? (
         <>

@@ -10,6 +10,7 @@ import { edit } from "../../store/editing";
 import { usePage } from "../../store/page";
 import { useRun } from "../../store/run";
 import { KindIcon, PhaseIcon } from "../icons";
+import { NewPane } from "../NewPane";
 import { ProblemList } from "../Problems";
 import { ContainerForm } from "./ContainerForm";
 import { ValueField } from "./fields";
@@ -45,6 +46,7 @@ function NodeForms({ node, count }: { node: NodeView; count: number }): JSX.Elem
       <p className="node-kind">
         {kind} {!locked && <button className="link" title={actionTitle("kind")} onClick={() => run("kind")}>Change</button>}
         <FormBadge path={node.path} />
+        {node.kind === "subtask" && <NewPane task={node.label} at="/" words="Open the subtask in a pane of its own" />}
       </p>
       <RunStatus node={node} />
       {count > 1 && <p className="hint">{count} nodes are selected; actions are about all of them, fields about this one.</p>}
@@ -78,14 +80,15 @@ function RunStatus({ node }: { node: NodeView }): JSX.Element | null {
   );
 }
 
-const FOR_ALL = ["rename", "wrap", "unwrap", "copy", "cut", "paste", "up", "down", "connect", "free", "convert", "remove"];
+const FOR_ALL = ["rename", "wrap", "unwrap", "copy", "cut", "paste", "up", "down", "connect", "free", "convert", "extract", "inline", "open", "remove"];
 
 function Actions({ node }: { node: NodeView }): JSX.Element {
   const parent = useRun((s) => s.index.byPath.get(parentOf(node.path) ?? ""));
   const machine = node.kind === "state_machine" || parent?.kind === "state_machine";
   const not = new Set([
-    ...(node.path === "/" ? ["cut", "remove", "up", "down"] : []),
+    ...(node.path === "/" ? ["cut", "remove", "up", "down", "extract"] : []),
     ...(node.kind === "leaf" ? ["unwrap", "convert"] : []),
+    ...(node.kind === "subtask" ? ["unwrap", "convert", "extract"] : ["inline", "open"]),
     ...(machine ? [] : ["free"]),
   ]);
   return (
@@ -99,7 +102,7 @@ function Actions({ node }: { node: NodeView }): JSX.Element {
   );
 }
 
-const SHORT: Record<string, string> = { wrap: "Wrap", connect: "Connect", free: "Connect free", convert: "Convert", up: "Up", down: "Down" };
+const SHORT: Record<string, string> = { wrap: "Wrap", connect: "Connect", free: "Connect free", convert: "Convert", extract: "Extract", inline: "Inline", open: "Open", up: "Up", down: "Down" };
 
 function run(id: string): void {
   void ACTIONS.find((action) => action.id === id)?.run();

@@ -4,6 +4,7 @@ import type { JSX } from "react";
 import { parentOf } from "../../model/commands";
 import { usePage } from "../../store/page";
 import { useRun } from "../../store/run";
+import { NewPane } from "../NewPane";
 
 export function Breadcrumbs(): JSX.Element {
   const container = usePage((s) => s.container);
@@ -31,12 +32,7 @@ export function Breadcrumbs(): JSX.Element {
           </li>
         ))}
       </ol>
-      <a className="new-pane" href={`/?${new URLSearchParams({ task: file, at: container })}`} target="_blank" rel="noopener" title="Open this container in a pane of its own">
-        <svg className="icon" viewBox="0 0 16 16" aria-hidden="true">
-          <path d="M6 3H2.5v10.5H13V10M9 2.5h4.5V7M13 3 7.5 8.5" />
-        </svg>
-        <span className="hidden">Open this container in a pane of its own</span>
-      </a>
+      <NewPane task={file} at={container} words="Open this container in a pane of its own" />
     </nav>
   );
 }

@@ -12,6 +12,7 @@ import { beginWith, connect, disconnect } from "../../store/flowing";
 import { connectFree } from "../../store/gestures";
 import { usePage } from "../../store/page";
 import { useRun } from "../../store/run";
+import { openSubtask } from "../../store/subtasks";
 import { Detail } from "../Detail";
 import { drop, isDrag } from "../edit/dragging";
 import { FormBadge } from "../edit/FormBadge";
@@ -85,7 +86,9 @@ export function FlowCanvas(): JSX.Element {
           else usePage.getState().select(node.id);
         }}
         onNodeDoubleClick={(_, node) => {
-          if (index.byPath.get(node.id)?.children.length) usePage.getState().enter(node.id);
+          const view = index.byPath.get(node.id);
+          if (view?.kind === "subtask") openSubtask(view);
+          else if (view?.children.length) usePage.getState().enter(node.id);
         }}
         onEdgeClick={(_, clicked) => setEdge(clicked.id)}
         onPaneClick={() => setEdge(null)}
