@@ -16,7 +16,7 @@ from typing import Any
 from grip_bt.errors import listing, nearest
 
 VALUES = (
-    *("CameraInfo", "DepthImage", "Failure", "Grasp", "Image", "JointState", "Plan"),
+    *("CameraInfo", "DepthImage", "Failure", "Grasp", "Image", "JointState", "PathConstraint", "Plan"),
     *("PointCloud", "Pose", "RgbdFrame", "Trajectory"),
 )
 """Class names of `grip_bt.values`."""

@@ -12,7 +12,7 @@ import numpy as np
 from grip_bt.errors import ExecutionAbortedError, UnknownNameError
 from grip_bt.operation import Operation
 from grip_bt.ports import Executor
-from grip_bt.values import Grasp, JointState, Plan, Pose
+from grip_bt.values import Grasp, JointState, PathConstraint, Plan, Pose
 
 from .ik.target import FREE
 from .jogging import jogged, lasting
@@ -92,7 +92,12 @@ class ArmCommander:
         return {**self._taught.states(self._name), **self._described_states()}
 
     def plan(
-        self, goal: JointState | Pose | str, *, start: JointState | None = None, free: str = "none"
+        self,
+        goal: JointState | Pose | str,
+        *,
+        start: JointState | None = None,
+        free: str = "none",
+        constraint: PathConstraint | None = None,
     ) -> Operation[Plan]:
         """Plan a free path; see `ports.Arm`.
 
@@ -110,7 +115,7 @@ class ArmCommander:
                 raise UnknownNameError("named state", goal, states, where=f"arm {self._name!r}")
             goal = states[goal]
         hints = () if isinstance(goal, JointState) else self._known_ways_to(goal)
-        return self._ask(PlanTo(self._situation(start), goal, hints, free))  # type: ignore[arg-type]
+        return self._ask(PlanTo(self._situation(start), goal, hints, free, constraint))  # type: ignore[arg-type]
 
     def plan_straight(self, goals: Sequence[Pose], *, start: JointState | None = None) -> Operation[Plan]:
         """Plan straight lines of the grasp frame; see `ports.Arm`."""

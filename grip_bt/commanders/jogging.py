@@ -45,12 +45,7 @@ def jogged(pose: Pose, linear: Sequence[float], angular: Sequence[float], second
 
 def twist_towards(pose: Pose, target: Pose, seconds: float) -> tuple[list[float], list[float]]:
     """Return the twist, linear [m/s] and angular [rad/s] in world, that brings one pose to another in a time [s]."""
-    between = target.rotation() @ pose.rotation().T
-    w, *xyz = Pose.from_matrix(np.block([[between, np.zeros((3, 1))], [np.zeros((1, 3)), np.ones((1, 1))]])).quaternion
-    axis = np.array(xyz) * (1.0 if w >= 0 else -1.0)
-    sine = float(np.linalg.norm(axis))
-    angle = 2 * np.arctan2(sine, abs(w))
-    turn = axis / sine * angle if sine > 0 else np.zeros(3)
+    turn = pose.rotation() @ (pose.inverse(pose.frame) @ target).rotation_vector()
     return ((target.position - pose.position) / seconds).tolist(), (turn / seconds).tolist()
 
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from grip_bt.errors import UnknownNameError
 from grip_bt.operation import Operation
 from grip_bt.ports import Arm
-from grip_bt.values import JointState
+from grip_bt.values import JointState, PathConstraint
 
+from .keeping import read_keep, verify_keep
 from .leaf import OperationLeaf, Status
 from .motion import go
 
@@ -21,7 +22,22 @@ class ArmLeaf(OperationLeaf):
         self.arm = self.context.arm(self.params["arm"])
 
 
-class MoveTo(ArmLeaf):
+class KeepingLeaf(ArmLeaf):
+    """A leaf whose motion may have to keep to something on its whole way."""
+
+    def prepare(self) -> None:
+        """Look the arm up, and verify what is to be kept."""
+        super().prepare()
+        verify_keep(self, self.params["keep"])
+
+    def constraint(self) -> PathConstraint | None:
+        """Return what the motion that begins now keeps to."""
+        bound: PathConstraint | None = self.read("constraint")
+        keep = self.params["keep"]
+        return read_keep(keep, self.arm.grasp_pose()) if keep else bound
+
+
+class MoveTo(KeepingLeaf):
     """Go to a named state of the arm."""
 
     def prepare(self) -> None:
@@ -33,19 +49,21 @@ class MoveTo(ArmLeaf):
 
     def start(self) -> Operation[JointState]:
         """Plan and follow."""
-        return go(self.arm, self.params["state"])
+        return go(self.arm, self.params["state"], self.constraint())
 
     def finish(self, result: JointState) -> Status:
         """Hand out what was measured."""
         return self.end(reached=result)
 
 
-class MoveToPose(ArmLeaf):
+class MoveToPose(KeepingLeaf):
     """Go to a pose of the hand's grasp frame."""
 
     def start(self) -> Operation[JointState]:
         """Plan and follow."""
-        return self.arm.plan(self.read("pose"), free=self.params["free"]).then(self.arm.execute)
+        return self.arm.plan(self.read("pose"), free=self.params["free"], constraint=self.constraint()).then(
+            self.arm.execute
+        )
 
     def finish(self, result: JointState) -> Status:
         """Hand out what was measured."""

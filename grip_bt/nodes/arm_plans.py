@@ -8,7 +8,8 @@ from grip_bt.operation import Operation
 from grip_bt.ports import Arm
 from grip_bt.values import JointState, Plan, Pose
 
-from .arm import ArmLeaf
+from .arm import ArmLeaf, KeepingLeaf
+from .keeping import read_keep, verify_keep
 from .leaf import OperationLeaf, Status
 from .motion import go, go_straight
 
@@ -21,7 +22,7 @@ class PlanLeaf(ArmLeaf):
         return self.end(plan=result)
 
 
-class PlanTo(PlanLeaf):
+class PlanTo(KeepingLeaf, PlanLeaf):
     """Plan to a named state, or to the state or pose that is bound."""
 
     def prepare(self) -> None:
@@ -37,7 +38,20 @@ class PlanTo(PlanLeaf):
         """Ask."""
         bound: JointState | Pose | None = self.read("goal")
         goal = self.params["state"] if bound is None else bound
-        return self.arm.plan(goal, start=self.read("start"), free=self.params["free"])
+        return self.arm.plan(goal, start=self.read("start"), free=self.params["free"], constraint=self.constraint())
+
+
+class MakeConstraint(ArmLeaf):
+    """Make a path constraint, to be bound by several motions."""
+
+    def prepare(self) -> None:
+        """Look the arm up, and verify what is to be kept."""
+        super().prepare()
+        verify_keep(self, self.params["keep"])
+
+    def update(self) -> Status:
+        """Make it; `now` is how the hand is at this moment."""
+        return self.end(constraint=read_keep(self.params["keep"], self.arm.grasp_pose()))
 
 
 class PlanStraight(PlanLeaf):
@@ -84,12 +98,12 @@ class ExecuteTogether(OperationLeaf):
         return self.end(reached=[result[name] for name in self._arms])
 
 
-class MoveToJoints(ArmLeaf):
+class MoveToJoints(KeepingLeaf):
     """Go to joint positions."""
 
     def start(self) -> Operation[JointState]:
         """Plan and follow."""
-        return go(self.arm, self.read("state"))
+        return go(self.arm, self.read("state"), self.constraint())
 
     def finish(self, result: JointState) -> Status:
         """Hand out what was measured."""

@@ -8,14 +8,14 @@ from typing import TypeVar
 from grip_bt.errors import CanceledError, ExpectedError, NoPlanError
 from grip_bt.operation import Operation
 from grip_bt.ports import Arm, Scene
-from grip_bt.values import JointState, Pose
+from grip_bt.values import JointState, PathConstraint, Pose
 
 T = TypeVar("T")
 
 
-def go(arm: Arm, goal: JointState | Pose | str) -> Operation[JointState]:
-    """Plan a free path from where the arm is now and follow it."""
-    return arm.plan(goal).then(arm.execute)
+def go(arm: Arm, goal: JointState | Pose | str, constraint: PathConstraint | None = None) -> Operation[JointState]:
+    """Plan a free path from where the arm is now, one that keeps to a constraint if there is one, and follow it."""
+    return arm.plan(goal, constraint=constraint).then(arm.execute)
 
 
 def go_straight(

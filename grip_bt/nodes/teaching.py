@@ -6,7 +6,7 @@ from grip_bt.errors import NameTakenError, NotTaughtError, listing
 from grip_bt.operation import Operation
 from grip_bt.values import JointState
 
-from .arm import ArmLeaf
+from .arm import ArmLeaf, KeepingLeaf
 from .hand import HandLeaf
 from .leaf import Status
 from .motion import go
@@ -28,7 +28,7 @@ class Teach(ArmLeaf):
             return self.fail(error.code, error.message)
 
 
-class MoveToTaught(ArmLeaf):
+class MoveToTaught(KeepingLeaf):
     """Go to what was taught, in this run or before."""
 
     def start(self) -> Operation[JointState]:
@@ -42,7 +42,7 @@ class MoveToTaught(ArmLeaf):
             raise NotTaughtError(
                 f"nothing was taught as {name!r} (there are: {listing(sorted(taught))})", taught=sorted(taught)
             )
-        return go(self.arm, taught[name])
+        return go(self.arm, taught[name], self.constraint())
 
     def finish(self, result: JointState) -> Status:
         """Hand out what was measured."""

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Literal, Protocol, get_args, runtime_checkable
 
 from grip_bt.operation import Operation
-from grip_bt.values import Grasp, JointState, Plan, Pose, Trajectory
+from grip_bt.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory
 
 Free = Literal["none", "x", "y", "z", "orientation"]
 FREEDOMS: tuple[Free, ...] = get_args(Free)
@@ -61,7 +61,12 @@ class Arm(Protocol):
         ...
 
     def plan(
-        self, goal: JointState | Pose | str, *, start: JointState | None = None, free: str = "none"
+        self,
+        goal: JointState | Pose | str,
+        *,
+        start: JointState | None = None,
+        free: str = "none",
+        constraint: PathConstraint | None = None,
     ) -> Operation[Plan]:
         """Plan to joint positions, to a pose of the grasp frame, or to a named state.
 
@@ -70,8 +75,10 @@ class Arm(Protocol):
             start: joint positions to begin from; the measured ones by default.
             free: what of a pose doesn't matter: `none`, a turn about the grasp frame's `x`, `y` or `z`, or its whole
                 `orientation`.
+            constraint: what the grasp frame keeps to on the whole way, both ends included.
 
-        Ends with StartInCollisionError, GoalInCollisionError, NoIkError, NoPlanError, PathInvalidError or TimeOutError.
+        Ends with StartInCollisionError, GoalInCollisionError, NoIkError, NoPlanError, PathInvalidError, TimeOutError or
+        ConstraintBrokenError.
 
         Raises:
             UnknownNameError: there is no such named state, or no such freedom.

@@ -1,5 +1,6 @@
 """Values that travel between nodes: frozen, with read-only arrays, units and frames stated."""
 
+from .constraint import PathConstraint
 from .grasp import Failure, Grasp
 from .joints import JointState, Plan, Trajectory
 from .perception import CameraInfo, DepthImage, Image, PointCloud, RgbdFrame
@@ -12,6 +13,7 @@ __all__ = [
     "Grasp",
     "Image",
     "JointState",
+    "PathConstraint",
     "Plan",
     "PointCloud",
     "Pose",

@@ -76,6 +76,16 @@ class Pose(ComparesArrays):
             ]
         )
 
+    def rotation_vector(self) -> NDArray[np.float64]:
+        """Return the axis of the rotation, as long as its angle, at most pi [rad]; shape (3,)."""
+        w, axis = self.quaternion[0], self.quaternion[1:]
+        sine = float(np.linalg.norm(axis))
+        if sine < 1e-12:
+            return np.zeros(3)
+        angle = 2 * np.arctan2(sine, abs(w))
+        vector: NDArray[np.float64] = axis * (angle / sine if w >= 0 else -angle / sine)
+        return vector
+
     def matrix(self) -> NDArray[np.float64]:
         """Return the homogeneous matrix, shape (4, 4)."""
         m = np.eye(4)

@@ -11,7 +11,7 @@ from table_top import joined, named, robot_model
 from grip_bt.commanders.collision import CollisionChecker
 from grip_bt.commanders.ik import Target, solve
 from grip_bt.commanders.planning.bitrrt import CLEARANCES, costs
-from grip_bt.commanders.planning.constraints import PathConstraint
+from grip_bt.commanders.planning.constraints import excess, kept
 from grip_bt.commanders.planning.free import plan_free
 from grip_bt.commanders.planning.motions import CONSTRAINT_SLACK, answer
 from grip_bt.commanders.planning.paths import interpolated
@@ -19,7 +19,7 @@ from grip_bt.commanders.planning.requests import PlanningSettings, PlanTo, Situa
 from grip_bt.commanders.planning.trees import Tree
 from grip_bt.commanders.scene import Box, SceneObject, SceneSnapshot
 from grip_bt.errors import ConstraintBrokenError, NoIkError, TimeOutError
-from grip_bt.values import JointState, Pose
+from grip_bt.values import JointState, PathConstraint, Pose
 
 LEVEL = pin.rpy.rpyToMatrix(0, np.pi / 2, 0)
 """A grasp frame whose z axis points forward, level."""
@@ -60,7 +60,7 @@ def pose(rotation, *position):
 
 
 def level():
-    return PathConstraint(pose(LEVEL, 0, 0, 0), tolerance=(np.inf, 0.15, 0.15))
+    return PathConstraint(pose(LEVEL, 0, 0, 0), tolerance=(np.inf, 0.15, 0.15), axes="own")
 
 
 def test_a_tree_gives_the_way_back_to_its_root():
@@ -103,12 +103,12 @@ def test_a_constrained_motion_keeps_the_hand_level_round_an_obstacle(model, chec
     request = PlanTo(situation(model, checker, one), JointState(checker.chain.joints, other), constraint=level())
     positions = answer(model, request, lambda: False).trajectory.positions
     assert checker.all_free(interpolated(positions, 0.004))
-    assert level().kept(checker.chain, positions, CONSTRAINT_SLACK)
+    assert kept(level(), checker.chain, positions, CONSTRAINT_SLACK)
     for q in positions:
         forward = checker.chain.grasp_pose(q).rotation @ LEVEL.T
         assert abs(pin.log3(forward)[1]) < 0.2
     free = answer(model, dataclasses.replace(request, constraint=None), lambda: False).trajectory.positions
-    assert not level().kept(checker.chain, free, CONSTRAINT_SLACK)
+    assert not kept(level(), checker.chain, free, CONSTRAINT_SLACK)
 
 
 def test_a_constrained_motion_stays_in_its_box(model, checker):
@@ -123,7 +123,7 @@ def test_a_constrained_motion_stays_in_its_box(model, checker):
 @pytest.mark.parametrize("end", ["start", "goal"])
 def test_an_end_that_breaks_the_constraint_is_named(model, checker, end):
     level_one, tilted = level_at(checker, 0.5, -0.3, 0.3), named(model, "arm", "home").position
-    assert not level().kept(checker.chain, tilted[None, :])
+    assert not kept(level(), checker.chain, tilted[None, :])
     start, goal = (tilted, level_one) if end == "start" else (level_one, tilted)
     request = PlanTo(situation(model, checker, start), JointState(checker.chain.joints, goal), constraint=level())
     with pytest.raises(ConstraintBrokenError, match=f"the {end} breaks"):
@@ -144,15 +144,18 @@ def test_a_constraint_that_nothing_can_keep_ends_in_time(model, checker):
 
 @pytest.mark.parametrize("fields", [{"tolerance": (0.1, 0, 0.1)}, {"size": (1, -1, 1)}])
 def test_tolerances_and_lengths_are_positive(fields):
-    with pytest.raises(ValueError, match="positive"):
+    with pytest.raises(ValueError, match="3 positive numbers"):
         PathConstraint(**fields)
 
 
-def test_the_excess_has_the_derivative_that_it_says(checker):
-    constraint = PathConstraint(pose(LEVEL, 0, 0, 0), (0.05, 0.05, 0.05), pose(LEVEL, 0.5, 0.5, 0.9), (0.1, 0.1, 0.1))
+@pytest.mark.parametrize("axes", ["own", "world"])
+def test_the_excess_has_the_derivative_that_it_says(checker, axes):
+    constraint = PathConstraint(
+        pose(LEVEL, 0, 0, 0), (0.05, 0.05, 0.05), axes, pose(LEVEL, 0.5, 0.5, 0.9), (0.1, 0.1, 0.1)
+    )
     q = level_at(checker, 0.5, 0.2, 0.3) + 0.1
-    value, jacobian = constraint.excess(checker.chain, q)
-    columns = [(constraint.excess(checker.chain, q + 1e-6 * row)[0] - value) / 1e-6 for row in np.eye(7)]
+    value, jacobian = excess(constraint, checker.chain, q)
+    columns = [(excess(constraint, checker.chain, q + 1e-6 * row)[0] - value) / 1e-6 for row in np.eye(7)]
     changing = value != 0
     assert changing.sum() >= 4
     assert np.column_stack(columns)[changing] == pytest.approx(jacobian[changing], abs=1e-4)

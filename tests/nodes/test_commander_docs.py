@@ -40,14 +40,16 @@ def test_its_python_runs(text):
     exec(compile(text, "docs/commanders.md", "exec"), {})
 
 
-def test_its_task_is_right():
-    (task, taught) = fences("commanders", "yaml")
-    assert validate(loads(task), Catalog.builtin()).issues == ()
+def test_its_tasks_are_right():
+    (*tasks, taught) = fences("commanders", "yaml")
+    assert len(tasks) == 2
+    for task in tasks:
+        assert validate(loads(task), Catalog.builtin()).issues == ()
     assert "above_crate" in taught
 
 
 def test_its_file_of_taught_names_is_one(tmp_path):
-    (tmp_path / "taught.yaml").write_text(fences("commanders", "yaml")[1])
+    (tmp_path / "taught.yaml").write_text(fences("commanders", "yaml")[-1])
     taught = Taught(tmp_path / "taught.yaml")
     assert set(taught.of("right")) == {"above_crate", "look"}
     assert set(taught.states("right_hand")) == {"pinch"}

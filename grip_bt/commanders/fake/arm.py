@@ -11,10 +11,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.errors import ExpectedError, NoGraspError, UnknownNameError
+from grip_bt.errors import ConstraintBrokenError, ExpectedError, NoGraspError, UnknownNameError
 from grip_bt.operation import Operation
 from grip_bt.ports import FREEDOMS
-from grip_bt.values import Grasp, JointState, Plan, Pose, Trajectory
+from grip_bt.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory
 
 from ..jogging import jogged, lasting
 from ..taught import Taught
@@ -73,9 +73,14 @@ class FakeArm:
         return {**self._taught.states(self._name), **self._states}
 
     def plan(
-        self, goal: JointState | Pose | str, *, start: JointState | None = None, free: str = "none"
+        self,
+        goal: JointState | Pose | str,
+        *,
+        start: JointState | None = None,
+        free: str = "none",
+        constraint: PathConstraint | None = None,
     ) -> Operation[Plan]:
-        """Plan a straight motion of the joints, which uses no freedom of a pose; see `ports.Arm`."""
+        """Plan a straight motion of the joints; only its ends are held to the constraint. See `ports.Arm`."""
         if free not in FREEDOMS:
             raise UnknownNameError("freedom of a pose", free, FREEDOMS, where=f"arm {self._name!r}")
         if isinstance(goal, str):
@@ -84,6 +89,10 @@ class FakeArm:
                 raise UnknownNameError("named state", goal, states, where=f"arm {self._name!r}")
             goal = states[goal]
         end = _joints_of(goal) if isinstance(goal, Pose) else goal.ordered(JOINTS)
+        begin = self.state().position if start is None else start.ordered(JOINTS)
+        for what, joints in (("start", begin), ("goal", end)):
+            if constraint is not None and not constraint.kept_by(_pose_of(joints)):
+                return Operation.failed(ConstraintBrokenError(f"the {what} breaks what the path must keep to"))
         return self._planned("plan", [end], start)
 
     def plan_straight(self, goals: Sequence[Pose], *, start: JointState | None = None) -> Operation[Plan]:
@@ -148,12 +157,7 @@ class FakeArm:
 
 def _joints_of(pose: Pose) -> NDArray[np.float64]:
     """Return position and rotation vector, shape (6,); the vector's length is the angle, at most pi [rad]."""
-    w, axis = pose.quaternion[0], np.array(pose.quaternion[1:])
-    if w < 0:
-        w, axis = -w, -axis
-    sine = float(np.linalg.norm(axis))
-    vector = axis * (2 * np.arctan2(sine, w) / sine) if sine > 1e-12 else np.zeros(3)
-    return np.concatenate([pose.position, vector])
+    return np.concatenate([pose.position, pose.rotation_vector()])
 
 
 def _pose_of(joints: NDArray[np.float64]) -> Pose:

@@ -7,8 +7,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from grip_bt.values import PathConstraint
+
 from ..collision import CollisionChecker
-from .constraints import PathConstraint
+from .constraints import kept, projected
 from .paths import EdgeCheck, Path, interpolated, length
 from .trees import Configuration, Tree, grown_towards, joined, stepped
 
@@ -42,12 +44,12 @@ def cbirrt(
 
     def extend(tree: Tree, index: int, towards: Configuration) -> int | None:
         one = tree.at(index)
-        other = constraint.projected(chain, stepped(one, towards, STEP))
+        other = projected(constraint, chain, stepped(one, towards, STEP))
         # A projection may slide back; then the tree would grow on the spot for ever.
         if other is None or np.linalg.norm(towards - other) >= np.linalg.norm(towards - one):
             return None
         edge = np.stack([one, other])
-        if not constraint.kept(chain, interpolated(edge, _SAMPLING), slack=1e-3) or not edge_free(one, other):
+        if not kept(constraint, chain, interpolated(edge, _SAMPLING), slack=1e-3) or not edge_free(one, other):
             return None
         return tree.add(other, index)
 

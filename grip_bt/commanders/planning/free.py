@@ -13,11 +13,11 @@ import ompl.util as ou
 from numpy.typing import NDArray
 
 from grip_bt.errors import CanceledError, NoPlanError, TimeOutError, UnknownNameError
+from grip_bt.values import PathConstraint
 
 from ..collision import CollisionChecker
 from .bitrrt import bitrrt, costs, highest_cost
 from .cbirrt import cbirrt
-from .constraints import PathConstraint
 from .paths import Path, interpolated, shortened
 
 BITRRT = "BiTRRT"

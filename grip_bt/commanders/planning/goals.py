@@ -21,6 +21,7 @@ from grip_bt.values.pose import check_frame
 from ..collision import CollisionChecker
 from ..ik import Target, solver
 from ..model import Chain
+from .constraints import kept
 from .requests import PlanTo
 
 _GOALS = 4
@@ -45,10 +46,10 @@ def goals_of(
         goals = _pose_goals(chain, checker, request, start)
     if request.constraint is None:
         return goals
-    kept = [q for q in goals if request.constraint.kept(chain, q[None, :])]
-    if not kept:
+    keeping = [q for q in goals if kept(request.constraint, chain, q[None, :])]
+    if not keeping:
         raise ConstraintBrokenError("the goal breaks what the path must keep to; widen its tolerances or its box")
-    return kept
+    return keeping
 
 
 def _joint_goal(

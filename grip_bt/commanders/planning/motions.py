@@ -25,6 +25,7 @@ from grip_bt.values.pose import check_frame
 from ..collision import CollisionChecker, recent_checker
 from ..model import Chain, RobotModel
 from ..trajectory.timing import timed
+from .constraints import kept
 from .continuous import continuously_free
 from .free import RESOLUTION, plan_constrained, plan_free
 from .goals import goals_of, out_of_limits, touching
@@ -73,7 +74,7 @@ def plan_to(model: RobotModel, request: PlanTo, canceled: Callable[[], bool]) ->
     deadline = time.monotonic() + settings.time_limit
     chain, checker = _chain_and_checker(model, situation, margin=0.0)
     start = _free_start(chain, checker, situation)
-    if request.constraint is not None and not request.constraint.kept(chain, start[None, :]):
+    if request.constraint is not None and not kept(request.constraint, chain, start[None, :]):
         raise ConstraintBrokenError("the start breaks what the path must keep to; widen its tolerances or its box")
     goals = goals_of(chain, checker, request, start)
     roomy = recent_checker(chain, situation.scene, situation.hand, settings.margin)
@@ -134,8 +135,8 @@ def _searched_and_timed(
     settings, constraint = request.situation.settings, request.constraint
 
     def acceptable(positions: NDArray[np.float64]) -> bool:
-        kept = constraint is None or constraint.kept(chain, positions, CONSTRAINT_SLACK)
-        return kept and _finely_free(checker, positions)
+        keeping = constraint is None or kept(constraint, chain, positions, CONSTRAINT_SLACK)
+        return keeping and _finely_free(checker, positions)
 
     for attempt in range(settings.attempts):
         path = search(seed=settings.seed + attempt, deadline=deadline, resolution=RESOLUTION / 2 ** min(attempt, 2))

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from grip_bt.values import Grasp, JointState, Pose
+from grip_bt.values import Grasp, JointState, PathConstraint, Pose
 
 from ..ik.target import Free
 from ..scene import SceneSnapshot
-from .constraints import PathConstraint
 
 
 @dataclass(frozen=True, slots=True)

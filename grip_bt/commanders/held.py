@@ -1,0 +1,286 @@
+"""Motions that are held in a pause and gone on with, over executors and hands that can only stop.
+
+Controllers of ROS, for one, know no pause: a motion is cancelled, so that the joints hold, and what is left of it is
+begun again from where they are measured to be, along the same path.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Mapping
+from typing import Generic, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grip_bt.errors import CanceledError, ExecutionAbortedError, ExpectedError
+from grip_bt.operation import Operation
+from grip_bt.ports import Executor, HandPort
+from grip_bt.values import JointState, Trajectory
+
+J = TypeVar("J")
+RAMP = 0.5
+"""How long a motion takes to come up to its speed again [s]."""
+SHORTEST = 0.1
+"""A rest of a motion takes no less than this [s]."""
+ASIDE = 0.1
+"""Joints that are further from the path than this [rad or m] were moved by something else meanwhile."""
+_GRID, _DOUBT = 0.005, 0.01
+"""Spacing of the search for where on its path a motion is [s]; what a second that it is early or late weighs [rad]."""
+
+
+def rest_of(trajectory: Trajectory, measured: NDArray[np.float64], passed: float) -> Trajectory:
+    """Return what is left of a trajectory that was stopped: the same path, from rest.
+
+    It begins at the point of the path that is nearest to where the joints are, by their distance and by the time; time
+    runs on from there evenly faster during `RAMP`, then as before. What the joints are off the path fades meanwhile.
+
+    Args:
+        trajectory: what was under way.
+        measured: where its joints are, in its order.
+        passed: how long it had been under way [s].
+
+    Raises:
+        ExecutionAbortedError: the joints are too far from the path.
+    """
+    times = np.linspace(0.0, trajectory.duration, max(2, int(trajectory.duration / _GRID)))
+    away = np.abs(_sampled(trajectory.positions, trajectory, times) - measured).max(axis=1)
+    nearest = int((away + _DOUBT * np.abs(times - passed)).argmin())
+    if away[nearest] > ASIDE:
+        raise ExecutionAbortedError(
+            f"the joints were moved while the motion was held: they are {away[nearest]:.3f} off its path",
+            error=float(away[nearest]),
+        )
+    begin = float(times[nearest])
+    left = trajectory.duration - begin
+    faster = min(RAMP / 2, left)
+    ramp = max(2 * faster, SHORTEST)
+    part = np.linspace(0.0, 1.0, max(3, round(ramp / 0.02)))
+    later = trajectory.times[trajectory.times > begin + faster + 1e-6]
+    there = np.concatenate([begin + faster * part**2, later])
+    pace = np.concatenate([2 * faster / ramp * part, np.ones(len(later))])
+    offset = np.zeros((len(there), len(measured)))
+    drift = np.zeros_like(offset)
+    aside = measured - trajectory.at(begin)
+    offset[: len(part)] = np.outer(1 - 3 * part**2 + 2 * part**3, aside)
+    drift[: len(part)] = np.outer(6 * (part**2 - part) / ramp, aside)
+    velocities = trajectory.velocities
+    return Trajectory(
+        trajectory.names,
+        np.concatenate([ramp * part, ramp + later - begin - faster]),
+        _sampled(trajectory.positions, trajectory, there) + offset,
+        None if velocities is None else _sampled(velocities, trajectory, there) * pace[:, None] + drift,
+    )
+
+
+def _sampled(
+    values: NDArray[np.float64], trajectory: Trajectory, times: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    return np.stack([np.interp(times, trajectory.times, column) for column in values.T], axis=1)
+
+
+class _Motion(Generic[J]):
+    """One motion, in as many parts as it takes."""
+
+    def __init__(self, job: J):
+        self.job = job
+        self.whole: Operation[JointState] = Operation()
+        self.part: Operation[JointState] | None = None
+        self.held = False
+        self.began = self.passed = 0.0
+
+
+class _Parts(Generic[J]):
+    """One motion at a time, done in parts; implements `grip_bt.ports.Pausable`.
+
+    Args:
+        do: begins a part.
+        rest: what is left of a job after so long [s]; ends the motion where it raises an `ExpectedError`.
+    """
+
+    def __init__(self, do: Callable[[J], Operation[JointState]], rest: Callable[[J, float], J]):
+        self._do, self._rest = do, rest
+        self._lock = threading.Lock()
+        self._paused = False
+        self._motion: _Motion[J] | None = None
+
+    def begin(self, job: J) -> Operation[JointState]:
+        """Begin a motion; one under way is cancelled. In a pause it waits for the end of that."""
+        self.stop()
+        motion = _Motion(job)
+        motion.whole = Operation(on_cancel=lambda: self._cancel(motion))
+        with self._lock:
+            self._motion = motion
+        self._start(motion)
+        return motion.whole
+
+    def stop(self) -> None:
+        """End the motion under way."""
+        motion = self._motion
+        if motion is not None:
+            motion.whole.cancel()
+
+    def pause(self) -> None:
+        """Stop the part that is under way and keep what is left."""
+        with self._lock:
+            self._paused = True
+            motion = self._motion
+        if motion is not None:
+            self._hold(motion)
+
+    def resume(self) -> None:
+        """Begin what is left, at once or as soon as the part before has ended."""
+        with self._lock:
+            self._paused = False
+            motion = self._motion
+            ready = motion is not None and motion.held and motion.part is None
+        if motion is not None and ready:
+            self._go_on(motion)
+
+    def _start(self, motion: _Motion[J]) -> None:
+        with self._lock:
+            if self._paused:
+                motion.held = True
+                return
+            motion.held = False
+        part = self._do(motion.job)
+        with self._lock:
+            motion.part, motion.began, motion.passed = part, time.monotonic(), 0.0
+            again = self._paused
+        part.add_done_callback(lambda: self._ended(motion, part))
+        if motion.whole.cancel_asked:
+            part.cancel()
+        elif again:
+            self._hold(motion)
+
+    def _hold(self, motion: _Motion[J]) -> None:
+        with self._lock:
+            part = motion.part
+            if part is None or motion.held:
+                return
+            motion.held = True
+            motion.passed = time.monotonic() - motion.began
+        part.cancel()
+
+    def _ended(self, motion: _Motion[J], part: Operation[JointState]) -> None:
+        try:
+            result = part.result()
+        except CanceledError as error:
+            with self._lock:
+                goes_on = motion.held and not motion.whole.cancel_asked
+                motion.part = None
+                now = not self._paused
+            if not goes_on:
+                motion.whole.fail(error)
+            elif now:
+                self._go_on(motion)
+        except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it
+            motion.whole.fail(error)
+        else:
+            motion.whole.succeed(result)
+
+    def _go_on(self, motion: _Motion[J]) -> None:
+        if motion.whole.cancel_asked:
+            motion.whole.fail(CanceledError("the motion was stopped"))
+            return
+        try:
+            if motion.began:
+                motion.job = self._rest(motion.job, motion.passed)
+            self._start(motion)
+        except ExpectedError as error:
+            motion.whole.fail(error)
+        except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it
+            motion.whole.fail(error)
+
+    def _cancel(self, motion: _Motion[J]) -> None:
+        with self._lock:
+            part = motion.part
+        if part is not None:
+            part.cancel()
+        else:
+            motion.whole.fail(CanceledError("the motion was stopped"))
+
+
+class HeldExecutor:
+    """Implements `grip_bt.ports.Executor` and `Pausable` over an executor that can be stopped.
+
+    A motion that is held ends with ExecutionAbortedError where the joints were moved by something else meanwhile.
+    """
+
+    def __init__(self, executor: Executor):
+        self._executor = executor
+        self._parts = _Parts(executor.execute, self._rest)
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints that it moves."""
+        return self._executor.joint_names
+
+    def state(self) -> JointState:
+        """Return the measured state of the joints."""
+        return self._executor.state()
+
+    def execute(self, trajectory: Trajectory) -> Operation[JointState]:
+        """Follow a trajectory, however often it is held; see `grip_bt.ports.Executor`."""
+        return self._parts.begin(trajectory)
+
+    def stop(self) -> None:
+        """Hold where the joints are now and end a motion under way."""
+        self._parts.stop()
+        self._executor.stop()
+
+    def pause(self) -> None:
+        """Hold the joints where they are, and keep what is left of a motion."""
+        self._parts.pause()
+
+    def resume(self) -> None:
+        """Go on with what is left."""
+        self._parts.resume()
+
+    def _rest(self, trajectory: Trajectory, passed: float) -> Trajectory:
+        try:
+            measured = self._executor.state().ordered(trajectory.names)
+        except ExpectedError as error:
+            raise ExecutionAbortedError(f"the motion was held, and {error.message}", cause=error.code) from None
+        return rest_of(trajectory, measured, passed)
+
+
+class HeldHand:
+    """Implements `grip_bt.ports.HandPort` and `Pausable` over a hand that can be stopped."""
+
+    def __init__(self, hand: HandPort):
+        self._hand = hand
+        self._parts: _Parts[tuple[JointState, float, float | None]] = _Parts(
+            lambda job: hand.move(*job), lambda job, passed: (job[0], max(job[1] - passed, SHORTEST), job[2])
+        )
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints of the hand."""
+        return self._hand.joint_names
+
+    def state(self) -> JointState:
+        """Return the measured state."""
+        return self._hand.state()
+
+    def move(self, posture: JointState, duration: float, torque_limit: float | None = None) -> Operation[JointState]:
+        """Move towards a posture, however often it is held; see `grip_bt.ports.HandPort`."""
+        return self._parts.begin((posture, duration, torque_limit))
+
+    def contacts(self) -> Mapping[str, float]:
+        """Return the contact forces."""
+        return self._hand.contacts()
+
+    def stop(self) -> None:
+        """Hold the fingers where they are."""
+        self._parts.stop()
+        self._hand.stop()
+
+    def pause(self) -> None:
+        """Hold the fingers where they are, and keep what is left of a motion."""
+        self._parts.pause()
+
+    def resume(self) -> None:
+        """Go on with what is left."""
+        self._parts.resume()
