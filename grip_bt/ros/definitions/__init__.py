@@ -18,6 +18,9 @@ NEEDS: dict[str, tuple[str, ...]] = {
     "control_msgs": (),
     "controller_manager_msgs": (),
     "tf2_msgs": (),
+    "octomap_msgs": (),
+    "object_recognition_msgs": (),
+    "moveit_msgs": ("object_recognition_msgs", "octomap_msgs"),
 }
 """Packages that are written here, and which of them each needs."""
 _lock = threading.Lock()
