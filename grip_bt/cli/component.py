@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -141,6 +141,7 @@ def run_test(args: argparse.Namespace) -> int:
     """Start the component, call it once (an action: one goal) with nothing in it, and tell the answer and its time."""
     import time
 
+    from grip_bt.app.component_answer import label_of
     from grip_bt.app.project import find_project
     from grip_bt.catalog.component_file import load_component
     from grip_bt.ros.components import start_components
@@ -159,20 +160,6 @@ def run_test(args: argparse.Namespace) -> int:
         shown = label_of(component, reply)
         print(f"empty request: {shown} after {(time.perf_counter() - started) * 1e3:.1f} ms")
     return stale
-
-
-def label_of(component: Any, reply: Mapping[str, Any]) -> str:
-    """Return how an answer is called: by its number, or by the outcomes' rules."""
-    if not component.rules:
-        return f"{component.outcomes[reply['outcome']]!r} ({reply['outcome']})"
-    from grip_bt.graph.evaluation import condition_of
-    from grip_bt.graph.expression import parse_expression
-
-    for label, text in component.rules.items():
-        rule = parse_expression(text)
-        if condition_of(rule, {name: (lambda name=name: reply[name]) for name in rule.names})():
-            return repr(label)
-    return "no rule holds"
 
 
 def rendered(folder: Path) -> dict[str, str]:

@@ -56,10 +56,14 @@ def everything(node: Node) -> list[Served]:
     for name, types in node.get_service_names_and_types():
         if not _hidden(name):
             found.append(Served(name, "srv", _one(name, types), _nodes(node, name)))
-    for name, types in node.get_topic_names_and_types():
-        if not _hidden(name) and node.count_publishers(name):
-            found.append(Served(name, "msg", types[0]))
+    found += [Served(name, "msg", types[0]) for name, types, _ in topics(node)]
     return sorted(found, key=lambda served: (served.kind, served.name))
+
+
+def topics(node: Node) -> list[tuple[str, list[str], int]]:
+    """Return the topics that somebody publishes, by name: name, types, number of publishers; on the bus's thread."""
+    seen = ((name, types, node.count_publishers(name)) for name, types in node.get_topic_names_and_types())
+    return sorted((name, types, count) for name, types, count in seen if count and not _hidden(name))
 
 
 def find_served(name: str, within: float = 5.0, domain_id: int | None = None) -> Served:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import os
 import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
 from secrets import token_hex
+from typing import Any
 
 from grip_bt.errors import GripError
 
@@ -54,30 +56,52 @@ class Prober:
 
     async def run(self, words: Sequence[str]) -> ProbeView:
         """Run `grip WORDS...` in the project folder; afterwards no process of it is left."""
+        started = time.monotonic()
+        ok, output = await self.ended("grip_bt.cli", words)
+        shown = output if len(output) <= KEPT else "... " + output[-KEPT:]
+        return ProbeView(ok=ok, command="grip " + " ".join(words), output=shown, seconds=time.monotonic() - started)
+
+    async def answer(self, module: str, words: Sequence[str] = (), given: str = "") -> dict[str, Any]:
+        """Run a module in the project folder and return its last line, an object in JSON.
+
+        Raises:
+            GripError: another try is under way, or it ended without an answer.
+        """
+        _, output = await self.ended(module, words, given)
+        for line in reversed(output.splitlines()):
+            if line.startswith("{"):
+                return dict(json.loads(line))
+        raise GripError(f"it gave no answer: {output[-KEPT:].strip() or 'it said nothing'}")
+
+    async def ended(self, module: str, words: Sequence[str], given: str = "") -> tuple[bool, str]:
+        """Run a module to its end; return whether it went well, and what it said.
+
+        Raises:
+            GripError: another try is under way.
+        """
         if self._busy.locked():
             raise GripError("another try is under way; wait for its end")
         async with self._busy:
-            return await _run(words, self._folder.folder)
+            return await _ended((sys.executable, "-m", module, *words), self._folder.folder, given)
 
 
-async def _run(words: Sequence[str], folder: Path) -> ProbeView:
-    mark, started = token_hex(8), time.monotonic()
+async def _ended(command: Sequence[str], folder: Path, given: str) -> tuple[bool, str]:
+    mark = token_hex(8)
     process = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-m", "grip_bt.cli", *words),
+        *command,
         cwd=folder,
-        stdin=asyncio.subprocess.DEVNULL,
+        stdin=asyncio.subprocess.PIPE,
         stdout=asyncio.subprocess.PIPE,
         stderr=asyncio.subprocess.STDOUT,
         env={**os.environ, MARK: mark, "PYTHONUNBUFFERED": "1"},
         start_new_session=True,
     )
     try:
-        said, _ = await asyncio.wait_for(process.communicate(), PATIENCE)
+        said, _ = await asyncio.wait_for(process.communicate(given.encode()), PATIENCE)
         output, ok = said.decode(errors="replace"), process.returncode == 0
     except TimeoutError:
         output, ok = f"It hasn't ended within {PATIENCE:g} s, so it was ended.", False
     finally:
         await end_marked(mark, group=process.pid if process.returncode is None else None)
         await process.wait()
-    shown = output if len(output) <= KEPT else "... " + output[-KEPT:]
-    return ProbeView(ok=ok, command="grip " + " ".join(words), output=shown, seconds=time.monotonic() - started)
+    return ok, output

@@ -1,0 +1,116 @@
+"""`python -m grip_gui.live.calling`: starts a component, calls it once, and tells its answer field by field.
+
+Reads the wish as JSON from the standard input: `folder`, and `given`: port -> `{run, journal}`, `{store, name}` or
+`{text}`. Prints one line of JSON, a `TryView`.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from grip_bt.app.component_answer import label_of
+from grip_bt.app.project import Project, find_project
+from grip_bt.catalog.component_file import ComponentFile, load_component
+from grip_bt.errors import DocumentError, ExpectedError, GripError
+from grip_bt.graph.syntax import parse, plain
+from grip_bt.messages import MessageLibrary
+from grip_bt.ros.components import start_components
+from grip_bt.runtime import JournalReader
+from grip_bt.values import JointState, Pose
+
+from ..live_messages import FieldResult, TryView
+from ..run_messages import ValueView
+from ..values import value_view
+from .shown import fields_of, message_view
+
+
+def tried(folder: Path, given: Mapping[str, Mapping[str, Any]]) -> TryView:
+    """Return how the component answers.
+
+    Args:
+        folder: of the component.
+        given: port -> where its value is.
+
+    Raises:
+        GripError: it can't be started, or a value isn't there.
+        ExpectedError: it doesn't answer, or answers what it may not.
+    """
+    component, project = load_component(folder), find_project(folder)
+    request = {port: _value(project, component, port, source) for port, source in given.items()}
+    with start_components(project.folder, [component.name], folder=folder.parent) as components:
+        built = f", its interfaces built in {components.build_seconds:.1f} s" if components.build_seconds else ""
+        began = time.perf_counter()
+        operation = components.client(component.name).call(request)
+        operation.wait(component.timeouts.call + component.timeouts.ready + 1)
+        reply = operation.result()
+        spent = (time.perf_counter() - began) * 1e3
+        ready = f"{component.server} was ready after {components.ready_seconds:.2f} s{built}"
+    fields = [FieldResult(name=name, value=_view(component, name, value)) for name, value in reply.items()]
+    return TryView(outcome=label_of(component, reply), fields=fields, milliseconds=spent, started=ready)
+
+
+def _value(project: Project, component: ComponentFile, port: str, source: Mapping[str, Any]) -> Any:
+    if "seq" in source:
+        with JournalReader(project.journal) as reader:
+            events = reader.events(source["run"], source["seq"] - 1, 1)
+            if not events or events[0].event != "write":
+                raise GripError(f"{port}: the run {source['run']} has no write {source['seq']}")
+            return reader.value(events[0])
+    if "store" in source:
+        return MessageLibrary(project.folder / "messages").store(source["store"]).get(source["name"])
+    declared = component.ports.get(port)
+    return typed(source["text"], declared.type if declared is not None else "Any", port)
+
+
+def typed(text: str, type_name: str, port: str) -> Any:
+    """Return what a person has typed for an input.
+
+    Args:
+        text: YAML: a number, a text, a list, the fields of a message, `{position, quaternion, frame}` of a pose, or
+            `{joint: position}` of a joint state.
+        type_name: the declared type.
+        port: for the message of an error.
+
+    Raises:
+        DocumentError: it isn't YAML, or no value of the type.
+    """
+    data = plain(parse(text, port))
+    if not isinstance(data, dict):
+        return data
+    try:
+        if type_name == "Pose" and isinstance(data.get("position"), list):
+            return Pose(**data)
+        if type_name == "JointState" and "position" not in data:
+            return JointState.from_mapping(data)
+    except (TypeError, ValueError) as error:
+        raise DocumentError(f"no {type_name}: {error}", port, 1, 1) from None
+    return data
+
+
+def _view(component: ComponentFile, name: str, value: Any) -> ValueView:
+    if fields_of(value) is not None:
+        return message_view(type(value).__name__, value)
+    declared = component.ports.get(name)
+    return value_view(declared.type if declared is not None else type(value).__name__, value)
+
+
+def main() -> int:
+    """Print how it went."""
+    wish = json.loads(sys.stdin.read())
+    try:
+        view = tried(Path(wish["folder"]), wish["given"])
+    except ExpectedError as error:
+        view = TryView(trouble=error.message)
+    except (GripError, ValueError, OSError) as error:
+        view = TryView(trouble=str(error))
+    sys.stdout.write("\n" + view.model_dump_json() + "\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

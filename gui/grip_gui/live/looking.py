@@ -1,0 +1,155 @@
+"""What the process that looks at ROS can do: topics, one message of a topic, a server's named messages."""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+from grip_bt.app.project import find_project
+from grip_bt.catalog.sensor_config import MESSAGES
+from grip_bt.errors import ExpectedError
+from grip_bt.ros.bus import Bus
+from grip_bt.ros.graph import topics
+from grip_bt.ros.managers import MessageServer, RosMessages
+from grip_bt.ros.managers.wire import MESSAGES as STORES
+from grip_bt.ros.types import load_type, type_name
+
+from ..run_messages import ValueView
+from ..values import value_view
+from .shown import fields_of, message_view, plain_of
+from .written import text_of, value_of
+
+APPEARS = 2.0
+"""How long a server of messages may take to be found [s]."""
+ANSWERS = 10.0
+FOUND = 1.5
+"""How long the graph is looked at before what is in it counts as all [s]."""
+
+
+class Looker:
+    """One connection to ROS, in the user's own domain."""
+
+    def __init__(self) -> None:
+        chosen = os.environ.get("ROS_DOMAIN_ID", "")
+        self.domain = chosen or "0"
+        self._bus = Bus("grip_editor", domain_id=int(chosen) if chosen else None)
+        self._began = time.monotonic()
+        self._messages = RosMessages(self._bus, wait=APPEARS)
+        self._server: Bus | None = None
+        self._lock = threading.Lock()
+
+    def topics(self) -> dict[str, Any]:
+        """Return the topics that somebody publishes."""
+        time.sleep(max(0.0, self._began + FOUND - time.monotonic()))  # others are found within that
+        operation = self._bus.post(lambda: topics(self._bus.node))
+        operation.wait(ANSWERS)
+        of = {message: value for value, message in reversed(MESSAGES.items())}
+        rows = [
+            {"name": name, "type": types[0], "value": of.get(types[0], types[0]), "publishers": publishers}
+            for name, types, publishers in operation.result()
+        ]
+        return {"topics": rows, "domain": self.domain}
+
+    def receive(self, topic: str, type: str, within: float) -> dict[str, Any]:
+        """Wait for the next message of a topic."""
+        began = time.monotonic()
+        operation = self._bus.reader(load_type(type), topic).next(within)
+        operation.wait(within + 1.0)
+        view = message_view(type, operation.result())
+        return {"value": view.model_dump(), "seconds": time.monotonic() - began}
+
+    def messages(self) -> dict[str, Any]:
+        """Return what a server of messages has."""
+        ours = self._server is not None
+        operation = self._messages.listing()
+        if not operation.wait(ANSWERS):
+            raise ExpectedError("the server of messages gives no answer")
+        answer = operation.result()
+        rows = [
+            {
+                "store": entry.store,
+                "name": entry.name,
+                "type": entry.type,
+                "time": entry.stamp.sec + entry.stamp.nanosec * 1e-9,
+                "provenance": entry.provenance,
+                "revision": entry.revision,
+            }
+            for entry in answer.entries
+        ]
+        types = {row["store"]: row["type"] for row in rows} | STORES
+        stores = [
+            {"name": name, "type": types.get(name, ""), "queued": queued}
+            for name, queued in zip(answer.stores, answer.queued, strict=True)
+        ]
+        return {"served": True, "ours": ours, "stores": stores, "messages": rows, "domain": self.domain}
+
+    def message(self, store: str, name: str) -> dict[str, Any]:
+        """Return one of them, looked at, and as text where it can be changed as one."""
+        entry = self._done(self._messages.get(store, name))
+        view = self._view(store, entry.value)
+        return {"value": view.model_dump(), "text": text_of(entry.value, plain_of)}
+
+    def put(self, store: str, name: str, type: str, text: str) -> dict[str, Any]:
+        """Add or replace one."""
+        value = value_of(store, name, text)
+        if isinstance(value, dict):
+            from grip_bt.ros.convert import to_message
+
+            value = to_message(value, load_type(type or STORES.get(store, "")))
+        self._done(self._messages.put(store, name, value, "by hand in the editor"))
+        return {}
+
+    def delete(self, store: str, name: str) -> dict[str, Any]:
+        """Remove one."""
+        self._done(self._messages.delete(store, name))
+        return {}
+
+    def reset(self, store: str) -> dict[str, Any]:
+        """Empty a store, or all, and have the server read its files again."""
+        self._done(self._messages.reset(store))
+        return {}
+
+    def save(self) -> dict[str, Any]:
+        """Have the server keep everything."""
+        return {"count": self._done(self._messages.save())}
+
+    def serve(self) -> dict[str, Any]:
+        """Serve the messages of the project of this folder."""
+        with self._lock:
+            if self._server is not None:
+                return {}
+            project = find_project(Path.cwd())
+            bus = Bus("grip_messages", domain_id=int(self.domain))
+            try:
+                MessageServer(bus, project.folder / "messages", project.state_folder / "messages.sqlite")
+            except BaseException:
+                bus.close()
+                raise
+            self._server = bus
+        return {}
+
+    def end(self) -> dict[str, Any]:
+        """Serve no more."""
+        with self._lock:
+            bus, self._server = self._server, None
+        if bus is not None:
+            bus.close()
+        return {}
+
+    def close(self) -> None:
+        """Leave the graph."""
+        self.end()
+        self._bus.close()
+
+    def _done(self, operation: Any) -> Any:
+        if not operation.wait(ANSWERS):
+            raise ExpectedError("the server of messages gives no answer")
+        return operation.result()
+
+    def _view(self, store: str, value: Any) -> ValueView:
+        if fields_of(value) is not None:
+            return message_view(type_name(type(value)), value)
+        return value_view(type(value).__name__, value)

@@ -1,0 +1,87 @@
+"""Recorded values that an input of a component can be tried with: of earlier runs, and the project's named messages."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from grip_bt.app.project import find_project
+from grip_bt.errors import GripError
+from grip_bt.messages import MessageLibrary
+from grip_bt.runtime import JournalReader
+
+from ..live_messages import ComponentForm, RequestPort, Sample
+
+RUNS, EACH = 10, 12
+"""Runs that are looked through, the latest ones, and samples of a port."""
+_STORES = {
+    "JointState": "joint_states",
+    "Pose": "poses",
+    "Trajectory": "trajectories",
+    "dict[str, Pose]": "robot_poses",
+}
+
+
+def form_of(folder: Path, home: Path) -> ComponentForm:
+    """Return the inputs of a component and what was recorded for them.
+
+    Args:
+        folder: of the project.
+        home: of the component.
+    """
+    try:
+        project = find_project(folder)
+        name = next((name for name, place in project.component_folders().items() if place == home), home.name)
+        manifest = project.catalog().get(f"component/{name}")
+    except GripError as error:
+        return ComponentForm(name=home.name, inputs=[], trouble=f"Generate its node first. {error}")
+    recorded = list(_written(project.journal))
+    inputs = [
+        RequestPort(name=port, type=face.type, doc=face.doc, samples=_fitting(face.type, recorded, folder))
+        for port, face in manifest.inputs.items()
+    ]
+    return ComponentForm(name=name, inputs=inputs)
+
+
+def source_of(sample: str) -> dict[str, Any]:
+    """Return where a sample is: `{run, seq}` or `{store, name}`.
+
+    Raises:
+        GripError: the text names none.
+    """
+    kind, _, rest = sample.partition(":")
+    first, _, second = rest.partition("/")
+    if kind == "run" and second.isdigit():
+        return {"run": first, "seq": int(second)}
+    if kind == "messages" and second:
+        return {"store": first, "name": second}
+    raise GripError(f"{sample!r} is no sample; there are run:RUN/SEQ and messages:STORE/NAME")
+
+
+def _written(journal: Path) -> Iterable[tuple[str, Sample]]:
+    if not journal.is_file():
+        return
+    try:
+        with JournalReader(journal) as reader:
+            for run in reader.runs()[:RUNS]:
+                for variable, event in reader.variables(run.id).items():
+                    type_name = str(event.data.get("type", ""))
+                    title = f"{variable} of {run.task_name}, run {run.id[-6:]}"
+                    yield type_name, Sample(source=f"run:{run.id}/{event.seq}", title=title, type=type_name)
+    except GripError:
+        return  # a journal that can't be read has no samples; runs tell why
+
+
+def _fitting(type_name: str, recorded: Iterable[tuple[str, Sample]], folder: Path) -> list[Sample]:
+    found = [sample for written, sample in recorded if written == type_name][:EACH]
+    store = _STORES.get(type_name)
+    if store is not None and (folder / "messages").is_dir():
+        try:
+            names = MessageLibrary(folder / "messages").store(store).names()
+        except GripError:
+            names = ()
+        found += [
+            Sample(source=f"messages:{store}/{name}", title=f"{name} of {store}", type=type_name) for name in names
+        ]
+    return found

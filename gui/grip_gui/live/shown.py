@@ -1,0 +1,99 @@
+"""ROS messages for looking at and for changing, without their classes: a view, and plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from grip_bt.catalog.sensor_config import MESSAGES
+from grip_bt.errors import GripError
+from grip_bt.values import CameraInfo, Pose
+
+from ..run_messages import ValueView
+from ..values import ROWS, value_view
+
+EDITABLE = 2000
+"""Most numbers and texts of a message that is changed as text."""
+_DEPTHS = ("32FC1", "16UC1")
+
+
+def fields_of(message: Any) -> tuple[str, ...] | None:
+    """Return the names of a message's fields, None for what is no message."""
+    asked = getattr(message, "get_fields_and_field_types", None)
+    return None if asked is None else tuple(asked())
+
+
+def message_view(type_name: str, message: Any) -> ValueView:
+    """Return what a page shows of a message, as the value that a task would get of it where there is one."""
+    value = _value(type_name, message)
+    if value is not None:
+        return value_view(type_name, value)
+    if fields_of(message) is None:
+        return value_view(type_name, message)
+    rows = [[path, text] for path, text in _flat(message, "")]
+    shown = rows[:ROWS] + ([["...", "there is more"]] if len(rows) > ROWS else [])
+    return ValueView(type=type_name, text=", ".join(f"{p}: {t}" for p, t in rows[:3]), rows=shown)
+
+
+def plain_of(message: Any) -> Any:
+    """Return a message as mappings, lists and plain values, or None when that is too much to be changed by hand."""
+    count = 0
+
+    def plain(part: Any) -> Any:
+        nonlocal count
+        if (names := fields_of(part)) is not None:
+            return {name: plain(getattr(part, name)) for name in names}
+        if isinstance(part, bytes | bytearray):
+            part = list(part)
+        if hasattr(part, "tolist"):
+            count += len(part) if np.ndim(part) else 1
+            if count > EDITABLE:
+                raise OverflowError
+            return part.tolist()
+        if isinstance(part, list | tuple):
+            return [plain(each) for each in part]
+        count += 1
+        if count > EDITABLE:
+            raise OverflowError
+        return part
+
+    try:
+        return plain(message)
+    except OverflowError:
+        return None
+
+
+def _value(type_name: str, message: Any) -> Any:
+    from grip_bt.ros.convert import from_message
+    from grip_bt.ros.convert_perception import depth_from_message
+
+    wanted = next((name for name, ros in MESSAGES.items() if ros == type_name), None)
+    try:
+        if wanted == "Image" and message.encoding in _DEPTHS:
+            # Only the picture is shown, for which any camera of this size will do.
+            info = CameraInfo(message.width, message.height, np.eye(3), Pose((0, 0, 0)))
+            return depth_from_message(message, info)
+        return None if wanted is None else from_message(message, wanted)
+    except (GripError, ValueError):
+        return None  # it is shown as the message that it is
+
+
+def _flat(part: Any, path: str) -> Iterator[tuple[str, str]]:
+    if (names := fields_of(part)) is not None:
+        for name in names:
+            yield from _flat(getattr(part, name), f"{path}.{name}" if path else name)
+    elif isinstance(part, list | tuple) and part and fields_of(part[0]) is not None:
+        for at, each in enumerate(part):
+            yield from _flat(each, f"{path}[{at}]")
+    else:
+        yield path, _short(part)
+
+
+def _short(part: Any) -> str:
+    if isinstance(part, float):
+        return f"{part:.6g}"
+    if hasattr(part, "__len__") and not isinstance(part, str) and len(part) > 12:
+        return f"{len(part)} elements"
+    return str(part.tolist() if hasattr(part, "tolist") else part)[:300]

@@ -1,0 +1,203 @@
+"""What goes over the wire about what runs beside the editor: topics, named messages, tries, measured places."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from .messages import Wire
+from .run_messages import Robot, ValueView
+from .setup_messages import SetupPath
+
+Word = Annotated[str, Field(max_length=300)]
+Typed = Annotated[str, Field(max_length=100_000)]
+
+
+class TopicView(Wire):
+    """A topic that somebody publishes."""
+
+    name: str
+    type: str
+    """Its ROS type."""
+    value: str
+    """What a task would get of it: the type of a sensor's output."""
+    publishers: int
+
+
+class TopicsView(Wire):
+    """The topics of the running graph."""
+
+    topics: list[TopicView]
+    domain: str
+    """ROS_DOMAIN_ID."""
+    trouble: str = ""
+    """Why nothing can be seen; empty when it can."""
+
+
+class ReceiveWish(Wire):
+    """Wait for one message of a topic."""
+
+    topic: Word
+    type: Word
+    within: Annotated[float, Field(gt=0, le=30)] = 5.0
+
+
+class ReceivedView(Wire):
+    """One message, looked at."""
+
+    value: ValueView | None = None
+    seconds: float = 0.0
+    """How long it took to come."""
+    trouble: str = ""
+
+
+class StoredMessage(Wire):
+    """A named message of a running server."""
+
+    store: str
+    name: str
+    type: str
+    time: float
+    provenance: str
+    revision: int
+
+
+class StoreView(Wire):
+    """A store of a running server."""
+
+    name: str
+    type: str
+    queued: int
+
+
+class LiveMessages(Wire):
+    """What a running server has."""
+
+    served: bool
+    ours: bool = False
+    """Whether it is served by this editor."""
+    stores: list[StoreView] = []
+    messages: list[StoredMessage] = []
+    domain: str = ""
+    trouble: str = ""
+    """Why there is none."""
+
+
+class LiveMessage(Wire):
+    """One of them, looked at."""
+
+    value: ValueView | None = None
+    text: str = ""
+    """Its data as YAML, to be changed; empty for what is too much for that."""
+    trouble: str = ""
+
+
+class MessageDeed(Wire):
+    """Do something with a running server, or start one."""
+
+    do: Literal["serve", "end", "delete", "reset", "save"]
+    store: Word = ""
+    name: Word = ""
+
+
+class PutWish(Wire):
+    """Add or replace a named message of a running server."""
+
+    store: Annotated[str, Field(min_length=1, max_length=300)]
+    name: Annotated[str, Field(min_length=1, max_length=300)]
+    type: Word = ""
+    """ROS type, of a store that isn't one of the standard ones."""
+    text: Typed
+    """YAML."""
+
+
+class Done(Wire):
+    """How a wish went."""
+
+    trouble: str = ""
+    said: str = ""
+
+
+class MeasureWish(Wire):
+    """Keep where the robot is now as a named message."""
+
+    robot: Literal["run"] | Robot
+    """`run`: where the run under way measured it last."""
+    part: Annotated[str, Field(max_length=200, pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]
+    """An arm, or a hand."""
+    what: Literal["joints", "pose"]
+    name: Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_ -]*$", max_length=200)]
+    serve: bool = False
+    """Give it to the running server too."""
+
+
+class RobotParts(Wire):
+    """What can be measured of the project's robot."""
+
+    robot: str
+    arms: list[str]
+    hands: list[str]
+    run: str = ""
+    """The run under way, whose robot can be measured; empty for none."""
+    trouble: str = ""
+
+
+class Sample(Wire):
+    """A value that was recorded, as an input of a component."""
+
+    source: str
+    """`run/SEQ` or `messages/STORE/NAME`: what goes back with the wish."""
+    title: str
+    type: str
+
+
+class RequestPort(Wire):
+    """An input of a component."""
+
+    name: str
+    type: str
+    doc: str
+    samples: list[Sample]
+
+
+class ComponentForm(Wire):
+    """What a component can be tried with."""
+
+    name: str
+    inputs: list[RequestPort]
+    trouble: str = ""
+
+
+class Given(Wire):
+    """The value of one input: recorded, or typed."""
+
+    port: Word
+    sample: Annotated[str, Field(max_length=500)] = ""
+    text: Typed = ""
+    """YAML; used when no sample is named. Empty for nothing."""
+
+
+class TryWish(Wire):
+    """Call a component once."""
+
+    path: SetupPath
+    given: Annotated[list[Given], Field(max_length=100)] = []
+
+
+class FieldResult(Wire):
+    """A field of a component's answer."""
+
+    name: str
+    value: ValueView
+
+
+class TryView(Wire):
+    """How a component answered."""
+
+    outcome: str = ""
+    fields: list[FieldResult] = []
+    milliseconds: float = 0.0
+    started: str = ""
+    """How the component came up."""
+    trouble: str = ""

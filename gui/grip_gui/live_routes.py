@@ -1,0 +1,156 @@
+"""Questions and wishes about what runs beside the editor.
+
+What can't be done is told in the answer, not as an error: that nobody publishes, or that there is no ROS, is ordinary.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from fastapi import APIRouter
+from pydantic import ValidationError
+
+from grip_bt.app.project import find_project
+from grip_bt.errors import GripError
+from grip_bt.graph.syntax import parse, plain
+
+from .editing.files import TextFile
+from .live import RosWindow
+from .live.samples import form_of, source_of
+from .live_messages import (
+    ComponentForm,
+    Done,
+    LiveMessage,
+    LiveMessages,
+    MeasureWish,
+    MessageDeed,
+    PutWish,
+    ReceivedView,
+    ReceiveWish,
+    RobotParts,
+    TopicsView,
+    TryView,
+    TryWish,
+)
+from .project import ProjectFolder
+from .setup.changes import set_value
+from .setup.kinds import JOINT_STATES, POSES, kind_of
+from .setup.probes import Prober
+
+
+def make_live_router(folder: ProjectFolder, window: RosWindow, run: Callable[[], str]) -> APIRouter:
+    """Return the routes below `/api/live`.
+
+    Args:
+        folder: the project.
+        window: looks at ROS.
+        run: returns the run under way, empty for none.
+    """
+    api = APIRouter(prefix="/api/live")
+    _add_graph(api, window)
+    _add_tries(api, folder, window, run)
+    return api
+
+
+async def _asked(window: RosWindow, do: str, **fields: Any) -> dict[str, Any]:
+    try:
+        return await window.ask(do, **fields)
+    except GripError as error:
+        return {"trouble": str(error)}
+
+
+def _add_graph(api: APIRouter, window: RosWindow) -> None:
+    """Add what is asked of the running graph."""
+    asked = partial(_asked, window)
+
+    @api.get("/topics")
+    async def topics() -> TopicsView:
+        return TopicsView(**{"topics": [], "domain": "", **await asked("topics")})
+
+    @api.post("/receive")
+    async def receive(wish: ReceiveWish) -> ReceivedView:
+        return ReceivedView(**await asked("receive", **wish.model_dump()))
+
+    @api.get("/messages")
+    async def messages() -> LiveMessages:
+        return LiveMessages(**{"served": False, **await asked("messages")})
+
+    @api.get("/message")
+    async def message(store: str, name: str) -> LiveMessage:
+        return LiveMessage(**await asked("message", store=store, name=name))
+
+    @api.post("/put")
+    async def put(wish: PutWish) -> Done:
+        return Done(**await asked("put", **wish.model_dump()))
+
+    @api.post("/messages")
+    async def deed(wish: MessageDeed) -> Done:
+        words = {"delete": {"store": wish.store, "name": wish.name}, "reset": {"store": wish.store}}.get(wish.do, {})
+        found = await asked(wish.do, **words)
+        if not found.get("trouble") and wish.do in ("serve", "end"):
+            window.keep(wish.do == "serve")
+        kept = f"{found['count']} kept for later runs of the server" if "count" in found else ""
+        return Done(trouble=found.get("trouble", ""), said=kept)
+
+
+def _add_tries(api: APIRouter, folder: ProjectFolder, window: RosWindow, run: Callable[[], str]) -> None:
+    """Add what is tried with the project's own parts."""
+    prober, asked = Prober(folder), partial(_asked, window)
+
+    @api.get("/robot")
+    def robot() -> RobotParts:
+        try:
+            file = find_project(folder.folder).file
+        except GripError as error:
+            return RobotParts(robot="", arms=[], hands=[], trouble=str(error))
+        name = file.robot if isinstance(file.robot, str) else "described in grip.yaml" if file.robot else ""
+        return RobotParts(robot=name, arms=list(file.arms), hands=list(file.hands), run=run())
+
+    @api.post("/measure")
+    async def measure(wish: MeasureWish) -> Done:
+        asked_for = json.dumps({"robot": wish.robot, "part": wish.part, "what": wish.what})
+        found = await prober.answer("grip_gui.live.measuring", (asked_for,))
+        if "text" not in found:
+            return Done(trouble=found["trouble"])
+        return await keep(wish, found["text"])
+
+    async def keep(wish: MeasureWish, text: str) -> Done:
+        path, store = (POSES, "poses") if wish.what == "pose" else (JOINT_STATES, "joint_states")
+        await asyncio.to_thread(_write, folder, path, wish.name, text)
+        said = f"{wish.name} was written into {path}"
+        if wish.serve:
+            given = await asked("put", store=store, name=wish.name, type="", text=text)
+            if given.get("trouble"):
+                return Done(said=said, trouble=given["trouble"])
+            said += ", and the server has it"
+        return Done(said=said)
+
+    @api.get("/component")
+    def component(path: str) -> ComponentForm:
+        kind_of(path)
+        return form_of(folder.folder, folder.settings_file(path).parent)
+
+    @api.post("/component")
+    async def call(wish: TryWish) -> TryView:
+        kind_of(wish.path)
+        given = {
+            each.port: source_of(each.sample) if each.sample else {"text": each.text}
+            for each in wish.given
+            if each.sample or each.text.strip()
+        }
+        home = folder.settings_file(wish.path).parent
+        try:
+            asked_for = json.dumps({"folder": str(home), "given": given})
+            return TryView(**await prober.answer("grip_gui.live.calling", (), asked_for))
+        except (GripError, ValidationError) as error:
+            return TryView(trouble=str(error))
+
+
+def _write(folder: ProjectFolder, path: str, name: str, text: str) -> None:
+    file = TextFile(folder.settings_file(path), path)
+    before = file.read() if file.path.exists() else kind_of(path).blank
+    file.write(set_value(before, [name], plain(parse(text))))
