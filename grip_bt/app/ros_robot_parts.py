@@ -37,6 +37,7 @@ def open_robot(project: Project, resources: Resources, seed: int, stack: ExitSta
         SwitchError: a controller can't be made active.
     """
     try:
+        from grip_bt.commanders.held import HeldExecutor, HeldHand
         from grip_bt.commanders.worker import PlanningProcess
         from grip_bt.ros.bus import Bus
         from grip_bt.ros.controllers import ControllerManager, JointStates
@@ -66,8 +67,9 @@ def open_robot(project: Project, resources: Resources, seed: int, stack: ExitSta
         progress("controllers", f"active: {', '.join(wanted)}")
     states.wait_for([joint for names in joints.values() for joint in names], settings.ready)
     progress("robot", f"{sum(map(len, joints.values()))} joints measured on {settings.joint_states}")
-    executors = {name: _executor(settings, name, bus, joints[name], states) for name in file.arms}
-    ports = {name: _hand(settings, name, bus, joints[name], states) for name in file.hands}
+    executors = {name: HeldExecutor(_executor(settings, name, bus, joints[name], states)) for name in file.arms}
+    ports = {name: HeldHand(_hand(settings, name, bus, joints[name], states)) for name in file.hands}
+    resources.pausable = [*executors.values(), *ports.values()]
     open_commanders(project, resources, description, planner, executors, ports, {}, seed)
     if not planner.wait_until_ready():
         raise GripError("the planning process doesn't come up; run `grip doctor`")

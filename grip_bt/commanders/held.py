@@ -74,9 +74,7 @@ def rest_of(trajectory: Trajectory, measured: NDArray[np.float64], passed: float
     )
 
 
-def _sampled(
-    values: NDArray[np.float64], trajectory: Trajectory, times: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _sampled(values: NDArray[np.float64], trajectory: Trajectory, times: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.stack([np.interp(times, trajectory.times, column) for column in values.T], axis=1)
 
 

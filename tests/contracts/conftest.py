@@ -23,6 +23,7 @@ from simulated_rigs import (
 
 from grip_bt.commanders.fake import FakeArm, FakeExecutor, FakeHand, OnClock
 from grip_bt.commanders.hand import HandCommander
+from grip_bt.commanders.held import HeldExecutor, HeldHand
 from grip_bt.commanders.robots import build_robot
 from grip_bt.commanders.together import JoinedExecutor
 from grip_bt.runtime.clock import ManualClock
@@ -86,6 +87,31 @@ def commanded_arm() -> Iterator[ArmRig]:
 
 
 @contextmanager
+def held_executor() -> Iterator[ExecutorRig]:
+    """An executor that can only be stopped, made one that can be held."""
+    with fake_executor() as rig:
+        yield ExecutorRig(HeldExecutor(rig.port), rig.let_pass, rig.goal)
+
+
+@contextmanager
+def held_hand_port() -> Iterator[HandRig]:
+    with fake_hand_port() as rig:
+        yield HandRig(HeldHand(rig.port), rig.let_pass, rig.open, rig.closed, rig.offer)
+
+
+@contextmanager
+def held_trajectory_executor(ros_robot: tuple[Any, Any]) -> Iterator[ExecutorRig]:
+    with trajectory_executor(ros_robot) as rig:
+        yield ExecutorRig(HeldExecutor(rig.port), rig.let_pass, rig.goal)
+
+
+@contextmanager
+def held_streamed_executor(ros_robot: tuple[Any, Any]) -> Iterator[ExecutorRig]:
+    with streamed_executor(ros_robot) as rig:
+        yield ExecutorRig(HeldExecutor(rig.port), rig.let_pass, rig.goal)
+
+
+@contextmanager
 def joined_fake_executors() -> Iterator[ExecutorRig]:
     """Two executors of one joint each, as one."""
     clock = ManualClock()
@@ -102,15 +128,28 @@ def ros_robot() -> Iterator[Any]:
 
 
 ROS = (pytest.mark.ros, pytest.mark.slow)
-MARKS = {"simulated": pytest.mark.sim, "ros_trajectory": ROS, "ros_stream": ROS}
+MARKS = {
+    "simulated": pytest.mark.sim,
+    "ros_trajectory": ROS,
+    "ros_stream": ROS,
+    "ros_trajectory_held": ROS,
+    "ros_stream_held": ROS,
+}
 EXECUTORS = {
     "fake": fake_executor,
+    "held": held_executor,
     "joined": joined_fake_executors,
     "simulated": simulated_executor,
     "ros_trajectory": trajectory_executor,
     "ros_stream": streamed_executor,
 }
-HAND_PORTS = {"fake": fake_hand_port, "simulated": simulated_hand_port}
+PAUSABLE = {
+    "fake": fake_executor,
+    "held": held_executor,
+    "ros_trajectory_held": held_trajectory_executor,
+    "ros_stream_held": held_streamed_executor,
+}
+HAND_PORTS = {"fake": fake_hand_port, "held": held_hand_port, "simulated": simulated_hand_port}
 HANDS = {"fake": commanded_fake_hand, "simulated": commanded_simulated_hand}
 ARMS = {"fake": fake_arm, "commander": commanded_arm, "simulated": commanded_simulated_arm}
 
@@ -126,6 +165,7 @@ def _rigs(table: dict[str, Callable[[], Any]]) -> Any:
 
 
 executor_rig = _rigs(EXECUTORS)
+pausable_rig = _rigs(PAUSABLE)
 hand_port_rig = _rigs(HAND_PORTS)
 hand_rig = _rigs(HANDS)
 arm_rig = _rigs(ARMS)

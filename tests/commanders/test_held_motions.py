@@ -1,0 +1,112 @@
+"""What is left of a motion that was stopped: the same path, from rest; and motions that can't be gone on with."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from grip_bt.commanders.fake import FakeExecutor, FakeHand, OnClock
+from grip_bt.commanders.held import ASIDE, HeldExecutor, HeldHand, rest_of
+from grip_bt.errors import ExecutionAbortedError, SensorError
+from grip_bt.runtime.clock import ManualClock
+from grip_bt.values import JointState, Trajectory
+
+NAMES = ("a", "b")
+
+
+def arc(duration: float = 3.0, turns: float = 0.4) -> Trajectory:
+    """Along a circle, from rest to rest, with its velocities."""
+    part = np.linspace(0, 1, 301)
+    angle, rate = (
+        2 * np.pi * turns * part**2 * (3 - 2 * part),
+        2 * np.pi * turns * 6 * part * (1 - part) / duration,
+    )
+    return Trajectory(
+        NAMES,
+        part * duration,
+        np.stack([np.cos(angle), np.sin(angle)], axis=1),
+        np.stack([-np.sin(angle) * rate, np.cos(angle) * rate], axis=1),
+    )
+
+
+@given(passed=st.floats(0.0, 3.0), aside=st.floats(-0.04, 0.04), late=st.floats(0.0, 0.3))
+def test_the_rest_begins_where_the_joints_are_and_ends_where_the_motion_did(passed: float, aside: float, late: float):
+    whole = arc()
+    measured = whole.at(max(0.0, passed - late)) + aside
+    rest = rest_of(whole, measured, passed)
+    assert rest.positions[0] == pytest.approx(measured, abs=0.02 + abs(aside))
+    assert rest.positions[0] == pytest.approx(measured, abs=1e-9)
+    assert rest.positions[-1] == pytest.approx(whole.positions[-1], abs=1e-9)
+    assert rest.duration <= whole.duration - passed + late + 0.6
+
+
+@given(passed=st.floats(0.0, 2.9))
+def test_the_rest_stays_on_the_path_and_begins_at_rest(passed: float):
+    whole = arc()
+    rest = rest_of(whole, whole.at(passed), passed)
+    assert np.linalg.norm(rest.positions, axis=1) == pytest.approx(1.0, abs=1e-3), "on the circle"
+    assert rest.velocities is not None
+    assert np.abs(rest.velocities[0]).max() < 1e-9
+    assert np.abs(rest.velocities).max() <= np.abs(whole.velocities).max() + 1e-9, "no faster than before"
+    steps = np.diff(rest.positions, axis=0) / np.diff(rest.times)[:, None]
+    between = (rest.velocities[1:] + rest.velocities[:-1]) / 2
+    assert np.abs(steps - between).max() < 0.06, "the velocities are those of the positions"
+
+
+def test_a_path_that_crosses_itself_is_gone_on_with_where_the_time_says():
+    to_and_fro = np.concatenate([np.linspace(0, 1, 101), np.linspace(1, 0, 101)[1:]])[:, None]
+    whole = Trajectory(("a",), np.linspace(0, 4, 201), to_and_fro)
+    assert rest_of(whole, np.array([0.5]), 1.1).positions.max() == pytest.approx(1.0, abs=0.01)
+    assert rest_of(whole, np.array([0.5]), 3.1).positions.max() == pytest.approx(0.5, abs=0.01)
+
+
+def test_joints_that_were_moved_meanwhile_end_the_motion():
+    clock = ManualClock()
+    fake = FakeExecutor(JointState(NAMES, [1.0, 0.0]), OnClock(clock))
+    held = HeldExecutor(fake)
+    operation = held.execute(arc())
+    clock.advance(1.0)
+    held.pause()
+    fake._position = fake._position + 5 * ASIDE
+    held.resume()
+    with pytest.raises(ExecutionAbortedError, match="the joints were moved while the motion was held: they are 0."):
+        operation.result()
+
+
+def test_joints_of_which_nothing_is_known_any_more_end_the_motion(monkeypatch: pytest.MonkeyPatch):
+    clock = ManualClock()
+    fake = FakeExecutor(JointState(NAMES, [1.0, 0.0]), OnClock(clock))
+    held = HeldExecutor(fake)
+    operation = held.execute(arc())
+    clock.advance(1.0)
+    held.pause()
+
+    def nothing() -> Any:
+        raise SensorError("/joint_states: nothing about a")
+
+    monkeypatch.setattr(fake, "state", nothing)
+    held.resume()
+    with pytest.raises(ExecutionAbortedError, match="the motion was held, and /joint_states: nothing about a"):
+        operation.result()
+
+
+def test_fingers_are_held_and_close_on_what_they_closed_on():
+    clock = ManualClock()
+    names, thing = ("f",), JointState(("f",), [0.6])
+    fake = FakeHand(JointState(names, [0.0]), OnClock(clock), thing)
+    hand = HeldHand(fake)
+    operation = hand.move(JointState(names, [1.0]), 1.0, 0.5)
+    clock.advance(0.3)
+    hand.pause()
+    clock.advance(100.0)
+    assert hand.state().position == pytest.approx([0.3])
+    assert not operation.done()
+    hand.resume()
+    clock.advance(1.0)
+    assert operation.result().position == pytest.approx([0.6])
+    assert hand.contacts() == {"fingertip": 5.0}
+    assert fake.torque_limits == [0.5, 0.5]
