@@ -14,7 +14,7 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from fastapi.staticfiles import StaticFiles
 
-from grip_bt.errors import DocumentError, GripError, MissingPartError, UnknownNameError
+from grip_bt.errors import DocumentError, GripError, HandoverError, MissingPartError, UnknownNameError
 
 from .edit_routes import make_edit_router
 from .editing import ChangedOnDiskError, EditDesk, StaleEditError, UnfinishedTextError
@@ -42,12 +42,14 @@ _STATUS: tuple[tuple[type[GripError], int], ...] = (
     (StaleEditError, 409),
     (ChangedOnDiskError, 409),
     (UnfinishedTextError, 409),
+    (HandoverError, 409),
 )
 _KIND: dict[type[GripError], str] = {
     StaleEditError: "stale",
     ChangedOnDiskError: "disk",
     UnfinishedTextError: "unfinished",
     HeldElsewhereError: "held",
+    HandoverError: "approximate",
 }
 
 
