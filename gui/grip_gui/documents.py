@@ -49,7 +49,7 @@ def view_of_document(folder: ProjectFolder, document: Document, path: str) -> Ta
 
 def unchecked_view(folder: ProjectFolder, document: Document, path: str) -> TaskView:
     """Return the view of a task without its problems, which take longer than all the rest."""
-    return project_task(document.task, path, _finder(catalog_of(folder)[0]))
+    return project_task(document.task, path, finder(catalog_of(folder)[0]))
 
 
 def problems_of(folder: ProjectFolder, document: Document) -> list[Problem]:
@@ -71,7 +71,7 @@ def catalog_of(folder: ProjectFolder) -> tuple[Catalog, Problem | None]:
         return Catalog.builtin(), trouble_of("project", error)
 
 
-def _finder(catalog: Catalog) -> FindManifest:
+def finder(catalog: Catalog) -> FindManifest:
     """Return what finds the face of a leaf by its id, and of a subtask by its file."""
 
     def find(node: str) -> object:

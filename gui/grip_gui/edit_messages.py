@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from .messages import Meaning, NodeView, Problem, TaskView, VariableView, Wire
+from .run_messages import RunEvent
 
 TaskPath = Annotated[str, Field(max_length=1024)]
 View = Literal["flow", "tree"]
@@ -194,6 +195,16 @@ class FormsView(Wire):
     trouble: str = ""
 
 
+class PlayView(Wire):
+    """One form of a task as it was run with scripted leaves: a run that no journal holds."""
+
+    task: TaskView
+    status: str
+    """How it ended: success, failure, error, or stopped where it goes on and on."""
+    outcome: str | None
+    events: list[RunEvent]
+
+
 class ConversionView(Wire):
     """What a conversion would make of a container, and what came of running both forms with scripted leaves."""
 
@@ -208,6 +219,8 @@ class ConversionView(Wire):
     """Where they differ: how each leaf ends."""
     does_before: list[str]
     does_after: list[str]
+    plays: list[PlayView] = []
+    """Where they differ: what the form as it is does, and what the other one would."""
 
 
 class PlacesView(Wire):
@@ -298,6 +311,8 @@ class ConvertWish(Wire):
     base: int
     node: str
     form: Form
+    approximate: bool = False
+    """Also what then isn't the same."""
 
 
 class ExpressionWish(Wire):

@@ -88,9 +88,10 @@ def _add_questions(api: APIRouter, desk: EditDesk) -> None:
             return parts_view(sheet, node)
 
     @api.get("/document/conversion")
-    def conversion(path: str, node: str, form: Form) -> ConversionView:
+    def conversion(path: str, node: str, form: Form, approximate: bool = False) -> ConversionView:
         with desk.reading(path) as sheet:
-            return conversion_view(sheet, catalog_of(folder)[0], node, form)
+            find = conversion_view(sheet, catalog_of(folder)[0], node, form, approximate)
+        return find()
 
     @api.post("/document/expression")
     def expression(wish: ExpressionWish) -> ExpressionView:
@@ -127,7 +128,7 @@ def _add_wishes(api: APIRouter, desk: EditDesk, notify: Callable[[], None]) -> N
     @api.post("/document/convert")
     async def convert_container(wish: ConvertWish, since: int | None = None) -> Response:
         found = catalog_of(desk.folder)[0]
-        return await change(wish.path, lambda sheet: convert(sheet, found, wish.node, wish.form, wish.base), since)
+        return await change(wish.path, lambda sheet: convert(sheet, found, wish), since)
 
     @api.post("/document/text")
     async def text(wish: TextWish, since: int | None = None) -> Response:

@@ -150,7 +150,9 @@ def test_the_page_in_a_browser(folder: Path, script: str) -> None:
 
 @pytest.mark.e2e
 @pytest.mark.slow
-@pytest.mark.parametrize("script", ["edit_tree.mjs", "edit_flow.mjs", "edit_text.mjs", "subtasks.mjs"])
+@pytest.mark.parametrize(
+    "script", ["edit_tree.mjs", "edit_flow.mjs", "edit_text.mjs", "subtasks.mjs", "counterexample.mjs"]
+)
 def test_tasks_are_edited_in_a_browser(folder: Path, script: str) -> None:
     with editing(folder) as (_, url):
         done = subprocess.run(browser(script, url, str(folder)), capture_output=True, text=True, timeout=180)

@@ -383,3 +383,50 @@ def test_a_conversion_is_shown_first_and_undone_to_the_byte(pen: Pen) -> None:
     assert not [p for p in pen.view["task"]["problems"] if p["severity"] == "error"]
     assert pen.step("undo")["text"] == TASK
     assert pen.post("convert", 409, base=1, node="machine", form="tree")["kind"] == "stale"
+
+
+REACTIVE = """\
+grip: 1
+name: tiny
+root:
+  kind: sequence
+  memory: false
+  children:
+    look: {node: flow/wait, with: {seconds: 0.1}}
+    arm: {node: flow/wait, with: {seconds: 0.1}}
+"""
+
+
+def test_a_counterexample_comes_as_two_runs_that_can_be_played(page: TestClient, project: Path) -> None:
+    (project / TINY).write_text(REACTIVE)
+    wish = {"path": TINY, "node": "/", "form": "machine"}
+    exact = page.get("/api/document/conversion", params=wish)
+    assert exact.status_code == 400
+    found = page.get("/api/document/conversion", params={**wish, "approximate": "true"}).json()
+    assert not found["same"]
+    now, then = found["plays"]
+    assert [play["task"]["nodes"][0]["kind"] for play in (now, then)] == ["sequence", "state_machine"]
+    looks = [sum((e["event"], e["path"]) == ("exit", "look") for e in play["events"]) for play in (now, then)]
+    assert looks[0] > looks[1] == 1
+    for play in (now, then):
+        assert [event["seq"] for event in play["events"]] == list(range(len(play["events"])))
+        last = play["events"][-1]
+        assert (last["event"], last["outcome"], last["data"]) == ("run_ended", "success", {"status": "success"})
+        times = [event["t"] for event in play["events"]]
+        assert times == sorted(times)
+
+
+def test_forms_that_do_the_same_have_nothing_to_play(pen: Pen) -> None:
+    wish = {"path": TINY, "node": "machine", "form": "tree"}
+    found = pen.client.get("/api/document/conversion", params=wish).json()
+    assert found["same"]
+    assert found["plays"] == []
+
+
+def test_an_inexact_conversion_is_one_edit_that_was_asked_for(page: TestClient, project: Path) -> None:
+    (project / TINY).write_text(REACTIVE)
+    pen = Pen(page)
+    assert "stays" in pen.post("convert", 400, base=pen.view["revision"], node="/", form="machine")["detail"]
+    pen.post("convert", base=pen.view["revision"], node="/", form="machine", approximate=True)
+    assert pen.view["task"]["nodes"][0]["kind"] == "state_machine"
+    assert pen.step("undo")["text"] == REACTIVE

@@ -6,7 +6,7 @@ explains which parts these are.
 """
 
 from .as_edit import expanded
-from .equivalence import Comparison, Difference, compare
+from .equivalence import Comparison, Difference, compare, moved, play
 from .extraction import Extracted, extracted
 from .inlining import inlined
 from .result import Note, Restructured
@@ -22,7 +22,9 @@ __all__ = [
     "Extracted",
     "extracted",
     "inlined",
+    "moved",
     "Note",
+    "play",
     "Restructured",
     "to_state_machines",
     "to_text",

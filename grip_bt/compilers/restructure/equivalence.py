@@ -6,8 +6,8 @@ inexact differs: as a script, a sequence of ends of leaves that both forms can b
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from heapq import heappop, heappush
 from itertools import count
 from typing import Any
@@ -20,6 +20,7 @@ from grip_bt.graph.model import Leaf as LeafNode
 from grip_bt.graph.model import Parallel, Task, walk
 from grip_bt.nodes import Leaf
 from grip_bt.nodes.node import halt
+from grip_bt.nodes.observer import Observer
 
 from ..to_tree import CompiledTree, to_tree
 from .result import Restructured
@@ -136,6 +137,40 @@ def compare(task: Task, result: Restructured, catalog: Catalog, runs: int | None
     return Comparison(done, queue[0][0] - 1 if queue else None, None)
 
 
+def play(
+    task: Task, catalog: Catalog, script: tuple[End, ...], observe: Callable[[Callable[[], float]], Observer]
+) -> tuple[str, ...]:
+    """Run one form with leaves that end as a script says, and tell an observer what all of its nodes do.
+
+    Args:
+        task: the form; a script names leaves by their paths in it.
+        catalog: where the leaves' manifests are.
+        script: how activations of leaves end; those that it doesn't name end with their first success.
+        observe: given what tells the time of the run [s], returns who is told.
+
+    Returns:
+        How the task ends: its outcome, with the failure's code after it; `error` and where or why; nothing where it
+        was stopped since it goes on and on.
+
+    Raises:
+        InvalidTaskError: the form isn't right.
+    """
+    return _Run(task, catalog, None, script, _codes(task), observe).end
+
+
+def moved(script: tuple[End, ...], paths: Mapping[str, str]) -> tuple[End, ...]:
+    """Return a script with the paths of another form: `paths` are those of a `Restructured`."""
+    return tuple(replace(end, path=_moved(end.path, paths)) for end in script)
+
+
+def _moved(path: str, paths: Mapping[str, str]) -> str:
+    """Return where a leaf is in the other form; what is inside a subtask goes with it."""
+    above = path
+    while above not in paths and "/" in above:
+        above = above.rpartition("/")[0]
+    return paths.get(above, above) + path[len(above) :]
+
+
 def _unlike(first: _Run, other: _Run, concurrent: bool) -> bool:
     """Tell whether two runs differ; those that don't end are alike as far as they went."""
     one, two = (_by_leaf(r.log) if concurrent else r.log for r in (first, other))
@@ -189,6 +224,7 @@ class _Run:
         origin: Mapping[str, str] | None,
         script: tuple[End, ...],
         codes: Mapping[str, None],
+        observe: Callable[[Callable[[], float]], Observer] | None = None,
     ):
         self.script = {(end.path, end.count): end for end in script}
         self.origin, self.codes = origin, tuple(codes)
@@ -197,7 +233,10 @@ class _Run:
         self.counts: dict[str, int] = {}
         self.faces: dict[str, Leaf] = {}
         self.unfinished = False
-        self.end: tuple[str, ...] = self._run(to_tree(task, catalog, leaf_factory=self._leaf))
+        compiled = to_tree(task, catalog, leaf_factory=self._leaf)
+        if observe is not None:
+            compiled.observe(observe(self.context.clock.now))
+        self.end: tuple[str, ...] = self._run(compiled)
 
     def did(self) -> Iterator[str]:
         """Yield what it did, in words."""
@@ -221,11 +260,8 @@ class _Run:
         return made
 
     def _known_as(self, path: str) -> str:
-        """Return the path in the first form; what is inside a subtask goes with it."""
-        above = path
-        while self.origin is not None and above not in self.origin and "/" in above:
-            above = above.rpartition("/")[0]
-        return path if self.origin is None else self.origin.get(above, above) + path[len(above) :]
+        """Return the path in the first form."""
+        return path if self.origin is None else _moved(path, self.origin)
 
     def _run(self, compiled: CompiledTree) -> tuple[str, ...]:
         compiled.prepare(self.context)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from grip_bt.catalog import Catalog
 from grip_bt.compilers.restructure import Restructured, compare, to_state_machines, to_trees
 from grip_bt.compilers.restructure.as_edit import expanded
@@ -9,21 +11,28 @@ from grip_bt.errors import EditError, InvalidTaskError, NodeError
 from grip_bt.graph import Task, walk
 from grip_bt.graph.edit import Convert
 
-from ..edit_messages import ConversionView, Form
+from ..edit_messages import ConversionView, ConvertWish, Form
+from .playing import plays
 from .sheet import Sheet
 
 
-def conversion_view(sheet: Sheet, catalog: Catalog, path: str, form: Form) -> ConversionView:
-    """Return what a conversion would do, and whether both forms do the same.
+def conversion_view(
+    sheet: Sheet, catalog: Catalog, path: str, form: Form, approximate: bool
+) -> Callable[[], ConversionView]:
+    """Return what finds what a conversion would do, and whether both forms do the same; nobody needs to wait for it.
 
     Raises:
-        EditError: there is nothing to convert, or the task has errors.
+        EditError: there is nothing to convert, or the task has errors; the second also from what is returned.
     """
-    task = _task(sheet)
+    task, file = _task(sheet), sheet.file.name
     if path not in dict(walk(task.root)):
         raise EditError(path, "there is no such node")
+    return lambda: _view(task, file, catalog, path, form, approximate)
+
+
+def _view(task: Task, file: str, catalog: Catalog, path: str, form: Form, approximate: bool) -> ConversionView:
     try:
-        result = _converted(task, catalog, path, form)
+        result = _converted(task, catalog, path, form, approximate)
         comparison = compare(task, result, catalog)
     except InvalidTaskError as error:
         raise EditError(path, f"the task has errors, mend them first: {error.issues[0]}") from error
@@ -42,18 +51,19 @@ def conversion_view(sheet: Sheet, catalog: Catalog, path: str, form: Form) -> Co
         script=[str(end) for end in difference.script] if difference else [],
         does_before=list(difference.before) if difference else [],
         does_after=list(difference.after) if difference else [],
+        plays=plays(task, result, difference, catalog, file) if difference else [],
     )
 
 
-def convert(sheet: Sheet, catalog: Catalog, path: str, form: Form, base: int) -> None:
+def convert(sheet: Sheet, catalog: Catalog, wish: ConvertWish) -> None:
     """Convert as one edit; what stays keeps its lines and comments.
 
     Raises:
         EditError: there is nothing to convert, or the task has errors.
-        StaleEditError: the task has changed since `base`.
+        StaleEditError: the task has changed since it was looked at.
     """
-    command = Convert(path=path, to="bt" if form == "tree" else "sm")
-    sheet.do(expanded(command, _task(sheet), catalog), base)  # what was looked at is that state alone
+    command = Convert(path=wish.node, to="bt" if wish.form == "tree" else "sm", approximate=wish.approximate)
+    sheet.do(expanded(command, _task(sheet), catalog), wish.base)  # what was looked at is that state alone
 
 
 def _task(sheet: Sheet) -> Task:
@@ -62,10 +72,10 @@ def _task(sheet: Sheet) -> Task:
     return sheet.history.document.task
 
 
-def _converted(task: Task, catalog: Catalog, path: str, form: Form) -> Restructured:
+def _converted(task: Task, catalog: Catalog, path: str, form: Form, approximate: bool) -> Restructured:
     if form == "tree":
         return to_trees(task, catalog, path)
-    return to_state_machines(task, catalog, within=path)
+    return to_state_machines(task, catalog, approximate, path)
 
 
 def _outline(task: Task, path: str) -> list[str]:

@@ -1,5 +1,6 @@
 """Two forms that do the same are found to; two that don't are told apart by a script that shows it."""
 
+from collections.abc import Callable
 from random import Random
 
 import pytest
@@ -7,9 +8,10 @@ from parity_flows import make_flow
 from parity_world import catalog_of
 from restructure_tasks import CATALOG, leaf, machine, task
 
-from grip_bt.compilers.restructure import Restructured, compare, to_state_machines, to_trees
-from grip_bt.compilers.restructure.equivalence import _Run
+from grip_bt.compilers.restructure import Restructured, compare, moved, play, to_state_machines, to_trees
+from grip_bt.compilers.restructure.equivalence import End, _Run
 from grip_bt.graph import Task, walk
+from grip_bt.nodes.observer import Silent
 
 STATES = {
     "look": {"success": "take", "failure": "look"},
@@ -57,6 +59,32 @@ def test_one_wrong_edge_is_shown_by_a_script_that_can_be_played(state: str, on: 
     assert tuple(_Run(after, CATALOG, None, found.script, {}).did()) == found.after
     assert found.before != found.after
     assert "with leaves that end like this:\n  look: " in str(found)
+
+
+class Heard(Silent):
+    """Notes who began and when."""
+
+    def __init__(self) -> None:
+        self.begun: list[tuple[float, str]] = []
+
+    def by(self, now: Callable[[], float]) -> "Heard":
+        self.now = now
+        return self
+
+    def entered(self, path: str) -> None:
+        self.begun.append((self.now(), path))
+
+
+def test_a_script_is_played_with_every_node_heard_in_both_forms() -> None:
+    before = task(machine("look", STATES))
+    result = to_trees(before, CATALOG)
+    script = (End("look", 0, "failure"), End("look", 1, "success"), End("take", 0, "failure", "no_ik"))
+    one, other = Heard(), Heard()
+    assert play(before, CATALOG, script, one.by) == play(result.task, CATALOG, moved(script, result.paths), other.by)
+    leaves = [(t, path) for t, path in one.begun if path != "/"]
+    assert leaves == [(0.0, "look"), (1.0, "look"), (2.0, "take"), (3.0, "look"), (4.0, "take")]
+    back = {new: old for old, new in result.paths.items()}
+    assert [(t, back[path]) for t, path in other.begun if back.get(path) in ("look", "take")] == leaves
 
 
 def test_what_was_approximated_is_shown_to_differ() -> None:

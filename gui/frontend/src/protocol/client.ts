@@ -2,6 +2,7 @@
 import type {
   BreakpointsWish,
   CatalogView,
+  ComponentForm,
   Control,
   ConversionView,
   ConvertWish,
@@ -9,6 +10,7 @@ import type {
   DiskWish,
   DocumentChange,
   DocumentView,
+  Done,
   EditWish,
   ExpressionView,
   ExpressionWish,
@@ -18,6 +20,10 @@ import type {
   InterfaceView,
   InterfaceWish,
   LeaseWish,
+  LiveMessage,
+  LiveMessages,
+  MeasureWish,
+  MessageDeed,
   NewTask,
   PartsView,
   PinWish,
@@ -26,7 +32,11 @@ import type {
   ProbeWish,
   ProblemsView,
   ProjectView,
+  PutWish,
+  ReceivedView,
+  ReceiveWish,
   RecordWish,
+  RobotParts,
   RunRecord,
   RunView,
   SaveWish,
@@ -41,7 +51,10 @@ import type {
   StepWish,
   Subscribe,
   TextWish,
+  TopicsView,
   Trouble,
+  TryView,
+  TryWish,
   ValueView,
 } from "./generated";
 
@@ -90,8 +103,8 @@ export const server = {
   places: (path: string) => ask<PlacesView>(`document/places?path=${encodeURIComponent(path)}`),
   parts: (path: string, nodes: readonly string[]) =>
     ask<PartsView>(`document/parts?path=${encodeURIComponent(path)}${nodes.map((node) => `&node=${encodeURIComponent(node)}`).join("")}`),
-  conversion: (path: string, node: string, form: ConvertWish["form"]) =>
-    ask<ConversionView>(`document/conversion?path=${encodeURIComponent(path)}&node=${encodeURIComponent(node)}&form=${form}`),
+  conversion: (path: string, node: string, form: ConvertWish["form"], approximate: boolean) =>
+    ask<ConversionView>(`document/conversion?path=${encodeURIComponent(path)}&node=${encodeURIComponent(node)}&form=${form}&approximate=${approximate}`),
   convert: (wish: ConvertWish, since: number) => ask<Answer>(`document/convert?since=${since}`, wish),
   edit: (wish: EditWish, since: number) => ask<Answer>(`document/edit?since=${since}`, wish),
   text: (wish: TextWish, since: number) => ask<Answer>(`document/text?since=${since}`, wish),
@@ -116,6 +129,16 @@ export const server = {
   setupInterface: (wish: InterfaceWish) => ask<InterfaceView>("setup/interface", wish),
   setupImport: (wish: ImportWish) => ask<ImportView>("setup/import", wish),
   record: (wish: RecordWish) => ask<SetupView>("setup/record", wish),
+  topics: () => ask<TopicsView>("live/topics"),
+  receive: (wish: ReceiveWish) => ask<ReceivedView>("live/receive", wish),
+  liveMessages: () => ask<LiveMessages>("live/messages"),
+  liveMessage: (store: string, name: string) => ask<LiveMessage>(`live/message?store=${encodeURIComponent(store)}&name=${encodeURIComponent(name)}`),
+  putMessage: (wish: PutWish) => ask<Done>("live/put", wish),
+  messageDeed: (wish: MessageDeed) => ask<Done>("live/messages", wish),
+  robotParts: () => ask<RobotParts>("live/robot"),
+  measure: (wish: MeasureWish) => ask<Done>("live/measure", wish),
+  componentForm: (path: string) => ask<ComponentForm>(`live/component?path=${encodeURIComponent(path)}`),
+  callComponent: (wish: TryWish) => ask<TryView>("live/component", wish),
   value: (run: string, seq: number) => ask<ValueView>(`runs/${encodeURIComponent(run)}/values/${seq}`),
 };
 

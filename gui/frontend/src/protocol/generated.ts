@@ -23,6 +23,13 @@ export interface CatalogView {
   trouble: string;
 }
 
+/** What a component can be tried with. */
+export interface ComponentForm {
+  name: string;
+  inputs: RequestPort[];
+  trouble: string;
+}
+
 /** Ask the run under way for something. */
 export interface Control {
   command: "pause" | "resume" | "step" | "run_to" | "preempt" | "stop";
@@ -42,6 +49,7 @@ export interface ConversionView {
   script: string[];
   does_before: string[];
   does_after: string[];
+  plays: PlayView[];
 }
 
 /** Convert a container, or (`/`) the whole task, to the other form. */
@@ -50,6 +58,7 @@ export interface ConvertWish {
   base: number;
   node: string;
   form: "tree" | "machine";
+  approximate: boolean;
 }
 
 /** Server to page: who holds control, and where runs hold. */
@@ -101,6 +110,12 @@ export interface DocumentView {
   checked: boolean;
 }
 
+/** How a wish went. */
+export interface Done {
+  trouble: string;
+  said: string;
+}
+
 /** Carry out a command that was made on a revision. */
 export interface EditWish {
   path: string;
@@ -139,6 +154,12 @@ export interface FieldFace {
   choices: string[];
 }
 
+/** A field of a component's answer. */
+export interface FieldResult {
+  name: string;
+  value: ValueView;
+}
+
 /** A field of an interface. */
 export interface FieldView {
   side: string;
@@ -165,6 +186,13 @@ export interface FormsView {
   revision: number;
   forms: FormView[];
   trouble: string;
+}
+
+/** The value of one input: recorded, or typed. */
+export interface Given {
+  port: string;
+  sample: string;
+  text: string;
 }
 
 /** Where the run holds. */
@@ -239,6 +267,39 @@ export interface LeaseWish {
   page: string;
   take: boolean;
   over: boolean;
+}
+
+/** One of them, looked at. */
+export interface LiveMessage {
+  value: ValueView | null;
+  text: string;
+  trouble: string;
+}
+
+/** What a running server has. */
+export interface LiveMessages {
+  served: boolean;
+  ours: boolean;
+  stores: StoreView[];
+  messages: StoredMessage[];
+  domain: string;
+  trouble: string;
+}
+
+/** Keep where the robot is now as a named message. */
+export interface MeasureWish {
+  robot: "run" | "sim" | "fake" | "ros";
+  part: string;
+  what: "joints" | "pose";
+  name: string;
+  serve: boolean;
+}
+
+/** Do something with a running server, or start one. */
+export interface MessageDeed {
+  do: "serve" | "end" | "delete" | "reset" | "save";
+  store: string;
+  name: string;
 }
 
 /** One state of a document in its history. */
@@ -317,6 +378,14 @@ export interface PlacesView {
   lines: Record<string, number>;
 }
 
+/** One form of a task as it was run with scripted leaves: a run that no journal holds. */
+export interface PlayView {
+  task: TaskView;
+  status: string;
+  outcome: string | null;
+  events: RunEvent[];
+}
+
 /** An input or an output of a leaf. */
 export interface PortFace {
   name: string;
@@ -368,6 +437,28 @@ export interface ProjectView {
   selected: string | null;
 }
 
+/** Add or replace a named message of a running server. */
+export interface PutWish {
+  store: string;
+  name: string;
+  type: string;
+  text: string;
+}
+
+/** Wait for one message of a topic. */
+export interface ReceiveWish {
+  topic: string;
+  type: string;
+  within: number;
+}
+
+/** One message, looked at. */
+export interface ReceivedView {
+  value: ValueView | null;
+  seconds: number;
+  trouble: string;
+}
+
 /** Keep a value of a run as a named message of the project. */
 export interface RecordWish {
   run: string;
@@ -381,10 +472,27 @@ export interface RefusedFrame {
   reason: string;
 }
 
+/** An input of a component. */
+export interface RequestPort {
+  name: string;
+  type: string;
+  doc: string;
+  samples: Sample[];
+}
+
 /** Server to page: the revision of each open task file. */
 export interface RevisionsFrame {
   type: "revisions";
   revisions: Record<string, number>;
+}
+
+/** What can be measured of the project's robot. */
+export interface RobotParts {
+  robot: string;
+  arms: string[];
+  hands: string[];
+  run: string;
+  trouble: string;
 }
 
 /** One line of the journal. */
@@ -415,6 +523,13 @@ export interface RunRecord {
 export interface RunView {
   run: RunRecord;
   task: TaskView;
+}
+
+/** A value that was recorded, as an input of a component. */
+export interface Sample {
+  source: string;
+  title: string;
+  type: string;
 }
 
 /** Save a file. */
@@ -520,6 +635,23 @@ export interface StepWish {
   number: number | null;
 }
 
+/** A store of a running server. */
+export interface StoreView {
+  name: string;
+  type: string;
+  queued: number;
+}
+
+/** A named message of a running server. */
+export interface StoredMessage {
+  store: string;
+  name: string;
+  type: string;
+  time: number;
+  provenance: string;
+  revision: number;
+}
+
 /** Page to server: send this run's events from `from_seq` on. */
 export interface Subscribe {
   type: "subscribe";
@@ -576,6 +708,21 @@ export interface TextWish {
   over: boolean;
 }
 
+/** A topic that somebody publishes. */
+export interface TopicView {
+  name: string;
+  type: string;
+  value: string;
+  publishers: number;
+}
+
+/** The topics of the running graph. */
+export interface TopicsView {
+  topics: TopicView[];
+  domain: string;
+  trouble: string;
+}
+
 /** An edge of a state machine, or of the root: what happens after one outcome of a node. */
 export interface Transition {
   outcome: string;
@@ -587,6 +734,21 @@ export interface Transition {
 export interface Trouble {
   detail: string;
   kind: string;
+}
+
+/** How a component answered. */
+export interface TryView {
+  outcome: string;
+  fields: FieldResult[];
+  milliseconds: number;
+  started: string;
+  trouble: string;
+}
+
+/** Call a component once. */
+export interface TryWish {
+  path: string;
+  given: Given[];
 }
 
 /** What was written to a variable, for looking at. */

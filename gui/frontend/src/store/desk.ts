@@ -5,6 +5,7 @@ import { useDocument } from "./document";
 import { heardOfRevisions, take } from "./editing";
 import { foldedAtFirst } from "../model/folding";
 import { type Above, usePage } from "./page";
+import { isKept } from "./plays";
 import { useRun } from "./run";
 import { useRunning } from "./runDesk";
 
@@ -22,7 +23,8 @@ export function connect(): () => void {
     connected: (yes) => useRun.getState().setConnected(yes),
     wish: () => {
       const { record, history } = useRun.getState();
-      return record ? { type: "subscribe", run: record.id, from_seq: history.nextSeq } : null;
+      const run = record?.id;
+      return isKept(run) ? { type: "subscribe", run, from_seq: history.nextSeq } : null;
     },
   });
   return () => socket?.close();
@@ -81,7 +83,8 @@ export function chooseRun(id: string): Promise<void> {
   return openRun(id);
 }
 
-export function openTask(path: string): Promise<void> {
+/** Show a task, with this node selected; the root by default. */
+export function openTask(path: string, node?: string): Promise<void> {
   const wish = ++wishes;
   return trying(async () => {
     const document = await server.document(path);
@@ -91,7 +94,8 @@ export function openTask(path: string): Promise<void> {
     useRun.getState().showTask(document.task);
     take(document);
     usePage.getState().enter("/");
-    usePage.getState().select(document.task.nodes[0]?.path ?? null);
+    const known = useRun.getState().index.byPath;
+    usePage.getState().select(node !== undefined && known.has(node) ? node : (document.task.nodes[0]?.path ?? null));
   });
 }
 

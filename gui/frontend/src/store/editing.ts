@@ -119,8 +119,8 @@ export function pin(view: PinWish["view"], positions: Record<string, [number, nu
   return send(({ path, state }) => server.pin({ path, view, positions }, state));
 }
 
-export function convert(node: string, form: "tree" | "machine"): Promise<boolean> {
-  return send(({ path, revision, state }) => server.convert({ path, base: revision, node, form }, state));
+export function convert(node: string, form: "tree" | "machine", approximate: boolean): Promise<boolean> {
+  return send(({ path, revision, state }) => server.convert({ path, base: revision, node, form, approximate }, state));
 }
 
 export function save(over = false): Promise<boolean> {

@@ -6,6 +6,7 @@ import { usesOf } from "../model/uses";
 import { seconds } from "../model/words";
 import type { VariableView } from "../protocol/generated";
 import { usePage } from "../store/page";
+import { isKept } from "../store/plays";
 import { useRun } from "../store/run";
 import { ValuePreview } from "./ValuePreview";
 
@@ -42,7 +43,8 @@ function VariableRow({ variable }: { variable: VariableView }): JSX.Element {
   const lit = usePage((s) => s.lens === key);
   const index = useRun((s) => s.index);
   const preview = value?.preview ?? variable.initial ?? "";
-  const run = useRun((s) => s.record?.id);
+  const id = useRun((s) => s.record?.id);
+  const run = isKept(id) ? id : undefined;
   const [open, setOpen] = useState(false);
   return (
     <>

@@ -6,6 +6,8 @@ import { eventText, factsText, seconds } from "../model/words";
 import type { RunRecord } from "../protocol/generated";
 import { chooseRun, listRuns } from "../store/desk";
 import { usePage } from "../store/page";
+import { isKept, sideOf } from "../store/plays";
+import { hold, play, useReplay } from "../store/replay";
 import { useRun } from "../store/run";
 
 /** So that a single bar doesn't fill the whole height. */
@@ -15,6 +17,8 @@ export function TimeLine(): JSX.Element {
   const version = useRun((s) => s.version);
   const { history, cursor, moment, scrub, index } = useRun.getState();
   const follow = usePage((s) => s.follow);
+  const playing = useReplay((s) => s.playing);
+  const live = useRun((s) => s.cursor === null && !s.complete);
   const spans = useMemo(() => spansOf(history.events, index), [history, index, version]);
   const end = Math.max(history.events.at(-1)?.t ?? 0, 1e-6);
   const shown = cursor ?? history.length;
@@ -63,6 +67,9 @@ export function TimeLine(): JSX.Element {
           <input type="checkbox" checked={follow} onChange={(e) => usePage.getState().setFollow(e.target.checked)} />
           Follow
         </label>
+        <button disabled={history.length === 0 || live} onClick={playing ? hold : play}>
+          {playing ? "Hold" : "Play"}
+        </button>
         <button disabled={shown === 0} aria-label="Previous event" onClick={() => go(shown - 1)}>
           ◂
         </button>
@@ -118,9 +125,10 @@ function RunPicker(): JSX.Element {
   return (
       <select
         aria-label="Run to look at"
-        value={record?.id ?? ""} onChange={(event) => event.target.value && void chooseRun(event.target.value)}
+        value={record?.id ?? ""} onChange={(event) => isKept(event.target.value || undefined) && void chooseRun(event.target.value)}
       >
         {!record && <option value="">choose a run</option>}
+        {record && sideOf(record) !== null && <option value={record.id}>counterexample · {record.outcome ?? record.status}</option>}
         {runs.map((entry) => (
           <option key={entry.id} value={entry.id}>
             {`${new Date(entry.started * 1000).toLocaleString()} · ${entry.task_name} · ${entry.outcome ?? entry.status}`}

@@ -6,7 +6,9 @@ import { openTask } from "../../store/desk";
 import { useDocument } from "../../store/document";
 import { redo, save, undo } from "../../store/editing";
 import { usePage, type ViewName } from "../../store/page";
+import { sideOf } from "../../store/plays";
 import { useRun } from "../../store/run";
+import { PlayBar } from "./PlayBar";
 import { Trail } from "./Trail";
 
 const VIEWS: readonly [ViewName, string][] = [
@@ -22,6 +24,7 @@ export function EditBar(): JSX.Element {
   const view = usePage((s) => s.view);
   const beside = usePage((s) => s.beside);
   const history = document?.history;
+  const played = sideOf(record) !== null;
   return (
     <div className="edit-bar" role="toolbar" aria-label="Editing">
       <div className="segments" role="group" aria-label="View">
@@ -41,7 +44,7 @@ export function EditBar(): JSX.Element {
       <span className="grow" />
       {record ? (
         <>
-          <span className="hint">Record of a run: read only</span>
+          {played ? <PlayBar /> : <span className="hint">Record of a run: read only</span>}
           <button onClick={() => void openTask(document?.path ?? record.task_path)}>Edit the task</button>
         </>
       ) : (
