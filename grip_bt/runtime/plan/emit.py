@@ -2,6 +2,7 @@
 
 Every fragment leaves the node's status in `s`. Names end in the node's number: `n` the node, `k` where it resumes, `c`
 the child that decided, `K` its children, `H` children with their halts, `L` leaves ticked in a loop, `t` a closure.
+A composite that begins has its leaves written out one by one; one that goes on loops over what is left of them.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from py_trees.common import ParallelPolicy, Status
 
 from .composites import halt_all, settle
 from .emit_decorators import emit_update
-from .emit_halts import LOOP, HaltEmitter, Outer, runs_of
+from .emit_halts import ROW, HaltEmitter, Outer, rows_of
 from .emit_ours import PRELUDE as OURS
 from .emit_ours import emit_after, emit_end, emit_entry, emit_leaf
 from .kinds import Kind
@@ -25,10 +26,7 @@ class Emitter(HaltEmitter):
     """Writes the source of one region.
 
     Attributes:
-        write: what was written.
         insides: the nodes whose structure the source relies on.
-        functions: the source of functions that stop inner nodes.
-        resets: ids of inner nodes that their parents may stop -> the variables that tell so; false at first.
 
     Args:
         inline: tells whether a child is written into its parent's source.
@@ -47,12 +45,11 @@ class Emitter(HaltEmitter):
 
     def node(self, part: Part) -> str:
         """Write the tick of a node; return its name."""
-        number = self.write.number()
-        name = self.write.bind(f"n{number}", part.node)
+        name = self.name(part.node)
         self._classes.append(type(part.node))
         inside = part.inside
         if inside is None or not self._inline(part):
-            self.write(f"s = {self.write.bind(f't{number}', self._outer(part)[0])}()")
+            self.write(f"s = {self.write.bind(f't{name}', self._outer(part)[0])}()")
         elif inside.kind is Kind.LEAF:
             self._leaf(name, inside)
         else:
@@ -62,7 +59,7 @@ class Emitter(HaltEmitter):
                 Kind.SELECTOR: self._selector,
                 Kind.PARALLEL: self._parallel,
                 Kind.DECORATOR: self._decorator,
-            }[inside.kind](part, inside, name, str(number))
+            }[inside.kind](part, inside, name, name[1:])
         return name
 
     def _leaf(self, name: str, inside: Inside) -> None:
@@ -82,160 +79,209 @@ class Emitter(HaltEmitter):
     # --- sequences and selectors ---
 
     def _sequence(self, part: Part, inside: Inside, name: str, i: str) -> None:
-        write = self.write
-        first = self._first(part, i)
+        write, first = self.write, self.name(inside.kids[0].node)
         with write.block(f"if {name}.status is not R:"):
             self._enter(inside, name)
             write(f"{name}.current_child = {first}")
-            self._restart(part, inside, i)
+            self._restart(part, inside)
             self._initialise(inside, name)
-            write(f"k{i} = 0")
+            if inside.memory:
+                write(f"k{i} = 0")
         if inside.memory:
-            write(f"elif {name}.current_child is not None: k{i} = K{i}.index({name}.current_child)")
+            write(f"elif {name}.current_child is not None: k{i} = {self.kids(inside, i)}.index({name}.current_child)")
         with write.block("else:"):
-            write(f"{name}.current_child = {first}", f"k{i} = 0")
-        self._children(inside, name, i, bool(inside.memory), "S", "s is not S", points=True)
-        with write.block(f"if c{i} is None:"):
-            self._end(inside, name, i, "S")
+            write(f"{name}.current_child = {first}", *([f"k{i} = 0"] if inside.memory else []))
+        self._children(inside, name, i, "S", points=True)
+        with write.block(f"if {'s is S' if not inside.exits else f'c{i} is None'}:"):
+            self._end(part, inside, name, "S")
         self._left(inside, name, i)
         with write.block("else:"):
             if not inside.memory:
-                write(f"halt_all(H{i}[K{i}.index(c{i}) + 1:])")
+                write(f"halt_all({self._pairs(inside, i)}[{self.kids(inside, i)}.index(c{i}) + 1:])")
             write(f"s = c{i}.status")
-            write(f"if s is R: {name}.status = s", f"else: stop{i}(s)")
+            write(f"if s is R: {name}.status = s", f"else: {self._stop(inside, name)}(s)")
 
     def _selector(self, part: Part, inside: Inside, name: str, i: str) -> None:
-        write = self.write
-        first = self._first(part, i)
+        write, first = self.write, self.name(inside.kids[0].node)
         with write.block(f"if {name}.status is not R:"):
             self._enter(inside, name)
-            write(f"{name}.current_child = {first}")
+            write(f"{name}.current_child = p{i} = {first}")
             self._initialise(inside, name)
-        self._pairs(inside, i)
-        if inside.memory:
-            write(f"assert {name}.current_child is not None", f"k{i} = K{i}.index({name}.current_child)")
-            write(f"if k{i}: halt_all(H{i}[:k{i}])")
-        write(f"p{i} = {name}.current_child")
-        self._children(inside, name, i, bool(inside.memory), "F", "s is S or s is R", points=False)
-        with write.block(f"if c{i} is None:"):
-            self._end(inside, name, i, "F")
-            write(f"{name}.current_child = K{i}[-1]")
+            if inside.memory and not inside.initialises:
+                write(f"k{i} = 0")
+            if inside.initialises:
+                self._resume(inside, name, i)
+        with write.block("else:"):
+            self._resume(inside, name, i)
+        self._children(inside, name, i, "F", points=False)
+        with write.block(f"if {'s is F or s is I' if not inside.exits else f'c{i} is None'}:"):
+            self._end(part, inside, name, "F")
+            write(f"{name}.current_child = {self.name(inside.kids[-1].node)}")
         self._left(inside, name, i)
         with write.block("else:"):
             write(f"{name}.current_child = c{i}")
-            write(f"if p{i} is not c{i}: halt_all(H{i}[K{i}.index(c{i}) + 1:])", f"s = c{i}.status")
-            write(f"if s is S: stop{i}(s)", f"else: {name}.status = s")
+            kids, pairs = self.kids(inside, i), self._pairs(inside, i)
+            write(f"if p{i} is not c{i}: halt_all({pairs}[{kids}.index(c{i}) + 1:])", f"s = c{i}.status")
+            write(f"if s is S: {self._stop(inside, name)}(s)", f"else: {name}.status = s")
 
-    def _children(
-        self, inside: Inside, name: str, i: str, memory: bool, onward: str, leaves: str, *, points: bool
-    ) -> None:
-        """Write the ticks of all children; the one at which the node ends is left in `c`."""
+    def _resume(self, inside: Inside, name: str, i: str) -> None:
+        """Write how a selector finds where it goes on."""
         write = self.write
-        self._pairs(inside, i)
-        write.bind(f"stop{i}", inside.stop)
-        write(f"c{i} = None")
+        if inside.memory:
+            write(f"assert {name}.current_child is not None")
+            write(f"k{i} = {self.kids(inside, i)}.index({name}.current_child)")
+            write(f"if k{i}: halt_all({self._pairs(inside, i)}[:k{i}])")
+        write(f"p{i} = {name}.current_child")
+
+    def _children(self, inside: Inside, name: str, i: str, onward: str, *, points: bool) -> None:
+        """Write the ticks of all children; `s` is left as `onward` or, with the child in `c`, what the node ends by."""
+        write = self.write
+        if inside.exits:
+            write(f"c{i} = None")
         with write.block("while True:"):
             at = 0
-            for run in runs_of(inside.kids, self._inline):
-                if len(run) >= LOOP:
-                    self._classes.append(type(run[0].node))
-                    self._loop(run, at, inside, name, i, onward, leaves, points)
-                elif memory and at:
-                    with write.block(f"if k{i} <= {at}:"):
-                        self._child(run[0], at, inside, name, i, leaves, points)
-                elif memory:
-                    with write.block(f"if not k{i}:"):
-                        self._child(run[0], at, inside, name, i, leaves, points)
+            for run in rows_of(inside.kids, self._inline):
+                if inside.ours and len(run) > 1:
+                    self._loop(run, at, inside, name, i, onward, points)
+                elif not inside.memory:
+                    self._row(run, at, inside, name, i, onward, points)
                 else:
-                    self._child(run[0], at, inside, name, i, leaves, points)
+                    with write.block(f"if k{i} <= {at}:" if at else f"if not k{i}:"):
+                        self._row(run, at, inside, name, i, onward, points)
+                    if len(run) > 1:
+                        with write.block("else:"):
+                            self._loop(run, at, inside, name, i, onward, points)
                 at += len(run)
             write("break")
 
-    def _child(self, kid: Part, at: int, inside: Inside, name: str, i: str, leaves: str, points: bool) -> None:
-        if points and at:
-            self.write(f"{name}.current_child = {self.write.bind(f'n{i}_{at}', kid.node)}")
-        child = self.node(kid)
-        if inside.ours:
-            emit_after(self.write, name, child, inside.exits, f"c{i} = {name}")
-        with self.write.block(f"if {leaves}:"):
-            self.write(f"c{i} = {child}", "break")
+    def _row(self, run: list[Part], at: int, inside: Inside, name: str, i: str, onward: str, points: bool) -> None:
+        """Write one child after the other, or a loop over many leaves."""
+        if len(run) > ROW:
+            self._loop(run, at, inside, name, i, onward, points, whole=True)
+            return
+        for place, kid in enumerate(run, at):
+            if points and place:
+                self.write(f"{name}.current_child = {self.name(kid.node)}")
+            if _bare(kid) and self._inline(kid):
+                child = self.name(kid.node)
+                self._classes.append(type(kid.node))
+                self._bare(child, onward, i, kid)
+                continue
+            child = self.node(kid)
+            if inside.ours:
+                emit_after(self.write, name, child, inside.exits, f"c{i} = {name}")
+            with self.write.block(f"if {_leaves(onward)}:"):
+                self.write(f"c{i} = {child}", "break")
 
     def _loop(
-        self, run: list[Part], at: int, inside: Inside, name: str, i: str, onward: str, leaves: str, points: bool
+        self,
+        run: list[Part],
+        at: int,
+        inside: Inside,
+        name: str,
+        i: str,
+        onward: str,
+        points: bool,
+        whole: bool = False,
     ) -> None:
-        """Write a loop over leaves that override `update` alone."""
+        """Write a loop over leaves that override `update` alone; all of them if `whole`, or from where it goes on."""
         write = self.write
-        todo = write.bind(f"L{i}_{at}", [kid.node for kid in run])
-        if inside.memory:
+        self._classes.append(type(run[0].node))
+        todo = self.row(run)
+        if inside.memory and not whole:
             todo = f"({todo} if k{i} <= {at} else {todo}[k{i} - {at}:])"
+        write(f"s = {onward}")
         with write.block(f"for n in {todo}:"):
             if points:
                 write(f"{name}.current_child = n")
             if inside.ours:
                 emit_leaf(write, "n", initialises=False, terminates=False)
                 emit_after(write, name, "n", inside.exits, f"c{i} = {name}")
-                with write.block(f"if {leaves}:"):
+                with write.block(f"if {_leaves(onward)}:"):
                     write(f"c{i} = n", "break")
             else:
-                self._bare(onward, leaves, i)
-        write(f"if c{i} is not None: break")
+                self._bare("n", onward, i, None)
+        write(f"if {_leaves(onward) if not inside.exits else f'c{i} is not None'}: break")
 
-    def _bare(self, onward: str, leaves: str, i: str) -> None:
+    def _bare(self, child: str, onward: str, i: str, kid: Part | None) -> None:
+        """Write the tick of a leaf that overrides `update` alone."""
         write = self.write
-        write("n.status = s = n.update()")
+        write(f"{child}.status = s = {child}.update()")
         with write.block(f"if s is not {onward}:"):
-            write("if s is not S and s is not R and s is not F and s not in VALID: n.status = s = rejected(n, s)")
-            with write.block(f"if {leaves}:"):
-                write(f"c{i} = n", "break")
+            other = "F" if onward == "S" else "S"
+            write(f"if s is not R and s is not {other} and s not in VALID: {child}.status = s = rejected({child}, s)")
+            if onward == "S":
+                write(f"c{i} = {child}", "break")
+            else:
+                write(f"if s is S or s is R: c{i} = {child}; break")
 
     # --- parallels and decorators ---
 
     def _parallel(self, part: Part, inside: Inside, name: str, i: str) -> None:
-        write = self.write
-        plain = type(inside.policy) in (ParallelPolicy.SuccessOnAll, ParallelPolicy.SuccessOnOne)
-        write.bind(f"P{i}", inside.policy if plain else None)
-        write.bind(f"stop{i}", inside.stop)
+        write, policy = self.write, inside.policy
+        plain = type(policy) in (ParallelPolicy.SuccessOnAll, ParallelPolicy.SuccessOnOne)
+        write.bind(f"P{i}", policy if plain else None)
         write(f"if {name}.policy is not P{i}: {name}.validate_policy_configuration()")
         with write.block(f"if {name}.status is not R:"):
-            self._restart(part, inside, i)
+            self._restart(part, inside)
             write(f"{name}.current_child = None")
             self._initialise(inside, name)
-        write.bind(f"K{i}", [kid.node for kid in inside.kids])
-        write(f"y{i} = {name}.policy.synchronise")
+            known = not inside.initialises and all(kid.inside is not None for kid in inside.kids)  # all are INVALID
+            write(f"y{i} = {'False' if known else f'{name}.policy.synchronise'}")
+        write(f"else: y{i} = {name}.policy.synchronise")
         self._members(inside, i)
-        if type(inside.policy) is ParallelPolicy.SuccessOnAll:
-            self._settle_all(inside, name, i)
-        else:
-            write(f"s = settle({name}, K{i})", f"if s is not R: stop{i}(s)", f"{name}.status = s")
+        self._settle(part, inside, name, i)
 
     def _members(self, inside: Inside, i: str) -> None:
-        write, at = self.write, 0
-        for run in runs_of(inside.kids, self._inline):
-            if len(run) >= LOOP:
-                self._classes.append(type(run[0].node))
-                with write.block(f"for n in {write.bind(f'L{i}_{at}', [kid.node for kid in run])}:"):
-                    write(f"if y{i} and n.status is S: continue", "n.status = s = n.update()")
-                    with write.block("if s is not S and s is not R and s is not F and s not in VALID:"):
-                        write("n.status = rejected(n, s)")
-            else:
-                with write.block(f"if not y{i} or {write.bind(f'n{i}_{at}', run[0].node)}.status is not S:"):
+        for run in rows_of(inside.kids, self._inline):
+            if len(run) == 1:
+                with self.write.block(f"if not y{i} or {self.name(run[0].node)}.status is not S:"):
                     self.node(run[0])
-            at += len(run)
+            elif len(run) > ROW:
+                self._unfinished(run, i)
+            else:
+                with self.write.block(f"if not y{i}:"):
+                    for kid in run:
+                        self._classes.append(type(kid.node))
+                        self._member(self.name(kid.node))
+                with self.write.block("else:"):
+                    self._unfinished(run, i)
 
-    def _settle_all(self, inside: Inside, name: str, i: str) -> None:
+    def _unfinished(self, run: list[Part], i: str) -> None:
+        """Write a loop over leaves of a parallel, without those that are done."""
+        with self.write.block(f"for n in {self.row(run)}:"):
+            self._classes.append(type(run[0].node))
+            self.write(f"if y{i} and n.status is S: continue")
+            self._member("n")
+
+    def _member(self, leaf: str) -> None:
+        """Write the tick of a leaf of a parallel, which decides later."""
+        wrong = "s is not S and s is not R and s is not F and s not in VALID"
+        self.write(f"{leaf}.status = s = {leaf}.update()", f"if {wrong}: {leaf}.status = rejected({leaf}, s)")
+
+    def _settle(self, part: Part, inside: Inside, name: str, i: str) -> None:
         write = self.write
-        with write.block(f"for n in K{i}:"):
-            with write.block(f"if n.status is not S or {name}.policy is not P{i}:"):
-                write(f"s = settle({name}, K{i})", f"if s is not R: stop{i}(s)", f"{name}.status = s", "break")
+        decided = f"s = settle({name}, {self.kids(inside, i)})"
+        rest = decided, f"if s is not R: {self._stop(inside, name)}(s)", f"{name}.status = s"
+        if type(inside.policy) is not ParallelPolicy.SuccessOnAll:
+            write(*rest)
+            return
+        names = [self.name(kid.node) for kid in inside.kids]
+        if len(names) > ROW:
+            every = f"all([n.status is S for n in {self.kids(inside, i)}])"
+        else:
+            every = " and ".join(f"{kid}.status is S" for kid in names)
+        with write.block(f"if {name}.policy is P{i} and {every}:"):
+            write(f"{name}.current_child = {names[-1]}")
+            self._end(part, inside, name, "S")
         with write.block("else:"):
-            write(f"{name}.current_child = K{i}[-1]")
-            self._end(inside, name, i, "S")
+            write(*rest)
 
     def _decorator(self, part: Part, inside: Inside, name: str, i: str) -> None:
         write = self.write
-        write.bind(f"stop{i}", inside.stop)
+        stop = self._stop(inside, name)
         if inside.ours:
-            self._our_decorator(inside, name, i)
+            self._our_decorator(inside, name, stop)
             return
         if inside.initialises:
             write(f"if {name}.status is not R: {name}.initialise()")
@@ -247,9 +293,9 @@ class Emitter(HaltEmitter):
             with write.block(f"elif (s is S or s is F) and {child}.status is not R:"):
                 write(f"{name}.status = s")
         with write.block("else:"):
-            write(f"if s is not S and s is not F and s not in VALID: s = rejected({name}, s)", f"stop{i}(s)")
+            write(f"if s is not S and s is not F and s not in VALID: s = rejected({name}, s)", f"{stop}(s)")
 
-    def _our_decorator(self, inside: Inside, name: str, i: str) -> None:
+    def _our_decorator(self, inside: Inside, name: str, stop: str) -> None:
         write = self.write
         with write.block(f"if {name}.status is not R:"):
             emit_entry(write, name)
@@ -263,7 +309,7 @@ class Emitter(HaltEmitter):
                 with write.block(f"elif (s is S or s is F) and {child}.status is not R:"):
                     emit_end(write, name, None)
             with write.block("else:"):
-                write(f"if s is not S and s is not F and s not in VALID: s = rejected({name}, s)", f"stop{i}(s)")
+                write(f"if s is not S and s is not F and s not in VALID: s = rejected({name}, s)", f"{stop}(s)")
             write("break")
 
     # --- pieces ---
@@ -277,32 +323,45 @@ class Emitter(HaltEmitter):
         if inside.exits:
             self.write(f"elif c{i} is {name}: s = {name}.status")
 
-    def _restart(self, part: Part, inside: Inside, i: str) -> None:
-        """Write what stops the children before they are ticked again, unless the parent has just done so."""
-        reset = self.resets.get(id(part.node))
-        if reset is None:
-            self._halts(inside, i, self.write)
-        else:
-            with self.write.block(f"if not {reset}:"):
-                self._halts(inside, i, self.write)
-
-    def _first(self, part: Part, i: str) -> str:
-        assert part.inside is not None
-        return self.write.bind(f"f{i}", part.inside.kids[0].node)
+    def _restart(self, part: Part, inside: Inside) -> None:
+        """Write what stops the children before they are ticked again, unless that was done in this tick already."""
+        flag = self.flag(part.node)
+        self.write(f"if {flag} is now: {flag} = None", f"else: {self.sweep(part, inside)}(now)")
 
     def _initialise(self, inside: Inside, name: str) -> None:
         if inside.initialises:
             self.write(f"{name}.initialise()")
 
-    def _pairs(self, inside: Inside, i: str) -> None:
-        self.write.bind(f"K{i}", [kid.node for kid in inside.kids])
-        halts = [kid.halt if self._inline(kid) else self._outer(kid)[1] for kid in inside.kids]
-        self.write.bind(f"H{i}", [(kid.node, halt) for kid, halt in zip(inside.kids, halts, strict=True)])
+    def kids(self, inside: Inside, i: str) -> str:
+        """Return the name of the list of a node's children."""
+        return self.write.bind(f"K{i}", [kid.node for kid in inside.kids])
 
-    def _end(self, inside: Inside, name: str, i: str, status: str) -> None:
+    def _pairs(self, inside: Inside, i: str) -> str:
+        """Return the name of the list of a node's children, each with what halts it."""
+        halts = [kid.halt if self._inline(kid) else self._outer(kid)[1] for kid in inside.kids]
+        return self.write.bind(f"H{i}", [(kid.node, halt) for kid, halt in zip(inside.kids, halts, strict=True)])
+
+    def _stop(self, inside: Inside, name: str) -> str:
+        return self.write.bind(f"stop{name}", inside.stop)
+
+    def _end(self, part: Part, inside: Inside, name: str, status: str) -> None:
         """End with SUCCESS or FAILURE; the children are left as they are."""
         if inside.ours and not inside.terminates:
             emit_end(self.write, name, Status.SUCCESS if status == "S" else Status.FAILURE)
             self.write(f"s = {status}")
-            return
-        self.write(f"stop{i}({status})" if inside.terminates else f"{name}.status = {status}", f"s = {status}")
+        elif inside.terminates:
+            self.write(f"{self._stop(inside, name)}({status})", f"s = {status}")
+        else:
+            self.write(f"{name}.status = s = {status}")
+
+
+def _bare(part: Part) -> bool:
+    """Tell whether a node is a leaf of py_trees that overrides `update` alone."""
+    inside = part.inside
+    plain = inside is not None and inside.kind is Kind.LEAF and not inside.ours
+    return plain and not (inside.initialises or inside.terminates)  # type: ignore[union-attr]
+
+
+def _leaves(onward: str) -> str:
+    """Return when a child's status makes its parent leave the others."""
+    return "s is not S" if onward == "S" else "s is S or s is R"

@@ -38,6 +38,7 @@ class Plan:
         self.root = root
         self._visit, self._fixed = visit, fixed_methods
         self._handed = Handed()
+        self._clock = [0]
         self._trace: Callable[[], bool] | None = None
         self._traces = visit is None
         self._compile()
@@ -62,6 +63,7 @@ class Plan:
             self._compile()
         if self._warming:
             self._warm_up()
+        self._clock[0] += 1
         self._run()
         if self._traces and self.root.status is R:
             self._settle()
@@ -79,7 +81,7 @@ class Plan:
             self._compile()
         self._warming = 0
         if self._visit is None:
-            self._run = self._generated(self._compiler, self._part)
+            self._run = self._generated(self._compiler, self._part, self._clock)
 
     def _compile(self) -> None:
         self._compiler = Compiler(self._visit, self._fixed)
@@ -106,9 +108,9 @@ class Plan:
         if self._warming > 1:
             self._warming -= 1
             if self._warming == 1:
-                compiler, part, ready = self._compiler, self._part, self._ready
+                compiler, part, clock, ready = self._compiler, self._part, self._clock, self._ready
                 work = threading.Thread(
-                    target=lambda: ready.append(self._generated(compiler, part)), name="grip_plan", daemon=True
+                    target=lambda: ready.append(self._generated(compiler, part, clock)), name="grip_plan", daemon=True
                 )
                 work.start()
         elif self._ready:
@@ -125,8 +127,8 @@ class Plan:
         self._wait = self._patience
 
     @staticmethod
-    def _generated(compiler: Compiler, part: Part) -> Tick:
+    def _generated(compiler: Compiler, part: Part, clock: list[int]) -> Tick:
         def outdated() -> None:
             compiler.stale = True
 
-        return Regions(outdated).tick(part)
+        return Regions(outdated, clock).tick(part)

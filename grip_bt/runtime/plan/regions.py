@@ -1,7 +1,8 @@
 """From compiled nodes to generated source: which sub-trees share a function, and what makes the function run.
 
 A sub-tree of at most `REGION` nodes is written into one function, with its guard in front: what the source relies on is
-compared in a few passes of C. Where something differs, the closure of the same node ticks instead.
+compared once a tick, when the function stops or ticks the sub-tree. Where something differs, the closure of the same
+node ticks instead.
 """
 
 from __future__ import annotations
@@ -10,7 +11,6 @@ import marshal
 import threading
 from collections.abc import Callable
 from dataclasses import replace
-from operator import attrgetter
 from types import CodeType
 from typing import Any
 
@@ -20,6 +20,7 @@ from .emit import Emitter, Outer
 from .kinds import Kind
 from .parts import Inside, Part
 from .watch import Methods
+from .writer import Writer
 
 REGION = 200
 """Nodes in one function, leaves that are children of its root apart."""
@@ -59,10 +60,11 @@ class Regions:
 
     Args:
         outdated: called when a function finds that the tree has changed.
+        clock: holds one object, another one in each tick.
     """
 
-    def __init__(self, outdated: Callable[[], None]):
-        self._outdated = outdated
+    def __init__(self, outdated: Callable[[], None], clock: list[int]):
+        self._outdated, self._clock = outdated, clock
         self._sizes: dict[int, tuple[int, int]] = {}
         self._made: dict[int, Outer] = {}
 
@@ -105,22 +107,33 @@ class Regions:
         self._sizes[id(part)] = 1 + sum(n for n, _ in below), 1 + max((height for _, height in below), default=0)
 
     def _link(self, part: Part, emitter: Emitter) -> Outer:
-        halting = emitter.halting(part, _inside(part))
+        ticking = list(emitter.write.lines)
+        halting = Writer()
+        emitter.halt(part, halting)
         names = emitter.write.names
         names["refused"], names["refused_halt"] = self._refusing(part.tick), self._refusing(part.halt)
-        guard = _guard(emitter.insides, names) or "False"
-        resets = " = ".join(emitter.resets.values())
+        names["clock"] = self._clock
+        guard = _guard(emitter.insides, emitter, names)
+        flags = ["checked", *emitter.flags()]
         lines = [
             f"def make({', '.join(names)}):",
+            f"{' = '.join(flags)} = None",
             *emitter.functions,
             "def tick(S=S, F=F, R=R, I=I):",
-            f" if {guard}: return refused()",
-            *([f" {resets} = False"] if resets else []),
-            *emitter.write.lines,
+            f" nonlocal {', '.join(flags)}",
+            " now = clock[0]",
+            " if checked is not now:",
+            f"  if {guard}: return refused()",
+            "  checked = now",
+            *ticking,
             " return s",
-            "def halt():",
-            f" if {guard}: refused_halt()",
-            f" else: {halting}()",
+            "def halt(R=R, I=I):",
+            f" nonlocal {', '.join(flags)}",
+            " now = clock[0]",
+            " if checked is not now:",
+            f"  if {guard}: return refused_halt()",
+            "  checked = now",
+            *halting.lines,
             "return tick, halt",
         ]
         text = "\n ".join(lines)
@@ -138,7 +151,7 @@ class Regions:
         return refused
 
 
-def _guard(parts: list[Part], names: dict[str, Any]) -> str:
+def _guard(parts: list[Part], emitter: Emitter, names: dict[str, Any]) -> str:
     """Return an expression that is true where the nodes aren't as they were; bind its names."""
     checks = []
     insides = [_inside(part) for part in parts]
@@ -146,36 +159,16 @@ def _guard(parts: list[Part], names: dict[str, Any]) -> str:
     if methods.dicts:
         names.update(watched=methods.dicts, sizes=methods.sizes, replaced=methods.replaced)
         checks.append("([*map(len, watched)] != sizes and replaced())")
-    for attribute in ("children", "memory", "decorated"):
-        pairs = [
-            (part.node, _expected(attribute, inside))
-            for part, inside in zip(parts, insides, strict=True)
-            if attribute == _watched(attribute, inside.kind)
-        ]
-        if len(pairs) == 1:
-            names[f"{attribute}_of"], names[f"{attribute}_was"] = pairs[0]
-            checks.append(f"{attribute}_of.{attribute} != {attribute}_was")
-        elif pairs:
-            names[f"{attribute}_of"] = [node for node, _ in pairs]
-            names[f"{attribute}_was"] = [was for _, was in pairs]
-            names[f"get_{attribute}"] = attrgetter(attribute)
-            checks.append(f"[*map(get_{attribute}, {attribute}_of)] != {attribute}_was")
+    for part, inside in zip(parts, insides, strict=True):
+        name = emitter.name(part.node)
+        if inside.kind is Kind.DECORATOR:
+            checks.append(f"{name}.decorated is not {emitter.name(inside.kids[0].node)}")
+            continue
+        checks.append(f"{name}.children != {emitter.kids(inside, name[1:])}")
+        if inside.kind in (Kind.SEQUENCE, Kind.SELECTOR):
+            names[f"m{name}"] = inside.memory
+            checks.append(f"{name}.memory is not m{name}")
     return " or ".join(checks)
-
-
-def _watched(attribute: str, kind: Kind) -> str | None:
-    if kind is Kind.DECORATOR:
-        return "decorated" if attribute == "decorated" else None
-    if attribute == "memory":
-        return "memory" if kind in (Kind.SEQUENCE, Kind.SELECTOR) else None
-    return "children" if attribute == "children" else None
-
-
-def _expected(attribute: str, inside: Inside) -> Any:
-    if attribute == "memory":
-        return inside.memory
-    kids = [kid.node for kid in inside.kids]
-    return kids if attribute == "children" else kids[0]
 
 
 def _children_first(part: Part) -> list[Part]:
