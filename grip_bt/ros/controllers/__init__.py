@@ -3,6 +3,7 @@
 from .gripper import GripperHand
 from .hand import ControlledHand
 from .joint_states import JointStates
+from .motion import RosExecutor
 from .streaming import StreamedExecutor
 from .switching import ControllerManager
 from .trajectory import TrajectoryExecutor
@@ -12,6 +13,7 @@ __all__ = [
     "ControllerManager",
     "GripperHand",
     "JointStates",
+    "RosExecutor",
     "StreamedExecutor",
     "TrajectoryExecutor",
 ]

@@ -1,8 +1,10 @@
-"""What the executors over ROS have in common: one motion at a time, begun where the joints are."""
+"""What the executors over ROS have in common: one motion at a time, begun where the joints are, ended as measured."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -14,6 +16,58 @@ from .joint_states import JointStates
 
 START_TOLERANCE = 0.05
 """A trajectory begins within this distance of where the joints are [rad or m]."""
+
+
+class RosExecutor(ABC):
+    """Implements `grip_bt.ports.Executor` but for how a motion is begun.
+
+    Args:
+        names: the joints that it moves, in its order.
+        states: where they are measured.
+    """
+
+    def __init__(self, names: Sequence[str], states: JointStates):
+        self._names, self._states = tuple(names), states
+        self._motion: Operation[JointState] | None = None
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints that it moves."""
+        return self._names
+
+    def state(self) -> JointState:
+        """Return the measured state of the joints.
+
+        Raises:
+            SensorError: nothing is known of one of them.
+        """
+        return self._states.state(self._names)
+
+    def execute(self, trajectory: Trajectory) -> Operation[JointState]:
+        """Follow a trajectory; one under way ends as cancelled. The result is what is measured at the end.
+
+        Ends with ExecutionAbortedError when the trajectory begins elsewhere, or who moves the joints refuses it, gives
+        it up or is gone; `data` tells the code and the words. See `grip_bt.ports.Executor`.
+
+        Raises:
+            ValueError: it moves other joints.
+        """
+        try:
+            check_start(self._names, trajectory, self._states)
+        except ExecutionAbortedError as error:
+            return Operation.failed(error)
+        self.stop()
+        self._motion = self._begin(trajectory).then(lambda _: measured(self._states, self._names))
+        return self._motion
+
+    def stop(self) -> None:
+        """Hold where the joints are, and end a motion under way."""
+        if self._motion is not None:
+            self._motion.cancel()
+
+    @abstractmethod
+    def _begin(self, trajectory: Trajectory) -> Operation[Any]:
+        """Begin a motion of our joints from where they are; the operation ends when it does, or says why it can't."""
 
 
 def check_start(names: Sequence[str], trajectory: Trajectory, states: JointStates) -> None:

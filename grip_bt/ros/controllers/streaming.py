@@ -16,7 +16,7 @@ from grip_bt.values import JointState, Trajectory
 from ..bus import Bus
 from ..types import load_type
 from .joint_states import JointStates
-from .motion import check_start, measured
+from .motion import RosExecutor
 
 MESSAGE = "std_msgs/msg/Float64MultiArray"
 RATE = 100.0
@@ -31,7 +31,7 @@ SETTLE = 3.0
 """How long joints may take in all to catch up with the last set-point [s]."""
 
 
-class StreamedExecutor:
+class StreamedExecutor(RosExecutor):
     """Implements `grip_bt.ports.Executor` over a joint group position controller.
 
     Args:
@@ -43,50 +43,22 @@ class StreamedExecutor:
     """
 
     def __init__(self, bus: Bus, topic: str, names: Sequence[str], states: JointStates, rate: float = RATE):
-        self._topic, self._names, self._states, self._period = topic, tuple(names), states, 1.0 / rate
+        super().__init__(names, states)
+        self._topic, self._period = topic, 1.0 / rate
         self._writer = bus.writer(MESSAGE, topic)
         self._message = load_type(MESSAGE)
-        self._stop: threading.Event | None = None
-        self._motion: Operation[JointState] | None = None
-
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        """The joints that it moves."""
-        return self._names
-
-    def state(self) -> JointState:
-        """Return the measured state of the joints.
-
-        Raises:
-            SensorError: nothing is known of one of them.
-        """
-        return self._states.state(self._names)
-
-    def execute(self, trajectory: Trajectory) -> Operation[JointState]:
-        """Follow a trajectory; one under way ends as cancelled. See `grip_bt.ports.Executor`.
-
-        Ends with ExecutionAbortedError when it begins elsewhere, nobody listens, or nothing is measured at the end.
-
-        Raises:
-            ValueError: it moves other joints.
-        """
-        try:
-            check_start(self._names, trajectory, self._states)
-        except ExecutionAbortedError as error:
-            return Operation.failed(error)
-        self.stop()
-        stop = self._stop = threading.Event()
-        done: Operation[None] = Operation(on_cancel=stop.set)
-        threading.Thread(target=self._stream, args=(trajectory, stop, done), name="grip_stream", daemon=True).start()
-        self._motion = done.then(lambda _: measured(self._states, self._names))
-        return self._motion
 
     def stop(self) -> None:
-        """Hold where the joints are, and end a motion under way."""
-        motion = self._motion
-        if motion is not None and not motion.done():
-            motion.cancel()
-            motion.wait(1.0)
+        """Hold where the joints are, and end a motion under way; no set-point of it comes afterwards."""
+        super().stop()
+        if self._motion is not None:
+            self._motion.wait(1.0)
+
+    def _begin(self, trajectory: Trajectory) -> Operation[None]:
+        stop = threading.Event()
+        done: Operation[None] = Operation(on_cancel=stop.set)
+        threading.Thread(target=self._stream, args=(trajectory, stop, done), name="grip_stream", daemon=True).start()
+        return done
 
     def _stream(self, trajectory: Trajectory, stop: threading.Event, done: Operation[None]) -> None:
         """Publish set-points in time; on a stop, where the joints are measured to be."""

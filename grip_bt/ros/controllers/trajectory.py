@@ -14,7 +14,7 @@ from grip_bt.errors import (
     ServerTimeOutError,
 )
 from grip_bt.operation import Operation
-from grip_bt.values import JointState, Trajectory
+from grip_bt.values import Trajectory
 
 from ..bus import Bus
 from ..convert_geometry import trajectory_to_message
@@ -22,15 +22,15 @@ from ..definitions import provide
 from ..goal import GoalEnd
 from ..types import load_type
 from .joint_states import JointStates
-from .motion import check_start, measured
+from .motion import RosExecutor
 
 ACTION = "control_msgs/action/FollowJointTrajectory"
 LATE = 10.0
 """How long a controller may take beyond the duration of a trajectory [s]."""
 
 
-class TrajectoryExecutor:
-    """Implements `grip_bt.ports.Executor`.
+class TrajectoryExecutor(RosExecutor):
+    """Implements `grip_bt.ports.Executor` over a joint trajectory controller.
 
     Args:
         bus: the connection to ROS.
@@ -50,52 +50,18 @@ class TrajectoryExecutor:
         goal_time: float = 0.0,
         wait: float = 5.0,
     ):
+        super().__init__(names, states)
         provide("control_msgs")
         self._type = load_type(ACTION)
         self._client = bus.action(self._type, action, wait=wait)
-        self._action, self._names, self._states, self._goal_time = action, tuple(names), states, goal_time
-        self._motion: Operation[JointState] | None = None
+        self._action, self._goal_time = action, goal_time
 
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        """The joints that it moves."""
-        return self._names
-
-    def state(self) -> JointState:
-        """Return the measured state of the joints.
-
-        Raises:
-            SensorError: nothing is known of one of them.
-        """
-        return self._states.state(self._names)
-
-    def execute(self, trajectory: Trajectory) -> Operation[JointState]:
-        """Follow a trajectory; one under way ends as cancelled. The result is what is measured at the end.
-
-        Ends with ExecutionAbortedError when the trajectory begins elsewhere, or the controller refuses it, gives it up
-        or is gone; `data` tells the controller's code and words. See `grip_bt.ports.Executor`.
-
-        Raises:
-            ValueError: it moves other joints.
-        """
-        try:
-            check_start(self._names, trajectory, self._states)
-        except ExecutionAbortedError as error:
-            return Operation.failed(error)
-        self.stop()
+    def _begin(self, trajectory: Trajectory) -> Operation[GoalEnd]:
         goal = self._type.Goal(trajectory=trajectory_to_message(trajectory))
         goal.goal_time_tolerance.sec = int(self._goal_time)
         goal.goal_time_tolerance.nanosec = round(self._goal_time % 1 * 1e9)
         sent = self._client.send(goal, timeout=trajectory.duration + LATE)
-        self._motion = as_motion(sent, self._action, self._type.Result).then(
-            lambda _: measured(self._states, self._names)
-        )
-        return self._motion
-
-    def stop(self) -> None:
-        """Have the controller hold, and end a motion under way."""
-        if self._motion is not None:
-            self._motion.cancel()
+        return as_motion(sent, self._action, self._type.Result)
 
 
 def as_motion(sent: Operation[GoalEnd], server: str, result: Any) -> Operation[GoalEnd]:
