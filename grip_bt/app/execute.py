@@ -12,12 +12,15 @@ from grip_bt.compilers import to_machine, to_tree
 from grip_bt.errors import InvalidTaskError
 from grip_bt.graph import Document, Variable, read, read_text
 from grip_bt.graph.model import type_of
+from grip_bt.nodes import Leaf
 from grip_bt.nodes.mock import MockLeaf
 from grip_bt.runtime import Journal, JournalReader, Runner, RunResult
 from grip_bt.runtime.durable import Durable
+from grip_bt.runtime.keeping import Kept
 from grip_bt.validation import Issue, Report, validate
 
 from .going_on import GoOn, begin_again, options_text, policy_of, process_facts
+from .keeping import changes, kept_parts
 from .mocks import apply_mocks
 from .project import Project, find_project
 from .resources import Progress, Resources, open_resources, silent
@@ -143,8 +146,13 @@ def open_session(
     parts = open_resources(project, needs, options.robot, options.seed, options.pace, progress, hold)
     with parts as resources, Journal(options.journal or project.journal) as journal:
         log = reliving = None
+        kept = kept_parts(resources)
+        restored: dict[str, int] = {}
         if go_on is not None:
-            log, reliving = begin_again(journal, compiled, go_on, resources.clock, options.seed)
+            again = begin_again(journal, compiled, go_on, resources.clock, options.seed, kept)
+            log, reliving, restored = again
+            for part, seq in restored.items():
+                progress(part, f"as it was at event {seq}")
         context = resources.context(None if reliving is None else reliving.clock)
         runner = Runner(
             compiled,
@@ -157,7 +165,15 @@ def open_session(
             watchdog=options.watchdog,
             log=log,
             reliving=reliving,
-            facts={"options": options_text(vars(options)), "process": process_facts()},
+            facts={
+                "options": options_text(vars(options)),
+                "process": process_facts(),
+                "keeps": sorted(kept),
+                **({"restored": restored} if restored else {}),
+            },
+        )
+        runner.keep(
+            kept, {path: changed for path, leaf in compiled.leaves.items() if (changed := _changed(leaf, kept))}
         )
         if options.durable:
             asked = [path for path, leaf in compiled.leaves.items() if policy_of(leaf.manifest) == "ask"]
@@ -167,6 +183,12 @@ def open_session(
         if options.paused:
             runner.pause()
         yield Session(project, document, report, resources, runner, journal.file)
+
+
+def _changed(leaf: Leaf, kept: Mapping[str, Kept]) -> tuple[str, ...]:
+    """Return which kept parts a leaf's work may change."""
+    manifest = leaf.manifest
+    return tuple(part for part in changes(manifest.id, manifest.implementation) if part in kept)
 
 
 def run(path: str | Path, **options: Any) -> RunResult:

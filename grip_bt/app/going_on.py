@@ -30,15 +30,15 @@ from grip_bt.runtime import (
     WallClock,
 )
 from grip_bt.runtime.breakpoints import node_path
+from grip_bt.runtime.keeping import KEPT, Kept
 from grip_bt.runtime.run_log import Noted
 from grip_bt.runtime.value_codec import snapshot
 
+from .keeping import bring_back, parts_lost
 from .replay import Until
 
 MOVES = ("arm", "hand", "component", "ros")
 """What nodes of these kinds have begun outside of the process isn't known after its death."""
-LOST = ("arm", "hand", "scene", "messages")
-"""Nodes of these kinds change a simulated world, the planning scene or stores, which begin anew with the process."""
 _NODES = ("enter", "exit", "interrupted", "write")
 
 
@@ -118,7 +118,11 @@ def before_the_end(events: Sequence[Event]) -> int:
         if stopping or (event.event == "error" and not _died(event)):
             last = event.seq - 1
             break
-    while last > 0 and last < len(events) and events[last - 1].event in ("interrupted", "state", "message", "zombie"):
+    while (
+        last > 0
+        and last < len(events)
+        and events[last - 1].event in ("interrupted", "state", "message", "zombie", KEPT)
+    ):
         last -= 1
     return last
 
@@ -190,7 +194,14 @@ def policy_of(manifest: Manifest) -> str:
     return "ask" if outside else "restart"
 
 
-def questions(parts: Mapping[str, Part], events: Sequence[Event], go_on: GoOn, mocked: Iterable[str]) -> list[Question]:
+def questions(
+    parts: Mapping[str, Part],
+    events: Sequence[Event],
+    go_on: GoOn,
+    mocked: Iterable[str],
+    robot: str = "sim",
+    stays: str = "",
+) -> list[Question]:
     """Return what a person has to agree to before a run is gone on with.
 
     Args:
@@ -198,6 +209,8 @@ def questions(parts: Mapping[str, Part], events: Sequence[Event], go_on: GoOn, m
         events: that happen again.
         go_on: how.
         mocked: nodes in whose place scripts are played.
+        robot: with which it goes on.
+        stays: a part beside the task that outlives the run's process; see `app.keeping`.
     """
     found = []
     leaves = {path: part for path, part in parts.items() if part.manifest is not None and path not in set(mocked)}
@@ -209,21 +222,15 @@ def questions(parts: Mapping[str, Part], events: Sequence[Event], go_on: GoOn, m
             found.append(
                 Question(path, why, f"it is started again (or say how it ended: --set-outcome {path}=success)")
             )
-    ended = {e.path for e in events if e.event == "exit"}
-    lost = sorted(path for path, part in leaves.items() if path in ended and _kind(part) in LOST)
-    if lost and go_on.at is None:
-        why = f"{', '.join(lost[:3])}{' ...' if len(lost) > 3 else ''} had ended"
-        agreed = "what they changed in a simulated world, the planning scene or message stores isn't there"
-        found.append(Question("the world", why, agreed))
+    nodes = {p: (part.manifest.id, part.manifest.implementation) for p, part in leaves.items() if part.manifest}
+    if go_on.at is None:
+        found += [
+            Question("the world", lost, "it goes on all the same") for lost in parts_lost(nodes, events, robot, stays)
+        ]
     foreign = [p for p, part in parts.items() if isinstance(part.node, model.Foreign) and p in {e.path for e in events}]
     if foreign:
         found.append(Question(", ".join(foreign), "behaviours of py_trees have run", "they are executed again"))
     return found
-
-
-def _kind(part: Part) -> str:
-    assert part.manifest is not None, "leaves have one"
-    return part.manifest.id.partition("/")[0]
 
 
 # --- going on ---
@@ -256,9 +263,14 @@ def read_results(parts: Mapping[str, Part], given: Iterable[str]) -> dict[str, t
 
 
 def begin_again(
-    journal: Journal, compiled: CompiledTree | CompiledMachine, go_on: GoOn, clock: Clock | None, seed: int
-) -> tuple[RunLog, Reliving]:
-    """Return the log that is written on, and the run that happens again first.
+    journal: Journal,
+    compiled: CompiledTree | CompiledMachine,
+    go_on: GoOn,
+    clock: Clock | None,
+    seed: int,
+    kept: Mapping[str, Kept],
+) -> tuple[RunLog, Reliving, dict[str, int]]:
+    """Return the log that is written on, the run that happens again first, and by which event parts were brought back.
 
     Args:
         journal: has the run.
@@ -266,15 +278,17 @@ def begin_again(
         go_on: which, and how.
         clock: of the run from then on; None for the wall's.
         seed: of the simulation, for the log of a new run.
+        kept: parts beside the task, which are brought into the state that the journal has of them.
 
     Raises:
-        ResumeError: a value that the run needs can't be restored.
+        ResumeError: a value that the run needs, or a part, can't be restored.
         UnknownNameError, WrongTypeError: a variable that is to be set isn't there, or of another type.
     """
     reader = JournalReader(journal.file)
     record = reader.run(go_on.run)
     events = reader.events(go_on.run, limit=go_on.at)
     _check_values(reader, events)
+    restored = bring_back(kept, reader, events)
     if go_on.at is None:
         log = journal.go_on(record.id)
     else:
@@ -295,7 +309,7 @@ def begin_again(
     def value(event: Event) -> Any:
         return values[event.data["variable"]] if event.data.get("set") == "now" else reader.value(event)
 
-    return log, Reliving(compiled, events, value, clock or WallClock(), how=how, results=results)
+    return log, Reliving(compiled, events, value, clock or WallClock(), how=how, results=results), restored
 
 
 def _check_values(reader: JournalReader, events: Iterable[Event]) -> None:

@@ -25,7 +25,7 @@ def silent(part: str, detail: str) -> None:
 
 @dataclass
 class Resources:
-    """The parts that a run offers to its leaves, and the referee, which it doesn't."""
+    """The parts that a run offers to its leaves; and the referee and the simulated world, which it doesn't."""
 
     clock: Clock | None = None
     arms: Mapping[str, Arm] = field(default_factory=dict)
@@ -37,6 +37,7 @@ class Resources:
     messages: Messages | None = None
     scene: Scene | None = None
     referee: Any = None
+    world: Any = None
     pausable: Sequence[Pausable] = ()
 
     def context(self, clock: Clock | None = None) -> RunContext:

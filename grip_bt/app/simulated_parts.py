@@ -67,7 +67,7 @@ def open_robot(
         name: simulation.camera(sensor.camera) for name, sensor in file.sensors.items() if sensor.camera is not None
     }
     resources.pausable = [simulation]
-    resources.clock, resources.referee = simulation.clock, simulation.referee
+    resources.clock, resources.referee, resources.world = simulation.clock, simulation.referee, simulation
     if not planner.wait_until_ready():
         raise GripError("the planning process doesn't come up; run `grip doctor`")
     progress("planner", f"process {planner.pid}: {', '.join(sorted({a.planner for a in file.arms.values()}))}")

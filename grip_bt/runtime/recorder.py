@@ -79,6 +79,10 @@ class Recorder:
         data = {"variable": variable, "type": type_name}
         self._note(self._now(), path, Noted("write", data=data, written=(snapshot(value),)))
 
+    def kept(self, path: str, part: str, state: Any) -> None:
+        """The state of a part beside the task is this, when a node ends; see `runtime.keeping`."""
+        self._note(self._now(), path, Noted("kept", data={"part": part}, written=(snapshot(state),)))
+
     def _failed(self, path: str, outcome: str, failure: Failure) -> None:
         data: dict[str, Any] = {"message": failure.message}
         if failure.data:

@@ -21,6 +21,7 @@ from grip_bt.values import Failure
 from .context import RunContext
 from .debugger import Debugger
 from .journal import Journal
+from .keeping import Keeper, Kept
 from .pacing import Pacing, State
 from .plan import Plan, ticker
 from .recorder import Recorder
@@ -144,6 +145,16 @@ class Runner:
         """Have `observer` told of what the nodes do, after the journal; before `run`."""
         self._observers.append(observer)
 
+    def keep(self, parts: Mapping[str, Kept], leaves: Mapping[str, tuple[str, ...]]) -> None:
+        """Have the journal keep the states of parts beside the task; before `run`.
+
+        Args:
+            parts: by name.
+            leaves: leaf -> names of the parts that its work may change.
+        """
+        if self._recorder is not None and parts:
+            self._observers.insert(0, Keeper(self._recorder.kept, parts, leaves))
+
     # --- control ---
 
     def pause(self) -> None:
@@ -172,9 +183,10 @@ class Runner:
 
     def request_preempt(self) -> None:
         """Ask the task to come to an end on its own terms; leaves that care end soon, and recovery still runs."""
+        self.context.request_preempt()
         if isinstance(self.compiled, CompiledMachine):
             self.compiled.request_preempt()
-        self.context.request_preempt()
+            self.context.wake()
 
     def _hold_parts(self, state: State) -> None:
         if state == "paused":

@@ -4,7 +4,7 @@ The bytes are one line of JSON, then the contents of the arrays, each at a multi
 booleans, null, lists and objects with plain keys mean themselves; anything else is an object with one key:
 
 * `{"$array": [dtype, shape, offset]}` - offset counts from the end of the JSON line [bytes]; or a list of items
-* `{"$value": [name, {field: ...}]}` - a class of `grip_bt.values`
+* `{"$value": [name, {field: ...}]}` - a class of `grip_bt.values`, a solid, or a state of the planning scene
 * `{"$tuple": [...]}`, `{"$set": [...]}`, `{"$frozenset": [...]}`, `{"$bytes": base64}`, `{"$float": "nan"}`
 * `{"$dict": [[key, value], ...]}` - keys that aren't strings, or begin with `$`
 * `{"$opaque": [type, text]}` - can't be restored
@@ -16,6 +16,7 @@ import base64
 import json
 import math
 from dataclasses import fields, is_dataclass
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,11 @@ from grip_bt import values
 from grip_bt.errors import GripError
 
 _CLASSES = {name: getattr(values, name) for name in values.__all__}
+_ELSEWHERE = {
+    **dict.fromkeys(("Box", "Cylinder", "Sphere", "Mesh", "CellMap"), "grip_bt.values.solids"),
+    **dict.fromkeys(("SceneObject", "SceneSnapshot"), "grip_bt.commanders.scene"),
+}
+"""Further classes of frozen values, which are looked up when one comes."""
 _ATOMS = (str, int, bool, type(None))
 _UNCHANGING = frozenset({*_ATOMS, float, bytes, *_CLASSES.values()} - {values.Failure})
 _OPAQUE_TEXT = 200
@@ -49,7 +55,7 @@ class OpaqueValueError(GripError):
 def snapshot(value: Any, depth: int = 0) -> Any:
     """Return `value` such that its writer can't change it any more: containers and arrays are copied."""
     cls = type(value)
-    if cls in _UNCHANGING:
+    if cls in _UNCHANGING or _ELSEWHERE.get(cls.__name__) == cls.__module__:
         return value
     if depth < DEEPEST:
         if cls in (list, tuple, set, frozenset):
@@ -108,7 +114,8 @@ def _plain(value: Any, arrays: list[bytes], size: list[int], depth: int) -> Any:
     if isinstance(value, (np.ndarray, np.generic)) and not value.dtype.hasobject:
         return {"$array": _array(np.asarray(value), arrays, size)}
     name = type(value).__name__
-    if _CLASSES.get(name) is type(value) and is_dataclass(value):
+    known = _CLASSES.get(name) is type(value) or _ELSEWHERE.get(name) == type(value).__module__
+    if known and is_dataclass(value):
         kept = {f.name: _plain(getattr(value, f.name), arrays, size, depth + 1) for f in fields(value)}
         return {"$value": [name, kept]}
     if type(value) is bytes:
@@ -179,9 +186,13 @@ def _array_back(dtype: str, shape: list[int], where: int | list[Any], body: byte
 
 def _value(name: str, items: dict[str, Any]) -> Any:
     """Make a value as it was, to the bit: construction would normalise quaternions once more."""
-    if name not in _CLASSES:
+    if name in _ELSEWHERE:
+        cls = getattr(import_module(_ELSEWHERE[name]), name)
+    elif name in _CLASSES:
+        cls = _CLASSES[name]
+    else:
         raise ValueError(f"there is no value {name!r}; a newer GRIP wrote it")
-    made = object.__new__(_CLASSES[name])
+    made = object.__new__(cls)
     for key, item in items.items():
         object.__setattr__(made, key, item)
     return made

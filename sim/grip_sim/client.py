@@ -65,14 +65,14 @@ class SimClient:
         """The process id."""
         return self._process.pid
 
-    def ask(self, call: str, /, **fields: Any) -> Reply:
+    def ask(self, call: str, /, arrays: Arrays | None = None, **fields: Any) -> Reply:
         """Call and wait for the answer, which comes within milliseconds.
 
         Raises:
             SimulatorLostError: the process has ended or doesn't answer.
             GripError: the simulator refused.
         """
-        return self._await(self._send({"call": call, **fields}, waited_for=True), ANSWER_TIME)
+        return self._await(self._send({"call": call, **fields}, arrays, waited_for=True), ANSWER_TIME)
 
     def request(self, call: str, /, **fields: Any) -> Operation[Reply]:
         """Call something that advances no physics, without waiting."""

@@ -111,6 +111,32 @@ class SimRobot:
         """Return all joint velocities [rad/s]."""
         return np.asarray(self.body.get_qvel(), dtype=float)
 
+    def kept(self) -> dict[str, Floats]:
+        """Return everything that makes the robot move on as it does: states, targets and limits of all joints."""
+        return {
+            "positions": self.positions(),
+            "velocities": self.velocities(),
+            "targets": self._target.copy(),
+            "speeds": self._speed.copy(),
+            "limits": self._limit.copy(),
+        }
+
+    def put_back(self, kept: Mapping[str, Floats]) -> None:
+        """Bring the robot into a state that was kept.
+
+        Raises:
+            ValueError: it is of a robot with other joints.
+        """
+        count = len(self._joints)
+        wrong = {name: np.shape(kept[name]) for name in self.kept() if np.shape(kept[name]) != (count,)}
+        if wrong:
+            raise ValueError(f"the state is of another robot: this one has {count} joints, not {wrong}")
+        self.body.set_qpos(np.asarray(kept["positions"], np.float32))
+        self.body.set_qvel(np.asarray(kept["velocities"], np.float32))
+        for row in range(count):
+            self._aim(row, float(kept["targets"][row]), float(kept["speeds"][row]))
+            self.limit_torque(np.array([row]), float(kept["limits"][row]))
+
     def measure(self, rows: NDArray[np.intp]) -> Measured:
         """Return the state of joints; the efforts are what the drives give, without the weight that is compensated."""
         q, v = self.positions()[rows], self.velocities()[rows]

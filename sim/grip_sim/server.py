@@ -59,6 +59,8 @@ class Server:
             "truth": self._truth,
             "fingerprint": self._fingerprint,
             "move_object": self._move_object,
+            "kept": self._kept,
+            "put_back": self._put_back,
         }
 
     def serve(self) -> None:
@@ -216,4 +218,13 @@ class Server:
 
     def _move_object(self, number: int, name: str, position: list[float], quaternion: list[float]) -> Any:
         self.world.move_object(name, Pose(position, quaternion))
+        return {}, None
+
+    def _kept(self, number: int) -> Any:
+        return {}, self.world.kept()
+
+    def _put_back(self, number: int, **kept: Any) -> Any:
+        if self._motions:
+            raise GripError("a world is put back while nothing moves in it")
+        self.world.put_back(kept)
         return {}, None

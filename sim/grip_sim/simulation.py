@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
 from grip_bt.commanders.description.load import load_robot
 from grip_bt.errors import UnknownNameError
 
@@ -73,6 +78,18 @@ class Simulation:
         wait = self._client.move("wait", seconds=seconds)
         wait.wait()
         wait.result()
+
+    def kept(self) -> dict[str, NDArray[np.float64]]:
+        """Return everything that moves in the world, and how, for `put_back` in another process."""
+        return dict(self._client.ask("kept").arrays)
+
+    def put_back(self, kept: Mapping[str, NDArray[np.float64]]) -> None:
+        """Bring everything that moves to where it was kept, in a world of the same spec.
+
+        Raises:
+            GripError: it was another world, or something moves.
+        """
+        self._client.ask("put_back", dict(kept))
 
     def pause(self) -> None:
         """Have the world stand still in the middle of whatever moves, and the clock with it; see `Pausable`."""

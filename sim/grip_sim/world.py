@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from grip_bt.commanders.description.load import load_robot
 from grip_bt.commanders.robots import RobotDescription
@@ -115,6 +116,33 @@ class World:
         if camera not in self._cameras:
             raise UnknownNameError("camera", camera, self._cameras)
         return self._cameras[camera].capture()
+
+    def kept(self) -> dict[str, NDArray[np.float64]]:
+        """Return everything that moves, and how: the robot, and the poses and velocities of the objects."""
+        bodies = list(self._objects.values())
+        poses = [[*body.entity_pose.p, *body.entity_pose.q] for body in bodies]
+        speeds = [[*body.linear_velocity, *body.angular_velocity] for body in bodies]
+        return {
+            **self.robot.kept(),
+            "poses": np.array(poses, float).reshape(-1, 7),
+            "object_speeds": np.array(speeds, float).reshape(-1, 6),
+        }
+
+    def put_back(self, kept: Mapping[str, NDArray[np.float64]]) -> None:
+        """Bring everything that moves to where it was kept; what physics remembers of contacts builds up again.
+
+        Raises:
+            KeyError, ValueError: it was kept in another world; nothing was changed.
+        """
+        poses, speeds = np.asarray(kept["poses"]), np.asarray(kept["object_speeds"])
+        if len(poses) != len(self._objects):
+            raise ValueError(f"the state is of another world: this one has {len(self._objects)} objects")
+        self.robot.put_back(kept)
+        for body, pose, speed in zip(self._objects.values(), poses, speeds, strict=True):
+            body.set_entity_pose(sapien.Pose(pose[:3], pose[3:]))
+            body.set_linear_velocity(speed[:3])
+            body.set_angular_velocity(speed[3:])
+            body.wake_up()
 
     def fingerprint(self) -> str:
         """Return a hash over everything that moves."""

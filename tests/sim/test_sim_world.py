@@ -164,3 +164,31 @@ def test_a_limited_drive_gives_no_more_than_its_limit(settled):
         settled.step()
         efforts.append(np.abs(robot.measure(rows).effort).max())
     assert max(efforts) == pytest.approx(0.1)
+
+
+def test_what_was_kept_is_put_back_in_another_world_of_the_same_kind(make_world):
+    one, other = make_world(table_world(3)), make_world(table_world(3))
+    rows = one.robot.group_rows("arm")
+    one.robot.drive(rows, one.robot.positions()[rows] + 0.2)
+    for _ in range(60):
+        one.step()
+    kept = one.kept()
+    assert other.fingerprint() != one.fingerprint()
+    other.put_back(kept)
+    assert other.fingerprint() == one.fingerprint()
+    for world in (one, other):
+        for _ in range(60):
+            world.step()
+    assert other.robot.positions() == pytest.approx(one.robot.positions(), abs=1e-3), "and goes on as it would have"
+    for name in one._objects:
+        assert other.object_pose(name).position == pytest.approx(one.object_pose(name).position, abs=1e-3)
+
+
+def test_the_state_of_another_world_is_refused_and_changes_nothing(make_world):
+    one = make_world(table_world(3))
+    before, kept = one.fingerprint(), one.kept()
+    with pytest.raises(ValueError, match="another world: this one has"):
+        one.put_back({**kept, "poses": kept["poses"][:1]})
+    with pytest.raises(ValueError, match="another robot: this one has"):
+        one.put_back({**kept, "positions": kept["positions"][:3]})
+    assert one.fingerprint() == before

@@ -1,0 +1,159 @@
+"""The planning scene, named messages and the simulated world of a run that is gone on with, or forked."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from grip_bt.app.replay import find_run
+from grip_bt.cli.__main__ import main
+from grip_bt.runtime import JournalReader
+
+TASK = """\
+grip: 1
+name: kept
+data:
+  at: Pose
+  number: {type: int, value: 7}
+  found: Any
+  names: "list[str]"
+  left: Any
+root:
+  kind: sequence
+  children:
+    make: {node: pose/make, with: {position: [0.5, 0.2, 0.1]}, out: {pose: at}}
+    box: {node: scene/add_shape, with: {name: brick, shape: box, size: [0.1, 0.1, 0.2]}, in: {pose: at}}
+    scene: {node: scene/snapshot, out: {snapshot: left}}
+    keep: {node: messages/put, with: {store: notes, name: seven}, in: {value: number}}
+    push: {node: messages/push, with: {store: notes}, in: {value: number}}
+    wait: {node: flow/wait, with: {seconds: WAIT}}
+    read: {node: messages/get, with: {store: notes, name: seven, type: int}, out: {value: found}}
+    take: {node: messages/take, with: {store: notes, type: int}, out: {value: found}}
+    gone: {node: scene/remove, with: {name: brick}}
+    again: {node: scene/restore, in: {snapshot: left}}
+    last: {node: scene/remove, with: {name: brick}}
+"""
+GRIP = """\
+grip: 1
+robot: panda_allegro
+world: table
+arms: {right: {group: arm, hand: hand}}
+hands: {hand: {group: hand}}
+"""
+
+
+def grip(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "grip_bt.cli", *words]
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=300, stdin=subprocess.DEVNULL)
+
+
+def kill_once(folder: Path, there: str, *words: str) -> str:
+    """Start a run, kill it when the journal has the event `there` (path:event), and return its id."""
+    command = [sys.executable, "-m", "grip_bt.cli", "run", *words]
+    process = subprocess.Popen(command, cwd=folder, stdout=subprocess.DEVNULL, start_new_session=True)
+    path, _, kind = there.rpartition(":")
+    journal, deadline = folder / ".grip" / "runs.sqlite", time.monotonic() + 120
+    while True:
+        assert time.monotonic() < deadline, f"it didn't come to {there}"
+        assert process.poll() is None, "it ended too early"
+        if journal.is_file():
+            try:
+                with JournalReader(journal) as reader:
+                    run = find_run(reader, "last")
+                    if any((e.path, e.event) == (path, kind) for e in reader.events(run)):
+                        break
+            except Exception:  # noqa: BLE001 - it is being made
+                pass
+        time.sleep(0.02)
+    os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+    return run
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("target", ["bt", "sm"])
+def test_scene_and_messages_come_back_without_a_question(tmp_path: Path, target: str) -> None:
+    (tmp_path / "grip.yaml").write_text(GRIP)
+    (tmp_path / "kept.yaml").write_text(TASK.replace("WAIT", "3.0"))
+    run = kill_once(tmp_path, "wait:enter", "kept.yaml", "--robot", "fake", "--as", target)
+    done = grip("run", "--resume", run, "--json", cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    with JournalReader(tmp_path / ".grip" / "runs.sqlite") as reader:
+        events = reader.events(run)
+        assert reader.value(reader.variables(run)["found"]) == 7
+        left = reader.value(reader.variables(run)["left"])
+        assert left.objects["brick"].shape.size == (0.1, 0.1, 0.2)
+    (resumed,) = (e for e in events if e.event == "run_resumed")
+    assert set(resumed.data["restored"]) == {"scene", "messages"}
+    kept = [(e.path, e.data["part"]) for e in events if e.event == "kept"]
+    assert kept[:3] == [("box", "scene"), ("keep", "messages"), ("push", "messages")], "once for each change"
+    at = next(i for i, e in enumerate(events) if e.event == "kept")
+    assert (events[at + 1].path, events[at + 1].event) == ("box", "exit"), "before the end of the node that changed it"
+
+
+def test_a_fork_begins_with_the_scene_and_the_messages_of_its_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("grip.yaml").write_text(GRIP)
+    Path("kept.yaml").write_text(TASK.replace("WAIT", "0.01"))
+    assert main(["run", "kept.yaml", "--in-process", "--robot", "fake"]) == 0, capsys.readouterr().err
+    assert main(["run", "--fork", "last", "--at", "push", "--in-process"]) == 0, capsys.readouterr().err
+    # before the message was put into the queue there is nothing to take
+    assert main(["run", "--fork", "last", "--at", "keep", "--set-outcome", "push=success", "--in-process"]) == 3
+
+
+def test_a_state_that_was_too_big_to_be_kept_is_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("grip.yaml").write_text(GRIP)
+    Path("kept.yaml").write_text(TASK.replace("WAIT", "0.01"))
+    from grip_bt.app import execute
+    from grip_bt.runtime import Journal
+
+    monkeypatch.setattr(execute, "Journal", lambda file: Journal(file, largest_value=100))
+    assert main(["run", "kept.yaml", "--in-process", "--robot", "fake"]) in (0, 3)
+    capsys.readouterr()
+    assert main(["run", "--fork", "last", "--at", "push", "--in-process"]) == 1
+    assert "can't be" in capsys.readouterr().err
+
+
+MOVE = """\
+grip: 1
+name: moves
+root:
+  kind: sequence
+  children:
+    close: {node: hand/posture, with: {posture: closed, seconds: 0.5}}
+    go: {node: arm/jog, with: {linear: [0.0, 0.1, 0.1], seconds: 1.0}}
+    wait: {node: flow/wait, with: {seconds: 30.0}}
+    back: {node: hand/posture, with: {posture: open, seconds: 0.5}}
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.sim
+def test_a_simulated_world_is_where_it_was(tmp_path: Path) -> None:
+    pytest.importorskip("sapien")
+    (tmp_path / "grip.yaml").write_text(GRIP)
+    (tmp_path / "moves.yaml").write_text(MOVE)
+    run = kill_once(tmp_path, "wait:enter", "moves.yaml", "--robot", "sim")
+    done = grip("run", "--resume", run, "--set-outcome", "wait=success", "--json", cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert json.loads(done.stdout)["outcome"] == "success"
+    with JournalReader(tmp_path / ".grip" / "runs.sqlite") as reader:
+        kept = [reader.value(e) for e in reader.events(run) if e.event == "kept" and e.data["part"] == "world"]
+    assert len(kept) == 3
+    closed, ready, opened = (np.asarray(state["positions"]) for state in kept)
+    assert np.abs(opened[:7] - ready[:7]).max() < 0.01, "the arm is where it was before the process died"
+    assert np.abs(ready - closed).max() > 0.1
+    assert np.abs(opened - ready).max() > 0.3
