@@ -12,6 +12,7 @@ from grip_bt.errors import GripError, MissingPartError, UnknownNameError
 from grip_bt.ports import Executor, HandPort
 
 from .commander_parts import open_commanders
+from .planner_parts import with_move_group
 from .project import Project
 from .resources import Progress, Resources
 
@@ -55,9 +56,10 @@ def open_robot(project: Project, resources: Resources, seed: int, stack: ExitSta
         if name not in settings.controllers:
             raise UnknownNameError("controller of", name, settings.controllers, "grip.yaml: ros/controllers")
     description = project.description()
-    planner = stack.enter_context(PlanningProcess(description))
+    process = stack.enter_context(PlanningProcess(description))
     chosen = os.environ.get("ROS_DOMAIN_ID")
     bus = stack.enter_context(Bus("grip_robot", domain_id=int(chosen) if chosen else None))
+    planner = with_move_group(project, description, process, bus, stack)
     states = JointStates(bus, settings.joint_states)
     joints = {n: _joints(settings.controllers[n], description.group(group)) for n, group in groups.items()}
     wanted = [c.name for c in settings.controllers.values() if c.name is not None]
@@ -71,9 +73,9 @@ def open_robot(project: Project, resources: Resources, seed: int, stack: ExitSta
     ports = {name: HeldHand(_hand(settings, name, bus, joints[name], states)) for name in file.hands}
     resources.pausable = [*executors.values(), *ports.values()]
     open_commanders(project, resources, description, planner, executors, ports, {}, seed)
-    if not planner.wait_until_ready():
+    if not process.wait_until_ready():
         raise GripError("the planning process doesn't come up; run `grip doctor`")
-    progress("planner", f"process {planner.pid}")
+    progress("planner", f"process {process.pid}: {', '.join(sorted({arm.planner for arm in file.arms.values()}))}")
 
 
 def _joints(controller: ControllerConfig, group: Sequence[str]) -> tuple[str, ...]:
@@ -86,9 +88,14 @@ def _executor(settings: RosRobotConfig, name: str, bus: Bus, joints: Sequence[st
     controller = settings.controllers[name]
     if controller.trajectory is not None:
         return TrajectoryExecutor(bus, controller.trajectory, joints, states, wait=settings.ready)
+    if controller.move_group is not None:
+        from grip_bt.ros.moveit import MoveGroupExecutor
+
+        return MoveGroupExecutor(bus, controller.move_group, joints, states, settings.ready)
     if controller.positions is not None:
         return StreamedExecutor(bus, controller.positions, joints, states)
-    raise GripError(f"grip.yaml: ros/controllers/{name}: an arm isn't a gripper; say `trajectory` or `positions`")
+    ways = "`trajectory`, `positions` or `move_group`"
+    raise GripError(f"grip.yaml: ros/controllers/{name}: an arm isn't a gripper; say {ways}")
 
 
 def _hand(settings: RosRobotConfig, name: str, bus: Bus, joints: Sequence[str], states: JointStates) -> HandPort:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field, StringConstraints, field_validator, model_validator
 
@@ -11,15 +11,19 @@ from grip_bt.graph.frozen import FrozenDict
 from .component_parts import Part
 
 RosName = Annotated[str, StringConstraints(pattern=r"^(/[A-Za-z_][A-Za-z0-9_]*)+$")]
+WAYS = ("trajectory", "positions", "move_group", "gripper")
+"""How a controller may be reached."""
 
 
 class ControllerConfig(Part):
-    """The controller of one arm or hand; exactly one of `trajectory`, `positions` and `gripper`."""
+    """The controller of one arm or hand; exactly one of `trajectory`, `positions`, `move_group` and `gripper`."""
 
     trajectory: RosName | None = None
     """Action of a joint trajectory controller, such as `/arm_controller/follow_joint_trajectory`."""
     positions: RosName | None = None
     """Topic of a joint group position controller, such as `/arm_position_controller/commands`."""
+    move_group: RosName | None = None
+    """Action by which MoveIt's move_group executes trajectories, such as `/execute_trajectory`."""
     gripper: RosName | None = None
     """Action of a gripper, such as `/gripper_controller/gripper_cmd`; of hands only."""
     joints: tuple[str, ...] = ()
@@ -31,13 +35,30 @@ class ControllerConfig(Part):
 
     @model_validator(mode="after")
     def _one_way(self) -> ControllerConfig:
-        ways = [w for w in ("trajectory", "positions", "gripper") if getattr(self, w) is not None]
+        ways = [w for w in WAYS if getattr(self, w) is not None]
         if len(ways) != 1:
             said = " and ".join(ways) or "none of them"
-            raise ValueError(f"say one of `trajectory`, `positions`, `gripper`; here: {said}")
+            raise ValueError(f"say one of {', '.join(f'`{way}`' for way in WAYS)}; here: {said}")
         if self.instead_of and self.name is None:
             raise ValueError("`instead_of` needs the controller's own `name`: the two are switched in one step")
         return self
+
+
+class MoveGroupConfig(Part):
+    """MoveIt 2's move_group, the planner of arms that say `planner: move_group`."""
+
+    namespace: RosName | Literal[""] = ""
+    """Namespace of its services and actions: none, or such as `/left`."""
+    pipeline: str = ""
+    """Its planning pipeline, such as `ompl` or `pilz_industrial_motion_planner`; its own default when empty."""
+    planner: str = ""
+    """Its planner, such as `RRTConnectkConfigDefault` or `PTP`; its own default when empty."""
+    groups: FrozenDict[str, str] = FrozenDict()
+    """Group of the robot here -> the group's name in MoveIt's SRDF, where that is another."""
+    by_service: bool = False
+    """Plan by the service `plan_kinematic_path`; a plan can't be cancelled then."""
+    wait: float = Field(default=10.0, gt=0)
+    """How long move_group may take to be there [s]."""
 
 
 class RosRobotConfig(Part):
@@ -48,6 +69,8 @@ class RosRobotConfig(Part):
     controller_manager: RosName = "/controller_manager"
     controllers: FrozenDict[str, ControllerConfig] = FrozenDict()
     """Arm or hand of the project -> its controller."""
+    move_group: MoveGroupConfig = MoveGroupConfig()
+    """MoveIt, where an arm says `planner: move_group`."""
     ready: float = Field(default=10.0, gt=0)
     """How long the robot may take to be there [s]."""
 

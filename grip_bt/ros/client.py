@@ -95,6 +95,11 @@ class ServiceClient:
         return bool(self._sent)
 
     @property
+    def servers(self) -> frozenset[bytes]:
+        """Who the last call went to, by DDS's own names; others after the server was started anew."""
+        return self._settled[0]
+
+    @property
     def busy(self) -> bool:
         """Whether a server has to hear something before the connection may be closed: never, of a service."""
         return False

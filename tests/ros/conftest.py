@@ -20,11 +20,21 @@ DATA = Path(__file__).parent / "data"
 _domains = count()
 
 
+def _next_domain() -> int:
+    worker = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0")[2:])
+    return 10 + (os.getpid() + worker * 23 + next(_domains)) % 90
+
+
 @pytest.fixture
 def domain() -> int:
     """Return a DDS domain that no other test of this run uses at the same time."""
-    worker = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0")[2:])
-    return 10 + (os.getpid() + worker * 23 + next(_domains)) % 90
+    return _next_domain()
+
+
+@pytest.fixture(scope="module")
+def own_domain() -> int:
+    """Return a domain for servers that all tests of a module share."""
+    return _next_domain()
 
 
 @pytest.fixture(scope="session")

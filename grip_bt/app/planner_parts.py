@@ -1,0 +1,81 @@
+"""Who plans for a project's arms: the planning process, MoveIt's move_group, or each for some of them."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from typing import TYPE_CHECKING
+
+from grip_bt.catalog.controller_config import MoveGroupConfig
+from grip_bt.operation import Operation
+
+from .project import ArmConfig, Project
+
+if TYPE_CHECKING:
+    from grip_bt.commanders.planning.requests import ChosenGrasp, Request
+    from grip_bt.commanders.robots import RobotDescription
+    from grip_bt.commanders.worker import PlanningService
+    from grip_bt.ros.bus import Bus
+    from grip_bt.values import Plan
+
+MOVE_GROUP = "move_group"
+"""Value of an arm's `planner` that means MoveIt."""
+
+
+class PlannerByName:
+    """Implements `commanders.worker.PlanningService`: a request goes to who its arm's settings name.
+
+    Args:
+        own: answers what nobody else is named for.
+        others: planner's name -> who answers.
+    """
+
+    def __init__(self, own: PlanningService, others: dict[str, PlanningService]):
+        self._own, self._others = own, others
+
+    def submit(self, request: Request) -> Operation[Plan | ChosenGrasp]:
+        """Ask; see `PlanningService`."""
+        return self._others.get(request.situation.settings.planner, self._own).submit(request)
+
+
+def wants_move_group(project: Project) -> bool:
+    """Tell whether MoveIt plans for an arm of the project."""
+    return any(arm.planner == MOVE_GROUP for arm in project.file.arms.values())
+
+
+def with_move_group(
+    project: Project, description: RobotDescription, own: PlanningService, bus: Bus, stack: ExitStack
+) -> PlanningService:
+    """Return a planner that has MoveIt answer for the arms that say so.
+
+    Args:
+        project: whose arms.
+        description: the robot.
+        own: who answers for the others.
+        bus: the connection to ROS.
+        stack: closes what was opened.
+
+    Raises:
+        MissingPartError: MoveIt's messages aren't installed and can't be built.
+        UnknownNameError: an arm names a hand or a group that isn't there.
+    """
+    if not wants_move_group(project):
+        return own
+    from grip_bt.ros.moveit import Mount, MoveGroup, MoveGroupPlanner
+
+    file = project.file
+    settings = file.ros.move_group if file.ros is not None else MoveGroupConfig()
+
+    def mount(arm: ArmConfig) -> Mount:
+        hand = file.hands.get(arm.hand) if arm.hand else None
+        return Mount.of(description, arm.group, hand.group if hand else "", settings.groups.get(arm.group, ""))
+
+    planner = MoveGroupPlanner(
+        MoveGroup(bus, settings.namespace, settings.wait),
+        description,
+        {arm.group: mount(arm) for arm in file.arms.values() if arm.planner == MOVE_GROUP},
+        {arm.hand: mount(arm) for arm in file.arms.values() if arm.hand},
+        settings.pipeline,
+        settings.planner,
+        settings.by_service,
+    )
+    return PlannerByName(own, {MOVE_GROUP: stack.enter_context(planner)})

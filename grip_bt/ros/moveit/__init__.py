@@ -1,0 +1,8 @@
+"""MoveIt 2's move_group behind the commanders' ports: it plans, it chooses grasps, it executes."""
+
+from .client import MoveGroup
+from .executor import MoveGroupExecutor
+from .mount import Mount
+from .planner import MoveGroupPlanner
+
+__all__ = ["Mount", "MoveGroup", "MoveGroupExecutor", "MoveGroupPlanner"]

@@ -1,0 +1,268 @@
+"""MoveIt's move_group as the planner of arms: the same requests as to the planning process, answered by MoveIt."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from grip_bt.commanders.planning.requests import (
+    ChooseGrasp,
+    ChosenGrasp,
+    PlanStraight,
+    PlanTo,
+    Request,
+    Situation,
+)
+from grip_bt.commanders.robots import RobotDescription
+from grip_bt.errors import (
+    BadReplyError,
+    ExpectedError,
+    GoalInCollisionError,
+    NoIkError,
+    NoPlanError,
+    PathInvalidError,
+    TimeOutError,
+    UnknownNameError,
+)
+from grip_bt.operation import Operation
+from grip_bt.values import JointState, Plan, Pose, Trajectory
+from grip_bt.values.pose import check_frame
+
+from ..convert_geometry import joints_to_message, pose_to_message, pose_to_stamped, trajectory_from_message
+from ..types import load_type
+from .client import MoveGroup
+from .goals import at_joints, at_pose, on_the_way
+from .grasps import choose
+from .mirror import SceneMirror
+from .mount import Mount
+from .steps import Line, Steps, walk
+
+NAME = "move_group"
+"""Value of an arm's `planner` that means this one."""
+STEP = 0.005
+"""How far apart points of a straight line are [m]."""
+JUMP = 0.3
+"""A joint that moves further than this between two of them jumps [rad or m]."""
+CLEARING = 3.0
+"""How long closing waits for move_group to take our objects out of its scene [s]."""
+
+
+class MoveGroupPlanner:
+    """Implements `commanders.worker.PlanningService`.
+
+    Requests are answered one after the other, because move_group has one scene. An arm's `kinematics` and `margin`
+    don't reach MoveIt, which has settings of its own for them; speed, acceleration, time and attempts do.
+
+    Args:
+        move_group: who plans.
+        robot: what it plans for; its base link is MoveIt's frame of world.
+        arms: group of ours -> how it is called in MoveIt, and where its hand sits.
+        hands: hand, as the scene knows it -> the mount of the arm that carries it.
+        pipeline: MoveIt's planning pipeline, such as `ompl`; its default when empty.
+        planner_id: its planner, such as `RRTConnectkConfigDefault`; its default when empty.
+        by_service: ask the service instead of the action; then a plan can't be cancelled.
+    """
+
+    def __init__(
+        self,
+        move_group: MoveGroup,
+        robot: RobotDescription,
+        arms: Mapping[str, Mount],
+        hands: Mapping[str, Mount],
+        pipeline: str = "",
+        planner_id: str = "",
+        by_service: bool = False,
+    ):
+        self._move_group, self.robot, self._arms = move_group, robot, dict(arms)
+        self._pipeline, self._planner_id, self._by_service = pipeline, planner_id, by_service
+        self._mirror = SceneMirror(move_group, robot, hands)
+        self._line = Line()
+
+    def submit(self, request: Request) -> Operation[Plan | ChosenGrasp]:
+        """Ask; see `PlanningService`. Ends with PlannerLostError when move_group isn't there."""
+        return self._line.join(lambda: walk(self._answer(request)))
+
+    def close(self) -> None:
+        """Take our objects out of move_group's scene."""
+        self._line.join(lambda: walk(self._mirror.clear())).wait(CLEARING)
+
+    def __enter__(self) -> MoveGroupPlanner:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    # --- what requests are answered with ---
+
+    def mount(self, group: str) -> Mount:
+        """Return the mount of a group of ours.
+
+        Raises:
+            UnknownNameError: move_group doesn't plan for it.
+        """
+        if group not in self._arms:
+            raise UnknownNameError("group that move_group plans for", group, self._arms, "grip.yaml: ros/move_group")
+        return self._arms[group]
+
+    def _answer(self, request: Request) -> Steps[Plan | ChosenGrasp]:
+        begin, situation = time.monotonic(), request.situation
+        if isinstance(request, ChooseGrasp):
+            chosen = yield from choose(self, request)
+            return chosen
+        yield from self.show(situation)
+        if isinstance(request, PlanStraight):
+            trajectory = yield from self.straight(situation, situation.start, request.poses)
+        else:
+            trajectory = yield from self.free(request)
+        return Plan(situation.group, trajectory, NAME, time.monotonic() - begin)
+
+    def show(self, situation: Situation) -> Steps[None]:
+        """Send what changed in the scene."""
+        yield from self._mirror.show(situation.scene)
+
+    def free(self, request: PlanTo) -> Steps[Trajectory]:
+        """Plan a free path in the scene that was shown."""
+        situation, mount = request.situation, self.mount(request.situation.group)
+        asked = self._plan_request(situation, mount)
+        asked.goal_constraints = self._goals(request, mount)
+        if request.constraint is not None:
+            asked.path_constraints = on_the_way(request.constraint, mount, self.robot.base_link)
+        plan = self._move_group.plan_by_service if self._by_service else self._move_group.plan
+        try:
+            answer = yield plan(asked, situation.settings.time_limit)
+        except (NoPlanError, TimeOutError) as error:
+            yield from self._say_what_is_wrong(request, mount, error)
+            raise
+        found = answer.trajectory if self._by_service else answer.planned_trajectory
+        return self._trajectory(found, mount)
+
+    def straight(
+        self, situation: Situation, start: JointState, poses: tuple[Pose, ...], whole: bool = True
+    ) -> Steps[Trajectory]:
+        """Plan straight lines of the grasp frame through poses in world, in the scene that was shown.
+
+        Raises:
+            NoIkError, PathInvalidError: they can't be followed to their end; `data['fraction']` tells how far.
+        """
+        mount = self.mount(situation.group)
+        asked = self._line_request(situation, start, poses, mount)
+        answer = yield self._move_group.cartesian(asked)
+        if answer.fraction < 1 - 1e-3:
+            asked.avoid_collisions = False
+            without = yield self._move_group.cartesian(asked)
+            blocked = without.fraction > answer.fraction + 1e-3
+            far = f"only {answer.fraction:.0%} of the way along the line"
+            if blocked:
+                raise PathInvalidError(f"something is in the way, {far}", fraction=float(answer.fraction))
+            raise NoIkError(f"out of reach, or a joint would jump, {far}", fraction=float(answer.fraction))
+        return self._trajectory(answer.solution, mount)
+
+    def inverse(self, situation: Situation, start: JointState, pose: Pose, collisions: bool) -> Steps[JointState]:
+        """Return joint positions at which the grasp frame is at `pose`; ends with NoIkError when there are none.
+
+        Args:
+            situation: whose arm.
+            start: all joints; where the search begins, and where the hand's are.
+            pose: in world.
+            collisions: whether they must touch nothing in the scene that was shown.
+        """
+        mount = self.mount(situation.group)
+        asked = load_type("moveit_msgs/msg/PositionIKRequest")(
+            group_name=mount.group,
+            robot_state=_state(start),
+            avoid_collisions=collisions,
+            ik_link_name=mount.link,
+            pose_stamped=pose_to_stamped(self._in_base(mount.link_pose(pose))),
+        )
+        asked.timeout.sec = 1
+        solution = yield self._move_group.inverse(asked)
+        positions = dict(zip(solution.joint_state.name, solution.joint_state.position, strict=True))
+        missing = [joint for joint in mount.joints if joint not in positions]
+        if missing:
+            raise BadReplyError(f"{self._move_group.name}: its solution lacks {', '.join(missing)}", joints=missing)
+        return JointState(mount.joints, np.array([positions[joint] for joint in mount.joints]))
+
+    # --- requests and replies ---
+
+    def _plan_request(self, situation: Situation, mount: Mount) -> Any:
+        settings = situation.settings
+        return load_type("moveit_msgs/msg/MotionPlanRequest")(
+            start_state=_state(situation.start),
+            pipeline_id=self._pipeline,
+            planner_id=self._planner_id,
+            group_name=mount.group,
+            num_planning_attempts=settings.attempts,
+            allowed_planning_time=settings.time_limit,
+            max_velocity_scaling_factor=settings.speed,
+            max_acceleration_scaling_factor=settings.acceleration or settings.speed,
+        )
+
+    def _line_request(self, situation: Situation, start: JointState, poses: tuple[Pose, ...], mount: Mount) -> Any:
+        settings = situation.settings
+        asked = load_type("moveit_msgs/srv/GetCartesianPath").Request(
+            start_state=_state(start),
+            group_name=mount.group,
+            link_name=mount.link,
+            waypoints=[pose_to_message(self._in_base(mount.link_pose(pose))) for pose in poses],
+            max_step=STEP,
+            prismatic_jump_threshold=JUMP,
+            revolute_jump_threshold=JUMP,
+            avoid_collisions=True,
+            max_velocity_scaling_factor=settings.speed,
+            max_acceleration_scaling_factor=settings.acceleration or settings.speed,
+        )
+        asked.header.frame_id = self.robot.base_link
+        return asked
+
+    def _goals(self, request: PlanTo, mount: Mount) -> list[Any]:
+        """Return the goals, any of which will do; joints that a goal doesn't name stay where they are."""
+        if request.hints:  # these reach the pose, and what comes after it
+            return [at_joints(JointState(mount.joints, hint.ordered(mount.joints))) for hint in request.hints]
+        if isinstance(request.goal, JointState):
+            start, wanted = request.situation.start.as_mapping(), request.goal.as_mapping()
+            for joint in wanted:
+                if joint not in mount.joints:
+                    raise UnknownNameError("joint", joint, mount.joints, where="goal")
+            return [at_joints(JointState.from_mapping({j: wanted.get(j, start[j]) for j in mount.joints}))]
+        poses = request.goal if isinstance(request.goal, tuple) else (request.goal,)
+        frame = self.robot.base_link
+        return [c for pose in poses for c in at_pose(self._in_base(pose), request.free, mount, frame)]
+
+    def _say_what_is_wrong(self, request: PlanTo, mount: Mount, error: ExpectedError) -> Steps[None]:
+        """Raise a better word than "no plan" for a pose that can't be reached; MoveIt doesn't tell them apart."""
+        if not isinstance(request.goal, Pose) or request.free != "none" or request.hints:
+            return
+        situation = request.situation
+        try:
+            yield from self.inverse(situation, situation.start, request.goal, collisions=False)
+        except NoIkError:
+            raise NoIkError(f"no joint positions reach {request.goal}", pose=request.goal, **error.data) from None
+        try:
+            yield from self.inverse(situation, situation.start, request.goal, collisions=True)
+        except NoIkError:
+            reason = f"wherever {request.goal} is reached, the robot touches something"
+            raise GoalInCollisionError(reason, **error.data) from None
+
+    def _trajectory(self, found: Any, mount: Mount) -> Trajectory:
+        message = found.joint_trajectory
+        if set(message.joint_names) != set(mount.joints):
+            names = ", ".join(message.joint_names) or "nothing"
+            reason = f"it moves {names}, and the arm has {', '.join(mount.joints)}"
+            raise BadReplyError(f"{self._move_group.name}: group {mount.group!r} isn't the arm's: {reason}")
+        try:
+            return trajectory_from_message(message)
+        except ValueError as error:
+            raise BadReplyError(f"{self._move_group.name}: not a trajectory that can be followed: {error}") from None
+
+    def _in_base(self, pose: Pose) -> Pose:
+        """Return a pose in world with MoveIt's name of that frame."""
+        check_frame(pose, "world")
+        return Pose(pose.position, pose.quaternion, self.robot.base_link)
+
+
+def _state(joints: JointState) -> Any:
+    """Return a robot state in which only the joints are other than in move_group's scene."""
+    return load_type("moveit_msgs/msg/RobotState")(joint_state=joints_to_message(joints), is_diff=True)
