@@ -22,6 +22,11 @@ GLYPHS = {
     "error": "‼",
     "zombie": "☠",
 }
+WENT_ON = {
+    "resume": "goes on with what was under way",
+    "restart": "is started again",
+    "result": "has ended as somebody said",
+}
 _NEAREST = 8
 
 
@@ -166,6 +171,13 @@ def _words(event: Event) -> str:
             return f" {data.get('type')}: {data.get('message')}"
         case "state":
             return f" {data.get('state')}"
+        case "run_resumed":
+            back = ", ".join(data.get("restored", {}))
+            return " goes on in another process" + (f"; as before: {back}" if back else "")
+        case "went_on":
+            return f" {WENT_ON.get(str(data.get('how')), 'goes on')}"
+        case "kept":
+            return f" its {data.get('part')} is kept for going on"
         case "run_ended":
             return f" ended: {data.get('status')}" + (f", {event.outcome}" if event.outcome else "")
     more = ", ".join(f"{key} {value}" for key, value in data.items() if isinstance(value, str | int | float))

@@ -76,6 +76,9 @@ class Moment:
                 self.state = str(event.data.get("state"))
             case "run_resumed":
                 self.state = "running"
+                for path, node in self.nodes.items():
+                    if node.phase == "error":  # its process died there; it runs on
+                        self.nodes[path] = replace(node, phase="running", message="")
             case "run_ended":
                 self.state = str(event.data.get("status"))
 

@@ -146,3 +146,31 @@ def test_the_page_begins_with_the_run_that_is_replayed(folder):
         ) as socket:
             session = socket.receive_json()["session"]
             assert (session["run"], session["state"], session["status"]) == (record.id, "ended", "success")
+
+
+def test_a_run_that_was_gone_on_with_says_so_and_what_ran_runs_on():
+    from grip_bt.app.replay import line_of
+    from grip_bt.runtime import Moment
+
+    def event(seq, path, kind, **data):
+        return Event(seq, float(seq), 0.0, path, kind, None, None, data)
+
+    events = [
+        event(1, "a", "enter"),
+        event(2, "a", "kept", part="scene", preview="..."),
+        event(3, "a", "error", type="ProcessDied", message="SIGKILL"),
+        event(4, "/", "run_ended", status="error"),
+        event(5, "/", "run_resumed", restored={"scene": 2}),
+        event(6, "a", "went_on", how="restart"),
+    ]
+    moment = Moment()
+    for each in events[:4]:
+        moment.apply(each)
+    assert (moment.state, moment.nodes["a"].phase) == ("error", "error")
+    for each in events[4:]:
+        moment.apply(each)
+    assert (moment.state, moment.nodes["a"].phase, moment.nodes["a"].message) == ("running", "running", "")
+    said = [line_of(each) for each in events]
+    assert said[1].endswith("a its scene is kept for going on")
+    assert said[4].endswith("/ goes on in another process; as before: scene")
+    assert said[5].endswith("a is started again")

@@ -58,7 +58,11 @@
     else if (event === "error") state.nodes.set(path, { ...before, phase: "error", since: t, message: `${data.type}: ${data.message}` });
     else if (event === "write") state.variables.set(data.variable ?? "?", { preview: data.preview ?? "…", type: data.type ?? "", by: path });
     else if (event === "state") state.run = data.state;
-    else if (event === "run_started" || event === "run_resumed") state.run = "running";
+    else if (event === "run_started") state.run = "running";
+    else if (event === "run_resumed") {
+      state.run = "running";
+      for (const [open, node] of state.nodes) if (node.phase === "error") state.nodes.set(open, { ...node, phase: "running", message: "" });
+    }
     else if (event === "run_ended") state.run = outcome ? `${data.status}: ${outcome}` : data.status;
   }
   const EVERY = 2000;
@@ -161,7 +165,9 @@
     const phase = event === "enter" ? "running" : event === "exit" ? phaseOf(path, outcome, code) : event;
     const more = { exit: `${outcome}${code ? `.${code}` : ""}${data.message ? ` (${data.message})` : ""}`, message: data.text,
       write: `${data.variable ?? ""} = ${data.preview ?? "…"}`, state: data.state, run_ended: data.status,
-      error: `${data.type}: ${data.message}`, enter: "begins", interrupted: "is halted" }[event];
+      error: `${data.type}: ${data.message}`, enter: "begins", interrupted: "is halted",
+      run_resumed: "the run goes on in another process", went_on: { resume: "goes on", restart: "is started again" }[data.how] ?? "has ended as somebody said",
+      kept: `its ${data.part} is kept for going on`, zombie: `left behind in ${data.where}` }[event];
     return `${i + 1}  ${seconds(t)}  ${GLYPHS[phase] ?? "·"} ${path} ${more ?? event.replace("_", " ")}`;
   }
   const AROUND = 60;

@@ -2,7 +2,9 @@ import fc from "fast-check";
 import { expect, test } from "vitest";
 
 import { History } from "../src/model/history";
+import { spansOf } from "../src/model/spans";
 import { TaskIndex, variableKey } from "../src/model/status";
+import { eventText } from "../src/model/words";
 import type { RunEvent } from "../src/protocol/generated";
 import { event, SMALL } from "./tasks";
 
@@ -129,4 +131,28 @@ test("times count from the start of the run, whatever its clock says", () => {
 test("the number of events at a time is found", () => {
   const history = played([event(0, "/", "enter"), event(1, "a", "enter"), event(2, "a", "exit", { outcome: "one" })]);
   expect([-1, 0, 0.4, 0.5, 1, 9].map((t) => history.countAt(t))).toEqual([0, 1, 1, 2, 3, 3]);
+});
+
+test("what ran when the run's process died runs on when somebody goes on with the run", () => {
+  const history = played([
+    event(0, "/", "enter"),
+    event(1, "a", "enter"),
+    event(2, "a", "error", { data: { type: "ProcessDied", message: "SIGKILL" } }),
+    event(3, "/", "run_ended", { data: { status: "error" } }),
+    event(4, "/", "run_resumed", { data: { restored: { scene: 3, world: 3 } } }),
+    event(5, "a", "went_on", { data: { how: "restart" } }),
+    event(6, "a", "exit", { outcome: "one" }),
+  ]);
+  expect(history.at(4).facts.state).toBe("ended");
+  expect(history.at(4).status("a").phase).toBe("error");
+  expect(history.at(4).status("/").phase).toBe("interrupted");
+  const on = history.at(6);
+  expect(on.facts).toEqual({ state: "running" });
+  expect([on.status("/").phase, on.status("a").phase]).toEqual(["running", "running"]);
+  expect(history.now().status("a").outcome).toBe("one");
+  expect(history.events.slice(4, 6).map(eventText)).toEqual([
+    "the run goes on in another process; as before: scene, world",
+    "is started again",
+  ]);
+  expect(spansOf(history.events, new TaskIndex(SMALL)).filter((span) => span.path === "a")).toHaveLength(2);
 });

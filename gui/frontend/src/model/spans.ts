@@ -25,7 +25,7 @@ export function spansOf(events: readonly RunEvent[], index: TaskIndex): Span[] {
   };
   for (const event of events) {
     if (index.byPath.get(event.path)?.kind !== "leaf") continue;
-    if (event.event === "enter") {
+    if (event.event === "enter" || (event.event === "went_on" && !open.has(event.path))) {
       close(event.path, event.t, "ended");
       const free = lanes.indexOf(null);
       const lane = free < 0 ? lanes.length : free;

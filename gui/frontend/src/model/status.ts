@@ -40,10 +40,12 @@ export class Moment {
     readonly variables: Map<string, VariableValue> = new Map(),
     public facts: RunFacts = { state: "running" },
     public t: number = 0,
+    /** What ran when the run's process died: it runs on when somebody goes on with the run. */
+    public cut: ReadonlyMap<string, NodeStatus> = new Map(),
   ) {}
 
   copy(): Moment {
-    return new Moment(new Map(this.nodes), new Map(this.variables), this.facts, this.t);
+    return new Moment(new Map(this.nodes), new Map(this.variables), this.facts, this.t, this.cut);
   }
 
   status(path: string): NodeStatus {
@@ -147,6 +149,7 @@ export function apply(moment: Moment, event: RunEvent, index: TaskIndex): void {
       moment.facts = { ...moment.facts, state: text(event.data["state"]) };
       break;
     case "error":
+      if (before.phase === "running") moment.cut = new Map([...moment.cut, [path, before]]);
       moment.nodes.set(path, { ...before, phase: "error", since: event.t, message: text(event.data["message"]) });
       moment.facts = {
         ...moment.facts,
@@ -160,7 +163,9 @@ export function apply(moment: Moment, event: RunEvent, index: TaskIndex): void {
       break;
     case "run_ended":
       for (const [open, status] of moment.nodes) {
-        if (status.phase === "running") moment.nodes.set(open, { ...status, phase: "interrupted", since: event.t });
+        if (status.phase !== "running") continue;
+        moment.cut = new Map([...moment.cut, [open, status]]);
+        moment.nodes.set(open, { ...status, phase: "interrupted", since: event.t });
       }
       moment.facts = {
         ...moment.facts,
@@ -168,6 +173,11 @@ export function apply(moment: Moment, event: RunEvent, index: TaskIndex): void {
         status: text(event.data["status"]) || undefined,
         outcome: event.outcome ?? undefined,
       };
+      break;
+    case "run_resumed":
+      for (const [open, status] of moment.cut) moment.nodes.set(open, status);
+      moment.cut = new Map();
+      moment.facts = { state: "running" };
       break;
   }
 }

@@ -62,6 +62,12 @@ export function factsText(facts: RunFacts): string {
   return facts.outcome ? `${facts.status ?? "ended"}: ${facts.outcome}` : (facts.status ?? "ended");
 }
 
+const WENT_ON: Readonly<Record<string, string>> = {
+  resume: "goes on with what was under way",
+  restart: "is started again",
+  result: "has ended as somebody said",
+};
+
 /** One line of the log. */
 export function eventText(event: RunEvent): string {
   const data = event.data;
@@ -85,6 +91,18 @@ export function eventText(event: RunEvent): string {
       return `the run ended: ${[data["status"], event.outcome].filter(Boolean).map(String).join(", ")}`;
     case "run_started":
       return "the run starts";
+    case "run_resumed": {
+      const back = Object.keys((data["restored"] as object | undefined) ?? {});
+      return `the run goes on in another process${back.length ? `; as before: ${back.join(", ")}` : ""}`;
+    }
+    case "went_on":
+      return WENT_ON[String(data["how"])] ?? `goes on: ${String(data["how"])}`;
+    case "kept":
+      return `its ${String(data["part"])} is kept for going on`;
+    case "interrupted":
+      return "is halted";
+    case "zombie":
+      return `left behind: its code hangs in ${String(data["where"])}`;
     default:
       return event.event;
   }
