@@ -9,6 +9,7 @@ from grip_bt.errors import CanceledError, ExpectedError, NoPlanError
 from grip_bt.operation import Operation
 from grip_bt.ports import Arm, Scene
 from grip_bt.values import JointState, PathConstraint, Pose
+from grip_bt.values.solids import Solid
 
 T = TypeVar("T")
 
@@ -35,7 +36,26 @@ def without(scene: Scene, names: Sequence[str], plan: Callable[[], Operation[T]]
     taken = {name: scene.solid(name) for name in names if name in scene.names()}
     for name in taken:
         scene.remove(name)
+    return _restoring(scene, taken, plan)
 
+
+def widened(scene: Scene, names: Sequence[str], by: float, plan: Callable[[], Operation[T]]) -> Operation[T]:
+    """Start an operation for which upright boxes reach further to all sides; they are as before when it ends.
+
+    Args:
+        scene: with the boxes.
+        names: of boxes that aren't attached.
+        by: how much further, not upwards [m].
+        plan: starts the operation.
+    """
+    taken = {name: scene.solid(name) for name in names}
+    for name in taken:
+        size, pose = scene.box(name)
+        scene.set_box(name, (size[0] + 2 * by, size[1] + 2 * by, size[2]), pose)
+    return _restoring(scene, taken, plan)
+
+
+def _restoring(scene: Scene, taken: dict[str, tuple[Solid, Pose]], plan: Callable[[], Operation[T]]) -> Operation[T]:
     def restore() -> None:
         for name, (solid, pose) in taken.items():
             scene.put(name, solid, pose)

@@ -8,18 +8,22 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.errors import NoGraspError, NoRoomError, NoTargetError, NothingHeldError
+from grip_bt.errors import ExpectedError, NoGraspError, NoRoomError, NoTargetError, NothingHeldError
 from grip_bt.operation import Operation
 from grip_bt.values import Grasp, JointState, Pose
 
 from .grasping import ArmHandLeaf
-from .motion import first_of, go, go_straight, tolerant
+from .motion import first_of, go, go_straight, tolerant, widened
 from .objects import PLACED, TABLE_GAP, Region, free_name, objects_near, region_of, rename
 from .spots import Disc, free_spots, opening_room, turned
 
 YAWS = np.radians(np.arange(0, 360, 15))
 TRIES = 4
 """So many spots are planned for, one after the other; a plan that isn't found costs seconds."""
+NARROW = 0.01
+"""Opening fingers stay so far from what was placed [m]."""
+SHIFT = 0.02
+"""What was placed may stand so far from where it is thought to [m]."""
 
 
 class Place(ArmHandLeaf):
@@ -66,7 +70,7 @@ class Place(ArmHandLeaf):
         size, pose = scene.box(self._object)
         me = Disc.around(size, pose)
         in_hand = pose.inverse() @ self.arm.grasp_pose()
-        taken = [Disc.around(*scene.box(n)) for n in scene.names() if n.startswith(PLACED)]
+        taken = self._taken()
         if self.params["position"]:
             spots = np.array([self.params["position"]], dtype=float)
         else:
@@ -80,11 +84,15 @@ class Place(ArmHandLeaf):
                 for extra in (0.0, 0.025, 0.05):
                     hand = Pose([*spot, height + extra], turned(yaw)) @ in_hand
                     room = opening_room(hand, taken)
-                    if room > 0.01:
+                    if room > NARROW:
                         quality = _ease(hand, spot) + 4 * min(room, 0.05) - 0.05 * rank - 20 * extra
                         above = hand.moved([0, 0, up])
                         candidates.append(Grasp(hand, above, above, quality=quality, provenance="arm/place"))
         return candidates
+
+    def _taken(self) -> list[Disc]:
+        scene = self.context.scene()
+        return [Disc.around(*scene.box(n)) for n in scene.names() if n.startswith(PLACED)]
 
     # --- how ---
 
@@ -92,7 +100,32 @@ class Place(ArmHandLeaf):
         if not candidates:
             raise NoRoomError(f"no free spot in {self.params['target'] or 'reach of the position'}")
         remaining = sorted(candidates, key=lambda c: -c.quality)
-        return first_of((lambda: self._feasible(remaining).then(self._come)) for _ in range(TRIES))
+        taken = self._taken()
+        roomy = [c for c in remaining if taken and opening_room(c.pose, taken) > NARROW + SHIFT]
+        ways = (
+            lambda: (self._roomy(roomy, remaining) if roomy else self._feasible(remaining)).then(self._come)
+            for _ in range(TRIES)
+        )
+        return first_of(ways)
+
+    def _roomy(self, roomy: list[Grasp], remaining: list[Grasp]) -> Operation[Grasp]:
+        """Take the best candidate that is free too where what was placed stands a little beside its box.
+
+        It may: things shift in the fingers while these close, and the camera doesn't see into the target. Where there
+        is no such candidate, take the best one of those that `remaining` holds.
+        """
+        scene = self.context.scene()
+        placed = [name for name in scene.names() if name.startswith(PLACED)]
+        found = tolerant(widened(scene, placed, SHIFT, lambda: self._feasible(roomy)))
+
+        def settle(result: Grasp | ExpectedError) -> Operation[Grasp]:
+            if isinstance(result, ExpectedError):
+                roomy.clear()
+                return self._feasible(remaining)
+            remaining[:] = [c for c in remaining if c != result]
+            return Operation.finished(result)
+
+        return found.then(settle)
 
     def _feasible(self, remaining: list[Grasp]) -> Operation[Grasp]:
         """Take the best candidate out of `remaining` that is free both with the fingers as they hold and open."""

@@ -170,3 +170,30 @@ def test_a_preempt_request_on_the_way_is_the_failure_preempted(world, tick):
     world.arm.end_canceled()
     assert tick(leaf) == ("FAILURE", "failure", "preempted")
     assert world.hand.log == []
+
+
+def test_a_spot_is_preferred_that_stays_free_if_what_stands_there_is_a_little_elsewhere(world, tick):
+    world.hold()
+    assert tick(world.leaf("arm/place", target="crate")) == ("SUCCESS", "success", None)
+    before = world.scene.box("placed_0")[0]
+    world.hold()
+    seen = []
+
+    def feasible(grasp):
+        seen.append(world.scene.box("placed_0")[0][:2] - before[:2])
+        return True
+
+    world.arm.feasible = feasible
+    assert tick(world.leaf("arm/place", target="crate")) == ("SUCCESS", "success", None)
+    np.testing.assert_allclose(seen, 0.04)  # 2 cm to each side
+    np.testing.assert_allclose(world.scene.box("placed_0")[0], before)
+
+
+def test_where_no_spot_has_so_much_room_a_tight_one_is_taken(world, tick):
+    world.hold()
+    assert tick(world.leaf("arm/place", target="crate")) == ("SUCCESS", "success", None)
+    before = world.scene.box("placed_0")[0]
+    world.hold()
+    world.arm.feasible = lambda grasp: bool(np.allclose(world.scene.box("placed_0")[0], before))
+    assert tick(world.leaf("arm/place", target="crate")) == ("SUCCESS", "success", None)
+    assert placed(world) == ["placed_0", "placed_1"]
