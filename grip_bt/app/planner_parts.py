@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 from grip_bt.catalog.controller_config import MoveGroupConfig
+from grip_bt.errors import MissingPartError
 from grip_bt.operation import Operation
 
 from .project import ArmConfig, Project
@@ -43,7 +45,7 @@ def wants_move_group(project: Project) -> bool:
 
 
 def with_move_group(
-    project: Project, description: RobotDescription, own: PlanningService, bus: Bus, stack: ExitStack
+    project: Project, description: RobotDescription, own: PlanningService, stack: ExitStack, bus: Bus | None = None
 ) -> PlanningService:
     """Return a planner that has MoveIt answer for the arms that say so.
 
@@ -51,19 +53,27 @@ def with_move_group(
         project: whose arms.
         description: the robot.
         own: who answers for the others.
-        bus: the connection to ROS.
         stack: closes what was opened.
+        bus: the connection to ROS; one of its own, in the user's domain, when there is none.
 
     Raises:
-        MissingPartError: MoveIt's messages aren't installed and can't be built.
+        MissingPartError: ROS isn't installed, or MoveIt's messages aren't and can't be built.
         UnknownNameError: an arm names a hand or a group that isn't there.
     """
     if not wants_move_group(project):
         return own
-    from grip_bt.ros.moveit import Mount, MoveGroup, MoveGroupPlanner
+    try:
+        from grip_bt.ros.bus import Bus
+        from grip_bt.ros.moveit import Mount, MoveGroup, MoveGroupPlanner
+    except ImportError as error:
+        raise MissingPartError(f"ROS ({error}), for `planner: {MOVE_GROUP}`", "pip install 'grip-bt[ros]'") from None
 
     file = project.file
     settings = file.ros.move_group if file.ros is not None else MoveGroupConfig()
+
+    if bus is None:
+        chosen = os.environ.get("ROS_DOMAIN_ID")
+        bus = stack.enter_context(Bus("grip_planning", domain_id=int(chosen) if chosen else None))
 
     def mount(arm: ArmConfig) -> Mount:
         hand = file.hands.get(arm.hand) if arm.hand else None

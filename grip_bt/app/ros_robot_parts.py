@@ -59,7 +59,7 @@ def open_robot(project: Project, resources: Resources, seed: int, stack: ExitSta
     process = stack.enter_context(PlanningProcess(description))
     chosen = os.environ.get("ROS_DOMAIN_ID")
     bus = stack.enter_context(Bus("grip_robot", domain_id=int(chosen) if chosen else None))
-    planner = with_move_group(project, description, process, bus, stack)
+    planner = with_move_group(project, description, process, stack, bus)
     states = JointStates(bus, settings.joint_states)
     joints = {n: _joints(settings.controllers[n], description.group(group)) for n, group in groups.items()}
     wanted = [c.name for c in settings.controllers.values() if c.name is not None]

@@ -9,6 +9,7 @@ from grip_bt.errors import GripError, MissingPartError, UnknownNameError
 from grip_bt.values import Pose
 
 from .commander_parts import open_commanders
+from .planner_parts import with_move_group
 from .project import Project
 from .resources import Progress, Resources
 
@@ -57,7 +58,7 @@ def open_robot(
         project,
         resources,
         description,
-        planner,
+        with_move_group(project, description, planner, stack),
         {name: simulation.executor(arm.group) for name, arm in file.arms.items()},
         {name: simulation.hand(hand.group) for name, hand in file.hands.items()},
         {box.name: (box.size, Pose(box.centre)) for box in spec.boxes()},

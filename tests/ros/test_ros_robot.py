@@ -90,7 +90,7 @@ def test_an_arm_without_a_controller_is_named(tmp_path):
 @pytest.mark.parametrize(
     ("given", "reason"),
     [
-        ({}, "say one of `trajectory`, `positions`, `gripper`; here: none of them"),
+        ({}, "say one of `trajectory`, `positions`, `move_group`, `gripper`; here: none of them"),
         ({"trajectory": "/a", "gripper": "/b"}, "here: trajectory and gripper"),
         ({"trajectory": "/a", "instead_of": ["b"]}, "`instead_of` needs the controller's own `name`"),
     ],
@@ -103,3 +103,60 @@ def test_a_controller_is_reached_in_one_way(given, reason):
 def test_a_real_robot_has_controllers():
     with pytest.raises(ValueError, match="name the controller of each arm and hand"):
         RosRobotConfig(controllers={})
+
+
+MOVEIT_PROJECT = """
+grip: 1
+robot: ur5_allegro
+arms: {right: {group: arm, planner: move_group}}
+ros:
+  move_group: {planner: RRTConnectkConfigDefault, wait: 20}
+  controllers:
+    right: {move_group: /execute_trajectory}
+"""
+
+
+@pytest.mark.ros
+@pytest.mark.slow
+def test_a_task_is_planned_and_executed_by_move_group(tmp_path, domain):
+    from grip_bt.ros.definitions import provide
+    from grip_bt.ros.process import child_environment
+
+    (tmp_path / "task.yaml").write_text(TASK.replace("    open: {node: hand/open}\n", ""))
+    env = child_environment(provide("moveit_msgs"), domain)
+    server = [sys.executable, str(DATA / "move_group_server.py"), "ur5_allegro"]
+    moveit = subprocess.Popen(server, env=env, stdout=subprocess.PIPE, text=True)
+
+    def run(project: str) -> subprocess.CompletedProcess[str]:
+        (tmp_path / "grip.yaml").write_text(project)
+        command = [sys.executable, "-m", "grip_bt.cli", "run", str(tmp_path / "task.yaml"), "--robot", "ros"]
+        return subprocess.run(command, env=child_environment((), domain), capture_output=True, text=True, timeout=200)
+
+    try:
+        assert moveit.stdout.readline() == "serving\n"
+        done = run(MOVEIT_PROJECT)
+        refused = run(MOVEIT_PROJECT.replace("RRTConnectkConfigDefault", "'fail:-12'"))
+    finally:
+        moveit.kill()
+        moveit.wait()
+        moveit.stdout.close()
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "success" in done.stdout
+    assert refused.returncode == 3
+    assert "goal_in_collision" in refused.stdout + refused.stderr  # which only move_group says of this goal
+
+
+@pytest.mark.ros
+@pytest.mark.sim
+@pytest.mark.slow
+def test_a_simulated_arm_says_that_move_group_is_not_there(tmp_path, domain):
+    from grip_bt.ros.process import child_environment
+
+    text = MOVEIT_PROJECT.replace("ur5_allegro", "panda_allegro").replace("wait: 20", "wait: 0.5")
+    (tmp_path / "grip.yaml").write_text(text + "world: table\n")
+    (tmp_path / "task.yaml").write_text(TASK.replace("    open: {node: hand/open}\n", ""))
+    command = [sys.executable, "-m", "grip_bt.cli", "run", str(tmp_path / "task.yaml"), "--robot", "sim"]
+    done = subprocess.run(command, env=child_environment((), domain), capture_output=True, text=True, timeout=200)
+    assert done.returncode == 3, done.stdout + done.stderr
+    assert "planner_lost" in done.stdout + done.stderr
+    assert "/move_group: the scene" in done.stdout + done.stderr
