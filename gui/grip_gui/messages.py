@@ -67,7 +67,11 @@ class VariableView(Wire):
     type: str
     doc: str = ""
     initial: str | None = None
-    """Preview of the initial value, None when there is none."""
+    """The initial value as JSON, None when there is none."""
+    whole: bool = True
+    """Whether `initial` is all of it, and not just its beginning."""
+    ports: list[Literal["input", "output"]] = []
+    """How the task's file hands it in and out; empty for a variable of its own."""
 
 
 class FixView(Wire):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 from grip_bt.catalog.manifest import Manifest
 from grip_bt.graph.canonical import data_of
@@ -27,8 +27,8 @@ from .messages import Meaning, NodeView, Problem, TaskView, Transition, Variable
 FindManifest: TypeAlias = Callable[[str], "Manifest | None"]
 _SHOWN = {"node", "kind", "children", "child", "with", "in", "out"}
 _SHOWN_FIELDS = {"node", "kind", "children", "child", "with_", "in_", "out"}
-PREVIEW = 120
-"""Longest preview of an initial value, in characters."""
+PREVIEW = 2000
+"""Longest initial value that is shown whole, in characters."""
 
 
 def project_task(task: Task, path: str, find: FindManifest, problems: list[Problem] | None = None) -> TaskView:
@@ -167,13 +167,21 @@ def container_label(node: AnyNode) -> str:
 
 
 def _variables(task: Task) -> list[VariableView]:
-    scopes: list[tuple[str, Mapping[str, Variable | str]]] = [("", task.data)]
+    scopes: list[tuple[str, Mapping[str, Variable | str]]] = [("", task.variables)]
     scopes += [(path, getattr(node, "data", {})) for path, node in walk(task.root)]
-    return [_variable(scope, name, declared) for scope, data in scopes for name, declared in data.items()]
+    views = [_variable(scope, name, declared) for scope, data in scopes for name, declared in data.items()]
+    sides: tuple[tuple[Literal["input", "output"], Mapping[str, object]], ...]
+    sides = (("input", task.inputs), ("output", task.outputs))
+    for i, view in enumerate(views):
+        ports = [side for side, names in sides if view.scope == "" and view.name in names]
+        views[i] = view.model_copy(update={"ports": ports}) if ports else view
+    return views
 
 
 def _variable(scope: str, name: str, declared: Variable | str) -> VariableView:
     if isinstance(declared, str):
         return VariableView(scope=scope, name=name, type=declared)
-    initial = json.dumps(declared.value, default=str)[:PREVIEW] if declared.has_value else None
-    return VariableView(scope=scope, name=name, type=declared.type, doc=declared.doc, initial=initial)
+    initial = json.dumps(plain_data(declared.value), default=str) if declared.has_value else None
+    whole = initial is None or len(initial) <= PREVIEW
+    shown = None if initial is None else initial[:PREVIEW]
+    return VariableView(scope=scope, name=name, type=declared.type, doc=declared.doc, initial=shown, whole=whole)

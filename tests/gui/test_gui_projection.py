@@ -106,3 +106,15 @@ def test_a_task_file_that_is_not_there_is_named(page: TestClient) -> None:
     answer = page.get("/api/task", params={"path": "tasks/other.yaml"})
     assert answer.status_code == 404
     assert "tasks/other.yaml" in answer.json()["detail"]
+
+
+def test_ports_of_the_task_are_variables_that_say_so_and_values_come_whole() -> None:
+    text = (
+        "grip: 1\nname: t\ninputs: {a: {type: 'list[int]', value: [1, 2]}, b: Pose}\noutputs: {b: Pose, c: str}\n"
+        "data: {d: {type: str, value: " + "x" * 3000 + "}}\nroot: {kind: sequence, children: {}}\n"
+    )
+    views = {view.name: view for view in project_task(loads(text), "t.yaml", lambda _: None).variables}
+    ports = {"a": ["input"], "b": ["input", "output"], "c": ["output"], "d": []}
+    assert {name: view.ports for name, view in views.items()} == ports
+    assert (views["a"].initial, views["a"].whole) == ("[1, 2]", True)
+    assert (len(views["d"].initial or ""), views["d"].whole) == (2000, False)

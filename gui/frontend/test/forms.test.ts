@@ -29,7 +29,7 @@ describe("literals in fields", () => {
 describe("search", () => {
   const found = findings(
     task([node("/", { kind: "sequence", children: ["look"] }), node("look", { label: "sensor/overhead", parameters: { state: "over the table" }, outputs: { points: "cloud" } })], {
-      variables: [{ scope: "", name: "cloud", type: "PointCloud", doc: "what is seen", initial: null }],
+      variables: [{ scope: "", name: "cloud", type: "PointCloud", doc: "what is seen", initial: null, whole: true, ports: [] }],
     }),
   );
   it("finds nodes by name, kind and value, and variables by type and documentation", () => {
@@ -52,8 +52,8 @@ it("the lens finds writers, readers and expressions, in the scope that is meant"
     ],
     {
       variables: [
-        { scope: "", name: "v", type: "int", doc: "", initial: null },
-        { scope: "inner", name: "v", type: "int", doc: "", initial: null },
+        { scope: "", name: "v", type: "int", doc: "", initial: null, whole: true, ports: [] },
+        { scope: "inner", name: "v", type: "int", doc: "", initial: null, whole: true, ports: [] },
       ],
     },
   );

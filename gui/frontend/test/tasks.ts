@@ -40,8 +40,8 @@ export const SMALL = task(
   ],
   {
     variables: [
-      { scope: "", name: "v", type: "int", doc: "", initial: "0" },
-      { scope: "again", name: "v", type: "int", doc: "", initial: null },
+      { scope: "", name: "v", type: "int", doc: "", initial: "0", whole: true, ports: [] },
+      { scope: "again", name: "v", type: "int", doc: "", initial: null, whole: true, ports: [] },
     ],
   },
 );

@@ -767,4 +767,6 @@ export interface VariableView {
   type: string;
   doc: string;
   initial: string | null;
+  whole: boolean;
+  ports: ("input" | "output")[];
 }

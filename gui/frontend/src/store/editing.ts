@@ -56,14 +56,22 @@ function keepSelection(): void {
 /** What takes a refusal over, so that it isn't told as trouble; false where it doesn't. */
 type Refused = (kind: string, message: string) => boolean;
 
-function send(wish: (document: DocumentView) => Promise<Answer>, text?: string, taken: Refused = () => false): Promise<boolean> {
+/** A setting of a node as it is now: what a change of it has to start from. */
+export function settingNow(path: string, key: string): unknown {
+  return useRun.getState().index.byPath.get(path)?.fields[key];
+}
+
+/** Send a wish when its turn comes; one that finds nothing to wish for any more (null) is left out. */
+function send(wish: (document: DocumentView) => Promise<Answer> | null, text?: string, taken: Refused = () => false): Promise<boolean> {
   const sent = queue.then(async () => {
     const { document } = useDocument.getState();
     if (document === null) return false;
     useDocument.getState().setConflict(null);
     useRun.getState().setTrouble("");
     try {
-      take(await wish(document));
+      const answer = wish(document);
+      if (answer === null) return false;
+      take(await answer);
       return true;
     } catch (error) {
       if (!(error instanceof RefusedError) || !taken(error.kind, error.message)) await refused(document.path, error, text);
@@ -83,14 +91,18 @@ async function refused(path: string, error: unknown, text?: string): Promise<voi
   } else useRun.getState().setTrouble(message);
 }
 
-/** Carry out a command; afterwards these nodes are selected. */
-export async function edit(command: Command, select?: string | readonly string[], said?: string, taken?: Refused): Promise<boolean> {
+/** Carry out a command; afterwards these nodes are selected. One that depends on how things are is made when its turn comes. */
+export async function edit(command: Command | (() => Command), select?: string | readonly string[], said?: string, taken?: Refused): Promise<boolean> {
   if (!editable()) {
     useRun.getState().setTrouble("What is shown is the record of a run; go back to the task to edit it.");
     return false;
   }
   const before = usePage.getState().selected;
-  const done = await send(({ path, revision, state }) => server.edit({ path, base: revision, command }, state), undefined, taken);
+  const done = await send(
+    ({ path, revision, state }) => server.edit({ path, base: revision, command: typeof command === "function" ? command() : command }, state),
+    undefined,
+    taken,
+  );
   // Who has turned to another node meanwhile stays there.
   const stayed = usePage.getState().selected === before || !useRun.getState().index.byPath.has(before ?? "");
   if (done && select !== undefined && stayed) {
@@ -103,7 +115,11 @@ export async function edit(command: Command, select?: string | readonly string[]
 }
 
 function step(what: "undo" | "redo" | "go", number: number | null = null): Promise<boolean> {
-  return send(({ path, revision, state }) => server.step({ path, base: revision, step: what, number }, state));
+  return send(({ path, revision, state, history }) => {
+    // Who presses faster than the answers come has come to the end meanwhile.
+    if ((what === "undo" && !history.can_undo) || (what === "redo" && number === null && !history.can_redo)) return null;
+    return server.step({ path, base: revision, step: what, number }, state);
+  });
 }
 
 export const undo = (): Promise<boolean> => step("undo");

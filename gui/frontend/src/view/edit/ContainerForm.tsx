@@ -7,7 +7,10 @@ import { useDocument } from "../../store/document";
 import { edit } from "../../store/editing";
 import { useRun } from "../../store/run";
 import { ChoiceField, expressionCheck, ValueField } from "./fields";
+import { CasesForm } from "./CasesForm";
+import { RulesForm } from "./RulesForm";
 import { VariablesForm } from "./VariablesForm";
+import { WaitForm } from "./WaitForm";
 
 export function ContainerForm({ node, locked }: { node: NodeView; locked: boolean }): JSX.Element {
   const face = useDocument((s) => s.catalog.kinds.find((each) => each.kind === node.kind));
@@ -16,15 +19,25 @@ export function ContainerForm({ node, locked }: { node: NodeView; locked: boolea
   return (
     <>
       {face && <p className="hint">{face.doc.split("\n\n")[0]}</p>}
-      {fields.map((field) => (
-        <Setting key={field.key} field={field} node={node} locked={locked} />
-      ))}
+      {fields.map((field) => {
+        const Rows = ROWS[field.key];
+        return Rows ? <Rows key={field.key} field={field} node={node} locked={locked} /> : <Setting key={field.key} field={field} node={node} locked={locked} />;
+      })}
       {node.kind !== "foreign" && node.kind !== "subtask" && <VariablesForm scope={node.path} locked={locked} />}
     </>
   );
 }
 
-function Setting({ field, node, locked }: { field: FieldFace; node: NodeView; locked: boolean }): JSX.Element {
+interface SettingProps {
+  readonly field: FieldFace;
+  readonly node: NodeView;
+  readonly locked: boolean;
+}
+
+/** Settings that are lists, as rows. */
+const ROWS: Readonly<Record<string, (props: SettingProps) => JSX.Element>> = { rules: RulesForm, cases: CasesForm, wait_for: WaitForm };
+
+function Setting({ field, node, locked }: SettingProps): JSX.Element {
   const task = useRun((s) => s.task);
   const given = node.fields[field.key];
   const set = (value: unknown): void =>
@@ -55,15 +68,12 @@ const LABELS: Record<string, string> = {
   if: "Only while",
   while: "While",
   on_value: "Value",
-  cases: "Cases",
   default: "Otherwise",
   items: "List",
   item: "Item",
   policy: "Needs",
   cancel: "The others then",
-  wait_for: "Waits for",
   order: "Order",
-  rules: "Rules",
   prompt: "Decides after each child",
   retick: "Asks the finished again",
   task: "File",

@@ -6,6 +6,7 @@ import { edit } from "../../store/editing";
 import { nameCheck } from "../../store/gestures";
 import { useRun } from "../../store/run";
 import { ValueField } from "./fields";
+import { PortsForm } from "./PortsForm";
 import { VariablesForm } from "./VariablesForm";
 
 export function TaskForm({ locked }: { locked: boolean }): JSX.Element {
@@ -29,6 +30,8 @@ export function TaskForm({ locked }: { locked: boolean }): JSX.Element {
         ))}
       </ul>
       {!locked && <button onClick={() => void addEnd()}>New end</button>}
+      <PortsForm side="input" locked={locked} />
+      <PortsForm side="output" locked={locked} />
       <VariablesForm scope="" locked={locked} />
     </>
   );
