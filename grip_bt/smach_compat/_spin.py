@@ -1,7 +1,7 @@
 """Plain transitions of a machine, one after the other, without what plain ones don't need.
 
-A transition is plain where the state has no keys and no constants, nobody listens, logs or preempts, and the outcome
-leads to another state. Whatever else comes up is left to the machine's own `_update_once`, which does the same, slower.
+A transition is plain where the state has no constants, nobody listens or preempts, and the outcome leads to another
+state. Whatever else comes up is left to the machine's own `_update_once`, which does the same, slower.
 """
 
 from __future__ import annotations
@@ -14,75 +14,73 @@ from ._settings import errors_of_user_code
 from .log import silent
 from .util import is_shutdown
 
-OVER = object()
-"""The next transition isn't plain, and its state hasn't been executed yet."""
+OVER: Any = object()
+"""The next transition isn't plain; its state may be executed and hasn't been yet."""
+
+STOPPED: Any = object()
+"""The next state mustn't be executed."""
 
 
 def spin(machine: Any) -> Any:
-    """Execute states as long as transitions are plain; return the machine's outcome, or `OVER`.
+    """Execute states as long as transitions are plain.
 
     The machine's lock is held by the caller and released meanwhile, so that a preempt can be requested. Everything that
-    programs reach into (`_states`, `_transitions`, the current label) is read and written at each transition.
+    programs reach into (`_states`, `_transitions`, `_remappings`, the current label, the states' sets) is read and
+    written at each transition. A request that comes between two states is seen before the second one, because its
+    writer sets the flag and then looks for the current state, while here the state is set and then the flag looked at.
+
+    Returns:
+        The machine's outcome; None after a transition that wasn't plain; `OVER`; `STOPPED`.
     """
-    lock = machine._state_transitioning_lock
-    callbacks = machine._transition_cbs
-    rows: dict[Any, tuple[Any, ...]] = {}
-    label, state = machine._current_label, machine._current_state
-    if callbacks or machine._preempt_requested or smach.loginfo is not silent or smach.is_shutdown is not is_shutdown:
+    if machine._transition_cbs or machine._preempt_requested or machine._current_label not in machine._states:
         return OVER
+    lock, views = machine._state_transitioning_lock, machine._views
+    rows = views.rows
     outcome: Any = None
-    row: Any = None
+    label: Any = None
+    state: Any = None
     lock.release()
     try:
         while True:
-            if row is None:
-                row = rows[label] = _row(machine, label, state)
-            known, view, left, outcomes, transitions = row
-            if (
-                state is not known
-                or left
-                or state._input_keys
-                or state._output_keys
-                or machine._current_transitions is not transitions
-            ):
+            label, state = machine._current_label, machine._current_state
+            try:
+                known, view, left, inputs, outputs, remapping, store = rows[label]
+                if (
+                    known is not state
+                    or left
+                    or inputs is not state._input_keys.frozen
+                    or outputs is not state._output_keys.frozen
+                    or remapping is not machine._remappings[label]
+                    or store is not machine.userdata
+                    or machine._preempt_requested
+                    or label in machine._constants
+                ):
+                    return OVER
+            except (KeyError, AttributeError):  # no view yet, or keys in an ordinary set
                 return OVER
-            outcome = state.execute(view)
-            if (
-                callbacks
-                or machine._preempt_requested
-                or machine._current_state is not state
-                or state._outcomes is not outcomes
-                or smach.loginfo is not silent
-                or smach.is_shutdown is not is_shutdown
-                or not machine._is_running
-            ):
+            try:
+                outcome = state.execute(view)
+            except errors_of_user_code() as error:
+                machine._raise_as_user_code(label, state, error)
+            if machine._current_state is not state or machine._transition_cbs:
                 break
             try:
-                target = transitions[outcome]
-                state = machine._states[target]
-                machine._current_transitions = machine._transitions[target]
+                target = machine._current_transitions[outcome]
+                following, transitions = machine._states[target], machine._transitions[target]
+                if outcome not in state._outcomes:
+                    break
             except (KeyError, TypeError):
-                state = known
                 break
-            machine._current_label = label = target
-            machine._current_state = state
-            row = rows.get(label)
-    except errors_of_user_code() as error:
-        lock.acquire()
-        try:
-            machine._raise_as_user_code(label, state, error)
-        finally:
-            lock.release()
+            machine._current_label, machine._current_state = target, following
+            machine._current_transitions = transitions
+            loginfo = smach.loginfo
+            if loginfo is not silent:
+                loginfo(f"State machine transitioning '{label}':'{outcome}'-->'{target}'")
+            check = smach.is_shutdown
+            if not machine._is_running or (check is not is_shutdown and check()):
+                return STOPPED
+            if machine._current_label not in machine._states:
+                return OVER
     finally:
         lock.acquire()
-    return machine._follow(label, state, outcome, plain=True) or OVER
-
-
-def _row(machine: Any, label: Any, state: Any) -> tuple[Any, ...]:
-    """Return a state that can be executed without more ado, with its view and what mustn't change; or no state."""
-    if label in machine._states and machine._states[label] is state and label not in machine._constants:
-        view, plain = machine._views.get(label, state, machine.userdata, machine._remappings[label])
-        transitions, outcomes = machine._transitions[label], state._outcomes
-        if plain and outcomes.issuperset(transitions):
-            return state, view, view.__dict__, outcomes, transitions
-    return (None,) * 5
+    return machine._follow(label, state, outcome, plain=True)

@@ -10,7 +10,7 @@ from typing import Any, NoReturn
 from grip_bt import smach_compat as smach
 
 from ._settings import errors_of_user_code, settings
-from ._spin import OVER, spin
+from ._spin import OVER, STOPPED, spin
 from ._views import Views
 from .container import Container
 from .exceptions import InvalidStateError, InvalidTransitionError, InvalidUserCodeError
@@ -229,26 +229,39 @@ class StateMachine(Container):
     def _run(self, parent_ud: Any) -> str | None:
         # The request itself is kept: one that came before the execution preempts the initial state.
         self._preempted_label = self._preempted_state = None
-        self._views.clear()
+        self._views.begin()
         self._set_current_state(self._initial_state_label)
         self._copy_input_keys(parent_ud, self.userdata)
         smach.loginfo(
             f"State machine starting in initial state {self._current_label!r} with userdata: {self.userdata.keys()}"
         )
         self.call_start_cbs()
-        outcome = None
-        spins, waits, patience = type(self)._update_once is StateMachine._update_once, 0, 1
-        while outcome is None and self._is_running and not smach.is_shutdown():
-            outcome, label = OVER, self._current_label
+        outcome = self._loop()
+        self._copy_output_keys(self.userdata, parent_ud)
+        return outcome
+
+    def _loop(self) -> str | None:
+        """Execute states until the machine's outcome; return None when it is to stop before."""
+        spins, waits, patience = self._follows_plainly(), 0, 1
+        while self._is_running and not smach.is_shutdown():
+            outcome: Any = OVER
+            label = self._current_label
             if spins and not waits:
                 outcome = spin(self)
                 patience = min(2 * patience, LONGEST_WAIT) if outcome is OVER and self._current_label is label else 1
                 waits = patience
             if outcome is OVER:
                 waits -= 1
-                outcome = self._update_once() if self._is_running and not smach.is_shutdown() else None
-        self._copy_output_keys(self.userdata, parent_ud)
-        return outcome
+                outcome = self._update_once()
+            if outcome is STOPPED:
+                return None
+            if outcome is not None:
+                return outcome  # type: ignore[no-any-return]
+        return None
+
+    def _follows_plainly(self) -> bool:
+        """Tell whether nobody has replaced what `spin` does without."""
+        return all(getattr(getattr(self, own.__name__), "__func__", None) is own for own in _SPUN)
 
     def _set_current_state(self, label: str | None) -> None:
         self._current_label = label
@@ -372,3 +385,7 @@ class StateMachine(Container):
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         self._state_transitioning_lock = threading.RLock()
+
+
+_SPUN = (StateMachine._update_once, StateMachine._follow, StateMachine.call_transition_cbs)
+"""Methods without which `spin` goes from state to state, as they are here, wherever they are replaced."""

@@ -139,10 +139,16 @@ class Remapper:
         output_keys: Iterable[str] = NOTHING,
         remapping: Collection[str] | dict[str, str] = NOTHING,
     ):
-        self._ud = ud
-        self._input = frozenset(input_keys)
-        self._output = frozenset(output_keys)
-        self._map: Any = remapping
+        self._ud: Any
+        self._input: frozenset[str]
+        self._output: frozenset[str]
+        self._map: Any
+        # Not by `__setattr__`, which takes note of what users set.
+        set_part = object.__setattr__
+        set_part(self, "_ud", ud)
+        set_part(self, "_input", frozenset(input_keys))
+        set_part(self, "_output", frozenset(output_keys))
+        set_part(self, "_map", remapping)
 
     # Access by attribute is what states do at each activation, hence not by way of the items.
 
@@ -160,6 +166,8 @@ class Remapper:
     def __setattr__(self, name: str, value: Any) -> None:
         if name[0] == "_":
             object.__setattr__(self, name, value)
+            if name in Remapper.__slots__:
+                self.__dict__[name] = value
         elif name in self._output:
             names = self._map
             self._ud[names[name] if name in names else name] = value

@@ -1,5 +1,6 @@
 """States and functions with an interface, by the number of the probe."""
 
+import operator
 import pickle
 
 import pytest
@@ -121,3 +122,30 @@ def test_names_are_a_set_in_the_order_of_declaration(first, second):
     assert list(names) == [name for name in order if name not in second]
     names ^= {"added behind its back"}
     assert "added behind its back" in list(names)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda names: names.add("z"),
+        lambda names: names.discard("a"),
+        lambda names: names.remove("a"),
+        lambda names: names.pop(),
+        lambda names: names.clear(),
+        lambda names: names.update(["z"]),
+        lambda names: names.difference_update(["a"]),
+        lambda names: names.intersection_update(["a"]),
+        lambda names: names.symmetric_difference_update(["a", "z"]),
+        lambda names: operator.ior(names, {"z"}),
+        lambda names: operator.isub(names, {"a"}),
+        lambda names: operator.iand(names, {"a"}),
+        lambda names: operator.ixor(names, {"a", "z"}),
+    ],
+)
+def test_frozen_names_are_the_same_object_until_they_change(change):
+    names = Names(["a", "b"])
+    before = names.freeze()
+    assert names.freeze() is before is names.frozen
+    change(names)
+    assert names.frozen is not before
+    assert names.freeze() == set(names) != before
