@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from . import composites, controls, leaves
+from .builtin import builtin
 from .emit_ours import plain
 from .hooks import entering, leaving
 from .kinds import DECORATORS, Kind, conditional, kind_of, ours, overrides, plain_validation
@@ -36,10 +38,11 @@ class Compiler:
     Args:
         visit: called where py_trees yields a node; None for nobody.
         fixed_methods: somebody promises that no instance gets or loses a method of its life cycle.
+        given: results that leaves of py_trees' own have given already, by `id` of the leaf.
     """
 
-    def __init__(self, visit: Visit | None = None, fixed_methods: bool = False):
-        self.visit, self.fixed_methods = visit, fixed_methods
+    def __init__(self, visit: Visit | None, fixed_methods: bool, given: dict[int, Status]):
+        self.visit, self.fixed_methods, self._given = visit, fixed_methods, given
         self.nodes: list[Behaviour] = []
         self.stale = False
 
@@ -54,9 +57,14 @@ class Compiler:
             part = Part(node, foreign(node, verdict, self.visit), halt_foreign(node))
         elif kind is Kind.LEAF:
             stop = make_stop(node, kind, (), _never)
-            make = leaves.our_leaf if ours(node) else leaves.leaf
             inside = None if ours(node) and not plain(node) else _inside(node, kind, (), stop, Methods())
-            part = Part(node, self._conditional(node, make(node, stop, self.visit)), make_halt(stop), inside)
+            if ours(node):
+                tick = leaves.our_leaf(node, stop, self.visit)
+            else:
+                known = builtin(node, self._given)
+                tick = leaves.leaf(node, self.visit, known)
+                inside = replace(inside, builtin=known) if inside is not None else None
+            part = Part(node, self._conditional(node, tick), make_halt(stop), inside)
         else:
             part = self._inner(node, kind, verdict)
         self.nodes.append(node)

@@ -69,12 +69,26 @@ class Emitter(HaltEmitter):
             return
         if inside.initialises:
             write(f"if {name}.status is not R: {name}.initialise()")
-        write(f"s = {name}.update()")
+        self._update(name, inside)
+        if inside.builtin is not None and inside.builtin.clears:
+            write(f"{name}.status = s")
+            return
         with write.block("if s is not R:"):
             write(f"if s is not S and s is not F and s not in VALID: s = rejected({name}, s)")
             if inside.terminates:
                 write(f"{name}.terminate(s)")
         write(f"{name}.status = s")
+
+    def _update(self, name: str, inside: Inside) -> None:
+        """Write what leaves the result of a leaf's `update` in `s`."""
+        known = inside.builtin
+        if known is None:
+            self.write(f"s = {name}.update()")
+        elif known.constant is None:
+            self.write(f"s = {self.write.bind(f'u{name}', known.update)}()")
+        else:
+            status, message = known.constant
+            self.write(f"{name}.feedback_message = {message!r}", f"s = {status.name[0]}")
 
     # --- sequences and selectors ---
 
@@ -359,7 +373,7 @@ def _bare(part: Part) -> bool:
     """Tell whether a node is a leaf of py_trees that overrides `update` alone."""
     inside = part.inside
     plain = inside is not None and inside.kind is Kind.LEAF and not inside.ours
-    return plain and not (inside.initialises or inside.terminates)  # type: ignore[union-attr]
+    return plain and not (inside.initialises or inside.terminates or inside.builtin)  # type: ignore[union-attr]
 
 
 def _leaves(onward: str) -> str:

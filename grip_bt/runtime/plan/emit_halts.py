@@ -95,6 +95,8 @@ class HaltEmitter:
     def _halt_leaf(self, inside: Inside, name: str, write: Writer) -> None:
         if inside.ours:
             emit_halt(write, name)
+        elif _clears(inside):
+            write(f'{name}.feedback_message = ""', f"{name}.status = I")
         else:
             write(*([f"{name}.terminate(I)"] if inside.terminates else []), f"{name}.status = I")
 
@@ -162,9 +164,13 @@ class HaltEmitter:
     def _calm(self, part: Part) -> bool:
         """Tell whether nobody is called when a node of py_trees is stopped with all below it."""
         inside = part.inside
-        if inside is None or inside.ours or inside.terminates or not self._inline(part):
+        if inside is None or inside.ours or not self._inline(part) or (inside.terminates and not _clears(inside)):
             return False
         return all(map(self._calm, inside.kids))
+
+
+def _clears(inside: Inside) -> bool:
+    return inside.builtin is not None and inside.builtin.clears
 
 
 def _leaf_of_theirs(part: Part) -> bool:
@@ -190,7 +196,7 @@ def rows_of(kids: tuple[Part, ...], inline: Callable[[Part], bool]) -> Iterator[
         inside = kid.inside
         if inside is None or inside.kind is not Kind.LEAF or not inline(kid):
             return False, None
-        if inside.terminates or inside.initialises:
+        if inside.terminates or inside.initialises or inside.builtin is not None:
             return False, None
         return inside.ours, type(kid.node)
 

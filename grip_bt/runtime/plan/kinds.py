@@ -9,7 +9,7 @@ from __future__ import annotations
 from enum import Enum, auto
 from typing import Any
 
-from py_trees import composites, decorators
+from py_trees import behaviours, composites, decorators
 from py_trees.behaviour import Behaviour
 
 from grip_bt.nodes.control.chooser import _Turns
@@ -73,12 +73,15 @@ _OURS_STOP = Node.stop
 _CONDITIONAL = Conditional.tick
 DECORATORS = (Kind.DECORATOR, Kind.GATE)
 _VALIDATION = composites.Parallel.validate_policy_configuration
-_PLAIN = {"initialise": Behaviour.initialise, "terminate": Behaviour.terminate}
+_PLAIN = {
+    "initialise": (Behaviour.initialise,),
+    "terminate": (Behaviour.terminate, behaviours.StatusQueue.terminate),  # which writes a debug message
+}
 
 
 def overrides(node: Behaviour, name: str) -> bool:
-    """Tell whether `initialise` or `terminate` is more than py_trees' empty one."""
-    return replaced_on(node, name) or getattr(type(node), name) is not _PLAIN[name]
+    """Tell whether `initialise` or `terminate` does more than those of py_trees that do nothing."""
+    return replaced_on(node, name) or getattr(type(node), name) not in _PLAIN[name]
 
 
 def plain_validation(node: Behaviour) -> bool:

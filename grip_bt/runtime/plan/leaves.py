@@ -9,17 +9,20 @@ from py_trees.common import Status
 
 from grip_bt.errors import NodeError
 
+from .builtin import Builtin
 from .kinds import overrides
 from .parts import INVALID, VALID, F, R, S, Visit, rejected
 from .stopping import Stop
 
 
-def leaf(node: Any, stop: Stop, visit: Visit | None) -> Callable[[], Status]:
+def leaf(node: Any, visit: Visit | None, known: Builtin | None) -> Callable[[], Status]:
     """`Behaviour.tick`."""
     initialises, terminates = overrides(node, "initialise"), overrides(node, "terminate")
 
+    quick = None if known is None else known.update
+
     def plain() -> Status:
-        status: Status = node.update()
+        status: Status = node.update() if quick is None else quick()
         if status is not S and status is not F and status is not R and status not in VALID:
             status = rejected(node, status)
         node.status = status
@@ -31,7 +34,7 @@ def leaf(node: Any, stop: Stop, visit: Visit | None) -> Callable[[], Status]:
     def tick() -> Status:
         if initialises and node.status is not R:
             node.initialise()
-        status = node.update()
+        status = node.update() if quick is None else quick()
         if status is not R:
             if status is not S and status is not F and status not in VALID:
                 status = rejected(node, status)

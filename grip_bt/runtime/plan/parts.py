@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from .kinds import Kind
 from .watch import Methods
+
+if TYPE_CHECKING:
+    from .builtin import Builtin
 
 S, F, R, INVALID = Status.SUCCESS, Status.FAILURE, Status.RUNNING, Status.INVALID
 VALID = tuple(Status)
@@ -65,6 +68,7 @@ class Inside:
         policy: of a parallel.
         ours: whether it reports to an observer and ends with labels.
         exits: whether ends of its children may end it at once.
+        builtin: what stands for the `update` of a leaf of py_trees' own.
     """
 
     kind: Kind
@@ -77,6 +81,7 @@ class Inside:
     policy: Any = None
     ours: bool = False
     exits: bool = False
+    builtin: Builtin | None = None
 
 
 def rejected(node: Behaviour, status: Any) -> Status:

@@ -84,7 +84,7 @@ class Plan:
             self._run = self._generated(self._compiler, self._part, self._clock)
 
     def _compile(self) -> None:
-        self._compiler = Compiler(self._visit, self._fixed)
+        self._compiler = Compiler(self._visit, self._fixed, self._handed.given)
         self._part: Part = self._compiler.compile(self.root)
         nodes = () if self._fixed else self._compiler.nodes
         self._classes = Classes(type(node) for node in nodes)

@@ -17,6 +17,7 @@ from py_trees import decorators
 from py_trees.behaviour import Behaviour
 from py_trees.common import ParallelPolicy, Status
 
+from .builtin import is_builtin
 from .emit_ours import failed
 from .kinds import Kind, replaced_on
 from .parts import INVALID, F, Inside, Part, R, S
@@ -57,16 +58,23 @@ class Handed:
     """Results that nodes have given already, waiting for the ordinary plan to ask.
 
     A status is what `update` has returned, a truth value what `open` of a guard has.
+
+    Attributes:
+        given: those of leaves of py_trees' own, which are asked by compiled functions, by `id` of the leaf.
     """
 
     def __init__(self) -> None:
         self._waiting: list[tuple[Any, str, Any]] = []
-        self._given = False
+        self._passing = False
+        self.given: dict[int, Status] = {}
 
     def give(self, node: Any, expected: Status | bool, result: Any) -> None:
         """Have the next call of `update`, or of `open` where True was expected, return `result`; only that one."""
-        if not self._given:
-            self._given = True
+        if is_builtin(node):
+            self.given[id(node)] = result
+            return
+        if not self._passing:
+            self._passing = True
             Methods.passing += 1
         name = "open" if expected is True else "update"
         waiting = node, name, getattr(node, name) if replaced_on(node, name) else None
@@ -80,10 +88,11 @@ class Handed:
 
     def end(self) -> None:
         """The tick is over: forget what nobody asked for."""
+        self.given.clear()
         for waiting in list(self._waiting):
             self._restore(waiting)
-        if self._given:
-            self._given = False
+        if self._passing:
+            self._passing = False
             Methods.passing -= 1
 
     def _restore(self, waiting: tuple[Any, str, Any]) -> None:
@@ -174,7 +183,7 @@ class _Writing:
             self._ours(node, inside, name)
             return
         if inside.kind is Kind.LEAF:
-            self._call(node, name, R)
+            self._call(part, name, R)
             return
         match inside.kind:
             case Kind.SEQUENCE:
@@ -184,7 +193,7 @@ class _Writing:
             case Kind.PARALLEL:
                 self._parallel(node, inside, name)
             case _:
-                self._decorator(node, inside, name)
+                self._decorator(part, inside, name)
         self.write(f"{name}.status = R")
 
     def _sequence(self, node: Any, inside: Inside, name: str) -> None:
@@ -199,7 +208,7 @@ class _Writing:
         first = self.write.bind(f"{name}f", kids[0])
         for before in inside.kids[:at]:
             self.write(f"{name}.current_child = {self._bare(before, S)}")
-            self._call(before.node, f"n{len(self.nodes) - 1}", S)
+            self._call(before, f"n{len(self.nodes) - 1}", S)
         if at:
             self.write(f"{name}.current_child = {self.write.bind(f'{name}c', kids[at])}")
         else:
@@ -219,7 +228,7 @@ class _Writing:
                 self._waits(before.node)
             else:
                 self._bare(before, F)
-                self._call(before.node, f"n{len(self.nodes) - 1}", F)
+                self._call(before, f"n{len(self.nodes) - 1}", F)
         if inside.memory and at:
             self._unchanged(node, kids[:at], name, f".children[:{at}]")
         self.way(inside.kids[at])
@@ -241,18 +250,25 @@ class _Writing:
                 self._name(kid.node, S)
             else:
                 self._bare(kid, S)
-                self._call(kid.node, f"n{len(self.nodes) - 1}", S)
+                self._call(kid, f"n{len(self.nodes) - 1}", S)
 
-    def _decorator(self, node: Any, inside: Inside, name: str) -> None:
+    def _decorator(self, part: Part, inside: Inside, name: str) -> None:
+        node: Any = part.node
         kid = inside.kids[0]
         update = type(node).update
         if replaced_on(node, "update") or update not in _LEAVING_ALONE:
             raise Unsettled
         self.checks.append(f"{name}.decorated is {self.write.bind(f'{name}d', kid.node)}")
         self.checks.append(f"{self.write.bind(f'{name}y', type(node))}.update is {self.write.bind(f'{name}u', update)}")
-        self.way(kid)
+        if kid.node.status is R:
+            self.way(kid)
+        elif update is decorators.Timeout.update or kid.node.status not in (S, F):
+            raise Unsettled
+        else:  # it ends in each tick, and the decorator says that it runs
+            self._bare(kid, kid.node.status)
+            self._call(kid, f"n{len(self.nodes) - 1}", kid.node.status)
         if update is not decorators.Timeout.update:
-            self._call(node, name, R)
+            self._call(part, name, R)
             return
         # its update stops the child when the time is over, after which the tick couldn't be done over
         self.write.bind("decorators", decorators)
@@ -333,9 +349,11 @@ class _Writing:
             raise Unsettled
         self._name(node, INVALID)
 
-    def _call(self, node: Any, name: str, expected: Status) -> None:
-        self.write(f"s = {name}.update()")
-        self._expect(node, name, expected)
+    def _call(self, part: Part, name: str, expected: Status) -> None:
+        known = part.inside.builtin if part.inside is not None else None
+        update = f"{name}.update" if known is None else self.write.bind(f"{name}u", known.update)
+        self.write(f"s = {update}()")
+        self._expect(part.node, name, expected)
 
     def _expect(self, node: Any, name: str, expected: Status) -> None:
         at, letter = len(self.calls), expected.name[0]

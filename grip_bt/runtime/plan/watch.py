@@ -13,6 +13,7 @@ from typing import Any, ClassVar
 
 from py_trees.behaviour import Behaviour
 
+from .builtin import relies_on_update
 from .kinds import LIFE_CYCLE
 
 
@@ -27,9 +28,11 @@ class Methods:
     """How many plans have put something into their nodes that will be gone after the tick: sizes aren't noted then."""
 
     def __init__(self, nodes: Iterable[Behaviour] = ()):
-        self.dicts = [_attributes(node) for node in nodes]
+        watched = list(nodes)
+        self.dicts = [_attributes(node) for node in watched]
         self.sizes = [*map(len, self.dicts)]
-        self._own = [_own(d) for d in self.dicts]
+        self._names = [_watched(type(node)) for node in watched]
+        self._own = self._owned()
 
     @classmethod
     def joined(cls, parts: Iterable[Methods]) -> Methods:
@@ -38,16 +41,22 @@ class Methods:
         for part in parts:
             whole.dicts += part.dicts
             whole.sizes += part.sizes
+            whole._names += part._names
             whole._own += part._own
         return whole
 
     def replaced(self) -> bool:
         """Tell whether an instance has got or lost a method of its life cycle; called when a size has changed."""
-        if [_own(d) for d in self.dicts] != self._own:
+        if self._owned() != self._own:
             return True
         if not Methods.passing:
             self.sizes[:] = map(len, self.dicts)
         return False
+
+    def _owned(self) -> list[list[str]]:
+        """Return which methods each instance has of its own."""
+        pairs = zip(self.dicts, self._names, strict=True)
+        return [[name for name in names if name in attributes] for attributes, names in pairs]
 
 
 _unshared: dict[int, weakref.ref[Behaviour]] = {}
@@ -69,8 +78,9 @@ def _attributes(node: Behaviour) -> dict[str, Any]:
     return attributes
 
 
-def _own(attributes: dict[str, Any]) -> tuple[str, ...]:
-    return tuple(name for name in LIFE_CYCLE if name in attributes)
+def _watched(cls: type) -> tuple[str, ...]:
+    """Return the methods whose replacement changes how an instance is compiled; others are looked up at each call."""
+    return (*LIFE_CYCLE, "update") if relies_on_update(cls) else LIFE_CYCLE
 
 
 class Classes:
@@ -78,6 +88,8 @@ class Classes:
 
     def __init__(self, classes: Iterable[type]):
         self._seen: list[tuple[Any, ...]] = [(cls, *_methods(cls)) for cls in set(classes)]
+        called = {base for cls, *_ in self._seen if relies_on_update(cls) for base in cls.__mro__}
+        self._updates: list[tuple[Any, Any]] = [(cls, cls.update) for cls in called if hasattr(cls, "update")]
 
     def changed(self) -> bool:
         """Tell whether a method of a class was replaced."""
@@ -89,7 +101,7 @@ class Classes:
                 or cls.terminate is not terminate
             ):
                 return True
-        return False
+        return any(cls.update is not update for cls, update in self._updates) if self._updates else False
 
 
 def _methods(cls: Any) -> tuple[Any, Any, Any, Any]:

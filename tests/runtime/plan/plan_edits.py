@@ -65,7 +65,7 @@ def _settings(node: Any, rng: random.Random) -> None:
         node.memory = not node.memory
     elif hasattr(node, "policy") and isinstance(node, composites.Parallel):
         if rng.random() < 0.5:
-            node.policy = Maker(rng.randrange(1000), []).policy(node.children)
+            node.policy = Maker(rng.randrange(1000), Log()).policy(node.children)
         else:
             node.policy.synchronise = not node.policy.synchronise
     elif hasattr(node, "num_failures"):

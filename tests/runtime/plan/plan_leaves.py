@@ -9,7 +9,18 @@ from py_trees import behaviour, composites, decorators
 from py_trees.common import Status
 
 S, F, R, INVALID = Status.SUCCESS, Status.FAILURE, Status.RUNNING, Status.INVALID
-Log = list[tuple[Any, ...]]
+
+
+class Log(list[tuple[Any, ...]]):
+    """What the nodes of one tree have seen.
+
+    Args:
+        board: the tree's part of the blackboard.
+    """
+
+    def __init__(self, board: str = "alone"):
+        super().__init__()
+        self.board = board
 
 
 def seen_from(node: behaviour.Behaviour) -> tuple[Any, ...]:

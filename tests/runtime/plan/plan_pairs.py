@@ -54,9 +54,9 @@ class Pair:
     def __init__(
         self, seed: int, *, calm: bool = False, wild: bool = True, watched: bool = False, hot: bool = False, **plan: Any
     ):
-        self.logs: tuple[Log, Log] = ([], [])
+        self.logs = Log("one"), Log("other")
         self.trees = [Maker(seed, log, calm=calm, wild=wild).tree(3 if seed % 3 else 4) for log in self.logs]
-        self.visits: tuple[Log, Log] = ([], [])
+        self.visits = Log(), Log()
         self.watched, self.hot = watched, hot
         self.plan = Plan(self.trees[1], self._visitor(1) if watched else None, **plan)
 
@@ -111,7 +111,7 @@ def _outcome(action: Any) -> str | None:
     except RecursionError:
         raise
     except Exception as error:  # noqa: BLE001 - whatever it is, the other side has to raise the same
-        return repr(error)
+        return repr(error).replace("/one/", "/").replace("/other/", "/")  # each tree has its part of the blackboard
     return None
 
 

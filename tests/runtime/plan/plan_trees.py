@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 from typing import Any
 
+from plan_builtins import leaf_of_py_trees
 from plan_leaves import (
     INVALID,
     Backwards,
@@ -68,6 +69,8 @@ class Maker:
         if self.calm:
             settled = rng.choice([S, F, R, R])
             script = [settled] * rng.randint(2, 25) + script
+        if rng.random() < 0.25:
+            return leaf_of_py_trees(self.name(), rng, self.log.board)
         kinds = LEAVES if self.wild else LEAVES[:6]
         return rng.choice(kinds)(self.name(), script, self.log)
 

@@ -6,7 +6,7 @@ import time
 from typing import Any
 
 import pytest
-from plan_leaves import INVALID, F, Plain, R, S, Told
+from plan_leaves import INVALID, F, Log, Plain, R, S, Told
 from py_trees import composites, decorators
 from py_trees.behaviour import Behaviour
 from py_trees.common import ParallelPolicy
@@ -17,7 +17,7 @@ from grip_bt.runtime.plan.plan import WARM_UP
 
 
 def told(name: str, *script: Any) -> Told:
-    return Told(name, list(script), [])
+    return Told(name, list(script), Log())
 
 
 def steps(*children: Behaviour, memory: bool = True) -> composites.Sequence:
@@ -105,7 +105,7 @@ def test_a_method_replaced_between_ticks_is_called_from_the_next_tick_on(
     class Patched(Plain):
         pass
 
-    leaf = Patched("leaf", [S], [])
+    leaf = Patched("leaf", [S], Log())
     plan = Plan(steps(leaf, told("next", S)))
     plan.optimise()
     plan.tick()
@@ -146,7 +146,7 @@ def test_two_plans_of_one_tree_get_along() -> None:
 
 
 def test_a_plan_needs_no_more_than_the_root_of_a_leaf() -> None:
-    leaf = Plain("leaf", [R, S], [])
+    leaf = Plain("leaf", [R, S], Log())
     plan = Plan(leaf)
     plan.optimise()
     plan.tick()

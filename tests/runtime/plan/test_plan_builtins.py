@@ -1,0 +1,170 @@
+"""Leaves of py_trees' own are ticked by compiled functions, which nobody can tell from theirs."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from py_trees import behaviours, composites, decorators
+from py_trees.blackboard import Blackboard, Client
+from py_trees.common import Access, ComparisonExpression, Status
+
+from grip_bt.runtime import Plan
+
+S, F, R = Status.SUCCESS, Status.FAILURE, Status.RUNNING
+
+
+@pytest.fixture
+def board() -> Iterator[Client]:
+    client = Client(name="test")
+    for key in ("x", "name"):
+        client.register_key(key=key, access=Access.WRITE)
+    yield client
+    Blackboard.disable_activity_stream()
+    Blackboard.clear()
+    Blackboard.clients.clear()
+
+
+def checking(value: Any, compare: Any = operator.eq, key: str = "x") -> behaviours.CheckBlackboardVariableValue:
+    return behaviours.CheckBlackboardVariableValue("check", ComparisonExpression(key, value, compare))
+
+
+def hot(root: Any, **options: Any) -> Plan:
+    plan = Plan(root, **options)
+    plan.optimise()
+    return plan
+
+
+@pytest.mark.parametrize("generated", [False, True])
+def test_no_update_of_their_own_is_called_where_everything_is_as_usual(
+    board: Client, generated: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    board.x = 1
+    kids = [
+        behaviours.Success("success"),
+        checking(1),
+        behaviours.CheckBlackboardVariableExists("exists", "x"),
+        behaviours.WaitForBlackboardVariable("wait", "x"),
+        behaviours.SetBlackboardVariable("set", "x", 1, True),
+        behaviours.StatusQueue("queue", [S], S),
+        behaviours.SuccessEveryN("every", 1),
+        behaviours.WaitForBlackboardVariableValue("wait", ComparisonExpression("x", 1, operator.eq)),
+    ]
+    root = composites.Sequence("all", True, kids)
+    plan = Plan(root)
+    if generated:
+        plan.optimise()
+    said: list[str] = []
+    monkeypatch.setattr("py_trees.logging.Logger.debug", lambda self, message: said.append(message))
+    plan.tick()
+    assert root.status is S
+    assert not said
+    assert kids[1].feedback_message == "'x' comparison succeeded [v: 1][e: 1]"
+
+
+def test_a_comparison_follows_what_it_compares(board: Client) -> None:
+    expected = [1]
+    leaf = behaviours.CheckBlackboardVariableValue("check", ComparisonExpression("x", lambda: expected[0], operator.eq))
+    plan = hot(composites.Sequence("s", True, [leaf]))
+    for x, wanted, status in ((1, 1, S), (2, 1, F), (2, 2, S), (2.0, 2, S)):
+        board.x, expected[0] = x, wanted
+        plan.tick()
+        word = "succeeded" if status is S else "failed"
+        assert (leaf.status, leaf.feedback_message) == (status, f"'x' comparison {word} [v: {x}][e: {wanted}]")
+    leaf.check = ComparisonExpression("x", 3, operator.lt)
+    plan.tick()
+    assert leaf.feedback_message == "'x' comparison succeeded [v: 2.0][e: 3]"
+
+
+def test_the_text_of_what_may_change_is_made_at_each_tick(board: Client) -> None:
+    board.x = grown = [1]
+    leaf = checking([1, 2], operator.ne)
+    plan = hot(composites.Sequence("s", True, [leaf]))
+    plan.tick()
+    grown.append(3)
+    plan.tick()
+    assert leaf.feedback_message == "'x' comparison succeeded [v: [1, 3]][e: [1, 2]]"
+
+
+def test_a_variable_named_like_an_attribute_of_clients_is_read_as_py_trees_reads_it(board: Client) -> None:
+    board.set("name", 5)
+    theirs, ours = checking(5, key="name"), checking(5, key="name")
+    theirs.tick_once()
+    hot(ours).tick()
+    name = "check"  # of the client, which `get` finds before the variable
+    assert theirs.feedback_message == ours.feedback_message == f"'name' comparison failed [v: {name}][e: 5]"
+
+
+def test_an_activity_stream_hears_of_every_reading(board: Client) -> None:
+    board.x = 1
+    plan = hot(checking(1))
+    plan.tick()
+    Blackboard.enable_activity_stream()
+    plan.tick()
+    assert [item.key for item in Blackboard.activity_stream.data] == ["/x"]
+
+
+def test_a_right_that_was_withdrawn_is_missed(board: Client) -> None:
+    board.x = 1
+    leaf = checking(1)
+    plan = hot(leaf)
+    plan.tick()
+    leaf.blackboard.unregister_key("x", clear=False)
+    with pytest.raises(AttributeError, match="does not have read/write access to '/x'"):
+        plan.tick()
+
+
+@pytest.mark.parametrize("on", ["instance", "class"])
+@pytest.mark.parametrize("generated", [False, True])
+def test_a_replaced_update_is_called_from_the_next_tick_on(
+    on: str, generated: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    leaf = behaviours.Success("leaf")
+    plan = Plan(composites.Sequence("s", True, [leaf]))
+    if generated:
+        plan.optimise()
+    plan.tick()
+    if on == "instance":
+        leaf.update = lambda: F  # type: ignore[method-assign]
+    else:
+        monkeypatch.setattr(behaviours.Success, "update", lambda self: F)
+    plan.tick()
+    assert leaf.status is F
+
+
+def test_an_update_that_another_one_calls_is_watched_too(board: Client, monkeypatch: pytest.MonkeyPatch) -> None:
+    board.x = 1
+    leaf = behaviours.WaitForBlackboardVariableValue("wait", ComparisonExpression("x", 1, operator.eq))
+    plan = hot(leaf)
+    plan.tick()
+    assert leaf.status is S
+    monkeypatch.setattr(behaviours.CheckBlackboardVariableValue, "update", lambda self: F)
+    plan.tick()
+    assert leaf.status is R
+
+
+def test_nothing_is_compared_twice_when_a_trace_ends(board: Client) -> None:
+    board.x = 1
+    looked: list[int] = []
+
+    def equal(value: int, expected: int) -> bool:
+        looked.append(value)
+        return value == expected
+
+    last = checking(1, equal)
+    root = composites.Sequence("s", False, [checking(1, equal), decorators.SuccessIsRunning("on", last)])
+    plan = Plan(root)
+    for _ in range(9):
+        plan.tick()
+    assert plan._trace is not None
+    board.x = 2
+    looked.clear()
+    plan.tick()
+    assert looked == [2]
+    board.x = 1
+    looked.clear()
+    plan.tick()
+    assert looked == [1, 1]
+    assert root.status is R
