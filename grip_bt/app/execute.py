@@ -20,6 +20,7 @@ from grip_bt.runtime.keeping import Kept
 from grip_bt.validation import Issue, Report, validate
 
 from .going_on import GoOn, begin_again, options_text, policy_of, process_facts
+from .journal_room import keep_to_limit
 from .keeping import changes, kept_parts
 from .mocks import apply_mocks
 from .project import Project, find_project
@@ -183,6 +184,8 @@ def open_session(
         if options.paused:
             runner.pause()
         yield Session(project, document, report, resources, runner, journal.file)
+    if options.journal is None:
+        keep_to_limit(project.journal, project.file.journal_limit)
 
 
 def _changed(leaf: Leaf, kept: Mapping[str, Kept]) -> tuple[str, ...]:

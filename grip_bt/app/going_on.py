@@ -103,7 +103,8 @@ def _begun(pid: int) -> int | None:
         return None
 
 
-def _lives(events: Sequence[Event]) -> bool:
+def lives(events: Sequence[Event]) -> bool:
+    """Tell whether the process that executes a run is there, as far as this machine knows."""
     facts = [e.data["process"] for e in events if e.event in ("run_started", "run_resumed") and "process" in e.data]
     if not facts or facts[-1].get("host") != socket.gethostname():
         return False
@@ -138,7 +139,7 @@ def resumable(record: RunRecord, events: Sequence[Event]) -> None:
         ResumeError: it has ended, or is under way; it says what can be done.
     """
     errors = [event for event in events if event.event == "error"]
-    if record.status == "running" and _lives(events):
+    if record.status == "running" and lives(events):
         raise ResumeError(f"run {record.id} is under way in another process; stop it first")
     if not any(event.event in _NODES for event in events):
         raise ResumeError(f"run {record.id} died before it began; run the task anew: grip run {record.task_path}")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+from pydantic import BaseModel, ByteSize, ConfigDict, Field, StringConstraints
 
 from grip_bt.catalog import Catalog, TaskFolder, find_manifests, find_python_nodes
 from grip_bt.catalog.controller_config import RosRobotConfig
@@ -35,6 +35,8 @@ class ArmConfig(_Config):
     """Group of joints in the robot's description."""
     hand: str | None = None
     """Name of the hand that it carries."""
+    arms: tuple[str, ...] = ()
+    """Arms that this one joins: one plan moves them all. `group` holds the joints of all of them."""
     planner: str = "RRTConnect"
     kinematics: str = "damped_least_squares"
     speed: float = Field(default=0.5, gt=0, le=1)
@@ -77,6 +79,8 @@ class ProjectFile(_Config):
     """The world that is simulated."""
     scene: str | None = None
     """A `.scene` file of what belongs to the room besides the world's own."""
+    journal_limit: ByteSize = ByteSize(20 * 10**9)
+    """How large the journal may become, such as `500 MB`: beyond that the oldest runs that have ended are removed."""
     simulated_time: bool = False
     """Whether the time of a run is that of the topic `/clock`, from a simulator that isn't ours."""
 

@@ -26,6 +26,14 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--data", action="store_true", help="the last value of each variable that the run wrote")
     parser.add_argument("--timing", action="store_true", help="how long the nodes of the run took")
     parser.add_argument("--coverage", type=Path, metavar="TASK", help="which outcomes of a task its runs have seen")
+    parser.add_argument(
+        "--prune",
+        nargs="?",
+        const="",
+        metavar="SIZE",
+        help="remove the oldest runs that have ended until the journal holds no more than SIZE, such as 500MB; by"
+        " default the project's journal_limit",
+    )
     parser.set_defaults(run=run, parser=parser)
 
 
@@ -35,6 +43,8 @@ def run(args: argparse.Namespace) -> int:
     from grip_bt.app.replay import find_run
     from grip_bt.runtime import JournalReader
 
+    if args.prune is not None:
+        return _prune(args)
     if (args.to is None) != (args.output is None):
         args.parser.error("--to and -o go together: grip runs RUN --to mcap -o FILE")
     place = Path(args.what)
@@ -61,6 +71,31 @@ def run(args: argparse.Namespace) -> int:
         if args.timing:
             return _timing(reader, found, args.json)
         return _data(reader, found, args.json) if args.data else _list(reader, args.json, found)
+
+
+def _prune(args: argparse.Namespace) -> int:
+    from pydantic import ByteSize, TypeAdapter, ValidationError
+
+    from grip_bt.app import find_project
+    from grip_bt.app.journal_room import make_room
+
+    project = find_project(Path(args.what))
+    try:
+        limit = TypeAdapter(ByteSize).validate_python(args.prune) if args.prune else project.file.journal_limit
+    except ValidationError:
+        args.parser.error(f"--prune {args.prune!r} isn't a size; such as 500MB or 2GiB")
+    file = args.journal or project.folder / ".grip" / "runs.sqlite"
+    if not file.is_file():
+        print(f"no runs yet in {file}")
+        return 0
+    pruned = make_room(file, limit, give_back=True)
+    if args.json:
+        print(json.dumps({"removed": pruned.runs, "before": pruned.before, "after": pruned.after}))
+    else:
+        held = ByteSize(pruned.after).human_readable()
+        count = len(pruned.runs)
+        print(f"{count} run{'s' if count != 1 else ''} removed; {file} holds {held} of {limit.human_readable()}")
+    return 0
 
 
 def _export(reader: JournalReader, run: str, file: Path, to: str) -> int:

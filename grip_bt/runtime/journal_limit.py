@@ -1,0 +1,116 @@
+"""How large a journal may become: the oldest runs make room, never the newest nor one that is under way."""
+
+from __future__ import annotations
+
+import re
+import sqlite3
+from collections import defaultdict
+from collections.abc import Callable, Iterable
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+
+from .journal import JournalError
+from .journal_schema import has_table, refuse_newer
+
+ROOM = 0.9
+"""Part of the limit that is left in use: a journal that has reached it isn't looked through after each run."""
+_HASH = re.compile(r'"hash": ?"([0-9a-f]{32})"')
+
+
+@dataclass(frozen=True)
+class Pruned:
+    """What was removed.
+
+    Attributes:
+        runs: ids, the oldest first.
+        before: size in use before [bytes].
+        after: and afterwards.
+    """
+
+    runs: tuple[str, ...]
+    before: int
+    after: int
+
+
+def size_of(file: Path) -> int:
+    """Return how much room a journal takes on the disk, what isn't in its main file yet included [bytes]."""
+    return sum(part.stat().st_size for part in (file, file.with_name(file.name + "-wal")) if part.is_file())
+
+
+def prune(file: Path, limit: int, keep: Callable[[str], bool] = lambda run: False, give_back: bool = False) -> Pruned:
+    """Remove the oldest runs, with what only they have written, until a journal has room again; the newest stays.
+
+    Others may write and read it meanwhile: each run goes in a transaction of its own. Room that becomes free is used
+    for later runs.
+
+    Args:
+        file: the journal.
+        limit: how much it may hold [bytes]; nothing happens below that, and above it `ROOM` of it is left in use.
+        keep: whether a run that has no end stays: it is under way. Ended ones are never asked about.
+        give_back: whether free room is given back to the disk, which rewrites the file; left out while others use it.
+
+    Raises:
+        JournalError: it is no journal, or can't be written.
+    """
+    try:
+        with closing(sqlite3.connect(f"file:{file}?mode=rw", uri=True, timeout=30, isolation_level=None)) as database:
+            refuse_newer(database)
+            before = _in_use(database)
+            removed = _make_room(database, limit, keep) if before > limit else ()
+            if give_back:
+                _vacuum(database)
+            return Pruned(tuple(removed), before, _in_use(database))
+    except sqlite3.Error as error:
+        raise JournalError(f"{file}: runs can't be removed: {error}") from error
+
+
+def _in_use(database: sqlite3.Connection) -> int:
+    size, pages, free = (
+        database.execute(f"PRAGMA {name}").fetchone()[0] for name in ("page_size", "page_count", "freelist_count")
+    )
+    return int(size * (pages - free))
+
+
+def _make_room(database: sqlite3.Connection, limit: int, keep: Callable[[str], bool]) -> Iterable[str]:
+    removed: list[str] = []
+    users: dict[str, set[str]] = defaultdict(set)  # hash of a big value -> runs that have written it
+    seen = _take_note(database, users, 0)
+    rows = database.execute("SELECT id, status FROM runs ORDER BY started").fetchall()
+    for run, status in rows[:-1]:
+        if _in_use(database) <= limit * ROOM:
+            break
+        if status == "running" and keep(run):
+            continue
+        database.execute("BEGIN IMMEDIATE")
+        seen = _take_note(database, users, seen)  # what was written meanwhile
+        for table, key in (("blocks", "run"), ("names", "run"), ("events", "run"), ("runs", "id")):
+            if table != "events" or has_table(database, table):
+                database.execute(f"DELETE FROM {table} WHERE {key}=?", (run,))
+        for hash, runs in list(users.items()):
+            runs.discard(run)
+            if not runs:
+                database.execute("DELETE FROM big_values WHERE hash=?", (hash,))
+                del users[hash]
+        database.execute("COMMIT")
+        removed.append(run)
+    return removed
+
+
+def _take_note(database: sqlite3.Connection, users: dict[str, set[str]], after: int) -> int:
+    """Note who has written big values in blocks after a row; return the last row."""
+    rows = database.execute("SELECT rowid, run, data FROM blocks WHERE rowid > ? ORDER BY rowid", (after,))
+    for row, run, data in rows:
+        after = row
+        for hash in _HASH.findall(data or ""):
+            users[hash].add(run)
+    return after
+
+
+def _vacuum(database: sqlite3.Connection) -> None:
+    try:
+        database.execute("PRAGMA busy_timeout=0")
+        database.execute("VACUUM")
+        database.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+    except sqlite3.OperationalError:
+        pass  # somebody reads or writes it; the room is used for later runs all the same
