@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import TypeAdapter
 from pydantic.json_schema import models_json_schema
 
-from . import edit_messages, messages, run_messages, setup_messages
+from . import edit_messages, live_messages, messages, run_messages, setup_messages
 
 TARGET = Path(__file__).parent.parent / "frontend" / "src" / "protocol" / "generated.ts"
 _HEAD = "// Written by `python -m grip_gui.typescript` from gui/grip_gui/*messages.py; don't edit.\n"
@@ -18,9 +18,10 @@ _SCALARS = {"string": "string", "integer": "number", "number": "number", "boolea
 
 def schema() -> dict[str, Any]:
     """Return the JSON Schema of all wire models under `$defs`; defaults count as present, as the server sends them."""
+    rooms = (messages, edit_messages, run_messages, setup_messages, live_messages)
     models = [
         model
-        for model in (vars(messages) | vars(edit_messages) | vars(run_messages) | vars(setup_messages)).values()
+        for model in {name: model for room in rooms for name, model in vars(room).items()}.values()
         if isinstance(model, type) and issubclass(model, messages.Wire) and model is not messages.Wire
     ]
     _, definitions = models_json_schema([(model, "serialization") for model in models], ref_template="#/$defs/{model}")

@@ -62,6 +62,58 @@ def test_a_form_and_its_text_are_one_thing_and_comments_stay(page: TestClient) -
     assert view["options"]["arms/*/group"] == ["arm", "hand"]
 
 
+URDF = """\
+<robot name="two">
+  <link name="base"/><link name="upper"/><link name="tool"/>
+  <joint name="shoulder" type="revolute">
+    <parent link="base"/><child link="upper"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" effort="5" velocity="1"/>
+  </joint>
+  <joint name="elbow" type="revolute">
+    <parent link="upper"/><child link="tool"/><origin xyz="0 0 0.5"/><axis xyz="0 1 0"/>
+    <limit lower="-1" upper="1" effort="5" velocity="1"/>
+  </joint>
+</robot>
+"""
+DESCRIBED = """\
+grip: 1
+robot:
+  urdf: two.urdf
+  groups: {both: {joints: [shoulder, elbow]}}
+  states: {both: {folded: [0.5, -0.5]}}
+arms:
+  only: {group: both}
+"""
+
+
+def test_fields_are_completed_from_a_robot_that_the_project_describes(page: TestClient, project: Path) -> None:
+    (project / "two.urdf").write_text(URDF)
+    view = checked(page, "grip.yaml", DESCRIBED)
+    assert view["problems"] == []
+    options = view["options"]
+    assert options["arms/*/group"] == ["both"]
+    assert options["sensors/*/mount/on"] == ["world", "base", "tool", "upper"]
+    assert options["robot/grasp_frames/*/link"] == ["base", "tool", "upper"]
+    wrong = checked(page, "grip.yaml", DESCRIBED.replace("group: both", "group: bth"))["problems"]
+    assert "did you mean 'both'" in wrong[0]["message"]
+    (project / "grip.yaml").write_text(DESCRIBED)
+    states = checked(page, "messages/joint_states.yaml", "home: {elbow: 0.1}\n")
+    assert states["options"]["*/?"] == ["elbow", "shoulder"]
+    assert "upper" in checked(page, "messages/poses.yaml", "{}\n")["options"]["*/reference_frame"]
+
+
+def test_what_is_wrong_with_a_robots_files_is_marked_at_the_robot_until_it_is_mended(
+    page: TestClient, project: Path
+) -> None:
+    (project / "two.urdf").write_text(URDF.replace('<child link="tool"/>', '<child link="gripper"/>'))
+    (problem,) = checked(page, "grip.yaml", DESCRIBED)["problems"]
+    assert problem["message"].startswith("robot: ")
+    assert "gripper" in problem["message"]
+    assert problem["line"] == 2
+    (project / "two.urdf").write_text(URDF)
+    assert checked(page, "grip.yaml", DESCRIBED)["problems"] == []
+
+
 def test_a_renamed_hand_is_renamed_where_an_arm_carries_it(page: TestClient) -> None:
     view = changed(page, text=GRIP, do="rename", key=["hands", "palm"], value="right_hand")
     assert view["data"]["arms"]["right"]["hand"] == "right_hand"

@@ -7,7 +7,7 @@ from typing import Any
 
 from grip_bt.app.project import find_project
 from grip_bt.errors import DocumentError, GripError
-from grip_bt.graph.faults import Fault
+from grip_bt.graph.faults import Fault, find
 from grip_bt.graph.syntax import parse, plain
 
 from ..editing import ChangedOnDiskError
@@ -17,7 +17,7 @@ from ..project import ProjectFolder
 from ..setup_messages import SetupChange, SetupList, SetupSave, SetupView
 from .changes import UnchangeableError, remove, rename, set_value
 from .kinds import Kind, entries, kind_of
-from .options import options_of, wrong_options
+from .options import options_of, robot_trouble, wrong_options
 
 
 class SetupDesk:
@@ -110,7 +110,10 @@ class SetupDesk:
             return None, options, [(error.message, error.line or 1, error.column or 1)]
         data = plain(tree)
         options = options_of(kind.name, data, self.folder.folder)
-        return data, options, [*kind.check(file, text, tree), *wrong_options(tree, data, options)]
+        faults = [*kind.check(file, text, tree), *wrong_options(tree, data, options)]
+        if trouble := robot_trouble(kind.name, data, self.folder.folder):
+            faults.append((f"robot: {trouble}", *find(tree, ("robot",))))
+        return data, options, faults
 
     def _components(self) -> dict[str, Path]:
         try:

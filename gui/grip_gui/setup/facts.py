@@ -8,24 +8,40 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from collections.abc import Mapping
 from functools import lru_cache
+from itertools import islice
+from pathlib import Path
 from typing import Any
+from xml.etree.ElementTree import fromstring
 
 PATIENCE = 60.0
 """How long the process may take [s]."""
+FILES, LONGEST_PATH = 500, 1000
+"""Most files of a folder that are looked at for changes, and the longest text that is taken for a path."""
+
+
+def facts(robot: object, folder: Path) -> dict[str, Any]:
+    """Return what is known about a robot, and about planning; what can't be found out is left out.
+
+    Args:
+        robot: what a project says of it: a ready-made robot's name, a path, or a description; else it is no robot.
+        folder: that relative paths begin in.
+
+    Returns:
+        `robots`, `planners`, `kinematics`: names; `groups`: group -> joints; `states`: group -> names; `links` and
+        `frames`: names; `trouble`: what is wrong with its files, where they are.
+    """
+    if not isinstance(robot, str | Mapping):
+        robot = ""
+    asked = json.dumps(robot, sort_keys=True, default=str)
+    by_name = isinstance(robot, str) and (not robot or not (folder / robot).exists())
+    return _asked(asked, "." if by_name else str(folder), 0.0 if by_name else stamp_of(robot, folder))
 
 
 @lru_cache(maxsize=16)
-def facts(robot: str) -> dict[str, Any]:
-    """Return what is known about a ready-made robot, and about planning; what can't be found out is left out.
-
-    Args:
-        robot: its name; empty for none.
-
-    Returns:
-        `robots`, `planners`, `kinematics`: names; `groups`: group -> joints; `states`: group -> names.
-    """
-    command = [sys.executable, "-c", "from grip_gui.setup.facts import tell; tell()", robot]
+def _asked(robot: str, folder: str, stamp: float) -> dict[str, Any]:
+    command = [sys.executable, "-m", "grip_gui.setup.facts", robot, folder]
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
         found = json.loads(done.stdout.splitlines()[-1]) if done.returncode == 0 else {}
@@ -34,22 +50,49 @@ def facts(robot: str) -> dict[str, Any]:
     return dict(found)
 
 
-def tell() -> None:
-    """Print what is known about the robot that the command line names, as one line of JSON."""
-    sys.stdout.write(json.dumps(_gathered(sys.argv[1])) + "\n")
+def stamp_of(robot: object, folder: Path) -> float:
+    """Return when the files that a robot names were changed last [s since 1970]; 0 for none."""
+    words = robot.values() if isinstance(robot, Mapping) else (robot,)
+    latest = 0.0
+    for word in words:
+        if isinstance(word, Mapping):
+            latest = max(latest, stamp_of(word, folder))
+        elif isinstance(word, str) and word and len(word) < LONGEST_PATH:
+            place = folder / word
+            files = [place] if place.is_file() else islice(place.rglob("*"), FILES) if place.is_dir() else []
+            latest = max([latest, *(file.stat().st_mtime for file in files if file.is_file())])
+    return latest
 
 
-def _gathered(robot: str) -> dict[str, Any]:
+def _gathered(robot: Any, folder: Path) -> dict[str, Any]:
+    from pydantic import ValidationError
+
+    from grip_bt.commanders.description.config import RobotConfig
+    from grip_bt.commanders.description.load import load_robot
     from grip_bt.commanders.ik import SOLVERS
     from grip_bt.commanders.planning.free import planners
-    from grip_bt.commanders.robots import ROBOTS, build_robot
-    from grip_bt.errors import GripError
+    from grip_bt.commanders.robots import ROBOTS
+    from grip_bt.errors import GripError, InvalidRobotError
 
     found: dict[str, Any] = {"robots": list(ROBOTS), "planners": sorted(planners()), "kinematics": list(SOLVERS)}
     try:
-        description = build_robot(robot)
-    except GripError:
+        source = RobotConfig.model_validate(robot) if isinstance(robot, Mapping) else str(robot)
+        description = load_robot(source, folder)
+    except InvalidRobotError as error:
+        return found | {"trouble": str(error)}
+    except (GripError, ValidationError):  # said of the text already
         return found
     found["groups"] = {group: list(joints) for group, joints in description.groups.items()}
     found["states"] = {group: list(states) for group, states in description.named_states.items()}
-    return found
+    links = [link.attrib["name"] for link in fromstring(description.urdf).iter("link") if "name" in link.attrib]
+    return found | {"links": sorted(set(links)), "frames": ["world", *sorted(set(links))]}
+
+
+def main() -> int:
+    """Print what is known about the robot that the command line names, as one line of JSON."""
+    sys.stdout.write("\n" + json.dumps(_gathered(json.loads(sys.argv[1]), Path(sys.argv[2]))) + "\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -21,10 +21,10 @@ WORLDS = ["table"]
 
 
 def options_of(kind: str, data: Any, folder: Path) -> dict[str, list[str]]:
-    """Return path of keys, with `*` for any -> what may stand there."""
+    """Return path of keys, with `*` for any -> what may stand there; `?` for the names of a mapping's own keys."""
     match kind:
         case "project":
-            return _project(data if isinstance(data, Mapping) else {})
+            return _project(data if isinstance(data, Mapping) else {}, folder)
         case "component":
             return {
                 "meaning/*": ["success", "failure"],
@@ -32,12 +32,12 @@ def options_of(kind: str, data: Any, folder: Path) -> dict[str, list[str]]:
                 "ports/*/unit": list(get_args(Unit)),
             }
         case "joint_states":
-            joints = {joint for group in _robot_facts(folder).get("groups", {}).values() for joint in group}
-            return {"*/*": [], "joints": sorted(joints)}
+            groups = _robot_facts(folder).get("groups", {})
+            return {"*/?": sorted({joint for group in groups.values() for joint in group})}
         case "trajectories":
             return {"*/*/name": _names(folder / JOINT_STATES)}
         case "poses":
-            return {"*/reference_frame": ["world"]}
+            return {"*/reference_frame": _robot_facts(folder).get("frames", ["world"])}
     return {}
 
 
@@ -55,11 +55,31 @@ def wrong_options(tree: Value, data: Any, options: Mapping[str, Sequence[str]]) 
     return faults
 
 
-def _project(data: Mapping[str, Any]) -> dict[str, list[str]]:
+def robot_trouble(kind: str, data: Any, folder: Path) -> str:
+    """Return what is wrong with the files that describe a project's robot; empty for nothing."""
+    if kind != "project" or not isinstance(data, Mapping):
+        return ""
+    return str(facts(data.get("robot"), folder).get("trouble", ""))
+
+
+def _project(data: Mapping[str, Any], folder: Path) -> dict[str, list[str]]:
     robot = data.get("robot")
-    known = facts(robot if isinstance(robot, str) else "")
-    places = {"robot": "robots", "arms/*/planner": "planners", "arms/*/kinematics": "kinematics"}
-    found = {place: known[name] for place, name in places.items() if name in known}
+    known = facts(robot, folder)
+    places = {
+        "arms/*/planner": "planners",
+        "arms/*/kinematics": "kinematics",
+        "robot/ready": "robots",
+        "robot/arm": "robots",
+        "robot/hand": "robots",
+        "robot/robots/*/robot": "robots",
+        "robot/mount/link": "links",
+        "robot/grasp_frames/*/link": "links",
+        "robot/end_effectors/*/parent_link": "links",
+        "sensors/*/mount/on": "frames",
+    }
+    if not isinstance(robot, str) or robot in known.get("robots", ()) or not (folder / robot).exists():
+        places["robot"] = "robots"  # where it is a file, its path is as good
+    found = {place: list(known[name]) for place, name in places.items() if name in known}
     found |= {
         "arms/*/hand": list(data.get("hands") or ()) if isinstance(data.get("hands"), Mapping) else [],
         "world": WORLDS,
@@ -68,14 +88,22 @@ def _project(data: Mapping[str, Any]) -> dict[str, list[str]]:
         "sensors/*/topics/*/message": sorted(set(MESSAGES.values())),
     }
     if groups := list(known.get("groups", ())):
-        found |= {"arms/*/group": groups, "hands/*/group": groups}
+        of_groups = (
+            "arms/*/group",
+            "hands/*/group",
+            "robot/end_effectors/*/group",
+            "robot/end_effectors/*/parent_group",
+        )
+        found |= dict.fromkeys(of_groups, groups)
+        found |= dict.fromkeys(("robot/grasp_frames/?", "robot/fingers/?", "robot/states/?"), groups)
+        found["robot/accelerations/?"] = [*groups, *sorted({j for joints in known["groups"].values() for j in joints})]
     return found
 
 
 def _robot_facts(folder: Path) -> dict[str, Any]:
     data = _data(folder / "grip.yaml")
     robot = data.get("robot") if isinstance(data, Mapping) else None
-    return facts(robot) if isinstance(robot, str) else {}
+    return facts(robot, folder)
 
 
 def _names(file: Path) -> list[str]:

@@ -1,5 +1,5 @@
 /** A value that a run has written, looked at: its parts, and a drawing of clouds and images. */
-import { type JSX, useEffect, useState } from "react";
+import { type JSX, type ReactNode, useEffect, useState } from "react";
 
 import { server } from "../protocol/client";
 import type { ValueView } from "../protocol/generated";
@@ -20,6 +20,15 @@ export function ValuePreview({ run, seq, name }: { run: string; seq: number; nam
   }, [run, seq]);
   if (!view) return <p className="hint">{trouble || "Fetching ..."}</p>;
   return (
+    <ValueShown view={view} name={name}>
+      {(view.type === "Pose" || view.type === "JointState") && <Keep run={run} seq={seq} name={name} />}
+    </ValueShown>
+  );
+}
+
+/** A value's drawing, its line, and its parts. */
+export function ValueShown({ view, name, children }: { view: ValueView; name: string; children?: ReactNode }): JSX.Element {
+  return (
     <div className="value-preview">
       {view.picture && (
         <figure>
@@ -28,7 +37,7 @@ export function ValuePreview({ run, seq, name }: { run: string; seq: number; nam
         </figure>
       )}
       <p>{view.text}</p>
-      {(view.type === "Pose" || view.type === "JointState") && <Keep run={run} seq={seq} name={name} />}
+      {children}
       {view.rows.length > 0 && (
         <dl>
           {view.rows.map(([part, text]) => (

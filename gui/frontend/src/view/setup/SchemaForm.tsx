@@ -3,6 +3,7 @@ import { type JSX, useId, useState } from "react";
 
 import { entryShape, type Key, formKind, freeName, listOf, optionsAt, resolved, type Shape, valueAt } from "../../model/shapes";
 import type { SetupView } from "../../protocol/generated";
+import { useLive } from "../../store/live";
 import { removeValue, renameValue, setValue } from "../../store/setup";
 
 interface FieldProps {
@@ -71,6 +72,8 @@ function Entries({ view, place, shape }: FieldProps): JSX.Element {
   const simple = !["fields", "entries"].includes(formKind(resolved(inner, view.shape as Shape, undefined)));
   const [name, setName] = useState("");
   const what = labelOf(place) || "entries";
+  const known = (optionsAt(view.options, [...place, "?"]) ?? []).filter((option) => !names.includes(option));
+  const list = useId();
   function add(): void {
     const wanted = freeName(name.trim() || "new", names);
     const kind = formKind(resolved(inner, view.shape as Shape, undefined));
@@ -93,7 +96,14 @@ function Entries({ view, place, shape }: FieldProps): JSX.Element {
         </div>
       ))}
       <div className="setup-add">
-        <input type="text" aria-label={`Name of a new one in ${what}`} placeholder="name" value={name} onChange={(event) => setName(event.target.value)} onKeyDown={(event) => event.key === "Enter" && add()} />
+        <input type="text" aria-label={`Name of a new one in ${what}`} placeholder="name" list={known.length > 0 ? list : undefined} value={name} onChange={(event) => setName(event.target.value)} onKeyDown={(event) => event.key === "Enter" && add()} />
+        {known.length > 0 && (
+          <datalist id={list}>
+            {known.map((option) => (
+              <option key={option} value={option} />
+            ))}
+          </datalist>
+        )}
         <button onClick={add} aria-label={`Add to ${what}`}>
           Add
         </button>
@@ -140,7 +150,9 @@ function Items({ view, place, shape }: FieldProps): JSX.Element {
 function Scalar({ view, place, shape }: FieldProps): JSX.Element {
   const id = useId();
   const value = valueAt(view.data, place);
-  const options = optionsAt(view.options, place) ?? (shape.enum ? shape.enum.map(String) : undefined);
+  const topics = useLive((s) => s.topics);
+  const live = place.length === 5 && place[0] === "sensors" && place[4] === "topic" ? topics?.topics.map((topic) => topic.name) : undefined;
+  const options = live ?? optionsAt(view.options, place) ?? (shape.enum ? shape.enum.map(String) : undefined);
   const reason = reasonAt(view, place);
   const kind = formKind(shape);
   const shown = Array.isArray(value) ? value.join(", ") : value === undefined || value === null ? "" : typeof value === "object" ? JSON.stringify(value) : String(value);

@@ -8,11 +8,16 @@ import type { SetupView, Template } from "../../protocol/generated";
 import { listSetup, openSetup, probe, saveSetup, setValue, trouble, useSetup } from "../../store/setup";
 import { ImportForm } from "./ImportForm";
 import { InterfaceForm } from "./InterfaceForm";
+import { MessagesPage } from "./MessagesPage";
 import { SchemaForm } from "./SchemaForm";
 import { SetupText } from "./SetupText";
+import { TopicsPage } from "./TopicsPage";
+import { TryForm } from "./TryForm";
 
 /** What is being made instead of a file being shown. */
-type Making = "component" | "import" | null;
+type Making = "component" | "import" | "topics" | "messages" | null;
+
+const TITLES: Record<Exclude<Making, null>, string> = { component: "New component", import: "Import a task", topics: "Topics", messages: "Message server" };
 
 export default function SetupPage(): JSX.Element {
   const view = useSetup((s) => s.view);
@@ -30,8 +35,11 @@ export default function SetupPage(): JSX.Element {
     <div className="setup">
       <Files making={making} make={setMaking} />
       {making ? (
-        <main className="panel padded setup-new" aria-label={making === "component" ? "New component" : "Import a task"}>
-          {making === "component" ? <InterfaceForm done={() => setMaking(null)} /> : <ImportForm />}
+        <main className="panel padded setup-new" aria-label={TITLES[making]}>
+          {making === "component" && <InterfaceForm done={() => setMaking(null)} />}
+          {making === "import" && <ImportForm />}
+          {making === "topics" && <TopicsPage done={() => setMaking(null)} />}
+          {making === "messages" && <MessagesPage />}
         </main>
       ) : (
         view && <Open key={view.path} view={view} />
@@ -41,8 +49,10 @@ export default function SetupPage(): JSX.Element {
 }
 
 const MADE: readonly [Exclude<Making, null>, string, string][] = [
-  ["component", "New component", "from a .srv or .action"],
-  ["import", "Import a task", "from SMACH, BehaviorTree.CPP, py_trees"],
+  ["topics", TITLES.topics, "of the ROS graph: receive one, make a sensor"],
+  ["messages", TITLES.messages, "live: look, add, change, record"],
+  ["component", TITLES.component, "from a .srv or .action"],
+  ["import", TITLES.import, "from SMACH, BehaviorTree.CPP, py_trees"],
 ];
 
 function onKeyDown(event: KeyboardEvent): void {
@@ -113,6 +123,7 @@ function Open({ view }: { view: SetupView }): JSX.Element {
         </div>
         <div className="scroll padded" tabIndex={0} role="group" aria-label="Form">
           <Found view={view} />
+          {view.kind === "component" && <TryForm path={view.path} />}
           <SchemaForm view={view} />
         </div>
       </main>

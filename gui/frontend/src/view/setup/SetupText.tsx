@@ -89,6 +89,8 @@ function complete(context: CompletionContext): CompletionResult | null {
   const root = view.shape as Shape;
   const shape = place.reduce<Shape>((at, step) => inside(at, root, step), root);
   const exact = resolved(shape, root, {});
+  const keys = optionsAt(view.options, [...place, "?"]);
+  if (keys) return { from, options: keys.map((label) => ({ label, type: "property", apply: `${label}: ` })), validFor: /^[\w/.-]*$/ };
   if (formKind(exact) !== "fields") return null;
   const options = Object.entries(exact.properties ?? {}).map(([label, inner]) => ({ label, type: "property", apply: `${label}: `, info: inner.description ?? "" }));
   return { from, options, validFor: /^\w*$/ };

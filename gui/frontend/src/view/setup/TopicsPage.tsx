@@ -1,0 +1,118 @@
+/** The topics of the running ROS graph: receive one message and look at it, or make a sensor of it. */
+import { type JSX, useEffect, useState } from "react";
+
+import { server } from "../../protocol/client";
+import type { ReceivedView, TopicView } from "../../protocol/generated";
+import { lookAtTopics, messageOf, useAsSensor, useLive } from "../../store/live";
+import { ValueShown } from "../ValuePreview";
+
+const PERIOD = 3000;
+
+export function TopicsPage({ done }: { done: () => void }): JSX.Element {
+  const found = useLive((s) => s.topics);
+  const looking = useLive((s) => s.looking);
+  const [name, setName] = useState("");
+  const [filter, setFilter] = useState("");
+  useEffect(() => {
+    void lookAtTopics();
+    const timer = setInterval(() => document.visibilityState === "visible" && void lookAtTopics(), PERIOD);
+    return () => clearInterval(timer);
+  }, []);
+  const shown = (found?.topics ?? []).filter((topic) => `${topic.name} ${topic.type}`.toLowerCase().includes(filter.toLowerCase()));
+  const chosen = found?.topics.find((topic) => topic.name === name);
+  return (
+    <section className="live" aria-labelledby="topics-title">
+      <div className="live-list">
+        <h3 id="topics-title">Topics that somebody publishes</h3>
+        {found?.trouble ? (
+          <p className="fault" role="alert">
+            {found.trouble}
+          </p>
+        ) : (
+          <p className="hint" role="status">
+            {found === null ? "Looking at the ROS graph ..." : `${found.topics.length} in ROS domain ${found.domain}; looked at every 3 s`}
+          </p>
+        )}
+        <p className="live-bar">
+          <input type="text" aria-label="Filter topics" placeholder="Filter by name or type" value={filter} onChange={(event) => setFilter(event.target.value)} />
+          <button disabled={looking} onClick={() => void lookAtTopics()}>
+            Look again
+          </button>
+        </p>
+        {found !== null && found.trouble === "" && found.topics.length === 0 && (
+          <p className="hint">Nobody publishes anything. Start the sensor's driver in a shell with the same ROS_DOMAIN_ID, or with `grip launch`.</p>
+        )}
+        <ul className="plain" aria-label="Topics">
+          {shown.map((topic) => (
+            <li key={topic.name}>
+              <button className="setup-file" aria-pressed={topic.name === name} onClick={() => setName(topic.name)}>
+                {topic.name}
+                <code>{topic.type}</code>
+              </button>
+            </li>
+          ))}
+        </ul>
+      </div>
+      {chosen ? <Topic key={chosen.name} topic={chosen} done={done} /> : <p className="hint live-detail">Choose a topic to receive a message of it.</p>}
+    </section>
+  );
+}
+
+function Topic({ topic, done }: { topic: TopicView; done: () => void }): JSX.Element {
+  const [received, setReceived] = useState<ReceivedView | null>(null);
+  const [busy, setBusy] = useState(false);
+  const [sensor, setSensor] = useState("");
+  const [output, setOutput] = useState("");
+  async function receive(): Promise<void> {
+    setBusy(true);
+    try {
+      setReceived(await server.receive({ topic: topic.name, type: topic.type, within: 5 }));
+    } catch (error) {
+      setReceived({ value: null, seconds: 0, trouble: messageOf(error) });
+    } finally {
+      setBusy(false);
+    }
+  }
+  const word = topic.name.split("/").filter(Boolean).at(-1)?.toLowerCase() ?? "value";
+  return (
+    <div className="live-detail" role="group" aria-label={`Topic ${topic.name}`}>
+      <h4>{topic.name}</h4>
+      <p className="hint">
+        {topic.type}, {topic.publishers} {topic.publishers === 1 ? "publisher" : "publishers"}; a task gets a <code>{topic.value}</code>
+      </p>
+      <p>
+        <button className="main" disabled={busy} onClick={() => void receive()}>
+          {busy ? "Waiting for it ..." : "Receive one message"}
+        </button>
+      </p>
+      <div role="status" aria-label="Received message">
+        {received?.trouble && <p className="fault">{received.trouble}</p>}
+        {received?.value && (
+          <>
+            <p className="hint">came after {received.seconds.toFixed(2)} s</p>
+            <ValueShown view={received.value} name={topic.name} />
+          </>
+        )}
+      </div>
+      <fieldset>
+        <legend>Use it as a sensor</legend>
+        <div className="form-field">
+          <label htmlFor="sensor-name">Sensor</label>
+          <input id="sensor-name" type="text" value={sensor} placeholder="depth_camera" onChange={(event) => setSensor(event.target.value)} />
+        </div>
+        <div className="form-field">
+          <label htmlFor="sensor-output">Output</label>
+          <input id="sensor-output" type="text" value={output} placeholder={word} onChange={(event) => setOutput(event.target.value)} />
+        </div>
+        <button
+          onClick={() => {
+            done();
+            void useAsSensor(topic, sensor.trim() || "depth_camera", output.trim() || word);
+          }}
+        >
+          Put it into grip.yaml
+        </button>
+      </fieldset>
+    </div>
+  );
+}
