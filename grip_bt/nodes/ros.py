@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from grip_bt.errors import DataError
 from grip_bt.operation import Operation
 from grip_bt.values import Pose
 
@@ -63,8 +64,11 @@ class LookUpTransform(OperationLeaf):
 
     def start(self) -> Operation[Pose]:
         """Ask TF, or the fixed frames."""
-        p = self.params
-        return self.context.ros().transform(p["target"], p["source"], p["timeout"])
+        p, at = self.params, self.read("at")
+        time = getattr(at, "time", at)
+        if time is not None and (isinstance(time, bool) or not isinstance(time, (int, float))):
+            raise DataError(self.path, "at", f"is a {type(at).__name__}: give seconds, or a picture or joint state")
+        return self.context.ros().transform(p["target"], p["source"], p["timeout"], time)
 
     def finish(self, result: Pose) -> Status:
         """Hand the pose out."""

@@ -45,8 +45,11 @@ class Ros(Protocol):
         """Publish a value when at least `subscribers` listen."""
         ...
 
-    def transform(self, target: str, source: str, timeout: float) -> Operation[Pose]:
-        """Return the pose of frame `source` in frame `target`. Ends with an error of code `no_frame`."""
+    def transform(self, target: str, source: str, timeout: float, at: float | None = None) -> Operation[Pose]:
+        """Return the pose of frame `source` in frame `target`, as it is or as it was at a time [s].
+
+        Ends with an error of code `no_frame`.
+        """
         ...
 
     def get_parameter(self, node: str, name: str, timeout: float) -> Operation[Any]:

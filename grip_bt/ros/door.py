@@ -99,9 +99,9 @@ class RosDoor:
             return Operation.failed(BadRequestError(f"{topic}: {error}"))
         return self.bus.writer(message, topic).publish(made, subscribers, timeout)
 
-    def transform(self, target: str, source: str, timeout: float) -> Operation[Pose]:
-        """Return the pose of frame `source` in frame `target`."""
-        return self.transforms.lookup(target, source, timeout)
+    def transform(self, target: str, source: str, timeout: float, at: float | None = None) -> Operation[Pose]:
+        """Return the pose of frame `source` in frame `target`, now or at a time [s]."""
+        return self.transforms.lookup(target, source, timeout, at)
 
     def get_parameter(self, node: str, name: str, timeout: float) -> Operation[Any]:
         """Return a parameter of a node."""

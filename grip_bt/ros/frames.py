@@ -56,6 +56,11 @@ class FrameTree:
         return FrameTree({**self._poses, **poses})
 
     @property
+    def poses(self) -> dict[str, Pose]:
+        """Frame -> its pose in its parent."""
+        return dict(self._poses)
+
+    @property
     def names(self) -> tuple[str, ...]:
         """Every frame."""
         return tuple(sorted(set(self._poses) | {p.frame for p in self._poses.values()}))

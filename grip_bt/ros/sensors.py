@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -12,12 +13,17 @@ from grip_bt.operation import Operation
 from grip_bt.values import CameraInfo, Pose
 
 from .convert import from_message
+from .convert_geometry import seconds
 from .convert_perception import depth_from_message
 from .door import RosDoor
 from .fields import ConversionError
-from .frames import frame_of, transformed
+from .frames import FrameError, frame_of, transformed
 from .process import Process, child_environment
 from .starting import command_of
+from .steps import Steps, walk
+
+FRAME_WAIT = 0.5
+"""How long the transforms of a message's time may come after it [s]."""
 
 
 class TopicSensor:
@@ -36,6 +42,8 @@ class TopicSensor:
         self._messages = {topic.topic: topic.message_type() for topic in config.topics.values()}
         for topic, message in self._messages.items():
             door.listen(topic, message)
+        if config.given_in is not None:
+            door.transforms.listen()
 
     def capture(self) -> Operation[Mapping[str, Any]]:
         """Take one value of each output, from one moment that lies after this call.
@@ -45,32 +53,52 @@ class TopicSensor:
         """
         if self.process is not None and not self.process.alive:
             return Operation.failed(SensorError(f"sensor {self.name}: {self.process.describe_end()}"))
+        return walk(self._captured())
+
+    def _captured(self) -> Steps[Mapping[str, Any]]:
+        """Take messages until one set can be brought into the frame that is asked for, at most the sensor's time."""
+        left = self.config.timeout
+        deadline = time.monotonic() + left
+        while True:
+            messages = yield self._take(left)
+            try:
+                return (yield from self._values(messages))
+            except FrameError:  # of the first pictures: TF may be heard of only since then
+                left = deadline - time.monotonic()
+                if left < FRAME_WAIT:
+                    raise
+
+    def _take(self, timeout: float) -> Operation[Mapping[str, Any]]:
         if len(self._messages) == 1:
             ((topic, message),) = self._messages.items()
-            one = self._door.next(topic, message, "Any", self.config.timeout)
-            return one.then(lambda found: self._values({topic: found}))
-        return self._door.together(self._messages, self.config.slop, self.config.timeout).then(self._values)
+            one = self._door.next(topic, message, "Any", timeout)
+            return one.then(lambda found: Operation.finished({topic: found}))
+        return self._door.together(self._messages, self.config.slop, timeout)
 
-    def _values(self, messages: Mapping[str, Any]) -> Operation[Mapping[str, Any]]:
+    def _values(self, messages: Mapping[str, Any]) -> Steps[Mapping[str, Any]]:
         found = {}
         info = self._camera_info(messages)
         for port, topic in self.config.topics.items():
             try:
-                found[port] = self._placed(_value(messages[topic.topic], topic.type, info))
+                value = _value(messages[topic.topic], topic.type, info)
             except (ConversionError, BadReplyError) as error:
                 raise SensorError(f"sensor {self.name}: {topic.topic}: {error}") from None
-        return Operation.finished(found)
+            found[port] = yield from self._placed(value, messages[topic.topic])
+        return found
 
     def _camera_info(self, messages: Mapping[str, Any]) -> CameraInfo | None:
         infos = [t.topic for t in self.config.topics.values() if t.type == "CameraInfo"]
         return from_message(messages[infos[0]], "CameraInfo") if infos else None
 
-    def _placed(self, value: Any) -> Any:
+    def _placed(self, value: Any, message: Any) -> Steps[Any]:
+        """Bring a value into the frame that is asked for, from where its own was when the message was stamped."""
         wanted, present = self.config.given_in, frame_of(value)
         if wanted is None or present in (None, wanted):
             return value
+        stamp = seconds(message.header.stamp) if hasattr(message, "header") else 0.0
+        pose = yield self._door.transforms.lookup(wanted, str(present), FRAME_WAIT, stamp or None)
         try:
-            return transformed(value, self._door.transforms.tree().lookup(wanted, str(present)))
+            return transformed(value, pose)
         except TypeError:
             return value  # an image has a frame, but no points in it
 

@@ -195,6 +195,67 @@ def test_frames_come_from_tf_where_it_is_there(tmp_path, interface_cache, bus):
     assert np.allclose(ended(found).position, (0.5, 0, 1.0))
 
 
+@pytest.fixture(scope="session")
+def tf_messages():
+    from grip_bt.ros.definitions import provide
+
+    return provide("tf2_msgs")
+
+
+def stamped(child: str, time: float, pose: Pose):
+    """Return a transform of `child` at a time."""
+    from grip_bt.ros.convert_geometry import header, pose_to_transform_stamped
+
+    made = pose_to_transform_stamped(pose)
+    made.child_frame_id, made.header = child, header(pose.frame, time)
+    return made
+
+
+def turned(degrees: float, x: float) -> Pose:
+    half = np.radians(degrees) / 2
+    return Pose((x, 0, 0), (np.cos(half), 0, 0, np.sin(half)), "base")
+
+
+@ros
+def test_where_a_frame_was_lies_between_the_transforms_before_and_after(tf_messages, bus):
+    from tf2_msgs.msg import TFMessage
+
+    transforms = Transforms(bus, FrameTree({"base": Pose((0, 0, 1.0), frame="world")}))
+    assert transforms.listen()
+    late = transforms.lookup("world", "tool", 20.0, at=100.5)
+    moving = [stamped("tool", 100.0, turned(0, 0.0)), stamped("tool", 101.0, turned(90, 0.2))]
+    writer = bus.writer("tf2_msgs/msg/TFMessage", "/tf")
+    ended(writer.publish(TFMessage(transforms=moving), subscribers=1, timeout=20.0))
+    found = ended(late)
+    assert np.allclose(found.position, (0.1, 0, 1.0))
+    assert np.allclose(found.rotation_vector(), (0, 0, np.pi / 4))
+    assert np.allclose(ended(transforms.lookup("world", "tool", 1.0)).position, (0.2, 0, 1.0))  # as it is now
+    with pytest.raises(FrameError, match=r"'tool' is known from 100.000 to 101.000 s, not at 101.500 s"):
+        ended(transforms.lookup("world", "tool", 0.1, at=101.5))
+
+
+@ros
+def test_a_picture_is_placed_where_the_camera_was_when_it_was_taken(tf_messages, bus, tmp_path):
+    from sensor_msgs.msg import PointCloud2
+    from tf2_msgs.msg import TFMessage
+
+    from grip_bt.ros.convert import to_message
+    from grip_bt.values import PointCloud
+
+    door = RosDoor(bus)
+    topics = {"cloud": {"topic": "/cloud", "type": "PointCloud"}}
+    config = SensorConfig.model_validate({"topics": topics, "given_in": "base", "timeout": 20})
+    sensor = open_sensors({"hand": config}, door, tmp_path)["hand"]
+    capture = sensor.capture()
+    cloud = to_message(PointCloud(np.array([[0.0, 0.0, 0.5]], np.float32), frame="tool"), PointCloud2)
+    cloud.header.stamp.sec, cloud.header.stamp.nanosec = 100, 500_000_000
+    moving = [stamped("tool", 100.0, turned(0, 0.0)), stamped("tool", 101.0, turned(0, 0.2))]
+    writer = bus.writer("tf2_msgs/msg/TFMessage", "/tf")
+    ended(writer.publish(TFMessage(transforms=moving), subscribers=1, timeout=20.0))
+    ended(bus.writer("sensor_msgs/msg/PointCloud2", "/cloud").publish(cloud, subscribers=1, timeout=20.0))
+    assert np.allclose(ended(capture)["cloud"].points, [[0.1, 0, 0.5]], atol=1e-6)
+
+
 @ros
 def test_a_sensor_gives_values_of_one_moment(door, camera, tmp_path):
     sensor = open_sensors({"cam": SensorConfig.model_validate(CAMERA)}, door, tmp_path)["cam"]
@@ -275,6 +336,8 @@ def test_a_task_captures_looks_up_and_publishes(tmp_path, domain, monkeypatch):
         "grip: 1\nname: look\ndata: {image: Image, pose: Pose}\nroot:\n  kind: sequence\n  children:\n"
         "    see: {node: sensor/cam, out: {image: image}}\n"
         "    where: {node: ros/lookup_transform, with: {target: world, source: cam_optical}, out: {pose: pose}}\n"
+        "    then: {node: ros/lookup_transform, in: {at: image}, with: {target: world, source: cam_optical},"
+        " out: {pose: pose}}\n"
         "    say: {node: ros/publish, in: {value: pose}, with: {topic: /seen, type: geometry_msgs/msg/PoseStamped,"
         " subscribers: 0}}\n"
     )

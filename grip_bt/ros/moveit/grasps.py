@@ -25,7 +25,7 @@ from grip_bt.errors import (
 )
 from grip_bt.values import Grasp, JointState
 
-from .steps import Steps
+from ..steps import Steps
 
 if TYPE_CHECKING:
     from .planner import MoveGroupPlanner

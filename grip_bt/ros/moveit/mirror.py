@@ -11,18 +11,18 @@ from grip_bt.commanders.scene import SceneObject, SceneSnapshot
 from grip_bt.errors import GoalRejectedError, ServerLostError
 from grip_bt.operation import Operation
 
+from ..steps import Steps
 from ..types import load_type
 from .client import MoveGroup
 from .matrix import with_allowed
 from .mount import Mount
 from .shapes import REMOVE, collision_object, removed
-from .steps import Steps
 
 _EMPTY = SceneSnapshot()
 
 
 class SceneMirror:
-    """Sends changes of a scene. One request at a time; see `steps.Line`.
+    """Sends changes of a scene. One request at a time; see `grip_bt.ros.steps.Line`.
 
     What others put into move_group's scene is left alone; what was sent is taken out again by `clear`.
 

@@ -32,13 +32,13 @@ from grip_bt.values import JointState, Plan, Pose, Trajectory
 from grip_bt.values.pose import check_frame
 
 from ..convert_geometry import joints_to_message, pose_to_message, pose_to_stamped, trajectory_from_message
+from ..steps import Line, Steps, walk
 from ..types import load_type
 from .client import MoveGroup
 from .goals import at_joints, at_pose, on_the_way
 from .grasps import choose
 from .mirror import SceneMirror
 from .mount import Mount
-from .steps import Line, Steps, walk
 
 NAME = "move_group"
 """Value of an arm's `planner` that means this one."""
