@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
-from grip_bt.errors import UnknownNameError
+import numpy as np
+
+from grip_bt.errors import GripError, UnknownNameError
 from grip_bt.ports import Executor, HandPort
 from grip_bt.values import JointState, Pose
 
@@ -50,7 +53,7 @@ def open_commanders(
     from grip_bt.commanders.model import RobotModel
     from grip_bt.commanders.planning.requests import PlanningSettings
     from grip_bt.commanders.robot_links import joints_of_fingers, limits_of_joints, links_of_groups
-    from grip_bt.commanders.scene import PlanningScene
+    from grip_bt.commanders.scene import Carrier, PlanningScene
     from grip_bt.commanders.taught import Taught
 
     file = project.file
@@ -66,7 +69,9 @@ def open_commanders(
         )
         for name, hand in file.hands.items()
     }
+    executors = {**executors, **joined_executors(project, description, executors)}
     hand_of = {name: _hand_of(name, arm, file.hands) for name, arm in file.arms.items()}
+    links = links_of_groups(description, {name: part.group for name, part in (*file.arms.items(), *file.hands.items())})
     scene = PlanningScene(
         {
             hand: lambda arm=arm: model.grasp_pose(executors[arm].state(), group=file.arms[arm].group)
@@ -75,9 +80,18 @@ def open_commanders(
         },
         boxes,
         project.room(),
-        links_of_groups(description, {name: part.group for name, part in (*file.arms.items(), *file.hands.items())}),
+        links,
         project.folder,
+        {
+            hand: Carrier(
+                file.arms[arm].group,
+                frozenset((*links[hand], *description.hands.get(file.hands[hand].group, ()))),
+            )
+            for arm, hand in hand_of.items()
+            if hand
+        },
     )
+    states = {name: executor.state for name, executor in executors.items()} | {n: p.state for n, p in ports.items()}
     resources.arms = {
         arm: ArmCommander(
             arm,
@@ -98,10 +112,63 @@ def open_commanders(
             ),
             file.arms[arm].group,
             taught,
+            partial(_elsewhere, states, (arm, hand)),
+            _common_states(file.arms[arm], file.arms, description),
         )
         for arm, hand in hand_of.items()
     }
     resources.scene = scene
+
+
+def joined_executors(
+    project: Project, description: RobotDescription, executors: Mapping[str, Executor]
+) -> dict[str, Executor]:
+    """Return an executor for each arm that joins others.
+
+    Raises:
+        UnknownNameError: it joins an arm that isn't there.
+        GripError: its group doesn't hold just the joints of these.
+    """
+    from grip_bt.commanders.together import JoinedExecutor
+
+    joined: dict[str, Executor] = {}
+    for name, arm in project.file.arms.items():
+        if not arm.arms:
+            continue
+        where = f"grip.yaml: arms/{name}/arms"
+        for part in arm.arms:
+            if part not in project.file.arms or part == name:
+                raise UnknownNameError("arm", part, set(project.file.arms) - {name}, where)
+        joints = {j for part in arm.arms for j in description.group(project.file.arms[part].group)}
+        if set(description.group(arm.group)) != joints:
+            raise GripError(f"{where}: the group {arm.group!r} holds other joints than {', '.join(arm.arms)} together")
+        joined[name] = JoinedExecutor(*(executors[part] for part in arm.arms))
+    return joined
+
+
+def _elsewhere(states: Mapping[str, Callable[[], JointState]], own: tuple[str, str]) -> list[JointState]:
+    """Return the measured states of all arms and hands that have no joint in common with an arm and its hand."""
+    taken = {joint for name in own if name for joint in states[name]().names}
+    found = []
+    for name, measure in states.items():
+        state = measure() if name not in own else None
+        if state is not None and not taken & set(state.names):
+            taken |= set(state.names)
+            found.append(state)
+    return found
+
+
+def _common_states(arm: ArmConfig, arms: Mapping[str, ArmConfig], robot: RobotDescription) -> dict[str, JointState]:
+    """Return the states that all arms which an arm joins have by the same name, such as `home`."""
+    parts = [robot.named_states.get(arms[name].group, {}) for name in arm.arms]
+    names = set.intersection(*(set(part) for part in parts)) if parts else set()
+    return {
+        name: JointState(
+            tuple(j for part in parts for j in part[name].names),
+            np.concatenate([part[name].position for part in parts]),
+        )
+        for name in sorted(names)
+    }
 
 
 def _hand_of(name: str, arm: ArmConfig, hands: Mapping[str, object]) -> str:

@@ -17,6 +17,7 @@ from grip_bt.values import Grasp, JointState, PathConstraint, Plan, Pose
 from .ik.target import FREE
 from .jogging import jogged, lasting
 from .planning.requests import (
+    CheckTogether,
     ChooseGrasp,
     ChosenGrasp,
     PlanningSettings,
@@ -51,6 +52,8 @@ class ArmCommander:
         settings: planner, solver, speed and so on.
         group: the robot's group of joints.
         taught: what was taught before; nothing when None.
+        others: returns the measured states of the robot's other arms and hands: obstacles, too.
+        states: named states of the arm besides those of its group.
     """
 
     def __init__(
@@ -65,12 +68,15 @@ class ArmCommander:
         settings: PlanningSettings | None = None,
         group: str = "arm",
         taught: Taught | None = None,
+        others: Callable[[], Sequence[JointState]] = tuple,
+        states: Mapping[str, JointState] | None = None,
     ):
         self._name, self._model, self._planner, self._executor = name, model, planner, executor
         self._scene, self._hand, self._hand_state = scene, hand, hand_state
         self._settings = settings or PlanningSettings()
         self._group = group
         self._taught = taught if taught is not None else Taught()
+        self._others, self._more_states = others, dict(states or {})
         self._lock = threading.Lock()
         self._reached_by: list[tuple[Pose, JointState]] = []
 
@@ -121,6 +127,10 @@ class ArmCommander:
         """Plan straight lines of the grasp frame; see `ports.Arm`."""
         return self._ask(PlanStraight(self._situation(start), tuple(goals)))
 
+    def check_together(self, plans: Sequence[Plan]) -> Operation[None]:
+        """Check that plans of several arms, begun at once, keep the arms apart; see `ports.Arm`."""
+        return self._submit(CheckTogether(self._situation(), tuple(plans)))  # type: ignore[return-value]
+
     def jog(
         self, linear: Sequence[float], angular: Sequence[float] = (0.0, 0.0, 0.0), seconds: float = 0.5
     ) -> Operation[JointState]:
@@ -156,22 +166,24 @@ class ArmCommander:
         self._executor.stop()
 
     def _described_states(self) -> Mapping[str, JointState]:
-        return self._model.description.named_states.get(self._group, {})
+        return {**self._more_states, **self._model.description.named_states.get(self._group, {})}
 
     def _situation(self, given: JointState | None = None) -> Situation:
         arm, hand = self._executor.state(), self._hand_state()
         if given is not None:
             arm = replace(arm, position=given.ordered(arm.names))
-        start = JointState(arm.names + hand.names, np.concatenate([arm.position, hand.position]), time=arm.time)
+        parts = (arm, hand, *self._others())
+        names = tuple(name for part in parts for name in part.names)
+        start = JointState(names, np.concatenate([part.position for part in parts]), time=arm.time)
         return Situation(self._group, start, self._scene.snapshot(), self._hand, self._settings)
 
-    def _submit(self, request: Request) -> Operation[Plan | ChosenGrasp]:
+    def _submit(self, request: Request) -> Operation[Plan | ChosenGrasp | None]:
         return self._planner.submit(request)
 
     def _ask(self, request: Request) -> Operation[Plan]:
         return self._submit(request)  # type: ignore[return-value]
 
-    def _remember(self, chosen: Plan | ChosenGrasp) -> Operation[Grasp]:
+    def _remember(self, chosen: Plan | ChosenGrasp | None) -> Operation[Grasp]:
         assert isinstance(chosen, ChosenGrasp)
         grasp = chosen.grasp
         with self._lock:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import threading
+from itertools import combinations
 
 import coal
 import numpy as np
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 from grip_bt.values.solids import Box, Cylinder, Mesh, Solid, Sphere
 
 from .meshes import coal_mesh
-from .model import Chain
+from .model import GRASP_FRAME, Chain
 from .outline import radii, reaches
 from .scene import SceneObject, SceneSnapshot
 
@@ -50,14 +51,47 @@ class CollisionChecker:
         slack = HELD_SLACK if margin == 0 else 0.0
         held = [self._add(o, chain.model.frames[chain.frame], -slack) for o in scene.attached(hand)]
         world = [self._add(o, None, margin) for o in scene.objects.values() if not o.hand]
+        carried = {self._add(o, frame, -slack): o.hand for o, frame in self._held_by_others(hand)}
         moving = [k for k in robot if self._geometry.geometryObjects[k].parentJoint > 0]
-        self._pair([k for k in robot if k not in chain.hand], held)
+        own = self._links_of(hand)
+        self._pair([k for k in robot if k not in own], held)
         self._pair([*moving, *held], world)
-        carried = radii(chain.model, [self._geometry.geometryObjects[k] for k in held])
-        self.reaches = reaches(chain.model, np.maximum(chain.radii, carried))
+        for one, other_hand in carried.items():
+            still = self._geometry.geometryObjects[one].parentJoint == 0
+            theirs = self._links_of(other_hand)
+            self._pair([k for k in (moving if still else robot) if k not in theirs], [one])
+            self._pair(held if still else [*held, *world], [one])
+        self._pair_apart(carried)
+        lent = radii(chain.model, [self._geometry.geometryObjects[k] for k in (*held, *carried)])
+        self.reaches = reaches(chain.model, np.maximum(chain.radii, lent))
         self._threads = min(os.cpu_count() or 1, 8)
         self._pool, self._rough = self._pool_of(self._geometry), self._pool_of(self._outline)
         self._data = self._geometry.createData()
+
+    def _held_by_others(self, hand: str) -> list[tuple[SceneObject, pin.Frame]]:
+        """Return what other hands hold, with the frame of this chain's model that it moves with."""
+        model, scene = self.chain.model, self.scene
+        found = []
+        for item in scene.objects.values():
+            if item.hand and item.hand != hand and item.hand in scene.carriers:
+                frame = f"{GRASP_FRAME}/{scene.carriers[item.hand].group}"
+                frame = frame if model.existFrame(frame) else GRASP_FRAME
+                found.append((item, model.frames[model.getFrameId(frame)]))
+        return found
+
+    def _links_of(self, hand: str) -> frozenset[int]:
+        """Return the indices of a hand's shapes; those of all hands, where it isn't known which are whose."""
+        if hand not in self.scene.carriers:
+            return self.chain.hand
+        links = self.scene.carriers[hand].links
+        return frozenset(k for k, link in enumerate(self.chain.links) if link in links)
+
+    def _pair_apart(self, carried: dict[int, str]) -> None:
+        """Pair what different hands hold, where they can move towards each other."""
+        joint = [shape.parentJoint for shape in self._geometry.geometryObjects]
+        for one, other in combinations(carried, 2):
+            if carried[one] != carried[other] and joint[one] != joint[other]:
+                self._pair([one], [other])
 
     def free(self, q: NDArray[np.float64]) -> bool:
         """Tell whether a configuration, shape (n,), touches nothing."""

@@ -7,7 +7,7 @@ frozen in place. Planning and collision checks run on a chain: it has 6 or 7 joi
 from __future__ import annotations
 
 import threading
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
@@ -170,6 +170,17 @@ class RobotModel:
                 self._chains.pop(next(iter(self._chains)))
             self._chains[key] = self._reduced(group, names, q)
         return self._chains[key]
+
+    def joined_chain(self, groups: Sequence[str], *states: JointState) -> Chain:
+        """Return the chain of several groups at once, with the other joints where `states` say.
+
+        Its grasp frame is that of the first group. It isn't kept.
+        """
+        q = self.configuration(*states)
+        mine = {joint for group in groups for joint in self.description.group(group)}
+        names = tuple(str(n) for n in self.model.names if n in mine)
+        q[[self._columns[n] for n in names]] = 0.0
+        return self._reduced(groups[0], names, q)
 
     def _reduced(self, group: str, names: tuple[str, ...], q: NDArray[np.float64]) -> Chain:
         frozen = [self.model.getJointId(n) for n in self.model.names if n not in (*names, "universe")]

@@ -41,6 +41,19 @@ class SceneObject:
     fixed: bool = False
 
 
+@dataclass(frozen=True, slots=True)
+class Carrier:
+    """What a hand is in the robot's model, so that what it holds can be avoided by others.
+
+    Attributes:
+        group: of the arm that it is at; what the hand holds moves with this group's grasp frame.
+        links: of the hand; what it holds may touch them.
+    """
+
+    group: str
+    links: frozenset[str]
+
+
 @dataclass(frozen=True)
 class SceneSnapshot:
     """A state of the scene.
@@ -48,10 +61,12 @@ class SceneSnapshot:
     Attributes:
         objects: name -> object.
         allowed: sorted pairs of names (objects or links) that may touch; `ANYTHING` stands for every name.
+        carriers: hand -> where it is on the robot.
     """
 
     objects: Mapping[str, SceneObject] = field(default_factory=dict)
     allowed: frozenset[tuple[str, str]] = frozenset()
+    carriers: Mapping[str, Carrier] = field(default_factory=dict)
 
     def with_object(self, item: SceneObject) -> SceneSnapshot:
         """Return the scene with an object added or replaced."""
@@ -103,6 +118,7 @@ class PlanningScene:
         room: further objects that belong to it, of any shape, such as those of a `.scene` file.
         links: name -> links that it stands for in allowed collisions: a hand's or an arm's, for instance.
         folder: that relative paths of scene and mesh files begin in.
+        carriers: hand -> where it is on the robot; arms avoid what other hands hold only of these.
     """
 
     def __init__(
@@ -112,6 +128,7 @@ class PlanningScene:
         room: Iterable[SceneObject] = (),
         links: Mapping[str, Sequence[str]] | None = None,
         folder: Path | None = None,
+        carriers: Mapping[str, Carrier] | None = None,
     ):
         self._folder = folder or Path()
         self._hands = dict(hands)
@@ -122,7 +139,7 @@ class PlanningScene:
             for name, (size, pose) in (fixed or {}).items()
         }
         objects |= {item.name: replace(item, pose=_in_world(item.pose), fixed=True) for item in room}
-        self._snapshot = SceneSnapshot(objects)
+        self._snapshot = SceneSnapshot(objects, carriers=dict(carriers or {}))
 
     def snapshot(self) -> SceneSnapshot:
         """Return the present state."""
@@ -289,4 +306,4 @@ def _in_world(pose: Pose) -> Pose:
     return pose
 
 
-__all__ = ["ANYTHING", "Box", "Cylinder", "PlanningScene", "SceneObject", "SceneSnapshot"]
+__all__ = ["ANYTHING", "Box", "Carrier", "Cylinder", "PlanningScene", "SceneObject", "SceneSnapshot"]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -72,22 +74,25 @@ def _started(start: Callable[[], Operation[T]]) -> Operation[T]:
 def execute_together(parts: Mapping[str, tuple[Arm, Plan]]) -> Operation[dict[str, JointState]]:
     """Execute plans of several arms at once; the quicker ones are slowed down, so that all end at the same time.
 
-    The plans must have been made for each other: that arms don't meet is known only of a plan for a group that holds
-    the joints of both.
+    Each plan was made with the other arms where they were then. Before anything moves, the common motion is checked as
+    a whole, what the hands hold included.
 
     Args:
         parts: name -> arm and its plan.
 
     Returns:
-        What was measured at the end, by name.
+        What was measured at the end, by name. It ends with PathInvalidError, and nothing has moved, where the arms
+        would meet.
     """
     longest = max((plan.trajectory.duration for _, plan in parts.values()), default=0.0)
-    return all_of({name: _slowed(arm, plan, longest) for name, (arm, plan) in parts.items()})
-
-
-def _slowed(arm: Arm, plan: Plan, duration: float) -> Callable[[], Operation[JointState]]:
-    trajectory = plan.trajectory.stretched(duration)
-    return lambda: arm.execute(Plan(plan.group, trajectory, plan.planner, plan.planning_time))
+    slowed = {
+        name: (arm, replace(plan, trajectory=plan.trajectory.stretched(longest))) for name, (arm, plan) in parts.items()
+    }
+    starts = {name: partial(arm.execute, plan) for name, (arm, plan) in slowed.items()}
+    if len(slowed) < 2:
+        return all_of(starts)
+    first = next(iter(slowed.values()))[0]
+    return first.check_together([plan for _, plan in slowed.values()]).then(lambda _: all_of(starts))
 
 
 class JoinedExecutor:

@@ -27,7 +27,7 @@ _LOST = "the planning process died twice; what it printed on stderr tells why"
 class PlanningService(Protocol):
     """Answers planning requests without blocking."""
 
-    def submit(self, request: Request) -> Operation[Plan | ChosenGrasp]:
+    def submit(self, request: Request) -> Operation[Plan | ChosenGrasp | None]:
         """Ask; the operation ends with the answer, or with the `ExpectedError` that says why there is none."""
         ...
 
@@ -75,7 +75,7 @@ class PlanningProcess:
         self._settled.wait(timeout)
         return self._ready.is_set()
 
-    def submit(self, request: Request) -> Operation[Plan | ChosenGrasp]:
+    def submit(self, request: Request) -> Operation[Plan | ChosenGrasp | None]:
         """Send a request; see `PlanningService`.
 
         Raises:
@@ -86,7 +86,7 @@ class PlanningProcess:
                 raise RuntimeError("the planning process was closed")
             self._numbers += 1
             number = self._numbers
-            operation: Operation[Plan | ChosenGrasp] = Operation(on_cancel=lambda: self._cancel(number))
+            operation: Operation[Plan | ChosenGrasp | None] = Operation(on_cancel=lambda: self._cancel(number))
             if self._stillborn >= 2:
                 return Operation.failed(PlannerLostError(_LOST, exit_status=self._child.returncode))
             self._jobs[number] = _Job(number, request, operation)

@@ -92,6 +92,16 @@ class Arm(Protocol):
         """
         ...
 
+    def check_together(self, plans: Sequence[Plan]) -> Operation[None]:
+        """Check that plans of several arms, begun at once and followed as their times say, keep the arms apart.
+
+        Args:
+            plans: one of this arm and those of others.
+
+        Ends with PathInvalidError where something would be touched.
+        """
+        ...
+
     def jog(
         self, linear: Sequence[float], angular: Sequence[float] = (0.0, 0.0, 0.0), seconds: float = 0.5
     ) -> Operation[JointState]:

@@ -99,6 +99,10 @@ class FakeArm:
         """Plan a motion through poses; see `ports.Arm`."""
         return self._planned("plan_straight", [_joints_of(goal) for goal in goals], start)
 
+    def check_together(self, plans: Sequence[Plan]) -> Operation[None]:
+        """Find nothing in the way: fakes know no shapes."""
+        return Operation.finished(None)
+
     def jog(
         self, linear: Sequence[float], angular: Sequence[float] = (0.0, 0.0, 0.0), seconds: float = 0.5
     ) -> Operation[JointState]:

@@ -25,13 +25,14 @@ from grip_bt.values.pose import check_frame
 from ..collision import CollisionChecker, recent_checker
 from ..model import Chain, RobotModel
 from ..trajectory.timing import timed
+from .common import check_together
 from .constraints import kept
 from .continuous import continuously_free
 from .free import RESOLUTION, plan_constrained, plan_free
 from .goals import goals_of, out_of_limits, touching
 from .grasps import choose_grasp
 from .paths import Path, interpolated
-from .requests import ChooseGrasp, ChosenGrasp, PlanStraight, PlanTo, Request, Situation
+from .requests import CheckTogether, ChooseGrasp, ChosenGrasp, PlanStraight, PlanTo, Request, Situation
 from .straight import BrokenLineError, straight_path
 
 START_SLACK = 0.03
@@ -40,13 +41,16 @@ CONSTRAINT_SLACK = 0.02
 """Between its points a path is rounded into a spline; that may leave a constraint by this much [rad, m]."""
 
 
-def answer(model: RobotModel, request: Request, canceled: Callable[[], bool]) -> Plan | ChosenGrasp:
+def answer(model: RobotModel, request: Request, canceled: Callable[[], bool]) -> Plan | ChosenGrasp | None:
     """Answer a request.
 
     Raises:
         ExpectedError: with the reason why there is no answer.
     """
     begin = time.monotonic()
+    if isinstance(request, CheckTogether):
+        check_together(model, request)
+        return None
     if isinstance(request, ChooseGrasp):
         return choose_grasp(model, request.situation, request.grasps, canceled)
     if isinstance(request, PlanStraight):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from grip_bt.values import Grasp, JointState, PathConstraint, Pose
+from grip_bt.values import Grasp, JointState, PathConstraint, Plan, Pose
 
 from ..ik.target import Free
 from ..scene import SceneSnapshot
@@ -99,6 +99,19 @@ class ChooseGrasp:
 
 
 @dataclass(frozen=True, slots=True)
+class CheckTogether:
+    """Check that plans of different groups, begun at the same time, keep the groups apart.
+
+    Attributes:
+        situation: where the joints of no plan are, and what is avoided.
+        plans: of groups without common joints.
+    """
+
+    situation: Situation
+    plans: tuple[Plan, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class ChosenGrasp:
     """A feasible grasp.
 
@@ -115,4 +128,4 @@ class ChosenGrasp:
     reasons: dict[str, int] = field(default_factory=dict)
 
 
-Request = PlanTo | PlanStraight | ChooseGrasp
+Request = PlanTo | PlanStraight | ChooseGrasp | CheckTogether
