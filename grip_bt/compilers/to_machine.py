@@ -21,6 +21,7 @@ from .behaviour_state import BehaviourState, MachineRun, Planner, Refined, TaskS
 from .choice import Choice
 from .conditions import bind_condition, bind_rule
 from .drive import Halted, Pacer, TaskEnd
+from .enclosing import enclose
 from .handing import hand_in, hand_out
 from .leaves import LeafFactory, implementation_of, release
 from .resolve import Part, Resolved, resolve
@@ -147,6 +148,7 @@ class CompiledMachine:
         self.task, self.data, self.machine = resolved.task, resolved.scopes, machine
         self._nodes: Mapping[str, Node] = builder.tree.by_path
         self.by_path: dict[str, Any] = {**builder.tree.by_path, **builder.states}
+        enclose(resolved.root, self._nodes, builder.states)
         self.leaves = {
             part.path: leaf for part in resolved.root.walk() if isinstance(leaf := self._nodes.get(part.path), Leaf)
         }

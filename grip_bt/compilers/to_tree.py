@@ -17,6 +17,7 @@ from grip_bt.nodes.observer import Observer
 
 from .conditions import bind_condition, bind_rule
 from .drive import Pacer, TaskEnd, drive
+from .enclosing import enclose
 from .foreign import adopt
 from .handing import hand_in, hand_out
 from .leaves import LeafFactory, implementation_of, make_leaf, prepare, release
@@ -143,6 +144,7 @@ class CompiledTree:
         self._resolved = resolved
         self.task, self.data, self.root = resolved.task, resolved.scopes, builder.build(resolved.root)
         self.by_path, self.leaves = builder.by_path, builder.leaves
+        enclose(resolved.root, self.by_path, {})
 
     def observe(self, observer: Observer) -> None:
         """Have every activation and every write reported to `observer`."""

@@ -2,8 +2,7 @@
 
 * Each activation calls `execute` in a new thread; its end wakes the task.
 * What the state reads comes from the bound variables when it reads; what it writes is written when it ends.
-* A preempt request is SMACH's: a flag on the state. A state that services it has dealt with it for the whole run;
-  otherwise it goes on to the next state.
+* A preempt request is SMACH's: a flag on the state, which containers hand on as theirs do (`smach_asking`).
 * A halt can't stop a blocking `execute`: the flag is set, what it still writes and returns is dropped, and until its
   thread ends the leaf is a *zombie*, which says so and isn't entered a second time.
 """
@@ -13,7 +12,7 @@ from __future__ import annotations
 import logging
 import re
 import threading
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 from weakref import WeakKeyDictionary
 
@@ -21,8 +20,10 @@ from py_trees.common import Status
 
 from grip_bt.errors import DataError
 from grip_bt.smach_compat import Remapper, UserData
+from grip_bt.smach_compat._settings import settings
 
 from .leaf import Leaf
+from .smach_asking import Asking, Enclosing, Iteration, Together
 
 _log = logging.getLogger(__name__)
 _INVALID = re.compile(r"[^A-Za-z0-9_ -]")
@@ -38,7 +39,7 @@ class _Run:
     """What the SMACH leaves of one run share."""
 
     def __init__(self) -> None:
-        self.serviced = False
+        self.asking = Asking()
         self.built: dict[Callable[..., Any], Any] = {}
 
 
@@ -77,8 +78,8 @@ class _Values:
 class _Activation:
     """One call of `execute` in its thread."""
 
-    def __init__(self, state: Any, values: _Values, name: str, wake: Callable[[], None], asked: bool):
-        self.values, self.asked = values, asked
+    def __init__(self, state: Any, values: _Values, name: str, wake: Callable[[], None]):
+        self.values = values
         self.result: Any = None
         self.error: BaseException | None = None
         self._ended = threading.Event()
@@ -92,13 +93,54 @@ class _Activation:
             self._ended.set()
             wake()
 
-        threading.Thread(target=work, name=f"smach:{name}", daemon=True).start()
+        self._thread = threading.Thread(target=work, name=f"smach:{name}", daemon=True)
+
+    def start(self) -> None:
+        """Begin; whoever asks the state from now on has to know that it is executed."""
+        self._thread.start()
 
     def done(self) -> bool:
+        """Whether the task may go on."""
+        return self.returned()
+
+    def returned(self) -> bool:
+        """Whether `execute` has returned."""
         return self._ended.is_set()
 
 
-class KeysLeaf(Leaf):
+class AmongStates(Leaf):
+    """A leaf that takes part in how containers of SMACH hand on a preempt request.
+
+    Attributes:
+        enclosing: the containers around it that were SMACH's, outermost first; given by the compiler.
+    """
+
+    enclosing: Sequence[Enclosing] = ()
+    _asked_here = False
+
+    @property
+    def asking(self) -> Asking:
+        """The flags of the run."""
+        with _runs_lock:
+            return self._run().asking
+
+    def _run(self) -> _Run:
+        # A run has one clock; contexts are wrapped for states of a machine.
+        return _runs.setdefault(self.context.clock, _Run())
+
+    def requests(self) -> int:
+        """Return how many preempt requests the run has had."""
+        counted = getattr(self.context, "preempt_requests", None)
+        return int(self.context.preempt_requested if counted is None else counted)
+
+    def asked_here(self) -> bool:
+        """Tell whether something above has begun to ask just what is below it: a parallel, a state that is a task."""
+        asked = any(asker.asked for asker in self.askers) or (not self.requests() and self.context.preempt_requested)
+        new, self._asked_here = asked and not self._asked_here, asked
+        return new
+
+
+class KeysLeaf(AmongStates):
     """A leaf whose ports are keys of userdata: a variable that isn't written is a missing key and no error.
 
     The parameter `unwritten` lists inputs whose variable may not have been written yet: None there is a missing key.
@@ -181,28 +223,49 @@ class SmachLeaf(KeysLeaf):
             if self._zombie is not None and not self._zombie.done():
                 return self.running("waits: execute() was interrupted and hasn't returned yet")
             self._bury()
-            asked = self._to_be_asked()
-            if asked:
-                self.state.request_preempt()  # before it begins, as smach does
-            self._activation = _Activation(self.state, _Values(self), self.path, self.context.wake, asked)
+            with self.asking.lock:  # a request finds it running, or comes before it begins
+                self.asking.begin(self.enclosing, self, self.requests())
+                self._ask_here()
+                self._activation = _Activation(self.state, _Values(self), self.path, self.context.wake)
+            self._activation.start()
         activation = self._activation
         if activation.done():
             return self._take(activation)
-        if not activation.asked and self._to_be_asked():
-            activation.asked = True
-            self.state.request_preempt()
+        self.asking.arrive(self.requests())
+        self._ask_here()
         return self.running()
 
-    def _to_be_asked(self) -> bool:
-        """Whether the run is to end on its own terms and no state has dealt with that yet."""
-        return self.context.preempt_requested and not self._run().serviced
+    def _ask_here(self) -> None:
+        if self.asked_here():
+            with self.asking.lock:
+                outermost = self.asking.container(self.enclosing[0]) if self.enclosing else self
+                outermost.request_preempt()
+
+    # --- as its container sees it ---
+
+    def request_preempt(self) -> None:
+        """Set the state's flag."""
+        try:
+            self.state.request_preempt()
+        except Exception:  # noqa: BLE001 - the task goes on, as SMACH does
+            _log.exception("%s: request_preempt() raised", self.path)
+
+    def preempt_requested(self) -> bool:
+        """Return the state's flag."""
+        return bool(self.state.preempt_requested())
+
+    def recall_preempt(self) -> None:
+        """Clear the state's flag."""
+        self.state.recall_preempt()
+
+    def is_running(self) -> bool:
+        """Tell whether `execute` runs."""
+        activation = self._activation
+        return activation is not None and not activation.returned()
+
+    # --- its ends ---
 
     def _take(self, activation: _Activation) -> Status:
-        if activation.asked:
-            if self.state.preempt_requested():
-                self.state.recall_preempt()  # it travels on to the next state
-            else:
-                self._run().serviced = True
         if isinstance(activation.error, Exception):
             raise activation.error
         if activation.error is not None:
@@ -240,10 +303,6 @@ class SmachLeaf(KeysLeaf):
         if self.zombie:
             _log.warning("%s: execute() was interrupted and still runs in the thread smach:%s", self.path, self.path)
 
-    def _run(self) -> _Run:
-        # A run has one clock; contexts are wrapped for states of a machine.
-        return _runs.setdefault(self.context.clock, _Run())
-
 
 def _with_all_below(state: Any) -> Iterator[Any]:
     """Yield a state, and where it is a container all that it holds."""
@@ -252,15 +311,60 @@ def _with_all_below(state: Any) -> Iterator[Any]:
         yield from _with_all_below(child)
 
 
-class NextItem(Leaf):
-    """Hand out the items of an iteration one by one: `item` with the next, `exhausted` after the last."""
+class NextItem(AmongStates):
+    """Hand out the items of an iteration one by one: `item` with the next, `exhausted` after the last.
+
+    After an item in which a preempt was requested it ends with `preempted`: SMACH leaves an Iterator then, with the
+    outcome of its state. The parameter `leaves_by` names one that isn't the Iterator's, which SMACH stumbles over.
+    """
 
     def update(self) -> Status:
         """Look at the position and move it on."""
         items, position = self.params["items"], self.read("position")
+        around = None
+        if self.enclosing:
+            self.asking.begin(self.enclosing, None, self.requests())
+            around = self.asking.container(self.enclosing[-1])
+        if position and around is not None and around.preempt_requested() and "preempted" in self.meaning:
+            if outcome := self.params.get("leaves_by"):
+                raise RuntimeError(
+                    f"a preempt was requested, with which SMACH leaves an Iterator by the outcome of its state, "
+                    f"{outcome!r}, which is none of the Iterator's; say what it means in its final_outcome_map"
+                )
+            return self.end("preempted", position=position)
         if position >= len(items):
+            if isinstance(around, Iteration):
+                around.exhausted = True
             return self.end("exhausted", position=position)
         return self.end("item", item=items[position], position=position + 1)
+
+
+class Obeyed(AmongStates):
+    """The last child of what was a Concurrence: `preempted` where a request was obeyed by all others, else `others`.
+
+    It ends when they have ended. The parameter `allowed` is false where `preempted` isn't an outcome of the
+    Concurrence; SMACH ends with it all the same, and stumbles over it. ROS 2's SMACH never does.
+    """
+
+    def update(self) -> Status:
+        """Wait for the others, and look at the flags."""
+        asking = self.asking
+        if self.status != Status.RUNNING:
+            asking.begin(self.enclosing, None, self.requests())
+        asking.arrive(self.requests())
+        if not self.enclosing or self.enclosing[-1].unfinished() > 1:
+            return self.running() if self.enclosing else self.end("others")
+        around = asking.container(self.enclosing[-1])
+        with asking.lock:
+            obeyed = isinstance(around, Together) and around.obeyed()
+        if not obeyed or settings.ros2:
+            return self.end("others")
+        if not self.params.get("allowed", True):
+            raise RuntimeError(
+                "a preempt was requested and obeyed, after which SMACH ends a Concurrence with 'preempted', "
+                "which is none of its outcomes; add it to them"
+            )
+        return self.end("preempted")
 
 
 class CopyKeys(KeysLeaf):

@@ -68,7 +68,7 @@ class RunContext:
         self._scene, self._sensors, self._ros = scene, dict(sensors or {}), ros
         self._messages = messages
         self._workers = Workers(workers)
-        self._preempt_requested = False
+        self._preempt_requests = 0
         self._pausable = [part for part in (*pausable, self._clock) if isinstance(part, Pausable)]
         self._used: dict[int, Arm | Hand] = {}
         self._pausing = threading.RLock()  # a part that goes on may end what has another one let go
@@ -83,11 +83,16 @@ class RunContext:
     @property
     def preempt_requested(self) -> bool:
         """Whether somebody asked the task to come to an end on its own terms."""
-        return self._preempt_requested
+        return self._preempt_requests > 0
+
+    @property
+    def preempt_requests(self) -> int:
+        """How often that was asked."""
+        return self._preempt_requests
 
     def request_preempt(self) -> None:
         """Ask the task to come to an end on its own terms."""
-        self._preempt_requested = True
+        self._preempt_requests += 1
         self.wake()
 
     def wake(self) -> None:

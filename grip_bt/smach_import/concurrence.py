@@ -1,16 +1,12 @@
-"""Concurrence -> parallel, where a parallel that joins does the same; refused by name elsewhere.
+"""Concurrence -> parallel that joins, whose rules are the outcome map; refused by name where callbacks decide.
 
-A parallel looks at its exits (one child's outcome each, in the children's order), then at the meanings of the
-children's ends: all success, or not. An outcome map fits that when at most one entry names several children, and no
-entry that a parallel looks at first is one that SMACH would look at later.
+SMACH takes the entry with most conditions that hold, the first of equals; a parallel the first rule that holds. So the
+rules are the entries by length, and the default outcome comes last.
 """
 
 from __future__ import annotations
 
-import itertools
-from dataclasses import dataclass, field
-
-from grip_bt.nodes.smach_leaf import task_name
+from dataclasses import dataclass
 
 from .found import FoundContainer
 
@@ -24,16 +20,12 @@ class Plan:
     """How a Concurrence becomes a parallel.
 
     Attributes:
-        order: the children's labels, as the parallel holds them.
-        wanted: child -> the outcome that counts as success; children that aren't here always succeed.
-        exits: (child, outcome) -> an outcome of the parallel.
-        ends: outcome of the parallel -> outcome of the Concurrence.
+        rules: outcome of the Concurrence, and child -> outcome for which it is; the first that holds decides.
+        default: its outcome where none holds.
     """
 
-    order: list[str]
-    wanted: dict[str, str] = field(default_factory=dict)
-    exits: dict[tuple[str, str], str] = field(default_factory=dict)
-    ends: dict[str, str] = field(default_factory=dict)
+    rules: list[tuple[str, dict[str, str]]]
+    default: str
 
 
 def plan_of(found: FoundContainer) -> Plan:
@@ -49,6 +41,8 @@ def plan_of(found: FoundContainer) -> Plan:
     default, mapped = settings.get("default_outcome"), settings.get("outcome_map") or {}
     if not isinstance(default, str) or not isinstance(mapped, dict):
         raise RefusedError("its default outcome or outcome map is known only by a run")
+    if default not in (found.outcomes or ()):
+        raise RefusedError(f"its default outcome {default!r} is none of its outcomes")
     entries = {k: dict(v) for k, v in mapped.items() if isinstance(v, dict) and v}
     if len(entries) != len(mapped):
         raise RefusedError("an entry of its outcome map is empty, or known only by a run")
@@ -58,42 +52,7 @@ def plan_of(found: FoundContainer) -> Plan:
         if label not in (found.outcomes or ()):
             raise RefusedError(f"{label!r} of its outcome map is none of its outcomes")
     _check_writes(found)
-    several = {k: v for k, v in entries.items() if len(v) > 1}
-    if len(several) > 1:
-        raise RefusedError(f"more than one entry of its outcome map names several children: {sorted(several)}")
-    return _plan(found, default, several, {k: v for k, v in entries.items() if len(v) == 1})
-
-
-def _plan(
-    found: FoundContainer, default: str, several: dict[str, dict[str, str]], single: dict[str, dict[str, str]]
-) -> Plan:
-    plan = Plan(_order(found, single))
-    success = default
-    for label, wanted in several.items():
-        plan.wanted, success = dict(wanted), label
-    if not several and len(single) == 1:
-        ((success, wanted),) = single.items()
-        plan.wanted, single = dict(wanted), {}
-    for label, wanted in single.items():
-        ((child, outcome),) = wanted.items()
-        if plan.wanted.get(child, outcome) == outcome and several:
-            raise RefusedError(f"the entry {label!r} of its outcome map can hold together with a longer one")
-        name = task_name(label)
-        name = f"{name}_" if name in ("success", "failure") else name
-        plan.exits[child, outcome] = name
-        plan.ends[name] = label
-    plan.ends["success"] = success
-    plan.ends["failure"] = default
-    return plan
-
-
-def _order(found: FoundContainer, single: dict[str, dict[str, str]]) -> list[str]:
-    """Return the children so that exits are looked at as the map is: its first entry that holds wins a tie."""
-    first = list(dict.fromkeys(child for wanted in single.values() for child in wanted))
-    positions = [next(iter(wanted)) for wanted in single.values()]
-    if any(a != b and positions[i + 1 :].count(a) for i, (a, b) in enumerate(itertools.pairwise(positions))):
-        raise RefusedError("the order of its outcome map goes back and forth between children")
-    return [*first, *(label for label in found.added if label not in first)]
+    return Plan(sorted(entries.items(), key=lambda entry: -len(entry[1])), default)
 
 
 def _check_writes(found: FoundContainer) -> None:

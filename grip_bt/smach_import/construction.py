@@ -160,8 +160,6 @@ def _add(reader: Calls, kind: str, name: str, me: Found | None, given: dict[str,
             container.problem("partial", f"{label!r} is added twice; the first one is taken", span)
             return state
     reader.doubtful(container, f"state {label!r} is added", span)
-    if given.get("constants"):
-        container.problem("partial", f"`constants` of {label!r} aren't imported; set them in the userdata", span)
     if found.parent is None:
         found.parent = container
     else:  # source that makes it would make two of it
@@ -174,6 +172,7 @@ def _add(reader: Calls, kind: str, name: str, me: Found | None, given: dict[str,
         _mapping(container, f"the transitions of {label!r}", given.get("transitions"), span),
         _mapping(container, f"the remapping of {label!r}", given.get("remapping"), span),
         span,
+        constants=_constants(container, label, given.get("constants"), span),
     )
     if kind == "Sequence" or container.kind == "Sequence":
         connector = container.settings.get("connector_outcome")
@@ -209,6 +208,17 @@ def _state_of(value: Any, span: Span) -> Found:
     made = Found("", cls, span, expression, span.file, f"`{text}` is known only by a run")
     made.problem("partial", f"nothing is known of `{text}`; its outcomes are taken from its transitions")
     return made
+
+
+def _constants(container: FoundContainer, label: str, value: Any, span: Span) -> dict[str, Any]:
+    if not value:
+        return {}
+    if isinstance(value, dict) and all(isinstance(key, str) for key in value):
+        return dict(value)
+    container.problem(
+        "partial", f"which constants {label!r} has is known only by a run; set them in the userdata", span
+    )
+    return {}
 
 
 def _mapping(container: FoundContainer, what: str, value: Any, span: Span) -> dict[str, Any]:

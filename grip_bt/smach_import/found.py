@@ -117,6 +117,7 @@ class Added:
     Attributes:
         transitions: outcome -> label, outcome of the container, or None for the outcome of the same name.
         connectors: outcomes that lead to the next child that is added.
+        constants: userdata of the container that is set before each execution.
     """
 
     label: str
@@ -125,6 +126,7 @@ class Added:
     remapping: dict[str, str]
     span: Span
     connectors: tuple[str, ...] = ()
+    constants: dict[str, Any] = field(default_factory=dict)
 
 
 @dataclass(eq=False)

@@ -20,6 +20,7 @@ class Iteration:
         label: userdata that holds the item.
         loops: outcomes of the contained state after which the next item comes.
         final: every other outcome of the contained state -> outcome of the Iterator.
+        mapped: its `final_outcome_map`.
         exhausted: outcome of the Iterator after the last item.
     """
 
@@ -28,6 +29,17 @@ class Iteration:
     loops: frozenset[str]
     final: dict[str, str]
     exhausted: str
+    mapped: dict[str, str]
+
+    def interrupted(self) -> list[tuple[str, list[str]]]:
+        """Return what it ends with when it is preempted in an item, and after which outcomes of the contained state.
+
+        That may be none of its outcomes.
+        """
+        result: dict[str, list[str]] = {}
+        for outcome in sorted(self.loops):
+            result.setdefault(self.mapped.get(outcome, outcome), []).append(outcome)
+        return list(result.items())
 
 
 def iteration_of(found: FoundContainer) -> Iteration:
@@ -57,7 +69,7 @@ def iteration_of(found: FoundContainer) -> Iteration:
     for target in (*final.values(), mapped.get(exhausted, exhausted)):
         if target not in (found.outcomes or ()):
             raise RefusedError(f"it would end with {target!r}, which is none of its outcomes")
-    return Iteration(items, label, loops, final, mapped.get(exhausted, exhausted))
+    return Iteration(items, label, loops, final, mapped.get(exhausted, exhausted), dict(mapped))
 
 
 def _given(items: Any) -> Any:

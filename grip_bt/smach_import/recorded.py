@@ -148,7 +148,7 @@ class Merge:
         made.outcomes, made.input_keys = facts["outcomes"], facts["input_keys"]
         made.output_keys, made.initial = facts["output_keys"], facts["initial"]
         made.settings = _settings(facts["settings"])
-        made.userdata = {k: v.get("value", Opaque(v.get("opaque", ""))) for k, v in facts["userdata"].items()}
+        made.userdata = _values(facts["userdata"])
         if twin is not None:
             made.expression, made.file, made.why = twin.expression, twin.file, twin.why
             made.entry, made.entry_is_call, made.entry_file = twin.entry, twin.entry_is_call, twin.entry_file
@@ -161,10 +161,9 @@ class Merge:
             made.problem(
                 "partial", f"as one run built it, with stand-ins for {names}; compare the states with the text"
             )
-        for label in facts["constants"]:
-            made.problem("partial", f"`constants` of {label!r} aren't imported; set them in the userdata")
         for child in facts["children"]:
-            made.added[child["label"]] = self._added(made, child, twin)
+            added = made.added[child["label"]] = self._added(made, child, twin)
+            added.constants = _values(facts["constants"].get(child["label"], {}))
         return made
 
     def _added(self, outer: FoundContainer, child: dict[str, Any], twin: FoundContainer | None) -> Added:
@@ -191,6 +190,10 @@ class Merge:
         if not facts["kind"]:
             made.problem("partial", f"the class {facts['cls']} isn't here: its outcomes are taken from its transitions")
         return made
+
+
+def _values(facts: dict[str, Any]) -> dict[str, Any]:
+    return {k: v.get("value", Opaque(v.get("opaque", ""))) for k, v in facts.items()}
 
 
 def _settings(facts: dict[str, Any]) -> dict[str, Any]:

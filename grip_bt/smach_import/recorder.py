@@ -120,7 +120,10 @@ class Recording:
         ]
         facts["initial"] = getattr(found, "_initial_state_label", None)
         facts["userdata"] = {k: _literal(v) for k, v in found.userdata._data.items()}
-        facts["constants"] = sorted(getattr(found, "_constants", {}))
+        facts["constants"] = {
+            str(label): {str(k): _literal(v) for k, v in given.items()}
+            for label, given in getattr(found, "_constants", {}).items()
+        }
         facts["settings"] = _settings(found)
         facts["entry"] = self.entries.get(id(found))
         return facts

@@ -7,8 +7,6 @@ from dataclasses import dataclass, field
 
 from .found import FoundContainer
 
-_MACHINES = ("StateMachine", "Sequence")
-
 
 @dataclass
 class Sharing:
@@ -42,11 +40,11 @@ class Sharing:
             found.problem("partial", f"userdata `{key}` {text}")
 
     def copied_out(self, initial: set[str]) -> set[tuple[FoundContainer, str]]:
-        """Return the keys of machines that need a variable of their own, copied out at the end."""
-        return {(found, key) for found, key, _, out in self.troubles(initial) if out and found.kind in _MACHINES}
+        """Return the keys of containers that need a variable of their own, copied out at the end."""
+        return {(found, key) for found, key, _, out in self.troubles(initial) if out}
 
     def troubles(self, initial: set[str]) -> Iterator[tuple[FoundContainer, str, str, bool]]:
-        """Yield container, key, what is wrong, and whether the key goes out and not in."""
+        """Yield container, key, what is wrong, and whether a variable of its own mends it."""
         for found, names in self.shared:
             reads, writes = _inside(found)
             for key, variable in names.items():
@@ -55,8 +53,8 @@ class Sharing:
                 if not trouble and len(twins) > 1 and writes & set(twins):
                     trouble = f"and {[k for k in twins if k != key]} are one key of the parent: SMACH keeps them apart"
                 if trouble:
-                    out = key in found.output_keys and key not in found.input_keys
-                    yield found, key, f"{trouble}, the task has one variable, `{variable}`", out
+                    mends = len(twins) > 1 or (key in found.output_keys and key not in found.input_keys)
+                    yield found, key, f"{trouble}, the task has one variable, `{variable}`", mends
 
     def _trouble(
         self, found: FoundContainer, key: str, variable: str, reads: set[str], writes: set[str], initial: set[str]
@@ -75,8 +73,6 @@ class Sharing:
 
 def copied_in(found: FoundContainer) -> list[str]:
     """Return the keys of a machine that need a variable of their own: they come in and not out, and are written."""
-    if found.kind not in _MACHINES:
-        return []
     writes = _inside(found)[1]
     return [key for key in found.input_keys if key in writes and key not in found.output_keys]
 

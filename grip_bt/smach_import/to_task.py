@@ -8,14 +8,17 @@ from typing import Any
 
 from grip_bt.catalog import Catalog
 from grip_bt.graph import FrozenDict, Leaf, Parallel, StateMachine, Task, Variable, children_of
-from grip_bt.graph.model import AnyNode, Meaning
+from grip_bt.graph.model import AnyNode, Meaning, ParallelRule
+from grip_bt.nodes.smach_asking import MARK
 from grip_bt.nodes.smach_leaf import task_name
 from grip_bt.validation import validate
 from grip_bt.validation.dataflow import DataFlow
 from grip_bt.validation.survey import Survey
 
 from .concurrence import Plan, RefusedError, plan_of
-from .found import Added, Found, FoundContainer
+from .constants import declare, led_to, steps_before
+from .copies import entered, left, wrapped
+from .found import Added, FoundContainer
 from .iteration import iteration_of
 from .keys import Keys, Variables
 from .leaves import Leaves
@@ -39,9 +42,9 @@ class TaskMaker:
         specs = dict(self.leaves.specs)
         try:
             node, ends = self._root()
-            self.own = self.sharing.copied_out(self._initial())
-            if self.own:  # again, now that it is known which keys have to be copied
-                self.variables, self.sharing, self.leaves.specs = Variables(), Sharing(), specs
+            while more := self.sharing.copied_out(self._initial()) - self.own:
+                self.own |= more  # again, now that it is known which keys have to be copied
+                self.variables, self.sharing, self.leaves.specs = Variables(), Sharing(), dict(specs)
                 node, ends = self._root()
         except RefusedError as error:
             if self.root.verdict != "failed":
@@ -57,15 +60,14 @@ class TaskMaker:
         keys = Keys(self.variables, self.name)
         for key in self.root.input_keys:
             keys(key)
-        made: tuple[Any, Ends] = self.container(self.root, keys, None)
-        return made
+        return self.container(self.root, keys)
 
     def _initial(self) -> set[str]:
         return {*self.variables.values, *self.variables.first}
 
     # --- nodes ---
 
-    def container(self, found: FoundContainer, keys: Keys, meaning: Mapping[str, Meaning] | None) -> Any:
+    def container(self, found: FoundContainer, keys: Keys) -> tuple[Any, Ends]:
         """Return a container as a node, and what its outcomes stand for.
 
         Raises:
@@ -74,24 +76,25 @@ class TaskMaker:
         check(found)
         keys.begin(found)
         if found.kind == "Concurrence":
-            if meaning is not None:
-                raise RefusedError("it is a child of another Concurrence")
             return self._parallel(found, keys, plan_of(found))
         ends = {task_name(o): o for o in found.outcomes or ()}
-        means = {here: (meaning or {}).get(there, meaning_of(there)) for here, there in ends.items()}
-        if wrong := [o for o in ("success", "failure") if o in means and means[o] != o]:
-            raise RefusedError(f"its outcome {wrong[0]!r} would have to mean the opposite")
         if found.kind == "Iterator":
-            return self._iterator(found, keys, means), ends
+            return self._iterator(found, keys, _meanings(found)), ends
+        declare(found, keys, self.variables)
         names = self._labels(found)
-        children = {}
+        steps, entries = steps_before(found, keys, names, {*names.values(), *ends})
+        children: dict[str, AnyNode] = {}
         for label, added in found.added.items():
-            node, child_ends = self.child(found, added, keys, None)
+            node, child_ends = self.child(found, added, keys)
             on = {here: self._target(found, added, there, names) for here, there in child_ends.items()}
-            children[names[label]] = node.model_copy(update={"on": FrozenDict(on)})
-        initial = names[found.initial or ""]
+            children[names[label]] = led_to(node.model_copy(update={"on": FrozenDict(on)}), entries, names)
+        self.sharing.wrote({name for step in steps.values() for name in step.out.values()})  # type: ignore[union-attr]
         machine = StateMachine(
-            kind="state_machine", initial=initial, outcomes=means, children=children, x=_source(found)
+            kind="state_machine",
+            initial=entries[found.initial or ""],
+            outcomes=_meanings(found),
+            children={**steps, **children},
+            x=_source(found),
         )
         return machine, ends
 
@@ -101,68 +104,86 @@ class TaskMaker:
         added = next(iter(found.added.values()))
         name = task_name(added.label)
         name += "_" * (name in means or name == "next")
-        first = "next" if "next" not in means else "next_"
-        node, ends = self.child(found, added, keys, None, raw=True)
+        node, ends = self.child(found, added, keys, raw=True)
         position = self.variables.new("position", task_name(found.cls))
         item = keys(plan.label)
         self.sharing.wrote({item})
-        on = {here: first if there in plan.loops else task_name(plan.final[there]) for here, there in ends.items()}
-        step = Leaf(
-            node=spec.manifest.id,
-            with_={"items": plan.items},
-            in_={"position": position},
-            out={"position": position, "item": item},
-            on={"item": name, "exhausted": task_name(plan.exhausted)},
-        )
+        on, steps = {here: task_name(plan.final[there]) for here, there in ends.items() if there in plan.final}, {}
+        for number, (target, loops) in enumerate(plan.interrupted() or [(plan.exhausted, [])]):
+            step = "next" if not number else f"next {number + 1}"
+            step += "_" * (step in means)
+            on |= {here: step for here, there in ends.items() if there in loops}
+            known = target in (found.outcomes or ())
+            steps[step] = Leaf(
+                node=spec.manifest.id,
+                with_={"items": plan.items} if known else {"items": plan.items, "leaves_by": target},
+                in_={"position": position},
+                out={"position": position, "item": item},
+                on={
+                    "item": name,
+                    "exhausted": task_name(plan.exhausted),
+                    "preempted": task_name(target if known else plan.exhausted),
+                },
+            )
         return StateMachine(
             kind="state_machine",
-            initial=first,
+            initial=next(iter(steps)),
             outcomes=dict(means),
             data={position: Variable(type="int", value=0)},
-            children={first: step, name: node.model_copy(update={"on": FrozenDict(on)})},
+            children={**steps, name: node.model_copy(update={"on": FrozenDict(on)})},
             x=_source(found),
         )
 
     def _parallel(self, found: FoundContainer, keys: Keys, plan: Plan) -> tuple[Parallel, Ends]:
-        children, exits = {}, {}
-        for label in plan.order:
-            added = found.added[label]
-            wanted = plan.wanted.get(label)
-            meaning: dict[str, Meaning] = {
-                o: "success" if wanted in (None, o) else "failure" for o in self.outcomes(added)
-            }
-            node, ends = self.child(found, added, keys, meaning)
-            children[task_name(label)] = node
-            back = {there: here for here, there in ends.items()}
-            for (child, outcome), end in plan.exits.items():
-                if child == label and outcome in back:
-                    exits[f"{task_name(label)}.{back[outcome]}"] = end
-        own = {end: meaning_of(plan.ends[end]) for end in plan.exits.values()}
-        node = Parallel(kind="parallel", cancel="join", children=children, exits=exits, outcomes=own, x=_source(found))
-        return node, plan.ends
+        children: dict[str, AnyNode] = {}
+        ends_of: dict[str, Ends] = {}
+        for label, added in found.added.items():
+            children[task_name(label)], ends_of[label] = self.child(found, added, keys)
+        own, labels = _labelled(found, plan.default)
+        ends = {"success": plan.default, "failure": plan.default} | {label: o for o, label in labels.items()}
+        asked = "asked" + "_" * ("asked" in children)
+        allowed = "preempted" in labels
+        spec = self.leaves.obeyed()
+        children[asked] = Leaf(node=spec.manifest.id, with_={} if allowed else {"allowed": False})
+        rules = [ParallelRule(when={asked: "preempted"}, then=labels["preempted"])] if allowed else []
+        for outcome, wanted in plan.rules:
+            when = {task_name(c): [h for h, there in ends_of[c].items() if there == o] for c, o in wanted.items()}
+            if all(when.values()):  # what a state never ends with never holds
+                rules.append(
+                    ParallelRule(when={c: w[0] if len(w) == 1 else w for c, w in when.items()}, then=labels[outcome])
+                )
+        rules.append(ParallelRule(then=labels[plan.default]))
+        node = Parallel(kind="parallel", cancel="join", children=children, rules=rules, outcomes=own, x=_source(found))
+        return node, ends
 
-    def child(
-        self, found: FoundContainer, added: Added, keys: Keys, meaning: Mapping[str, Meaning] | None, raw: bool = False
-    ) -> tuple[AnyNode, Ends]:
+    def child(self, found: FoundContainer, added: Added, keys: Keys, raw: bool = False) -> tuple[AnyNode, Ends]:
         """Return one child as a node."""
         state = added.state
         for each in state.problems if not isinstance(state, FoundContainer) else ():
             found.problem(each.verdict, each.text, each.span)
         remapping = {} if raw else added.remapping
         if not isinstance(state, FoundContainer):
-            return self._leaf(found, added, keys, remapping, meaning)
+            return self._leaf(found, added, keys, remapping)
         shared = {k: keys(remapping.get(k, k)) for k in (*state.input_keys, *state.output_keys)}
-        copied = {k: shared.pop(k) for k in copied_in(state) if shared[k] not in self.variables.first}
+        own = {k for k, name in shared.items() if (state, k) in self.own and name not in self.variables.first}
+        own |= {k for k in copied_in(state) if shared[k] not in self.variables.first}
+        copied = {k: shared[k] for k in state.input_keys if k in own}
+        out = {k: shared[k] for k in state.output_keys if (state, k) in self.own}
+        shared = {k: name for k, name in shared.items() if k not in own and k not in out}
         before = dict(self.variables.names), dict(self.leaves.specs)
-        out = {k: shared.pop(k) for k in state.output_keys if (state, k) in self.own and k in shared}
         writes = list(self.sharing.writes)
         try:
             self.sharing.chain.append(state)
             inner = Keys(self.variables, task_name(added.label), shared)
-            node, ends = self.container(state, inner, meaning)
+            node, ends = self.container(state, inner)
             self.sharing.shared.append((state, shared))
-            node = self._left(node, out, inner) if out else node
-            return (self._entered(node, copied, inner) if copied else node), ends
+            if (copied or out) and not isinstance(node, StateMachine):
+                node = wrapped(node, {here: task_name(there) for here, there in ends.items()}, _meanings(state))
+                ends = {task_name(o): o for o in state.outcomes or ()}
+            if out:
+                self.sharing.wrote_outside(set(out.values()))
+                node = left(node, out, inner, self.leaves)
+            return (entered(node, copied, inner, self.leaves) if copied else node), ends
         except RefusedError as error:
             self.sharing.writes = writes
             self.variables.names, self.leaves.specs = before
@@ -172,42 +193,7 @@ class TaskMaker:
             state.problem("partial" if runs else "failed", f"{as_leaf}: {error}")
         finally:
             self.sharing.chain.pop()
-        return self._leaf(found, added, keys, remapping, meaning)
-
-    def _entered(self, node: StateMachine, copied: Mapping[str, str], inner: Keys) -> StateMachine:
-        """Put a state first that copies keys in, as SMACH does."""
-        name = "enter"
-        while name in node.children or name in node.outcomes:
-            name += "_"
-        step = Leaf(
-            node=self.leaves.copy(list(copied)).manifest.id,
-            in_=dict(copied),
-            out={key: inner(key) for key in copied},
-            on={"done": node.initial},
-        )
-        return node.model_copy(update={"initial": name, "children": FrozenDict({name: step, **node.children})})
-
-    def _left(self, node: StateMachine, out: Mapping[str, str], inner: Keys) -> StateMachine:
-        """Put a state before each outcome that copies keys out, as SMACH does."""
-        self.sharing.wrote_outside(set(out.values()))
-        taken = {*node.children, *node.outcomes}
-        names: dict[str, str] = {}
-        for outcome in node.outcomes:
-            name = f"leave {outcome}"
-            while name in taken:
-                name += "_"
-            names[outcome] = name
-        children = {
-            label: child.model_copy(update={"on": FrozenDict({k: names.get(t, t) for k, t in child.on.items()})})
-            for label, child in node.children.items()
-        }
-        used = {target for child in children.values() for target in child.on.values()}
-        spec = self.leaves.copy(list(out))
-        for outcome, name in names.items():
-            if name in used:
-                bound = {"in_": {key: inner(key) for key in out}, "out": dict(out)}
-                children[name] = Leaf(node=spec.manifest.id, on={"done": outcome}, **bound)
-        return node.model_copy(update={"children": FrozenDict(children)})
+        return self._leaf(found, added, keys, remapping)
 
     def _leaf(
         self,
@@ -215,7 +201,6 @@ class TaskMaker:
         added: Added,
         keys: Keys,
         remapping: Mapping[str, str],
-        meaning: Mapping[str, Meaning] | None,
     ) -> tuple[Leaf, Ends]:
         state, outcomes = added.state, self.outcomes(added)
         inputs, outputs = state.input_keys, state.output_keys
@@ -229,14 +214,11 @@ class TaskMaker:
             why = state.why or f"`{state.cls}` can't be made outside of what builds it"
             found.problem("partial", f"{why}; say in leaves.py how {spec.cls} is made", added.span)
         ends = {task_name(o): o for o in outcomes}
-        usual = spec.manifest.outcomes
-        means = {h: m for h, t in ends.items() if (m := (meaning or {}).get(t, usual[h])) != usual[h]}
         renamed = {here: there for here, there in ends.items() if here != there}
         leaf = Leaf(
             node=spec.manifest.id,
             in_={key: bound[key] for key in inputs},
             out={key: bound[key] for key in outputs},
-            meaning=means,
             x={"x-source": str(added.span), **({"x-outcomes": renamed} if renamed else {})},
         )
         return leaf, ends
@@ -347,5 +329,24 @@ def _walk(node: AnyNode) -> Iterable[AnyNode]:
         yield from _walk(child)
 
 
-def _source(found: Found) -> dict[str, Any]:
-    return {"x-source": str(found.span)}
+def _meanings(found: FoundContainer) -> dict[str, Meaning]:
+    means = {task_name(o): meaning_of(o) for o in found.outcomes or ()}
+    if wrong := [o for o in ("success", "failure") if o in means and means[o] != o]:
+        raise RefusedError(f"its outcome {wrong[0]!r} would have to mean the opposite")
+    return means
+
+
+def _labelled(found: FoundContainer, default: str) -> tuple[dict[str, Meaning], dict[str, str]]:
+    """Return the outcomes that a parallel declares, and what each outcome is called: one `success`, one `failure`."""
+    _meanings(found)
+    outcomes = list(dict.fromkeys((default, *(found.outcomes or ()))))
+    labels: dict[str, str] = {o: o for o in outcomes if o in ("success", "failure")}
+    for outcome in outcomes:
+        if outcome not in labels and meaning_of(outcome) not in labels.values():
+            labels[outcome] = meaning_of(outcome)
+    own = {o: task_name(o) for o in outcomes if o not in labels}
+    return {name: meaning_of(o) for o, name in own.items()}, {**labels, **own}
+
+
+def _source(found: FoundContainer) -> dict[str, Any]:
+    return {"x-source": str(found.span), MARK: found.kind}

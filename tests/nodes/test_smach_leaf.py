@@ -189,8 +189,8 @@ def test_a_request_that_nobody_serviced_travels_to_the_next_state():
     context.preempt_requested = True
     first, second, third = Legacy(), Legacy(asked), Legacy(asked)
     assert run(make(first, context), context) == "done"
-    assert not first.preempt_requested()
     assert run(make(second, context), context) == "preempted"
+    assert not first.preempt_requested()
     assert run(make(third, context), context) == "done"
 
 

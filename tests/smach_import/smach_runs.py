@@ -35,7 +35,7 @@ def run_task(path, target="bt", data=None):
     task = read(path).task
     compiled = COMPILERS[target](task, find_project(path).catalog(), data=data)
     kinds = {path: node.node for path, node in walk(task.root) if isinstance(node, Leaf)}
-    trace = Trace({path for path, kind in kinds.items() if kind.split("/")[-1][:5] not in ("next_", "copy_")})
+    trace = Trace({path for path, kind in kinds.items() if kind.split("/")[-1][:5] not in ("next_", "copy_", "preem")})
     runner = Runner(compiled, RunContext())
     runner.observe(trace)
     result = runner.run()

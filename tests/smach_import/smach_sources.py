@@ -5,7 +5,7 @@ HEAD = """import threading
 import smach
 
 TRACE = []
-WORLD = {'activations': 0, 'preempt_at': None, 'request': None}
+WORLD = {'activations': 0, 'preempt_at': (), 'request': None}
 ENDED = {}
 WAITING = {}
 TURN = threading.Condition()
@@ -27,7 +27,7 @@ class Scripted(smach.State):
             del WAITING[self.path]
             activation = WORLD['activations']
             WORLD['activations'] += 1
-        if activation == WORLD['preempt_at']:
+        if activation in WORLD['preempt_at']:
             with TURN:  # its siblings have begun, so that the request finds them
                 assert TURN.wait_for(lambda: all(path in WAITING for path in self.later), 20)
             WORLD['request'](self)
@@ -104,8 +104,9 @@ def _adds(spec, path, lines):
             calls.append(f"smach.Concurrence.add({label!r}, {made}, remapping={remapping})")
     else:
         cls = {"sm": "StateMachine", "seq": "Sequence"}[spec["kind"]]
-        for label, child, transitions, remapping in spec["states"]:
+        for label, child, transitions, remapping, *more in spec["states"]:
             made = _emit(child, f"{path}/{label}", before)
-            calls.append(f"smach.{cls}.add({label!r}, {made}, {transitions}, {remapping})")
+            constants = f", constants={more[0]}" if more and more[0] else ""
+            calls.append(f"smach.{cls}.add({label!r}, {made}, {transitions}, {remapping}{constants})")
     lines[-1:-1] = before
     return calls

@@ -10,8 +10,6 @@ from smach_lowerings import (
     FORMS,
     Draw,
     PacedActivation,
-    enters_a_concurrence_preempted,
-    finds_an_old_request,
     per_path,
     run_compat,
     run_form,
@@ -20,8 +18,6 @@ from smach_runs import write
 from smach_sources import source_of
 
 from grip_bt.nodes import smach_leaf
-from grip_bt.smach_compat import configure
-from grip_bt.smach_compat._settings import Settings, settings
 
 GOLDEN = Path(__file__).parents[1] / "smach_compat" / "data" / "smach_golden.jsonl"
 CASES = [json.loads(line) for line in GOLDEN.read_text().splitlines()]
@@ -34,8 +30,6 @@ FIRST = int(os.environ.get("GRIP_FUZZ_SEED", "0"))
 @pytest.fixture(autouse=True)
 def paced(monkeypatch):
     monkeypatch.setattr(smach_leaf, "_Activation", PacedActivation)
-    yield
-    vars(settings).update(vars(Settings()))
 
 
 def imported(spec, folder):
@@ -50,15 +44,13 @@ def imported(spec, folder):
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case["id"])
 def test_each_form_of_what_was_imported_exactly_replays_upstreams_trace(case, tmp_path):
     file, path = imported(case["spec"], tmp_path)
-    preempt_at = case["spec"]["preempt_at"]
+    at = case["spec"]["preempt_at"]
+    preempt_at = () if at is None else (at,)
     outcome, trace = run_compat(file, preempt_at)
     expected = case["trace"]
     assert ["out", outcome] == case["result"]
     assert per_path(json.loads(json.dumps(trace))) == per_path(expected)
-    if path is None:
-        pytest.skip("not imported exactly, and the import says so")
-    if any(asked and path_.endswith("/IT") for path_, _, _, asked in expected):
-        pytest.skip("SMACH leaves an Iterator that is preempted; the task goes on with its items: see docs/porting.md")
+    assert path is not None, "each of them is imported exactly"
     for pace, form in enumerate(FORMS):
         outcome, trace = run_form(path, file, form, preempt_at, pace)
         rows = json.loads(json.dumps(trace))
@@ -66,30 +58,24 @@ def test_each_form_of_what_was_imported_exactly_replays_upstreams_trace(case, tm
         assert (per_path(rows) == per_path(expected)) if case["concurrent"] else (rows == expected), form
 
 
-@pytest.mark.parametrize("when", ["never", "before", "during"])
-def test_random_machines_do_the_same_in_each_form_preempted_before_during_or_never(when, tmp_path):
-    # A preempted Concurrence of noetic ends with `preempted`, whatever its outcomes are; ROS 2's by its map, as a task.
-    configure(profile="ros2")
+@pytest.mark.parametrize("when", ["never", "before", "during", "twice"])
+def test_random_machines_do_the_same_in_each_form_however_often_they_are_preempted(when, tmp_path):
     compared = asked = 0
     for seed in range(FIRST, FIRST + MACHINES):
-        spec = Draw(seed).machine()
         folder = tmp_path / str(seed)
         folder.mkdir()
-        file, path = imported(spec, folder)
+        file, path = imported(Draw(seed).machine(), folder)
         if path is None:
             continue
         _, whole = run_compat(file)
-        at = random.Random(seed).randrange(max(1, len(whole))) if when == "during" else None
-        before = when == "before"
+        drawn = [random.Random(f"{seed} {number}").randrange(max(1, len(whole))) for number in range(2)]
+        at = {"during": drawn[:1], "twice": drawn}.get(when, ())
+        before = {"before": 1, "twice": seed % 2}.get(when, 0)
         expected = run_compat(file, at, before)
-        assert run_compat(file, at, before, twice=before) == expected  # asking twice is asking once
-        # What docs/porting.md says to differ.
-        if when != "never" and (enters_a_concurrence_preempted(expected[1], at) or finds_an_old_request(expected[1])):
-            continue
         for pace, form in enumerate(FORMS):
             outcome, trace = run_form(path, file, form, at, pace, before)
             assert (outcome, per_path(trace)) == (expected[0], per_path(expected[1])), (seed, form)
         compared += 1
         asked += any(row[-1] for row in expected[1])
-    assert compared > MACHINES // 3
+    assert compared > MACHINES * 0.9
     assert (asked > compared // 2) == (when != "never")

@@ -6,6 +6,7 @@ from grip_bt.compilers.resolve import Part
 from grip_bt.graph import model
 
 from ..quoting import py
+from .legacy import is_obeyed
 
 
 def outcome_map(part: Part) -> tuple[dict[str, dict[str, str]], str] | None:
@@ -16,6 +17,8 @@ def outcome_map(part: Part) -> tuple[dict[str, dict[str, str]], str] | None:
     """
     node = part.node
     assert isinstance(node, model.Parallel), "only these join"
+    if node.rules:
+        return _ruled(part, node)
     if node.policy != "all":
         return None
     order = {child.name: number for number, child in enumerate(part.children)}
@@ -34,6 +37,19 @@ def outcome_map(part: Part) -> tuple[dict[str, dict[str, str]], str] | None:
             return None
         wanted[child.name] = good[0]
     return ({**mapped, "success": wanted}, "failure") if wanted else (mapped, "success")
+
+
+def _ruled(part: Part, node: model.Parallel) -> tuple[dict[str, dict[str, str]], str] | None:
+    """Return rules as a map: each about one outcome of each child, the longer ones first, and one for the rest."""
+    obeyed = {child.name for child in part.children if is_obeyed(child)}
+    *rules, rest = [rule for rule in node.rules if not set(rule.when) & obeyed]
+    mapped = {rule.then: {child: str(said) for child, said in rule.when.items()} for rule in rules}
+    sizes = [len(rule.when) for rule in rules]
+    plain = all(isinstance(said, str) for rule in rules for said in rule.when.values())
+    counts = any(rule.at_least is not None for rule in node.rules)
+    if part.exits or not plain or counts or rest.when or len(mapped) < len(rules) or 0 in sizes:
+        return None
+    return (mapped, rest.then) if sizes == sorted(sizes, reverse=True) else None
 
 
 def outcome_function(part: Part, name: str, labels: dict[str, str]) -> str:

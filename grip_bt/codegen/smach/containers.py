@@ -8,11 +8,12 @@ from grip_bt.compilers.behaviour_state import Refined, labels
 from grip_bt.compilers.resolve import Part
 from grip_bt.compilers.transitions import COUNT, chooses, counts, state_labels, table_of
 from grip_bt.graph import model
+from grip_bt.nodes.smach_asking import CONSTANT, MARK
 
 from ..standalone.layout import Code, Items, call
 from .concurrence import outcome_function, outcome_map
 from .forms import form_of
-from .legacy import is_next_item, legacy_state
+from .legacy import constants_before, is_next_item, is_obeyed, legacy_state
 from .plan import Plan, keys_of
 from .states import legacy, tree
 
@@ -50,7 +51,13 @@ def machine(
         then: writes what comes between its object and its states.
     """
     table, names, ends = table_of(part, needed), state_labels(part), ends or {}
-    states = {child.name: state(plan, child, table.refined[child.name]) for child in part.children}
+    before = constants_before(part)
+    children = [child for child in part.children if child.name not in before]
+    led = {names[step]: names[target] for step, (target, _) in before.items()}
+    constants: dict[str, dict[str, object]] = {}
+    for target, given in before.values():
+        constants[target] = {**given, **constants.get(target, {})}
+    states = {child.name: state(plan, child, table.refined[child.name]) for child in children}
     name = name or plan.take(part)
     keys = {} if outcomes else keys_of(part)
     plan.begin(name, call("smach.StateMachine", outcomes=outcomes or labels(part.meaning, needed), **keys), part)
@@ -59,9 +66,11 @@ def machine(
     counter = _counter(plan, part, name) if counts(part) else ""
     choice = _choice(plan, part, needed, name) if chooses(part) else ""
     plan.body.append(f"    with {name}:")
-    for child in part.children:
-        leads = {label: ends.get(to, to) for label, to in table.rows[names[child.name]].items()}
-        add(plan, names[child.name], states[child.name], child, table.refined[child.name], leads)
+    for child in children:
+        row = {label: led.get(to, to) for label, to in table.rows[names[child.name]].items()}
+        leads = {label: ends.get(to, to) for label, to in row.items()}
+        more = {"constants": constants[child.name]} if child.name in constants else {}
+        add(plan, names[child.name], states[child.name], child, table.refined[child.name], leads, **more)
     if counter:
         end = "failure" if isinstance(part.node, model.Retry) else "success"
         leads = {"again": names[part.children[0].name], "enough": ends.get(end, end)}
@@ -72,8 +81,9 @@ def machine(
         if isinstance(part.node, model.Switch):  # a child without a case is never next
             leads = {end: to for end, to in leads.items() if end[:3] != "do " or end[3:] in _cased(part.node)}
         plan.write(call("smach.StateMachine.add", COUNT, Code(choice), transitions=leads), "", 8)
-    if table.initial != names[part.children[0].name]:
-        plan.write(call(f"{name}.set_initial_state", [table.initial]), "", 4)
+    initial = led.get(table.initial, table.initial)
+    if initial != names[children[0].name]:
+        plan.write(call(f"{name}.set_initial_state", [initial]), "", 4)
     return name
 
 
@@ -117,7 +127,15 @@ def _cased(node: model.Switch) -> set[str]:
     return {*(child for child, _ in model.cases_of(node)), node.default}
 
 
-def add(plan: Plan, label: str, made: Made, part: Part, refined: Refined, leads: Mapping[str, str] | None) -> None:
+def add(
+    plan: Plan,
+    label: str,
+    made: Made,
+    part: Part,
+    refined: Refined,
+    leads: Mapping[str, str] | None,
+    **more: object,
+) -> None:
     """Write what adds a state to a StateMachine, or without transitions to a Concurrence."""
     given: dict[str, object] = {}
     known = legacy_state(part) if form_of(part, refined) == "state" else None
@@ -127,7 +145,9 @@ def add(plan: Plan, label: str, made: Made, part: Part, refined: Refined, leads:
         given["transitions"] = dict(leads)
     if known is not None and known.remapping:
         given["remapping"] = known.remapping
-    plan.write(call(f"smach.{'Concurrence' if leads is None else 'StateMachine'}.add", label, made, **given), "", 8)
+    plan.write(
+        call(f"smach.{'Concurrence' if leads is None else 'StateMachine'}.add", label, made, **given, **more), "", 8
+    )
 
 
 def _iterator(plan: Plan, part: Part, needed: Refined) -> str:
@@ -145,13 +165,15 @@ def _iterator(plan: Plan, part: Part, needed: Refined) -> str:
     given = f"lambda userdata, states: {name}.set_iteritems(list(userdata[{items!r}]), {item!r})"
     plan.write(call(f"{name}.register_start_cb", Code(given)))
     (row,) = table.rows.values()
-    _contained(plan, name, child, made, row, COUNT)
+    _contained(plan, name, child, made, row, {COUNT}, {})
     return name
 
 
 def _items(plan: Plan, part: Part, needed: Refined) -> str:
     """Write what an import had made of an Iterator as one."""
-    first, other = sorted(part.children, key=lambda child: not is_next_item(child))
+    assert isinstance(part.node, model.StateMachine), "it is a machine of these"
+    first = next(child for child in part.children if child.name == part.node.initial)
+    other = next(child for child in part.children if not is_next_item(child))
     table = table_of(part, needed)
     made = state(plan, other, table.refined[other.name])
     assert isinstance(first.node, model.Leaf), "it hands out items"
@@ -168,16 +190,27 @@ def _items(plan: Plan, part: Part, needed: Refined) -> str:
     own = _own(plan, part, "Each", "smach.Iterator")
     run = [Code("run")] if own == "Each" else []
     plan.write(call(own, *run, outcomes=labels(part.meaning, needed), **given), name)
-    _contained(plan, name, other, made, table.rows[other.name], first.name)
+    again = {child.name for child in part.children if is_next_item(child)}
+    mapped = {}
+    for step in part.children:
+        node = step.node
+        if is_next_item(step) and isinstance(node, model.Leaf) and not node.with_.get("leaves_by"):
+            into = [label for label, to in table.rows[other.name].items() if to == step.name]
+            mapped |= {label: node.on.get("preempted", label) for label in into}
+    _contained(plan, name, other, made, table.rows[other.name], again, mapped)
     return name
 
 
-def _contained(plan: Plan, name: str, child: Part, made: Made, row: Mapping[str, str], again: str) -> None:
+def _contained(
+    plan: Plan, name: str, child: Part, made: Made, row: Mapping[str, str], again: set[str], loops_to: Mapping[str, str]
+) -> None:
+    """Write the state of an Iterator; `loops_to`: what it ends with when it is preempted after these outcomes."""
     row = {label: to for label, to in row.items() if legacy_state(child) is None or "." not in label}
-    leaving = {label: to for label, to in row.items() if to != again}
+    leaving = {label: to for label, to in row.items() if to not in again}
     loops = [label for label in row if label not in leaving]
     given: dict[str, object] = {"loop_outcomes": loops, "break_outcomes": list(leaving)}
-    if mapped := {label: to for label, to in leaving.items() if label != to}:
+    ways = {**leaving, **{label: to for label, to in loops_to.items() if label in loops}}
+    if mapped := {label: to for label, to in ways.items() if label != to}:
         given["final_outcome_map"] = mapped
     plan.body.append(f"    with {name}:")
     plan.write(call("smach.Iterator.set_contained_state", child.name, made, **given), "", 8)
@@ -185,15 +218,21 @@ def _contained(plan: Plan, name: str, child: Part, made: Made, row: Mapping[str,
 
 def _own(plan: Plan, part: Part, ours: str, theirs: str) -> str:
     """Return SMACH's own class where all that is below are legacy states, which it was once made for; else ours."""
-    if all(legacy_state(below) is not None or is_next_item(below) for below in part.walk() if not below.children):
+    if all(_is_legacy(below) for below in part.walk() if not below.children):
         return theirs
     plan.classes[ours] = None
     return ours
 
 
+def _is_legacy(part: Part) -> bool:
+    constant = part.node.x.get(MARK) == CONSTANT
+    return constant or is_next_item(part) or is_obeyed(part) or legacy_state(part) is not None
+
+
 def _concurrence(plan: Plan, part: Part, needed: Refined) -> str:
     names = state_labels(part)
-    states = {child.name: state(plan, child, ()) for child in part.children}
+    children = [child for child in part.children if not is_obeyed(child)]
+    states = {child.name: state(plan, child, ()) for child in children}
     name, default, given = plan.take(part), "failure", dict[str, object]()
     own, said = _own(plan, part, "Joining", "smach.Concurrence"), outcome_map(part)
     if said is not None and own == "smach.Concurrence":
@@ -207,7 +246,7 @@ def _concurrence(plan: Plan, part: Part, needed: Refined) -> str:
     made = call(own, outcomes=outcomes, default_outcome=default, **keys_of(part), **given)
     plan.begin(name, made, part)
     plan.body.append(f"    with {name}:")
-    for child in part.children:
+    for child in children:
         add(plan, names[child.name], states[child.name], child, (), None)
     return name
 

@@ -9,6 +9,7 @@ from grip_bt.compilers.resolve import Part
 from grip_bt.compilers.transitions import COUNT, counts, interrupts, table_of
 from grip_bt.graph import model
 
+from .concurrence import outcome_map
 from .keys import shares
 from .legacy import is_next_item, legacy_state
 
@@ -33,7 +34,8 @@ def form_of(part: Part, needed: Refined) -> Form:
     if node.precondition or interrupts(part):
         return "tree"
     if isinstance(node, model.Parallel):
-        return "tree" if needed or node.rules or _asks_for_codes(part) or shares(part) else "concurrence"
+        ruled = bool(node.rules) and outcome_map(part) is None
+        return "tree" if needed or ruled or _asks_for_codes(part) or shares(part) else "concurrence"
     if isinstance(node, model.ForEach):
         return "iterator" if _iterates(part, needed) else "tree"
     if counts(part) and needed:
@@ -58,15 +60,16 @@ def _iterates(part: Part, needed: Refined) -> bool:
 
 def _hands_out_items(part: Part) -> bool:
     """Tell whether a machine is what an import makes of an Iterator."""
-    if not isinstance(part.node, model.StateMachine) or len(part.children) != 2:
+    if not isinstance(part.node, model.StateMachine):
         return False
-    first = next(child for child in part.children if child.name == part.node.initial)
-    other = next(child for child in part.children if child is not first)
-    if not is_next_item(first) or is_next_item(other):
+    steps = {child.name: child.node.on for child in part.children if is_next_item(child)}
+    others = [child for child in part.children if not is_next_item(child)]
+    if len(others) != 1 or part.node.initial not in steps:
         return False
-    on = first.node.on
+    (other,) = others
     state = legacy_state(other)
     plain = state is None or not (state.remapping or state.outcomes)
-    ended = on.get("exhausted", "")
-    rest = {label: target for label, target in other.node.on.items() if target != first.name}
-    return plain and on.get("item") == other.name and rest.get(ended, ended) == ended
+    ended = steps[part.node.initial].get("exhausted", "")
+    alike = all(on.get("item") == other.name and on.get("exhausted") == ended for on in steps.values())
+    rest = {label: target for label, target in other.node.on.items() if target not in steps}
+    return plain and alike and rest.get(ended, ended) == ended

@@ -9,8 +9,10 @@ from pathlib import Path
 
 from grip_bt.compilers.resolve import Part
 from grip_bt.graph import model
+from grip_bt.nodes.smach_asking import CONSTANT, MARK
 
 NEXT_ITEM = "grip_bt.nodes.smach_leaf:NextItem"
+OBEYED = "grip_bt.nodes.smach_leaf:Obeyed"
 _LOADER = "load_legacy"
 
 
@@ -52,6 +54,27 @@ def legacy_state(part: Part) -> LegacyState | None:
 def is_next_item(part: Part) -> bool:
     """Tell whether a leaf hands out the items of what was an Iterator."""
     return part.manifest is not None and part.manifest.implementation == NEXT_ITEM
+
+
+def is_obeyed(part: Part) -> bool:
+    """Tell whether a leaf ends what was a Concurrence when it is preempted, which SMACH's does by itself."""
+    return part.manifest is not None and part.manifest.implementation == OBEYED
+
+
+def constants_before(part: Part) -> dict[str, tuple[str, dict[str, object]]]:
+    """Return, for each state of a machine that only sets constants, the state that they are for, and the constants."""
+    steps: dict[str, tuple[str, dict[str, object]]] = {}
+    for child in part.children:
+        node = child.node
+        if isinstance(node, model.Leaf) and node.x.get(MARK) == CONSTANT:
+            steps[child.name] = node.on["success"], {node.out["value"]: node.with_["value"]}
+    found = {}
+    for name, (target, constants) in steps.items():
+        while target in steps:
+            target, more = steps[target]
+            constants = {**constants, **more}
+        found[name] = target, constants
+    return found
 
 
 @cache
