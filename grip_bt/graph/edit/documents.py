@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from hashlib import blake2b
 
 from grip_bt.errors import DocumentError, EditError
 
 from ..document import Document, read_text
 from ..model import Task
+from .alike import alike, said_alike
 from .applied import apply
 from .commands import AnyCommand, Patch, Restore, Splice
 from .steps import Assign, Put, Step, path_after
@@ -68,14 +69,10 @@ def _read(text: str, source: str, expected: Task) -> Document:
         after = read_text(text, source)
     except DocumentError as error:
         raise EditError("", f"can't be written here ({error.message}); run `grip fmt` and edit again") from error
-    if not same(after.task, expected):
+    if not alike(after.task, expected):
         raise EditError("", "this spelling can't be edited in place; run `grip fmt` and edit again")
-    return after
-
-
-def same(one: Task, other: Task) -> bool:
-    """Tell whether two tasks are equal, the order of what is in them included."""
-    return one.model_dump_json() == other.model_dump_json()
+    # The edited task shares with the one before all that the edit left alone, so that others see fast what is new.
+    return replace(after, task=expected) if said_alike(after.task, expected) else after
 
 
 def _restored(text: str, restore: Restore) -> str:
