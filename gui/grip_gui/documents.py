@@ -11,7 +11,7 @@ from grip_bt.validation.fixes import Fixer
 
 from .messages import FixView, Problem, TaskView
 from .project import ProjectFolder
-from .projection import FindManifest, project_task
+from .projection import Drawn, Faces, FindManifest, project_task
 
 FIXED = 100
 """Problems for which fixes are looked for; who has more begins with these."""
@@ -49,7 +49,13 @@ def view_of_document(folder: ProjectFolder, document: Document, path: str) -> Ta
 
 def unchecked_view(folder: ProjectFolder, document: Document, path: str) -> TaskView:
     """Return the view of a task without its problems, which take longer than all the rest."""
-    return project_task(document.task, path, finder(catalog_of(folder)[0]))
+    return drawn(folder, document, path, None).view
+
+
+def drawn(folder: ProjectFolder, document: Document, path: str, before: Drawn | None) -> Drawn:
+    """Return the view of a task without its problems, with what the next one can share of it."""
+    faces = Faces(finder(catalog_of(folder)[0]))
+    return Drawn(document.task, project_task(document.task, path, faces, before=before), faces)
 
 
 def problems_of(folder: ProjectFolder, document: Document) -> list[Problem]:

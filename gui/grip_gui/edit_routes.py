@@ -101,6 +101,7 @@ def _add_questions(api: APIRouter, desk: EditDesk) -> None:
 
 def _add_wishes(api: APIRouter, desk: EditDesk, notify: Callable[[], None]) -> None:
     shown = Shown(desk.folder)
+    background: set[asyncio.Task[None]] = set()
 
     async def change(path: str, work: Callable[[Sheet], object], since: int | None, status: int = 200) -> Response:
         def changed() -> str:
@@ -111,6 +112,8 @@ def _add_wishes(api: APIRouter, desk: EditDesk, notify: Callable[[], None]) -> N
 
         body = await asyncio.to_thread(changed)
         notify()
+        background.add(ready := asyncio.create_task(asyncio.to_thread(desk.get_ready, path)))
+        ready.add_done_callback(background.discard)
         return Response(body, status, media_type="application/json")
 
     @api.get("/document")

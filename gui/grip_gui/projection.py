@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
 from grip_bt.catalog.manifest import Manifest
@@ -31,7 +32,44 @@ PREVIEW = 2000
 """Longest initial value that is shown whole, in characters."""
 
 
-def project_task(task: Task, path: str, find: FindManifest, problems: list[Problem] | None = None) -> TaskView:
+class Faces:
+    """The manifests that a view was drawn with.
+
+    Args:
+        find: returns the manifest of a catalogue id or of a task's file, None for one that isn't known.
+    """
+
+    def __init__(self, find: FindManifest):
+        self._find = find
+        self._known: dict[str, Manifest | None] = {}
+
+    def __call__(self, node: str) -> Manifest | None:
+        """Return the manifest of an id."""
+        if node not in self._known:
+            self._known[node] = self._find(node)
+        return self._known[node]
+
+    def still(self, before: Faces) -> bool:
+        """Tell whether all that an earlier view was drawn with is as it was."""
+        return all(self(node) == face for node, face in before._known.items())
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A task, its view and the faces of its nodes: for the view of a task that shares most of it."""
+
+    task: Task
+    view: TaskView
+    faces: Faces
+
+
+def project_task(
+    task: Task,
+    path: str,
+    find: FindManifest | Faces,
+    problems: list[Problem] | None = None,
+    before: Drawn | None = None,
+) -> TaskView:
     """Return the view of a task.
 
     Args:
@@ -39,27 +77,47 @@ def project_task(task: Task, path: str, find: FindManifest, problems: list[Probl
         path: the file, relative to the project folder.
         find: returns the manifest of a catalogue id, None for one that isn't known.
         problems: what the validation found.
+        before: a task whose view is known: the views of what both share are the same objects.
     """
-    return TaskView(
+    faces = find if isinstance(find, Faces) else Faces(find)
+    return TaskView.model_construct(  # nothing here comes from elsewhere, and the check copies every list
         path=path,
         name=task.name,
         doc=task.doc,
         outcomes=dict(task.outcomes),
-        nodes=_nodes(task, find),
+        nodes=_nodes(task, faces, before if before and faces.still(before.faces) else None),
         variables=_variables(task),
         problems=problems or [],
     )
 
 
-def _nodes(task: Task, find: FindManifest) -> list[NodeView]:
-    views = {"/": _node("/", None, task.name, task.root, find, _edges(task.root.on, ends=task.outcomes))}
-    for path, parent in walk(task.root):
-        for name, child in children_of(parent).items():
-            edges = _edges_below(parent, name, child)
-            initial = isinstance(parent, StateMachine) and parent.initial == name
-            views[join(path, name)] = _node(join(path, name), path, name, child, find, edges, initial)
-    # `walk` is parents first and in document order; `views` was filled level by level.
-    return [views[path] for path, _ in walk(task.root)]
+def _nodes(task: Task, find: Faces, before: Drawn | None) -> list[NodeView]:
+    """Return the views of all nodes, parents first and in document order."""
+    known = {view.path: view for view in before.view.nodes} if before else {}
+    views: list[NodeView] = []
+
+    def keep(path: str) -> None:
+        view = known[path]
+        views.append(view)
+        for child in view.children:
+            keep(child)
+
+    def draw(path: str, node: AnyNode, view: NodeView, old: AnyNode | None) -> None:
+        views.append(view)
+        if node is old:  # then so is all below it, and what it says about its children
+            for child in view.children:
+                keep(child)
+            return
+        olds = children_of(old) if old is not None else {}
+        for name, child in children_of(node).items():
+            place = join(path, name)
+            initial = isinstance(node, StateMachine) and node.initial == name
+            shown = _node(place, path, name, child, find, _edges_below(node, name, child), initial)
+            draw(place, child, shown, olds.get(name))
+
+    root = _node("/", None, task.name, task.root, find, _edges(task.root.on, ends=task.outcomes))
+    draw("/", task.root, root, before.task.root if before else None)
+    return views
 
 
 def _node(
@@ -67,7 +125,7 @@ def _node(
     parent: str | None,
     name: str,
     node: AnyNode,
-    find: FindManifest,
+    find: Faces,
     edges: list[Transition],
     initial: bool = False,
 ) -> NodeView:

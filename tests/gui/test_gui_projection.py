@@ -6,11 +6,12 @@ from pathlib import Path
 
 from conftest import TestClient
 
-from grip_bt.catalog import Catalog
+from grip_bt.catalog import Catalog, Manifest
 from grip_bt.errors import UnknownNameError
-from grip_bt.graph import load, loads
+from grip_bt.graph import load, loads, read_text
+from grip_bt.graph.edit import Connect, Move, Remove, Rename, Set, Wrap, apply_to_document
 from grip_bt.graph.model import walk
-from grip_gui.projection import project_task
+from grip_gui.projection import Drawn, Faces, project_task
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "tasks" / "reactive_pick.yaml"
 
@@ -118,3 +119,58 @@ def test_ports_of_the_task_are_variables_that_say_so_and_values_come_whole() -> 
     assert {name: view.ports for name, view in views.items()} == ports
     assert (views["a"].initial, views["a"].whole) == ("[1, 2]", True)
     assert (len(views["d"].initial or ""), views["d"].whole) == (2000, False)
+
+
+MIXED = """\
+grip: 1
+name: mixed
+outcomes: {done: success}
+root:
+  kind: sequence
+  exits: {}
+  on: {success: done, failure: done}
+  children:
+    group: {kind: fallback, exits: {one.failure: success}, children: {one: {node: flow/fail}, two: {node: own/leaf}}}
+    part: {kind: subtask, task: tasks/part.yaml}
+    machine:
+      kind: state_machine
+      initial: a
+      outcomes: {success: success, failure: failure}
+      children:
+        a: {node: flow/succeed, on: {success: b}}
+        b: {node: flow/succeed, on: {success: success}}
+"""
+STEPS = [
+    Rename(path="group/one", name="first"),
+    Set(path="machine", key=("initial",), value="b"),
+    Connect(path="machine/a", outcome="success", target="success"),
+    Move(path="group/two", parent="/", index=0),
+    Wrap(paths=("machine",), kind="retry", name="again", fields={"times": 2}),
+    Set(path="", key=("name",), value="other"),
+    Set(path="", key=("outcomes",), value={"done": "failure"}),
+    Remove(path="group/first"),
+]
+
+
+def test_what_is_shared_with_the_view_before_is_what_would_be_drawn_anew() -> None:
+    face = Manifest(id="own/leaf", doc="mine", implementation="own:Leaf", outcomes={"success": "success"})
+    faces = {"own/leaf": face}
+    document, before = read_text(MIXED), None
+    for step in [None, *STEPS]:
+        if step is not None:
+            document = apply_to_document(document, step).document
+        now = Faces(faces.get)
+        view = project_task(document.task, "x.yaml", now, before=before)
+        assert view == project_task(document.task, "x.yaml", faces.get)
+        before = Drawn(document.task, view, now)
+
+
+def test_a_node_whose_face_has_changed_is_drawn_anew() -> None:
+    document = read_text(MIXED)
+    made = {"id": "own/leaf", "implementation": "own:Leaf", "outcomes": {"success": "success"}}
+    old = Faces({"own/leaf": Manifest(doc="before", **made)}.get)
+    before = Drawn(document.task, project_task(document.task, "x.yaml", old), old)
+    new = {"own/leaf": Manifest(doc="after", **made), "tasks/part.yaml": Manifest(doc="a part", **made)}
+    view = project_task(document.task, "x.yaml", new.get, before=before)
+    assert {node.path: node.doc for node in view.nodes}["group/two"] == "after"
+    assert {node.path: list(node.outcomes) for node in view.nodes}["part"] == ["success"]

@@ -15,6 +15,7 @@ from grip_bt.graph.edit.history_file import history_path, load_history, save_his
 from grip_bt.graph.edit.steps import Step
 from grip_bt.graph.layout import Layout, read_layout, write_layout
 
+from ..projection import Drawn
 from .errors import ChangedOnDiskError, StaleEditError, UnfinishedTextError
 from .files import TextFile
 from .rebasing import rebased
@@ -41,7 +42,8 @@ class Sheet:
     """A task file that is open.
 
     A text that isn't a task is kept beside the last good task (`draft`) until it is one again; it is saved as it
-    is, and nothing drawn is changed meanwhile. `revision` grows with whatever changes what a page shows.
+    is, and nothing drawn is changed meanwhile. `revision` grows with whatever changes what a page shows. `drawn` is
+    what was last drawn of it, kept by who draws.
 
     Args:
         file: the task's file.
@@ -56,6 +58,7 @@ class Sheet:
         self.file, self._layout_file, self._recovery = file, layout, recovery
         self.history: History | None = None
         self.draft: str | None = None
+        self.drawn: Drawn | None = None
         self.revision = 1
         self._dropped: str | None = None
         self._past: list[_Past] = []
@@ -77,6 +80,11 @@ class Sheet:
         if left is not None:
             self._put_text(left.text, RECOVERED)
             self.file.known = left.known
+
+    def get_ready(self) -> None:
+        """Parse what the next edit asks for; it takes as long as an edit, so it is done while nobody waits."""
+        if self.history is not None:
+            _ = self.history.document.tree
 
     def keep_unsaved(self) -> None:
         """Keep a copy of what isn't saved, or forget the copy of what is."""

@@ -10,7 +10,7 @@ from grip_bt.graph import read_text, walk
 from grip_bt.graph.edit import Set, apply, clip_of
 from grip_bt.validation import validate
 
-from ..documents import catalog_of, problems_of, trouble_of, unchecked_view, view_of_document
+from ..documents import catalog_of, drawn, problems_of, trouble_of, unchecked_view
 from ..edit_messages import (
     Change,
     DocumentView,
@@ -80,8 +80,9 @@ def _history(sheet: Sheet) -> HistoryView:
 def _task(folder: ProjectFolder, sheet: Sheet, checked: bool) -> TaskView:
     name = sheet.file.name
     if sheet.draft is None and sheet.history is not None:
-        viewed = view_of_document if checked else unchecked_view
-        return viewed(folder, sheet.history.document, name)
+        sheet.drawn = drawn(folder, sheet.history.document, name, sheet.drawn)
+        view = sheet.drawn.view
+        return view.model_copy(update={"problems": problems_of(folder, sheet.history.document)}) if checked else view
     fault = _fault(sheet)
     if sheet.history is None:
         return TaskView(path=name, name=name.rsplit("/", 1)[-1].rsplit(".", 1)[0], problems=[fault])
