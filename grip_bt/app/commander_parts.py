@@ -16,6 +16,7 @@ from .project import ArmConfig, Project
 from .resources import Resources
 
 if TYPE_CHECKING:
+    from grip_bt.commanders.model import RobotModel
     from grip_bt.commanders.robots import RobotDescription
     from grip_bt.commanders.worker import PlanningService
 
@@ -66,6 +67,7 @@ def open_commanders(
             fingers=joints_of_fingers(description, hand.group),
             limits=limits_of_joints(description, hand.group),
             taught=taught,
+            reach=partial(_reached, model, hand.group, _arm_group_of(name, file.arms)),
         )
         for name, hand in file.hands.items()
     }
@@ -144,6 +146,25 @@ def joined_executors(
             raise GripError(f"{where}: the group {arm.group!r} holds other joints than {', '.join(arm.arms)} together")
         joined[name] = JoinedExecutor(*(executors[part] for part in arm.arms))
     return joined
+
+
+def _arm_group_of(hand: str, arms: Mapping[str, ArmConfig]) -> str:
+    return next((arm.group for arm in arms.values() if arm.hand == hand), "")
+
+
+def _reached(
+    model: RobotModel,
+    group: str,
+    arm_group: str,
+    targets: Mapping[str, Sequence[float]],
+    posture: JointState,
+    frame: str,
+) -> JointState:
+    """Return the posture that brings fingertips to positions; those in no frame are in the grasp frame of the arm."""
+    from grip_bt.commanders.ik.fingertips import fingertip_posture
+
+    places = {name: np.array(position, dtype=float) for name, position in targets.items()}
+    return fingertip_posture(model, places, posture, group, frame=frame or model.grasp_frame_of(arm_group))
 
 
 def _elsewhere(states: Mapping[str, Callable[[], JointState]], own: tuple[str, str]) -> list[JointState]:

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
 
 from grip_bt.catalog.component_file import load_component
 from grip_bt.catalog.manifest import Manifest
-from grip_bt.catalog.types import parse_type
-from grip_bt.commanders.fake import FakeArm, FakeCamera, FakeComponent, FakeHand
+from grip_bt.catalog.sensor_config import SensorConfig
+from grip_bt.commanders.fake import FakeArm, FakeCamera, FakeComponent, FakeHand, FakeRos, FakeSensor
 from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.scene import PlanningScene
-from grip_bt.errors import GripError, InvalidRobotError, UnknownNameError
-from grip_bt.values import CameraInfo, DepthImage, Grasp, Image, JointState, Pose, RgbdFrame
+from grip_bt.errors import ExpectedError, GripError, InvalidRobotError, UnknownNameError
+from grip_bt.values import JointState, Pose
 
+from .fake_values import CAMERA, GRASP, empty_table, value_of
+from .frame_parts import robot_frames
 from .project import Project
 from .resources import Resources
 
@@ -28,7 +30,7 @@ def open_robot(project: Project, resources: Resources) -> None:
     hands = {arm.hand: arms[name] for name, arm in file.arms.items() if arm.hand is not None}
     resources.arms, resources.pausable = arms, list(arms.values())
     resources.hands = {name: _hand(name, known.get(hand.group, ())) for name, hand in file.hands.items()}
-    resources.cameras = {name: FakeCamera(_CAMERA, [_empty_table()]) for name, s in file.sensors.items() if s.camera}
+    resources.cameras = {name: FakeCamera(CAMERA, [empty_table()]) for name, s in file.sensors.items() if s.camera}
     resources.scene = PlanningScene(
         {hand: arm.grasp_pose for hand, arm in hands.items()}, _CRATE, project.room(), folder=project.folder
     )
@@ -47,20 +49,49 @@ def open_components(project: Project, names: list[str], resources: Resources) ->
     files = {name: load_component(folders[name]) for name in names}
     catalog = project.catalog()
     resources.components = {
-        name: FakeComponent(
-            [
-                {**_nothing(catalog.get(f"component/{name}")), "outcome": number, "returned_object": [_GRASP]}
-                for number in range(len(file.outcomes))
-            ]
-        )
+        name: FakeComponent(_replies(catalog.get(f"component/{name}"), len(file.outcomes)))
         for name, file in files.items()
     }
 
 
-def _nothing(manifest: Manifest) -> dict[str, Any]:
-    """Return an empty value for each output, so that outcomes by rule can be told."""
-    empty: dict[str, Any] = {"bool": False, "int": 0, "float": 0.0, "str": "", "list": [], "dict": {}}
-    return {port: empty.get(parse_type(face.type).name) for port, face in manifest.outputs.items()}
+def open_ros(project: Project, sensors: Iterable[str], resources: Resources) -> None:
+    """Put fakes of sensors on topics, and of ROS itself, into `resources`: they give values of the declared types.
+
+    What has no fake, a message whose package isn't there, is said when it is asked for. Frames are those of the robot
+    that never move and of the sensors' mounts; every other one is where the frame is that it is looked up in.
+    """
+    resources.ros = FakeRos(value_of, _frames(project))
+    resources.sensors = {name: FakeSensor([_moment(project.file.sensors[name])]) for name in sensors}
+
+
+def _moment(sensor: SensorConfig) -> dict[str, Any] | ExpectedError:
+    try:
+        return {port: value_of(topic.type) for port, topic in sensor.topics.items()}
+    except ExpectedError as error:
+        return error
+
+
+def _frames(project: Project) -> Callable[[str, str], Pose]:
+    from grip_bt.ros.frames import FrameError, mounted_frames
+
+    poses, _ = mounted_frames(project.file.sensors)
+    tree = robot_frames(project).with_poses(poses)
+
+    def pose(target: str, source: str) -> Pose:
+        try:
+            return tree.lookup(target, source)
+        except FrameError:
+            return Pose(frame=target)
+
+    return pose
+
+
+def _replies(manifest: Manifest, outcomes: int) -> list[dict[str, Any]]:
+    """Return a reply with each outcome in turn; its fields are of the types that the node declares."""
+    fields = {port: value_of(face.type) for port, face in manifest.outputs.items()}
+    fields = {port: {} if value is None else value for port, value in fields.items()}
+    fields.setdefault("returned_object", [GRASP])
+    return [{**fields, "outcome": number} for number in range(outcomes)]
 
 
 def _state_names(project: Project) -> dict[str, tuple[str, ...]]:
@@ -96,12 +127,10 @@ def _hand(name: str, known: Iterable[str] = ()) -> HandCommander:
         FakeHand(postures["open"], thing=thing, forces={"thumb": 2.0}),
         postures,
         fingers={j: (j,) for j in joints},
+        reach=lambda targets, posture, frame: posture,  # a fake has no geometry: it is there already
     )
 
 
-_CAMERA = CameraInfo(
-    64, 48, np.array([[60.0, 0, 32], [0, 60.0, 24], [0, 0, 1]]), Pose((0.5, 0.1, 1.3), (0, 0.70710678, -0.70710678, 0))
-)
 _CRATE: dict[str, Any] = {
     f"crate_{side}": (size, Pose((0.48 + dx, -0.40 + dy, 0.03)))
     for side, size, dx, dy in (
@@ -111,12 +140,3 @@ _CRATE: dict[str, Any] = {
         ("near", (0.01, 0.30, 0.06), -0.135, 0.0),
     )
 }
-_AT = Pose((0.5, 0.1, 0.1), (0.5, 0.5, 0.5, 0.5))
-_GRASP = Grasp(_AT, _AT.moved((-0.12, 0, 0)), _AT.moved((0, 0, 0.15)), width=0.06, provenance="fake")
-
-
-def _empty_table() -> RgbdFrame:
-    shape = (_CAMERA.height, _CAMERA.width)
-    return RgbdFrame(
-        Image(np.full((*shape, 3), 170, np.uint8), "fake"), DepthImage(np.full(shape, 1.3, np.float32), _CAMERA)
-    )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -14,6 +14,8 @@ from grip_bt.values import JointState
 from .synergy import Synergies, finger_posture
 from .taught import Taught
 
+Reach = Callable[[Mapping[str, Sequence[float]], JointState, str], JointState]
+"""Targets, a posture to begin at, a frame (empty for the hand's grasp frame) -> posture."""
 OPENING_TIME = 0.8
 CLOSING_TIME = 1.2
 TOUCH = 0.1
@@ -32,6 +34,8 @@ class HandCommander:
         fingers: finger -> its joints; without it, they can't be moved one by one.
         limits: joint -> smallest and largest position [rad], for synergies; without it, the postures' own range.
         taught: what was taught before; nothing when None.
+        reach: returns the posture, near another, that brings fingertips or links to positions in a frame; see
+            `ik.fingertips.fingertip_posture`. Without it, the hand's geometry isn't known.
     """
 
     def __init__(
@@ -44,7 +48,9 @@ class HandCommander:
         fingers: Mapping[str, Sequence[str]] | None = None,
         limits: Mapping[str, tuple[float, float]] | None = None,
         taught: Taught | None = None,
+        reach: Reach | None = None,
     ):
+        self._reach = reach
         self._name, self._port, self._postures = name, port, dict(postures)
         self._opening_time, self._closing_time = opening_time, closing_time
         self._fingers = {finger: tuple(joints) for finger, joints in (fingers or {}).items()}
@@ -108,6 +114,15 @@ class HandCommander:
             if not 0 <= share <= 1:
                 raise ValueError(f"hand {self._name!r}: finger {finger!r} closes from 0 to 1, not {share}")
         return finger_posture(self._postures["open"], self._postures["closed"], self._fingers, closing)
+
+    def fingertip_posture(self, targets: Mapping[str, Sequence[float]], frame: str = "") -> JointState:
+        """Return the posture that brings fingertips, or other links, to positions; see `ports.Hand`."""
+        for name, position in targets.items():
+            if len(position) != 3 or not np.isfinite(position).all():
+                raise ValueError(f"hand {self._name!r}: {name!r} goes to 3 lengths [m], not to {list(position)}")
+        if self._reach is None:
+            raise ValueError(f"hand {self._name!r}: its geometry isn't known, so its fingertips can't be placed")
+        return self._reach(targets, self._port.state(), frame)
 
     def synergy(self, weights: Sequence[float]) -> JointState:
         """Return the posture of weights of the synergies of the hand's named postures; see `ports.Hand`."""

@@ -137,7 +137,7 @@ class RobotModel:
 
     def grasp_pose(self, *states: JointState, group: str = "") -> Pose:
         """Return the grasp frame of an arm's group, or the robot's only one, in world."""
-        frame = self.model.getFrameId(self._frame_of(group))
+        frame = self.model.getFrameId(self.grasp_frame_of(group))
         with self._lock:  # leaves, callbacks and the scene ask from several threads
             pin.framesForwardKinematics(self.model, self.data, self.configuration(*states))
             return Pose.from_matrix(self.data.oMf[frame].homogeneous)
@@ -187,9 +187,10 @@ class RobotModel:
         model, geometry = pin.buildReducedModel(self.model, self.geometry, frozen, q)
         _drop_pairs_within_one_body(geometry)
         hands = frozenset(self.description.hand_links)
-        return Chain(names, model, geometry, self._limits_of(names), hands, self._frame_of(group))
+        return Chain(names, model, geometry, self._limits_of(names), hands, self.grasp_frame_of(group))
 
-    def _frame_of(self, group: str) -> str:
+    def grasp_frame_of(self, group: str) -> str:
+        """Return the name of the grasp frame of an arm's group; the robot's first one for a group without its own."""
         return self._frames.get(group, GRASP_FRAME)
 
     def _add_grasp_frames(self) -> dict[str, str]:

@@ -59,6 +59,22 @@ class Fingers(MovingHandLeaf):
         return self.move(self._posture)
 
 
+class Fingertips(MovingHandLeaf):
+    """Bring fingertips to positions."""
+
+    def prepare(self) -> None:
+        """Verify that the positions are given once."""
+        super().prepare()
+        if bool(self.params["tips"]) == ("targets" in self.readers):
+            raise ValueError(f"{self.path}: give either `with: {{tips: ...}}` or `in: {{targets: ...}}`")
+
+    def start(self) -> Operation[JointState]:
+        """Find the posture in a worker, and go."""
+        targets = self.read("targets") or self.params["tips"]
+        found = self.context.run_in_worker(lambda: self.hand.fingertip_posture(targets, self.params["frame"]))
+        return found.then(self.move)
+
+
 class Synergy(MovingHandLeaf):
     """Go to the posture of synergies."""
 

@@ -88,6 +88,22 @@ class Hand(Protocol):
         """
         ...
 
+    def fingertip_posture(self, targets: Mapping[str, Sequence[float]], frame: str = "") -> JointState:
+        """Return the posture, near the present one, that brings fingertips or other links of the hand to positions.
+
+        Takes up to some tenths of a second: not for a tick.
+
+        Args:
+            targets: finger or link -> position [m].
+            frame: a link fixed to the palm, in which the positions are given; empty for the hand's grasp frame.
+
+        Raises:
+            NoIkError: they can't be reached; `data['distances']` tells how far they stay away, by name.
+            UnknownNameError: there is no such finger, link or frame.
+            ValueError: a position isn't 3 finite numbers, or the hand's geometry isn't known.
+        """
+        ...
+
     def synergy(self, weights: Sequence[float]) -> JointState:
         """Return the posture of weights of the hand's synergies, kept within the joints' limits.
 

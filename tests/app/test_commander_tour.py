@@ -49,6 +49,7 @@ root:
     lamp: {kind: invert, child: {fixed: {node: scene/remove, with: {name: lamp}}}}
     empty: {kind: invert, child: {touch: {node: hand/has_contact}}}
     close: {node: hand/synergy, with: {weights: [0.3]}}
+    tips: {node: hand/fingertips, with: {tips: {index: [0.081, -0.048, 0.070], thumb: [-0.011, -0.037, 0.113]}}}
     hold: {node: arm/hold, with: {seconds: 0.1}}
     say: {node: flow/log, with: {message: taken out}, in: {value: count}}
     done: {node: flow/log, with: {message: measured}, in: {value: reached}}

@@ -69,3 +69,32 @@ def test_what_a_finger_cannot_reach_is_told_by_finger(model):
 def test_an_unknown_finger_lists_those_that_exist(model):
     with pytest.raises(UnknownNameError, match="index, middle, ring, thumb"):
         fingertip_posture(model, {"pinky": np.zeros(3)})
+
+
+def test_any_link_that_the_fingers_move_may_be_placed(model):
+    closed = named(model, "hand", "closed")
+    knuckle = "hand_link_2.0"
+    wanted = fingertip_positions(model, closed, ["thumb", knuckle])
+    reached = fingertip_positions(model, fingertip_posture(model, wanted), wanted)
+    assert all(np.linalg.norm(reached[name] - wanted[name]) < TOLERANCE for name in wanted)
+
+
+def test_positions_may_be_given_in_a_link_of_the_palm(model):
+    closed = named(model, "hand", "closed")
+    palm = fingertip_positions(model, closed, frame="hand_palm_link")
+    grasp = fingertip_positions(model, closed)
+    assert np.linalg.norm(palm["thumb"] - grasp["thumb"]) > 0.005
+    posture = fingertip_posture(model, palm, frame="hand_palm_link")
+    reached = fingertip_positions(model, posture)
+    assert all(np.linalg.norm(reached[name] - grasp[name]) < TOLERANCE for name in grasp)
+
+
+@pytest.mark.parametrize("frame", ["hand_link_1.0", "panda_link3", "nowhere"])
+def test_a_frame_that_is_not_fixed_to_the_palm_is_refused(model, frame):
+    with pytest.raises(UnknownNameError, match="hand_palm_link"):
+        fingertip_posture(model, {"thumb": np.zeros(3)}, frame=frame)
+
+
+def test_a_link_that_the_fingers_do_not_move_is_refused(model):
+    with pytest.raises(UnknownNameError, match="finger or link of the hand"):
+        fingertip_posture(model, {"hand_palm_link": np.zeros(3)})

@@ -356,3 +356,44 @@ def test_waiting_for_a_condition_ends_when_it_is_true_or_the_time_is_over(cell):
     assert cell.run(late) == ("FAILURE", "failure", "timed_out")
     with pytest.raises(Exception, match="neither true nor false"):
         cell.run(cell.leaf("flow/wait_until", expression="a + 3", a=1))
+
+
+# --- fingertips ---
+
+
+def placing(cell, far=None):
+    def reach(targets, posture, frame):
+        cell.asked = (dict(targets), frame)
+        if far:
+            raise NoIkError("the hand can't reach these", distances=far)
+        return CLOSED
+
+    cell.hand._reach = reach
+    return cell
+
+
+def test_fingertips_go_where_the_hand_finds_a_posture_for_them(cell):
+    leaf = placing(cell).leaf("hand/fingertips", tips={"thumb": [0.0, 0.0, 0.1]}, frame="palm")
+    assert cell.run(leaf) == SUCCESS
+    assert cell.asked == ({"thumb": [0.0, 0.0, 0.1]}, "palm")
+    assert cell.hand.state().position == pytest.approx(CLOSED.position)
+    assert cell.run(cell.leaf("hand/fingertips", targets={"finger": [0.0, 0.1, 0.0]})) == SUCCESS
+    assert cell.asked == ({"finger": [0.0, 0.1, 0.0]}, "")
+
+
+def test_fingertips_out_of_reach_are_the_failure_no_ik(cell):
+    leaf = placing(cell, far={"thumb": 0.2}).leaf("hand/fingertips", tips={"thumb": [0.0, 0.0, 0.5]})
+    assert cell.run(leaf) == ("FAILURE", "failure", "no_ik")
+    assert leaf.failure.data["distances"] == {"thumb": 0.2}
+
+
+def test_fingertips_are_said_once(cell):
+    with pytest.raises(ValueError, match="either `with: {tips: ...}` or `in: {targets: ...}`"):
+        cell.leaf("hand/fingertips", tips={"thumb": [0.0, 0.0, 0.1]}, targets={"thumb": [0.0, 0.0, 0.1]})
+
+
+def test_a_hand_refuses_positions_that_are_none(cell):
+    with pytest.raises(ValueError, match="3 lengths"):
+        cell.hand.fingertip_posture({"thumb": [0.0, float("nan"), 0.0]})
+    with pytest.raises(ValueError, match="geometry isn't known"):
+        cell.hand.fingertip_posture({"thumb": [0.0, 0.0, 0.0]})

@@ -1,12 +1,13 @@
 """A hand's posture from where its fingertips shall be: one damped least squares descent for all fingers together.
 
-A fingertip is the origin of a finger's last link. Its orientation doesn't matter: a finger of four joints can place
-its tip and not much more.
+A fingertip is the origin of a finger's last link; any other link that the hand's joints move may be placed too. Its
+orientation doesn't matter: a finger of four joints can place its tip and not much more. Positions are given in a frame
+that the fingers don't move: the grasp frame of the hand's arm, or a link such as the palm.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 import pinocchio as pin
@@ -26,9 +27,26 @@ _DAMPING = 1e-5
 _MAX_STEP = 0.4
 
 
-def fingertip_positions(model: RobotModel, hand: JointState) -> dict[str, NDArray[np.float64]]:
-    """Return where each finger's tip is, in the grasp frame, shape (3,) [m]."""
-    tips = _Tips(model, model.description.finger_links)
+def fingertip_positions(
+    model: RobotModel,
+    hand: JointState,
+    names: Iterable[str] | None = None,
+    group: str = "hand",
+    frame: str = GRASP_FRAME,
+) -> dict[str, NDArray[np.float64]]:
+    """Return where fingertips, or other links of a hand, are in a frame, each of shape (3,) [m].
+
+    Args:
+        model: the robot.
+        hand: posture.
+        names: fingers or links; every finger when they aren't given.
+        group: the hand's group of joints.
+        frame: as for `fingertip_posture`.
+
+    Raises:
+        UnknownNameError: there is no such finger, link or frame.
+    """
+    tips = _Tips(model, tuple(fingers_of(model, group) if names is None else names), group, frame)
     places = tips.places(model.configuration(hand))
     return dict(zip(tips.fingers, places, strict=True))
 
@@ -39,25 +57,25 @@ def fingertip_posture(
     seed: JointState | None = None,
     group: str = "hand",
     rng: np.random.Generator | None = None,
+    frame: str = GRASP_FRAME,
 ) -> JointState:
-    """Return positions of a hand's joints that bring its fingertips to their targets.
+    """Return positions of a hand's joints that bring its fingertips, or other links, to their targets.
 
     Joints that move none of these fingers stay where `seed` has them.
 
     Args:
         model: the robot.
-        targets: finger -> wanted position of its tip in the grasp frame, shape (3,) [m].
+        targets: finger or link -> wanted position of its tip or origin in `frame`, shape (3,) [m].
         seed: posture to begin at, and to stay near; the hand's `open` one when it isn't given.
         group: the hand's group of joints.
         rng: where restarts come from; seeded with 0 when it isn't given, so that the same question has the same answer.
+        frame: a grasp frame, or a link that the hand's joints don't move and that is fixed to its palm.
 
     Raises:
-        UnknownNameError: there is no such finger.
+        UnknownNameError: there is no such finger, link or frame.
         NoIkError: a tip stays further than 1 mm from its target; `data['distances']` tells how far, by finger.
     """
-    if unknown := [name for name in targets if name not in model.description.finger_links]:
-        raise UnknownNameError("finger", unknown[0], model.description.finger_links, model.description.name)
-    tips = _Tips(model, targets)
+    tips = _Tips(model, tuple(targets), group, frame)
     wanted = np.array([targets[name] for name in tips.fingers], dtype=float).reshape(len(tips.fingers), 3)
     joints = model.description.group(group)
     columns = np.array([model.model.joints[model.model.getJointId(name)].idx_q for name in joints])
@@ -76,15 +94,44 @@ def fingertip_posture(
     raise NoIkError(f"the hand can't reach these fingertip positions: {words}", distances=far)
 
 
-class _Tips:
-    """The frames of some fingers' tips, seen from the grasp frame."""
+def fingers_of(model: RobotModel, group: str) -> dict[str, str]:
+    """Return finger -> link of its tip, of the fingers that a hand's joints move."""
+    links = {finger: links[-1] for finger, links in model.description.finger_links.items()}
+    return {finger: tip for finger, tip in links.items() if _moved_by(model, tip, group)}
 
-    def __init__(self, model: RobotModel, fingers: Mapping[str, object]):
+
+def _moved_by(model: RobotModel, frame: str, group: str) -> bool:
+    """Tell whether a group's joints move a frame."""
+    joints = {model.model.getJointId(name) for name in model.description.group(group)}
+    return bool(joints & set(model.model.supports[model.model.frames[model.model.getFrameId(frame)].parentJoint]))
+
+
+class _Tips:
+    """The frames of some fingers' tips or other links, seen from a frame of the palm."""
+
+    def __init__(self, model: RobotModel, names: tuple[str, ...], group: str, frame: str):
         self.model, self.data = model.model, model.model.createData()
-        self.fingers = tuple(fingers)
-        links = model.description.finger_links
-        self.frames = [self.model.getFrameId(links[name][-1]) for name in self.fingers]
-        self.palm = self.model.getFrameId(GRASP_FRAME)
+        self.fingers = names
+        tips, robot = fingers_of(model, group), model.description.name
+        links = [str(f.name) for f in self.model.frames if f.type == pin.FrameType.BODY]
+        moved = {link for link in links if _moved_by(model, link, group)}
+        for name in names:
+            if name not in tips and name not in moved:
+                raise UnknownNameError("finger or link of the hand", name, (*tips, *sorted(moved)), robot)
+        grasps = [str(f.name) for f in self.model.frames if str(f.name).split("/")[0] == GRASP_FRAME]
+        still = [name for name in (*grasps, *links) if self._joint(name) == self._palm_joint(model, group)]
+        if frame not in still:
+            raise UnknownNameError("frame of the palm", frame, still, robot)
+        self.frames = [self.model.getFrameId(tips.get(name, name)) for name in names]
+        self.palm = self.model.getFrameId(frame)
+
+    def _joint(self, frame: str) -> int:
+        return int(self.model.frames[self.model.getFrameId(frame)].parentJoint)
+
+    def _palm_joint(self, model: RobotModel, group: str) -> int:
+        """Return the joint that carries the hand: the parent of its joint nearest to the base."""
+        joints = [self.model.getJointId(name) for name in model.description.group(group)]
+        return int(self.model.parents[min(joints)])
 
     def places(self, q: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the tips' positions in the grasp frame, shape (k, 3)."""
