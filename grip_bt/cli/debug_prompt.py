@@ -62,7 +62,7 @@ class Prompt:
         rest = rest.strip()
         if text in _STEPS:
             self._go("step", how=_STEPS[text])
-        elif text in ("c", "continue"):
+        elif text in ("c", "continue", "resume"):
             self._go("resume")
         elif text in _PLAIN:
             self._send({"command": _PLAIN[text]})
@@ -125,12 +125,19 @@ def _point(facts: Mapping[str, Any]) -> str:
     return f"{facts['id']}: {facts['when']} {facts['node']}{outcome}{condition}"
 
 
-_STEPS = {"s": "in", "in": "in", "n": "over", "over": "over", "o": "out", "out": "out", "t": "tick", "tick": "tick"}
+_STEPS = {
+    **{word: "in" for word in ("s", "in", "step", "step in")},
+    **{word: "over" for word in ("n", "over", "step over")},
+    **{word: "out" for word in ("o", "out", "step out")},
+    **{word: "tick" for word in ("t", "tick", "step tick")},
+}
 _PLAIN = {
     "p": "pause",
     "pause": "pause",
     "l": "breakpoints",
     "list": "breakpoints",
+    "b": "breakpoints",
+    "break": "breakpoints",
     "q": "stop",
     "stop": "stop",
 }

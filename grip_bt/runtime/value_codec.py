@@ -15,7 +15,7 @@ from __future__ import annotations
 import base64
 import json
 import math
-from dataclasses import fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass
 from importlib import import_module
 from typing import Any
 
@@ -26,11 +26,8 @@ from grip_bt import values
 from grip_bt.errors import GripError
 
 _CLASSES = {name: getattr(values, name) for name in values.__all__}
-_ELSEWHERE = {
-    **dict.fromkeys(("Box", "Cylinder", "Sphere", "Mesh", "CellMap"), "grip_bt.values.solids"),
-    **dict.fromkeys(("SceneObject", "SceneSnapshot"), "grip_bt.commanders.scene"),
-}
-"""Further classes of frozen values, which are looked up when one comes."""
+_ELSEWHERE = ("grip_bt.values.solids", "grip_bt.commanders.scene")
+"""Modules whose frozen dataclasses are kept too; imported when one of them comes."""
 _ATOMS = (str, int, bool, type(None))
 _UNCHANGING = frozenset({*_ATOMS, float, bytes, *_CLASSES.values()} - {values.Failure})
 _OPAQUE_TEXT = 200
@@ -55,7 +52,7 @@ class OpaqueValueError(GripError):
 def snapshot(value: Any, depth: int = 0) -> Any:
     """Return `value` such that its writer can't change it any more: containers and arrays are copied."""
     cls = type(value)
-    if cls in _UNCHANGING or _ELSEWHERE.get(cls.__name__) == cls.__module__:
+    if cls in _UNCHANGING or (cls.__module__ in _ELSEWHERE and is_dataclass(cls)):
         return value
     if depth < DEEPEST:
         if cls in (list, tuple, set, frozenset):
@@ -114,7 +111,7 @@ def _plain(value: Any, arrays: list[bytes], size: list[int], depth: int) -> Any:
     if isinstance(value, (np.ndarray, np.generic)) and not value.dtype.hasobject:
         return {"$array": _array(np.asarray(value), arrays, size)}
     name = type(value).__name__
-    known = _CLASSES.get(name) is type(value) or _ELSEWHERE.get(name) == type(value).__module__
+    known = _CLASSES.get(name) is type(value) or type(value).__module__ in _ELSEWHERE
     if known and is_dataclass(value):
         kept = {f.name: _plain(getattr(value, f.name), arrays, size, depth + 1) for f in fields(value)}
         return {"$value": [name, kept]}
@@ -186,13 +183,21 @@ def _array_back(dtype: str, shape: list[int], where: int | list[Any], body: byte
 
 def _value(name: str, items: dict[str, Any]) -> Any:
     """Make a value as it was, to the bit: construction would normalise quaternions once more."""
-    if name in _ELSEWHERE:
-        cls = getattr(import_module(_ELSEWHERE[name]), name)
-    elif name in _CLASSES:
-        cls = _CLASSES[name]
-    else:
+    cls = _CLASSES.get(name) or next(filter(None, (_class_in(module, name) for module in _ELSEWHERE)), None)
+    if cls is None:
         raise ValueError(f"there is no value {name!r}; a newer GRIP wrote it")
     made = object.__new__(cls)
-    for key, item in items.items():
-        object.__setattr__(made, key, item)
+    for field in fields(cls):
+        if field.name in items:
+            object.__setattr__(made, field.name, items[field.name])
+        elif field.default is not MISSING:  # a field that there wasn't when it was written
+            object.__setattr__(made, field.name, field.default)
+        elif field.default_factory is not MISSING:
+            object.__setattr__(made, field.name, field.default_factory())
     return made
+
+
+def _class_in(module: str, name: str) -> type | None:
+    """Return the dataclass of this name that a module defines, None where it defines none."""
+    cls = getattr(import_module(module), name, None)
+    return cls if isinstance(cls, type) and is_dataclass(cls) and cls.__module__ == module else None

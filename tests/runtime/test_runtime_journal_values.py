@@ -150,3 +150,29 @@ def test_the_last_values_are_those_up_to_a_moment_and_have_a_history(file: Path)
         early = reader.variables(run, until_seq=8)
         assert {name: reader.value(event) for name, event in early.items()} == {"v0": 2, "v1": 1}
         assert [reader.value(event) for event in reader.history(run, "v1", 3)] == [5, 7, 9]
+
+
+def test_states_of_the_planning_scene_come_back():
+    from dataclasses import fields
+
+    from grip_bt.commanders.scene import PlanningScene, SceneSnapshot
+    from grip_bt.values.solids import CellMap, Cylinder, Mesh, Sphere
+
+    scene = PlanningScene({"hand": lambda: Pose()}, {"table": ((1.0, 1.0, 0.1), Pose())})
+    solids = {
+        "cup": Cylinder(0.04, 0.1),
+        "ball": Sphere(0.03),
+        "wedge": Mesh(np.vstack([np.zeros(3), np.eye(3)]), np.array([[0, 1, 2]], np.int32)),
+        "cloud": CellMap(np.array([[0, 0, 0], [1, 0, 0]], np.int32), 0.02),
+    }
+    for name, solid in solids.items():
+        scene.put(name, solid, Pose([0.5, 0.0, 0.2]))
+    scene.attach("cup", "hand")
+    scene.allow("ball", "*")
+    before = scene.snapshot()
+    after = decode(encode(snapshot(before)))
+    assert isinstance(after, SceneSnapshot)
+    for field in fields(before):
+        assert getattr(after, field.name) == getattr(before, field.name), field.name
+    scene.restore(after)
+    assert scene.attached("hand") == ("cup",)
