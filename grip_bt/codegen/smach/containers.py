@@ -13,7 +13,8 @@ from grip_bt.nodes.smach_asking import CONSTANT, MARK
 from ..standalone.layout import Code, Items, call
 from .concurrence import outcome_function, outcome_map
 from .forms import form_of
-from .legacy import constants_before, is_next_item, is_obeyed, legacy_state
+from .keys import reads, writes
+from .legacy import constants_before, is_next_item, is_obeyed, legacy_state, names_inside
 from .plan import Plan, keys_of
 from .states import legacy, tree
 
@@ -145,6 +146,9 @@ def add(
         given["transitions"] = dict(leads)
     if known is not None and known.remapping:
         given["remapping"] = known.remapping
+    if form_of(part, refined) == "items":
+        if renamed := {key: variable for variable, key in _names(part).items() if key != variable}:
+            given["remapping"] = renamed
     plan.write(
         call(f"smach.{'Concurrence' if leads is None else 'StateMachine'}.add", label, made, **given, **more), "", 8
     )
@@ -177,12 +181,12 @@ def _items(plan: Plan, part: Part, needed: Refined) -> str:
     table = table_of(part, needed)
     made = state(plan, other, table.refined[other.name])
     assert isinstance(first.node, model.Leaf), "it hands out items"
+    names = _names(part)
     given = {
-        "input_keys": [],
-        "output_keys": [],
-        **keys_of(part),
+        "input_keys": list(names.values()),
+        "output_keys": list(names.values()),
         "it": first.node.with_["items"],
-        "it_label": first.node.out["item"],
+        "it_label": names[first.node.out["item"]],
         "exhausted_outcome": first.node.on["exhausted"],
     }
     name = plan.take(part)
@@ -191,7 +195,7 @@ def _items(plan: Plan, part: Part, needed: Refined) -> str:
     run = [Code("run")] if own == "Each" else []
     plan.write(call(own, *run, outcomes=labels(part.meaning, needed), **given), name)
     again = {child.name for child in part.children if is_next_item(child)}
-    mapped = {}
+    mapped: dict[str, str] = {}
     for step in part.children:
         node = step.node
         if is_next_item(step) and isinstance(node, model.Leaf) and not node.with_.get("leaves_by"):
@@ -199,6 +203,12 @@ def _items(plan: Plan, part: Part, needed: Refined) -> str:
             mapped |= {label: node.on.get("preempted", label) for label in into}
     _contained(plan, name, other, made, table.rows[other.name], again, mapped)
     return name
+
+
+def _names(part: Part) -> dict[str, str]:
+    """Return variable -> key of what was an Iterator."""
+    other = next(child for child in part.children if not is_next_item(child))
+    return names_inside(legacy_state(other), {**reads(part), **writes(part)}) or {}
 
 
 def _contained(

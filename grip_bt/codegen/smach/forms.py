@@ -10,8 +10,8 @@ from grip_bt.compilers.transitions import COUNT, counts, interrupts, table_of
 from grip_bt.graph import model
 
 from .concurrence import outcome_map
-from .keys import shares
-from .legacy import is_next_item, legacy_state
+from .keys import reads, shares, writes
+from .legacy import is_next_item, legacy_state, names_inside
 
 Form = Literal["state", "tree", "machine", "iterator", "items", "concurrence"]
 """A legacy state; a tree in a state; containers: StateMachine, Iterator over a variable, over literals, Concurrence."""
@@ -68,7 +68,8 @@ def _hands_out_items(part: Part) -> bool:
         return False
     (other,) = others
     state = legacy_state(other)
-    plain = state is None or not (state.remapping or state.outcomes)
+    named = names_inside(state, {**reads(part), **writes(part)}) is not None
+    plain = named and (state is None or not state.outcomes)
     ended = steps[part.node.initial].get("exhausted", "")
     alike = all(on.get("item") == other.name and on.get("exhausted") == ended for on in steps.values())
     rest = {label: target for label, target in other.node.on.items() if target not in steps}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -59,6 +60,17 @@ def is_next_item(part: Part) -> bool:
 def is_obeyed(part: Part) -> bool:
     """Tell whether a leaf ends what was a Concurrence when it is preempted, which SMACH's does by itself."""
     return part.manifest is not None and part.manifest.implementation == OBEYED
+
+
+def names_inside(state: LegacyState | None, variables: Iterable[str]) -> dict[str, str] | None:
+    """Return variable -> key, of an Iterator around a state, which gets its userdata under no other names.
+
+    Returns:
+        None where two variables would be one key.
+    """
+    keys = {variable: key for key, variable in state.remapping.items()} if state is not None else {}
+    names = {variable: keys.get(variable, variable) for variable in variables}
+    return names if len(set(names.values())) == len(names) else None
 
 
 def constants_before(part: Part) -> dict[str, tuple[str, dict[str, object]]]:

@@ -50,7 +50,7 @@ def assemble(plan: Plan, folder: Path) -> str:
         sections.append("\n\n" + _BEGIN_ANEW.rstrip("\n"))
     sections += ["\n\n" + function for function in plan.functions]
     sections.append("\n\n" + _build(plan, trees))
-    sections.append("\n\n" + _main(trees))
+    sections.append("\n\n" + _main(plan, trees, plain))
     return "\n".join(sections) + "\n"
 
 
@@ -65,6 +65,14 @@ def _docstring(plan: Plan, trees: bool, plain: bool) -> str:
 
 
 def _about(plan: Plan, trees: bool, plain: bool) -> str:
+    inputs = plan.resolved.task.inputs
+    about = _stands_on(plan, trees, plain)
+    if inputs:
+        about += f" Its inputs are userdata of the machine, and arguments of the program: {', '.join(inputs)}."
+    return about
+
+
+def _stands_on(plan: Plan, trees: bool, plain: bool) -> str:
     if not trees and not plain:
         return "It needs GRIP, which reads the old Python of its states."
     if not trees:
@@ -127,13 +135,29 @@ def _build(plan: Plan, trees: bool) -> str:
     return "\n".join([*lines, *body, "    return task"])
 
 
-def _main(trees: bool) -> str:
-    if not trees:
-        return 'if __name__ == "__main__":\n    print(build().execute())'
-    return (
-        'if __name__ == "__main__":\n    from grip_bt import tree_run\n\n'
-        "    with tree_run(__file__, NODES) as run:\n        print(build(run).execute())"
-    )
+def _main(plan: Plan, trees: bool, plain: bool) -> str:
+    """Return what the file does as a program; inputs are its arguments."""
+    inputs = list(plan.resolved.task.inputs)
+    loaded = ["    from grip_bt import tree_run"] if trees else []
+    if inputs:
+        own_sys = [] if plan.modules and plain else ["    import sys"]
+        loaded = [*own_sys, "    from ast import literal_eval", *([""] if trees else []), *loaded]
+    lines = ['if __name__ == "__main__":', *loaded, *([""] if loaded else [])]
+    depth = "    "
+    if trees:
+        lines.append("    with tree_run(__file__, NODES) as run:")
+        depth += "    "
+    made = f"build({'run' if trees else ''})"
+    if not inputs:
+        return "\n".join([*lines, f"{depth}print({made}.execute())"])
+    body = [
+        f"machine = {made}",
+        f"for given in sys.argv[1:]:  # {inputs[0]}=VALUE, a Python literal",
+        '    name, _, value = given.partition("=")',
+        "    machine.userdata[name] = literal_eval(value)",
+        "print(machine.execute())",
+    ]
+    return "\n".join([*lines, *(depth + line for line in body)])
 
 
 def _listed(names: list[str]) -> str:
