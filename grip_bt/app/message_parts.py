@@ -15,14 +15,23 @@ ARCHIVE = "messages.values.sqlite"
 FOLDER = "messages"
 
 
-def open_messages(project: Project, resources: Resources, stack: ExitStack, progress: Progress) -> None:
+def open_messages(
+    project: Project, resources: Resources, stack: ExitStack, progress: Progress, server: bool = True
+) -> None:
     """Put the project's named messages into `resources`.
+
+    Args:
+        project: whose.
+        resources: filled in.
+        stack: closes what was opened.
+        progress: told where they are.
+        server: whether a server may be asked, where the project has one.
 
     Raises:
         DocumentError: a file of the project's folder `messages/` is wrong.
         ArchiveError: what an earlier run kept can't be read.
     """
-    if project.file.message_server:
+    if project.file.message_server and server:
         _open_server(resources, stack, progress)
         return
     folder = project.folder / FOLDER

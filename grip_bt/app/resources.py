@@ -99,14 +99,17 @@ def open_resources(
             fake_parts.open_components(project, names, resources)
             names = []
         sensors = [n for n in _sensors(needs) if n in project.file.sensors and project.file.sensors[n].topics]
-        if names or sensors or any(node.startswith("ros/") for node in needs):
+        asks_ros = bool(sensors) or any(node.startswith("ros/") for node in needs)
+        if asks_ros and robot == "fake":
+            fake_parts.open_ros(project, sensors, resources)
+        elif names or asks_ros:
             from . import ros_parts
 
             ros_parts.open_ros(project, names, sensors, needs, resources, stack, progress)
         if any(node.startswith("messages/") for node in needs):
             from . import message_parts
 
-            message_parts.open_messages(project, resources, stack, progress)
+            message_parts.open_messages(project, resources, stack, progress, server=robot != "fake")
         yield resources
 
 

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 from grip_bt.catalog.component_file import Start, load_component
 from grip_bt.errors import GripError, ServerLostError
-from grip_bt.ros.frames import FrameTree
 
 from .domain import own_domain
+from .frame_parts import robot_frames
 from .project import Project
 from .resources import Progress, Resources
 
@@ -47,14 +47,15 @@ def open_ros(
     """
     from grip_bt.ros.components import start_components
     from grip_bt.ros.door import RosDoor
-    from grip_bt.ros.sensors import close_sensors, mounted_frames, open_sensors
+    from grip_bt.ros.frames import mounted_frames
+    from grip_bt.ros.sensors import close_sensors, open_sensors
     from grip_bt.ros.tf import Transforms
 
     if "ros/lookup_transform" in needs:
         _provide_frames(progress)
     domain = _domain(project, names, sensors, needs, stack)
     poses, _ = mounted_frames(project.file.sensors)
-    frames = _robot_frames(project).with_poses(poses)
+    frames = robot_frames(project).with_poses(poses)
     folder = project.file.components or "components"
     components = start_components(project.folder, names, domain, folder, frames)
     stack.callback(components.close)
@@ -125,13 +126,3 @@ def _provide_frames(progress: Progress) -> None:
 
 def _starts(start: Start | None) -> bool:
     return start is not None and start.run
-
-
-def _robot_frames(project: Project) -> FrameTree:
-    """Return the links of the project's robot that never move, as far as its description can be had here."""
-    if project.file.robot is None:
-        return FrameTree()
-    try:
-        return FrameTree.of_urdf(project.description().urdf)
-    except (ImportError, GripError):
-        return FrameTree()

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from grip_bt.catalog.sensor_config import Mount, SensorConfig
 from grip_bt.errors import ExpectedError, UnknownNameError
 from grip_bt.values import Grasp, PointCloud, Pose
 
@@ -91,6 +92,18 @@ class FrameTree:
         return name, pose
 
 
+def mounted_frames(sensors: Mapping[str, SensorConfig]) -> tuple[dict[str, Pose], dict[str, str]]:
+    """Return the frames of sensors in what they are mounted on, and, by sensor, why some of them can't be used."""
+    poses, broken = {}, {}
+    for name, config in sensors.items():
+        if config.mount is not None:
+            try:
+                poses[config.mount.frame] = _mount_pose(config.mount)
+            except ValueError as error:
+                broken[name] = f"mount: {error}"
+    return poses, broken
+
+
 def transformed(value: Any, pose: Pose) -> Any:
     """Return a value that was given in a frame, as seen in the frame in which that frame has the pose `pose`.
 
@@ -133,3 +146,7 @@ def _origin(joint: ET.Element, parent: str) -> Pose:
     ]
     matrix[:3, 3] = xyz
     return Pose.from_matrix(matrix, parent)
+
+
+def _mount_pose(mount: Mount) -> Pose:
+    return Pose(mount.position, mount.quaternion, mount.on)  # type: ignore[arg-type]

@@ -7,17 +7,17 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from grip_bt.catalog.sensor_config import Mount, SensorConfig
+from grip_bt.catalog.sensor_config import SensorConfig
 from grip_bt.errors import BadReplyError, GripError, SensorError
 from grip_bt.operation import Operation
-from grip_bt.values import CameraInfo, Pose
+from grip_bt.values import CameraInfo
 
 from .convert import from_message
 from .convert_geometry import seconds
 from .convert_perception import depth_from_message
 from .door import RosDoor
 from .fields import ConversionError
-from .frames import FrameError, frame_of, transformed
+from .frames import FrameError, frame_of, mounted_frames, transformed
 from .process import Process, child_environment
 from .starting import command_of
 from .steps import Steps, walk
@@ -115,18 +115,6 @@ class BrokenSensor:
         return Operation.failed(SensorError(f"sensor {self.name}: {self.reason}"))
 
 
-def mounted_frames(sensors: Mapping[str, SensorConfig]) -> tuple[dict[str, Pose], dict[str, str]]:
-    """Return the frames of sensors in what they are mounted on, and, by sensor, why some of them can't be used."""
-    poses, broken = {}, {}
-    for name, config in sensors.items():
-        if config.mount is not None:
-            try:
-                poses[config.mount.frame] = _pose_of(config.mount)
-            except ValueError as error:
-                broken[name] = f"mount: {error}"
-    return poses, broken
-
-
 def open_sensors(
     sensors: Mapping[str, SensorConfig], door: RosDoor, project: Path, domain_id: int | None = None
 ) -> dict[str, TopicSensor | BrokenSensor]:
@@ -166,10 +154,6 @@ def _driver(name: str, config: SensorConfig, project: Path, domain_id: int | Non
     command = command_of(config.driver, project)
     env = child_environment((), domain_id) | dict(config.driver.env)
     return Process(f"sensor {name}", command, project, env, project / ".grip" / "logs" / f"sensor-{name}.log")
-
-
-def _pose_of(mount: Mount) -> Pose:
-    return Pose(mount.position, mount.quaternion, mount.on)  # type: ignore[arg-type]
 
 
 def _value(message: Any, type_: str, info: CameraInfo | None) -> Any:

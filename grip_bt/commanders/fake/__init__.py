@@ -10,7 +10,9 @@ from .camera import FakeCamera
 from .component import FakeComponent
 from .executor import FakeExecutor
 from .hand import FakeHand
+from .ros import FakeRos
 from .schedule import AtOnce, OnClock, Schedule
+from .sensor import FakeSensor
 
 __all__ = [
     "AtOnce",
@@ -19,6 +21,8 @@ __all__ = [
     "FakeComponent",
     "FakeExecutor",
     "FakeHand",
+    "FakeRos",
+    "FakeSensor",
     "OnClock",
     "Schedule",
 ]
