@@ -44,6 +44,8 @@ def test_order_of_children_counts() -> None:
 
 def test_values_that_are_not_numbers_are_alike() -> None:
     assert alike({"a": [math.nan, None]}, {"a": (math.nan, None)})
+    assert alike([math.inf], [None])
+    assert not said_alike([math.inf], [None])
 
 
 @settings(deadline=None, max_examples=80, suppress_health_check=list(HealthCheck))
