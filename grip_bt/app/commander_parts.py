@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from .resources import Resources
 
 if TYPE_CHECKING:
     from grip_bt.commanders.model import RobotModel
+    from grip_bt.commanders.planning.requests import PlanningSettings
     from grip_bt.commanders.robots import RobotDescription
     from grip_bt.commanders.worker import PlanningService
 
@@ -52,7 +53,6 @@ def open_commanders(
     from grip_bt.commanders.arm import ArmCommander
     from grip_bt.commanders.hand import HandCommander
     from grip_bt.commanders.model import RobotModel
-    from grip_bt.commanders.planning.requests import PlanningSettings
     from grip_bt.commanders.robot_links import joints_of_fingers, limits_of_joints, links_of_groups
     from grip_bt.commanders.scene import Carrier, PlanningScene
     from grip_bt.commanders.taught import Taught
@@ -103,15 +103,7 @@ def open_commanders(
             scene,
             hand,
             ports[hand].state if hand else _no_joints,
-            PlanningSettings(
-                planner=file.arms[arm].planner,
-                kinematics=file.arms[arm].kinematics,
-                speed=file.arms[arm].speed,
-                acceleration=file.arms[arm].acceleration,
-                time_limit=file.arms[arm].planning_time,
-                attempts=file.arms[arm].attempts,
-                seed=seed,
-            ),
+            settings_of(file.arms[arm], description, seed),
             file.arms[arm].group,
             taught,
             partial(_elsewhere, states, (arm, hand)),
@@ -120,6 +112,26 @@ def open_commanders(
         for arm, hand in hand_of.items()
     }
     resources.scene = scene
+
+
+def settings_of(arm: ArmConfig, robot: RobotDescription, seed: int) -> PlanningSettings:
+    """Return how an arm is planned for: its fields in `grip.yaml`, else what the robot's files say, else defaults."""
+    from grip_bt.commanders.planning.requests import PlanningSettings
+
+    def field(name: str) -> Any:
+        preferred = robot.preferences.get(arm.group, {}).get(name)
+        given = name in arm.model_fields_set or preferred is None or preferred.value is None
+        return getattr(arm, name) if given else preferred.value
+
+    return PlanningSettings(
+        planner=field("planner"),
+        kinematics=field("kinematics"),
+        speed=field("speed"),
+        acceleration=field("acceleration"),
+        time_limit=arm.planning_time,
+        attempts=arm.attempts,
+        seed=seed,
+    )
 
 
 def joined_executors(

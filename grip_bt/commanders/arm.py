@@ -129,7 +129,8 @@ class ArmCommander:
 
     def check_together(self, plans: Sequence[Plan]) -> Operation[None]:
         """Check that plans of several arms, begun at once, keep the arms apart; see `ports.Arm`."""
-        return self._submit(CheckTogether(self._situation(), tuple(plans)))  # type: ignore[return-value]
+        situation = replace(self._situation(), settings=PlanningSettings())  # no search: whoever plans, ours checks
+        return self._submit(CheckTogether(situation, tuple(plans)))  # type: ignore[return-value]
 
     def jog(
         self, linear: Sequence[float], angular: Sequence[float] = (0.0, 0.0, 0.0), seconds: float = 0.5

@@ -8,6 +8,7 @@ from dataclasses import asdict
 from typing import Any
 
 from ..moveit_package import MoveItPackage
+from ..moveit_package.settings import JointLimits
 from ..robots.description import RobotDescription
 from .tree import Tree
 
@@ -46,6 +47,10 @@ def facts(robot: RobotDescription, packages: Sequence[MoveItPackage] = ()) -> di
         },
         "solvers": sorted(SOLVERS),
         "planners": sorted(planners()),
+        "preferences": {
+            group: {field: asdict(preference) for field, preference in fields.items()}
+            for group, fields in robot.preferences.items()
+        },
         "moveit": [_package(package) for package in packages],
     }
 
@@ -54,11 +59,17 @@ def _package(package: MoveItPackage) -> dict[str, Any]:
     return {
         "folder": str(package.folder),
         "layout": package.layout,
+        "limits": {joint: _said(limits) for joint, limits in package.limits.items()},
+        "initial_positions": dict(package.initial_positions),
         "kinematics": dict(package.kinematics),
         "planners": {g: {"default": c.default, "planners": dict(c.planners)} for g, c in package.planners.items()},
         "controllers": [asdict(controller) for controller in package.controllers],
         "sensors": [asdict(sensor) for sensor in package.sensors],
     }
+
+
+def _said(limits: JointLimits) -> dict[str, float]:
+    return {name: value for name, value in asdict(limits).items() if value is not None}
 
 
 def told(known: dict[str, Any]) -> str:
@@ -88,6 +99,7 @@ def _lines(known: dict[str, Any]) -> Iterator[str]:
         yield f"joint {name} belongs to no group"
     yield f"solvers: {', '.join(known['solvers'])}"
     yield f"planners: {', '.join(known['planners'])}"
+    yield from _in_force(known["preferences"])
     for package in known["moveit"]:
         yield from _moveit(package, set(known["planners"]))
 
@@ -100,8 +112,27 @@ def _joint(name: str, joint: dict[str, Any]) -> str:
     )
 
 
+def _in_force(preferences: dict[str, Any]) -> Iterator[str]:
+    """Say what an arm's fields are where `grip.yaml` doesn't give them."""
+    for group, fields in preferences.items():
+        words = [_preferred(field, preference) for field, preference in fields.items()]
+        yield f"in force for {group}, unless grip.yaml says otherwise: {'; '.join(words)}"
+
+
+def _preferred(field: str, preference: dict[str, Any]) -> str:
+    source = preference["source"]
+    if preference["value"] is None:
+        return f"{field} as usual ({source} asks for {preference['unknown']}, which isn't here)"
+    return f"{field} {preference['value']} (from {source})"
+
+
 def _moveit(package: dict[str, Any], planners: set[str]) -> Iterator[str]:
     yield f"\nMoveIt configuration ({package['layout']}): {package['folder']}"
+    for joint, limits in package["limits"].items():
+        yield f"  limits of {joint}, in place of the URDF's: {', '.join(f'{n} {v:g}' for n, v in limits.items()) or 'none'}"
+    if package["initial_positions"]:
+        at = ", ".join(f"{joint} {position:g}" for joint, position in package["initial_positions"].items())
+        yield f"  at rest: {at} (initial_positions.yaml)"
     for group, plugin in package["kinematics"].items():
         yield f"  kinematics of {group}: {plugin}"
     for group, choice in package["planners"].items():

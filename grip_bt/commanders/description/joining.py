@@ -67,6 +67,7 @@ def namespaced(robot: RobotDescription, prefix: str, groups: bool = True) -> Rob
         hands={grouped(hand): tuple(map(named, links)) for hand, links in robot.hands.items()},
         mimics={named(j): Mimic(named(m.joint), m.multiplier, m.offset) for j, m in robot.mimics.items()},
         rest=_keyed(robot.rest, named),
+        preferences={grouped(g): fields for g, fields in robot.preferences.items()},
         end_effectors=tuple(
             EndEffector(named(e.name), grouped(e.group), named(e.parent_link), grouped(e.parent_group))
             for e in robot.end_effectors
@@ -162,6 +163,7 @@ def without_below(robot: RobotDescription, link: str) -> RobotDescription:
         hands={hand: mine for hand, mine in robot.hands.items() if hand in groups and set(mine) <= links},
         mimics={j: m for j, m in robot.mimics.items() if j in joints},
         rest={j: q for j, q in robot.rest.items() if j in joints},
+        preferences={g: fields for g, fields in robot.preferences.items() if g in groups},
         end_effectors=tuple(
             e for e in robot.end_effectors if e.parent_link in links and (not e.group or e.group in groups)
         ),
@@ -189,6 +191,7 @@ def _sum(parts: list[RobotDescription], urdf: str, base: str, name: str) -> Robo
         hands=joined("hands"),
         mimics=joined("mimics"),
         rest=joined("rest"),
+        preferences=joined("preferences"),
         end_effectors=tuple(end for part in parts for end in part.end_effectors),
     )
 

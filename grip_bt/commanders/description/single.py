@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from grip_bt.errors import DocumentError, UnknownNameError, nearest
@@ -90,7 +90,15 @@ class _Single:
             return None
         name = self.config.name or robot.get("name") or "robot"
         urdf = normal(robot, name, source.parent, self.packages, limits)
-        return build(urdf, added, self.config, limits, initial)
+        return self._with_preferences(build(urdf, added, self.config, limits, initial))
+
+    def _with_preferences(self, robot: RobotDescription) -> RobotDescription:
+        if self.moveit is None:
+            return robot
+        from ..moveit_package.preferences import preferences_of
+        from ..planning.free import planners
+
+        return replace(robot, preferences=preferences_of(self.moveit, robot.groups, planners()))
 
     def _urdf(self) -> tuple[ET.Element, Path]:
         config = self.config

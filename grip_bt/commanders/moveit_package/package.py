@@ -35,6 +35,7 @@ class MoveItPackage:
         controllers: of all `*controllers.yaml`; MoveIt's own before those of ros_control.
         sensors: depth sensors.
         initial_positions: joint -> position [rad or m].
+        scaling: `velocity`, `acceleration` -> part of the limits that is used unless told otherwise, in (0, 1].
         findings: files that can't be read, or aren't there.
     """
 
@@ -49,6 +50,7 @@ class MoveItPackage:
     controllers: tuple[Controller, ...] = ()
     sensors: tuple[Sensor, ...] = ()
     initial_positions: Mapping[str, float] = field(default_factory=dict)
+    scaling: Mapping[str, float] = field(default_factory=dict)
     findings: tuple[Finding, ...] = ()
 
 
@@ -97,6 +99,7 @@ class _Reader:
             tuple({c.name: c for c in reversed(controllers)}.values())[::-1],
             self._read_named(settings.sensors, "sensors_3d.yaml", (), optional=True),
             self._read_named(settings.initial_positions, "initial_positions.yaml", {}, optional=True),
+            self._read_named(settings.scaling, "joint_limits.yaml", {}, optional=True),
             tuple(self.findings),
         )
 

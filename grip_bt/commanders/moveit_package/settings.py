@@ -101,6 +101,22 @@ def joint_limits(path: Path) -> dict[str, JointLimits]:
     return found
 
 
+def scaling(path: Path) -> dict[str, float]:
+    """Return `velocity` and `acceleration` -> default part of the limits, of `joint_limits.yaml`.
+
+    Raises:
+        DocumentError: the file can't be read as such, or a factor isn't in (0, 1].
+    """
+    reading, data, found = Reading(path), read_yaml(path), {}
+    for kind in ("velocity", "acceleration"):
+        key = f"default_{kind}_scaling_factor"
+        if key in data:
+            found[kind] = reading.number(data[key], key)
+            if not 0 < found[kind] <= 1:
+                raise DocumentError(f"{key} is a part of the limits, in (0, 1], not {data[key]!r}", str(path))
+    return found
+
+
 def kinematics(path: Path) -> dict[str, str]:
     """Return group -> MoveIt's kinematics plugin, of `kinematics.yaml`.
 

@@ -75,6 +75,21 @@ class Mimic:
 
 
 @dataclass(frozen=True, slots=True)
+class Preference:
+    """What a robot's files prefer for a field of an arm.
+
+    Attributes:
+        value: a planner's or a solver's name, or a factor; None where what they ask for isn't there.
+        source: the file that says so.
+        unknown: what it asks for, where that isn't there.
+    """
+
+    value: str | float | None
+    source: str
+    unknown: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class EndEffector:
     """What an arm's group carries.
 
@@ -112,6 +127,7 @@ class RobotDescription:
         mimics: joint that follows another one -> whom and how. It belongs to no group.
         rest: joint -> where it is unless told otherwise [rad or m]; joints that it lacks rest as `at_rest` says.
         end_effectors: which hand sits on which arm.
+        preferences: group -> field of an arm, such as `planner` -> what the robot's files prefer.
     """
 
     name: str
@@ -130,19 +146,22 @@ class RobotDescription:
     mimics: Mapping[str, Mimic] = field(default_factory=dict)
     rest: Mapping[str, float] = field(default_factory=dict)
     end_effectors: tuple[EndEffector, ...] = ()
+    preferences: Mapping[str, Mapping[str, Preference]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not self.hands and self.hand_links:
             object.__setattr__(self, "hands", {"hand": self.hand_links})
         for name in _MAPPINGS:
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
-        states = {g: MappingProxyType(dict(s)) for g, s in self.named_states.items()}
-        object.__setattr__(self, "named_states", MappingProxyType(states))
+        for name in ("named_states", "preferences"):
+            nested = {group: MappingProxyType(dict(values)) for group, values in getattr(self, name).items()}
+            object.__setattr__(self, name, MappingProxyType(nested))
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Send read-only mappings as plain ones: those can't be pickled."""
-        states = {group: dict(states) for group, states in self.named_states.items()}
-        values = {f.name: getattr(self, f.name) for f in fields(self)} | {"named_states": states}
+        values = {f.name: getattr(self, f.name) for f in fields(self)}
+        for name in ("named_states", "preferences"):
+            values[name] = {group: dict(mine) for group, mine in values[name].items()}
         plain = (dict(v) if isinstance(v, Mapping) else v for v in values.values())
         return type(self), tuple(plain)
 
