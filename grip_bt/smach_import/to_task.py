@@ -47,9 +47,14 @@ class TaskMaker:
                 self.variables, self.sharing, self.leaves.specs = Variables(), Sharing(), dict(specs)
                 node, ends = self._root()
         except RefusedError as error:
-            if self.root.verdict != "failed":
-                self.root.problem("failed", str(error))
-            return None
+            if self.root.verdict == "failed" or not self.root.outcomes or not self.leaves.source(self.root):
+                if self.root.verdict != "failed":
+                    self.root.problem("failed", str(error))
+                return None
+            self.root.problem("partial", f"it is one leaf, which runs it as it is: {error}")
+            self.variables, self.sharing, self.leaves.specs = Variables(), Sharing(), specs
+            whole = Added(self.name, self.root, {}, {}, self.root.span)
+            node, ends = self._leaf(self.root, whole, Keys(self.variables, self.name), {})
         self.sharing.check(self._initial())
         outcomes = {task_name(o): meaning_of(o) for o in self.root.outcomes or ()}
         on = {here: task_name(there) for here, there in ends.items() if here != task_name(there)}

@@ -89,12 +89,7 @@ def run_form(path, file, form, preempt_at=(), pace=0, before=0):
         pace: seed of how many ticks each activation takes.
         before: how often a preempt is asked for before the run begins.
     """
-    task, catalog = read(path).task, find_project(path).catalog()
-    if form == "structured":
-        task = to_trees(task, catalog).task
-    compiled = (to_machine if form == "machine" else to_tree)(task, catalog)
-    runner = Runner(compiled, RunContext())
-    leaves = [leaf for leaf in compiled.leaves.values() if isinstance(leaf, smach_leaf.SmachLeaf)]
+    runner, leaves = _runner(path, form, pace)
 
     def request(state):
         for leaf in leaves:  # what has returned has ended, whether or not the task has seen it
@@ -102,18 +97,54 @@ def run_form(path, file, form, preempt_at=(), pace=0, before=0):
             if leaf.state is not state and _has_returned(legacy, leaf.state) and activation is not None:
                 _await(activation.returned, "a state never returned")
         runner.request_preempt()
-        _await(lambda: leaves[0].asking._seen == runner.context.preempt_requests, "the request never arrived")
+        _await_arrival(runner, leaves)
 
     legacy = fresh(file, preempt_at, request)
-    PacedActivation.numbers.clear()
-    drawn = lambda name, number: crc32(f"{pace} {name} {number}".encode()) % TICKS if pace else 0  # noqa: E731
-    PacedActivation.ticks = staticmethod(drawn)
     for _ in range(before):
         runner.request_preempt()
     result = runner.run()
     if result.error is not None:
         assert STUMBLES.search(str(result.error)), result.error
     return None if result.error is not None else result.outcome, [list(row) for row in legacy.TRACE]
+
+
+def _runner(path, form, pace):
+    task, catalog = read(path).task, find_project(path).catalog()
+    if form == "structured":
+        task = to_trees(task, catalog).task
+    compiled = (to_machine if form == "machine" else to_tree)(task, catalog)
+    PacedActivation.numbers.clear()
+    drawn = lambda name, number: crc32(f"{pace} {name} {number}".encode()) % TICKS if pace else 0  # noqa: E731
+    PacedActivation.ticks = staticmethod(drawn)
+    leaves = [leaf for leaf in compiled.leaves.values() if isinstance(leaf, smach_leaf.SmachLeaf)]
+    return Runner(compiled, RunContext()), leaves
+
+
+def _await_arrival(runner, leaves):
+    _await(lambda: leaves[0].asking._seen == runner.context.preempt_requests, "the request never arrived")
+
+
+def run_imported(path, form, pace, before, give_request):
+    """Return the outcome of a task in one of its forms, None after an error.
+
+    Args:
+        path: the task's file.
+        form: one of FORMS.
+        pace: seed of how many ticks each activation takes.
+        before: how often a preempt is asked for before the run begins.
+        give_request: gets a function of a state that asks for a preempt and waits until it has arrived.
+    """
+    runner, leaves = _runner(path, form, pace)
+
+    def request(state):
+        runner.request_preempt()
+        _await_arrival(runner, leaves)
+
+    give_request(request)
+    for _ in range(before):
+        runner.request_preempt()
+    result = runner.run()
+    return None if result.error is not None else result.outcome
 
 
 def run_compat(file, preempt_at=(), before=0):

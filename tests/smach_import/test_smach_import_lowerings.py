@@ -23,7 +23,7 @@ GOLDEN = Path(__file__).parents[1] / "smach_compat" / "data" / "smach_golden.jso
 CASES = [json.loads(line) for line in GOLDEN.read_text().splitlines()]
 if "GRIP_FUZZ_TASKS" not in os.environ:
     CASES = CASES[::4]  # the suite takes a sample; `make fuzz` takes all
-MACHINES = int(os.environ.get("GRIP_FUZZ_TASKS", "60")) // 2
+MACHINES = int(os.environ.get("GRIP_FUZZ_TASKS", "60")) // 5
 FIRST = int(os.environ.get("GRIP_FUZZ_SEED", "0"))
 
 
