@@ -129,7 +129,8 @@ def _preferred(field: str, preference: dict[str, Any]) -> str:
 def _moveit(package: dict[str, Any], planners: set[str]) -> Iterator[str]:
     yield f"\nMoveIt configuration ({package['layout']}): {package['folder']}"
     for joint, limits in package["limits"].items():
-        yield f"  limits of {joint}, in place of the URDF's: {', '.join(f'{n} {v:g}' for n, v in limits.items()) or 'none'}"
+        said = ", ".join(f"{name} {value:g}" for name, value in limits.items())
+        yield f"  limits of {joint}, in place of the URDF's: {said or 'none'}"
     if package["initial_positions"]:
         at = ", ".join(f"{joint} {position:g}" for joint, position in package["initial_positions"].items())
         yield f"  at rest: {at} (initial_positions.yaml)"
