@@ -10,6 +10,7 @@ import sqlite3
 import subprocess
 import sys
 import time
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -98,25 +99,46 @@ def grip(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
 
 
 def kill_in_the_middle(folder: Path, task: str, seconds: float, *words: str) -> str:
-    """Start a run, kill its processes so many seconds after its first events, and return its id."""
+    """Start a run, kill its processes so many seconds after its first events, and return its id.
+
+    Where the machine is so busy that the run has ended before it is killed, another one is killed earlier.
+    """
+    deadline = time.monotonic() + 180
+    while True:
+        run = _killed(folder, task, seconds, *words)
+        with JournalReader(folder / ".grip" / "runs.sqlite") as reader:
+            if run is not None and reader.run(run).status == "running":
+                return run
+        assert time.monotonic() < deadline, "no run could be killed before it ended"
+        seconds /= 2
+
+
+def _killed(folder: Path, task: str, seconds: float, *words: str) -> str | None:
+    """Return the id of a run that was killed; None where it ended before it could be."""
+    journal = folder / ".grip" / "runs.sqlite"
+    before = _blocks(journal)
     command = [sys.executable, "-m", "grip_bt.cli", "run", task, *words]
     process = subprocess.Popen(command, cwd=folder, stdout=subprocess.DEVNULL, start_new_session=True)
-    journal = folder / ".grip" / "runs.sqlite"
     deadline = time.monotonic() + 60
-    while time.monotonic() < deadline:
-        assert process.poll() is None, "it ended too early"
-        try:
-            with sqlite3.connect(f"file:{journal}?mode=ro", uri=True) as database:
-                if database.execute("SELECT count(*) FROM blocks").fetchone()[0]:
-                    break
-        except sqlite3.Error:
-            pass
+    while _blocks(journal) == before and process.poll() is None:
+        assert time.monotonic() < deadline, "nothing happens"
         time.sleep(0.01)
     time.sleep(seconds)
+    if process.poll() is not None:
+        return None
     os.killpg(process.pid, signal.SIGKILL)
     process.wait()
     with JournalReader(journal) as reader:
         return find_run(reader, "last")
+
+
+def _blocks(journal: Path) -> int:
+    try:
+        with closing(sqlite3.connect(f"file:{journal}?mode=ro", uri=True)) as database:
+            (count,) = database.execute("SELECT count(*) FROM blocks").fetchone()
+            return int(count)
+    except sqlite3.Error:
+        return 0
 
 
 @pytest.mark.slow
