@@ -5,14 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from typing import Any
 
+from py_trees.common import Status
+
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.node import Node
 from grip_bt.ports import Context
 from grip_bt.smach_compat import State
 from grip_bt.values import Failure
 
-from .drive import Halted, Pacer, Rushing, drive
+from .drive import Halted, Pacer, Rushing, halt_after
 from .leaves import prepare
+
+RUNNING = Status.RUNNING
 
 Refined = Collection[tuple[str, str]]
 """(outcome, failure code) pairs that have a label of their own, `outcome.code`."""
@@ -110,17 +114,27 @@ class BehaviourState(TaskState):
 
     def execute(self, userdata: Any) -> str:
         """Tick to the end; a stop interrupts everything below, and unwinds."""
-        if self._planner is not self.run.planner:
-            self._planner = self.run.planner
-            self._tick = self.node.tick_once if self._planner is None else self._planner(self.node)
-        try:
-            drive(self.node, self.run, self._tick)
+        run, node = self.run, self.node
+        if self._planner is not run.planner:
+            self._planner = run.planner
+            self._tick = node.tick_once if self._planner is None else self._planner(node)
+        try:  # `drive`, in place
+            while True:
+                seen = run.pacer.turn()
+                if run.error is not None:
+                    raise Halted
+                self._tick()
+                if node.status is not RUNNING:
+                    break
+                run.pacer.rest(seen)
         except BaseException as error:
-            self.run.fail(error)
+            halt_after(error, node)
+            run.fail(error)
             raise
-        self.outcome, self.failure = self.node.outcome, self.node.failure
-        assert self.outcome is not None, "a behaviour that ended has an outcome"
-        return label(self.outcome, self.failure, self.refined)
+        self.outcome = outcome = node.outcome
+        self.failure = failure = node.failure
+        assert outcome is not None, "a behaviour that ended has an outcome"
+        return label(outcome, failure, self.refined) if self.refined else outcome
 
 
 class StateContext:

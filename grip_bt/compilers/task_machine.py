@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from grip_bt import smach_compat
 from grip_bt.errors import NodeError
 from grip_bt.nodes.control import Condition, End, Ruling, first_reason
 from grip_bt.nodes.observer import SILENT, Observer
@@ -14,6 +15,7 @@ from grip_bt.values import Failure
 from .behaviour_state import MachineRun, Refined, TaskState, label, labels
 from .choice import Choice
 from .drive import Halted
+from .going import ORDINARY, go_on
 
 
 class TaskContainer(TaskState):
@@ -113,6 +115,16 @@ class TaskMachine(TaskContainer, StateMachine):
         finally:
             self.choice.rule.over()
 
+    def _loop(self) -> str | None:
+        """Execute states until the machine's outcome; return None when it is to stop before."""
+        while self._is_running and not smach_compat.is_shutdown():
+            outcome: Any = go_on(self)
+            if outcome is ORDINARY:
+                outcome = self._update_once()
+            if outcome is not None:
+                return outcome  # type: ignore[no-any-return]
+        return None
+
     def reason(self) -> Failure | None:
         """Return the reason of the state that ended the machine."""
         return self._last.failure if self._last is not None else None
@@ -196,6 +208,8 @@ class Count(TaskState):
     def execute(self, userdata: Any) -> str:
         """Count one attempt."""
         self.attempts += 1
-        self.outcome = "enough" if self.attempts >= self.times else "again"
-        self.failure = self.child.failure if self.outcome == "enough" else None
-        return label(self.outcome, self.failure, self.refined)
+        if self.attempts < self.times:
+            self.outcome, self.failure = "again", None
+            return "again"
+        self.outcome, self.failure = "enough", self.child.failure
+        return label("enough", self.failure, self.refined)
