@@ -12,7 +12,8 @@ from py_trees.common import Status
 from grip_bt.errors import NodeError
 from grip_bt.nodes.control.container import Container
 from grip_bt.nodes.leaf import Leaf
-from grip_bt.nodes.node import LABEL, STATUS, Node
+from grip_bt.nodes.node import LABEL, Node
+from grip_bt.nodes.observer import SILENT
 
 from .kinds import conditional, replaced_on
 from .writer import Writer
@@ -30,7 +31,7 @@ def invalid(node: Any) -> NoReturn:
     raise failed(node, wrong) from wrong
 
 
-PRELUDE = {"failed": failed, "invalid": invalid, "LABEL": LABEL, "STATUS": STATUS}
+PRELUDE = {"failed": failed, "invalid": invalid, "SILENT": SILENT}
 
 
 def plain(node: Any) -> bool:
@@ -43,13 +44,15 @@ def plain(node: Any) -> bool:
 
 def emit_begin(write: Writer, name: str) -> None:
     """Write `Node.begin`."""
-    write(f"{name}.outcome = {name}.failure = None", f"{name}.active = True", f"{name}.observer.entered({name}.path)")
+    write(f"{name}.outcome = {name}.failure = None", f"{name}.active = True")
+    write(f"if {name}.observer is not SILENT: {name}.observer.entered({name}.path)")
 
 
 def emit_report(write: Writer, name: str) -> None:
     """Write the end of `Node.stop`: an activation that was under way is over."""
     with write.block(f"if {name}.active:"):
-        write(f"{name}.active = False", f"if {name}.outcome is None: {name}.observer.interrupted({name}.path)")
+        write(f"{name}.active = False", f"if {name}.observer is SILENT: pass")
+        write(f"elif {name}.outcome is None: {name}.observer.interrupted({name}.path)")
         write(f"else: {name}.observer.ended({name}.path, {name}.outcome, {name}.failure)")
 
 
@@ -64,8 +67,9 @@ def emit_leaf(write: Writer, name: str, initialises: bool, terminates: bool) -> 
         write(f"s = {name}.update()")
         with write.block("if s is not R:"):
             with write.block("if s is S or s is F:"):
-                write(f"o = {name}.outcome", f"if o is None: {name}.outcome = o = LABEL[s]")
-                write(f'if STATUS.get({name}.meaning.get(o, "")) is not s: {name}.conclude(s)')
+                write("l = 'success' if s is S else 'failure'")  # not by a dictionary: the hash of a status is slow
+                write(f"o = {name}.outcome", f"if o is None: {name}.outcome = o = l")
+                write(f"if {name}.meaning.get(o) != l: {name}.conclude(s)")
             with write.block("else:"):
                 write(f"if s not in VALID: s = rejected({name}, s)", f"{name}.outcome = {name}.failure = None")
             _stopped(write, name, "s", terminates)
@@ -116,7 +120,7 @@ def emit_end(write: Writer, name: str, status: Status | None) -> None:
         name: of the container; it doesn't override `terminate`.
         status: how it ends; None where that is in `s`.
     """
-    said = f'"{LABEL[status]}"' if status is not None else "LABEL[s]"
+    said = f'"{LABEL[status]}"' if status is not None else "'success' if s is S else 'failure'"
     write(f"if {name}.outcome is None: {name}.outcome = {said}")
     if status is Status.SUCCESS:
         write(f"{name}.failure = None")
