@@ -261,3 +261,22 @@ def test_items_come_one_by_one_and_then_no_more():
 )
 def test_labels_are_spelled_as_tasks_can(label, name):
     assert task_name(label) == name
+
+
+def test_a_state_below_a_parallel_that_asks_is_asked_once_each_time():
+    context = Context()
+    context.preempt_requests = 0
+    state = Legacy(asked, block=True)
+    leaf = make(state, context)
+    leaf.askers.append(type("Parallel", (), {"asked": False})())
+    leaf.setup(context=context)
+    assert tick(leaf) == Status.RUNNING
+    assert not state.preempt_requested()
+    leaf.askers[0].asked = True
+    assert tick(leaf) == Status.RUNNING
+    assert state.preempt_requested()
+    state.recall_preempt()
+    assert tick(leaf) == Status.RUNNING
+    assert not state.preempt_requested(), "a state that has answered isn't asked again"
+    state.go.release()
+    assert run(leaf, context) == "done"
