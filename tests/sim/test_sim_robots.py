@@ -10,7 +10,7 @@ pytestmark = pytest.mark.sim
 pytest.importorskip("sapien")
 
 
-@pytest.mark.parametrize("name", ["panda", "xarm7", "ur10_shadow", "shadow_left", "two_ur5_allegro"])
+@pytest.mark.parametrize("name", ["panda", "xarm7", "xarm7_gripper", "ur10_shadow", "shadow_left", "two_ur5_allegro"])
 def test_a_ready_made_robot_stands_still_where_it_rests(name):
     from grip_sim.world import World
 
@@ -33,3 +33,27 @@ def test_the_second_finger_of_a_gripper_follows_the_first():
         world.step()
     fingers = world.robot.measure(world.robot.rows(("panda_finger_joint1", "panda_finger_joint2")))
     assert fingers.position == pytest.approx([0.01, 0.01], abs=1e-3)
+
+
+def test_a_gripper_of_our_own_holds_a_box_between_its_fingers():
+    """The box hangs in the air: nothing but friction at the fingers keeps it there."""
+    from grip_bt.commanders.model import RobotModel
+    from grip_sim.specs import ObjectSpec
+    from grip_sim.world import World
+
+    robot = load_robot("ur5_gripper")
+    model = RobotModel(robot)
+    tcp = model.grasp_pose(group="arm")
+    assert tcp.rotation()[:, 2] == pytest.approx([0, 0, -1], abs=0.02), "the gripper looks down at rest"
+    x, y, z = (float(c) for c in tcp.position)
+    thing = ObjectSpec("thing", "box", 0.015, 0.05, (x, y, z - 0.01), float(np.arctan2(*tcp.rotation()[1::-1, 1])), 0.1)
+    world = World(WorldSpec(robot="ur5_gripper", objects=(thing,)))
+    row = world.robot.group_rows("hand")
+    begin = world.object_pose("thing")
+    for step in range(360):
+        world.robot.drive(row, np.array([max(0.0, 0.0425 - 0.0005 * step)]))
+        if step < 150:
+            world.move_object("thing", begin)  # held there until the fingers have come
+        world.step()
+    assert world.object_pose("thing").position[2] == pytest.approx(z - 0.01, abs=0.02)
+    assert 0.01 < world.robot.measure(row).position[0] < 0.02

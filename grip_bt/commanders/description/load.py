@@ -79,7 +79,7 @@ def inspect_robot(source: str | RobotConfig, folder: Path | None = None) -> Insp
 
 def _inspected(config: RobotConfig, folder: Path) -> Inspected:
     if config.ready is not None:
-        return inspect_robot(config.ready, folder)
+        return _ready_made(config.ready, config, folder)
     if config.robots:
         return _several(config, folder)
     if config.arm is not None and config.hand is not None and config.mount is not None:
@@ -90,6 +90,24 @@ def _inspected(config: RobotConfig, folder: Path) -> Inspected:
         return _together((arm, hand), on_arm(arm.description, hand.description, config.mount, name, config))
     loaded: Loaded = load_single(config, folder)
     return Inspected(loaded.findings, loaded.description, loaded.packages)
+
+
+def _ready_made(name: str, config: RobotConfig, folder: Path) -> Inspected:
+    """Return a ready-made robot, one with sizes of its own where arguments are given.
+
+    Raises:
+        DocumentError: this robot takes none.
+    """
+    if not config.arguments:
+        return inspect_robot(name, folder)
+    from ..robots import READY, ROBOTS
+
+    file = READY / f"{name}.yaml"
+    own, place = config_of(str(file), folder) if name in ROBOTS and file.is_file() else (None, folder)
+    if own is None or own.xacro is None:
+        raise DocumentError(f"the ready-made robot {name!r} takes no arguments", str(folder))
+    given = own.model_copy(update={"arguments": {**own.arguments, **config.arguments}})
+    return _renamed(_inspected(given, place), given, name)
 
 
 def _several(config: RobotConfig, folder: Path) -> Inspected:
