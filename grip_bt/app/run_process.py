@@ -59,6 +59,7 @@ def _run(order: dict[str, Any], channels: dict[str, int], control: Any) -> int:
     from grip_bt.runtime.pulse import Pulse
 
     from .execute import RunOptions, open_session
+    from .motion_record import recorded_motion
 
     given = order["options"]
     options = RunOptions(**{**given, "journal": Path(given["journal"]) if given["journal"] else None})
@@ -74,7 +75,9 @@ def _run(order: dict[str, Any], channels: dict[str, int], control: Any) -> int:
         control.attach(session.runner)
         signal.signal(signal.SIGUSR1, signal.SIG_IGN)
         pulse.start()
-        control.run()
+        runner = session.runner
+        with recorded_motion(session.resources, runner.context.clock, session.journal, runner.run_id):
+            control.run()
         pulse.stop()
     return 0
 

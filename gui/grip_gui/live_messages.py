@@ -201,3 +201,114 @@ class TryView(Wire):
     started: str = ""
     """How the component came up."""
     trouble: str = ""
+
+
+# --- the robot in space -----------------------------------------------------------------------------------------------
+
+Place = Annotated[list[float], Field(min_length=7, max_length=7)]
+"""x y z [m], then the quaternion w x y z."""
+
+
+class ShapeView(Wire):
+    """A body of a link."""
+
+    kind: Literal["box", "cylinder", "sphere", "mesh"]
+    size: list[float]
+    """Edge lengths; radius and height; radius [m]."""
+    at: Place
+    """In the link."""
+    color: list[float] = []
+    """Red, green, blue, opacity of 1; empty where the description says none."""
+    mesh: int = -1
+    """Number of the mesh."""
+
+
+class LinkView(Wire):
+    """A link of a robot."""
+
+    name: str
+    shapes: list[ShapeView]
+
+
+class MimicView(Wire):
+    """How a joint follows another one: multiplier * its position + offset."""
+
+    joint: str
+    multiplier: float
+    offset: float
+
+
+class JointView(Wire):
+    """A joint of a robot."""
+
+    name: str
+    type: str
+    """As in a URDF: fixed, revolute, continuous, prismatic ..."""
+    parent: str
+    child: str
+    at: Place
+    """In the parent link."""
+    axis: list[float]
+    mimic: MimicView | None = None
+
+
+class MeshView(Wire):
+    """Triangles, in base64."""
+
+    points: str
+    """float32, little-endian: x y z of each [m]."""
+    triangles: str
+    """uint32, little-endian: three points each."""
+
+
+class FrameView(Wire):
+    """A frame on a link."""
+
+    link: str
+    at: Place
+
+
+class GeometryView(Wire):
+    """What the project's robot looks like."""
+
+    name: str = ""
+    links: list[LinkView] = []
+    joints: list[JointView] = []
+    meshes: list[MeshView] = []
+    rest: dict[str, float] = {}
+    """Joint -> where it is unless told otherwise [rad or m]."""
+    grasp: dict[str, FrameView] = {}
+    """Hand -> the frame in which it holds things."""
+    trouble: str = ""
+
+
+class SceneItem(Wire):
+    """An object of the planning scene."""
+
+    kind: Literal["box", "cylinder", "sphere"]
+    size: list[float]
+    at: Place
+    """In the world; in the grasp frame of the hand that holds it."""
+    hand: str
+    fixed: bool
+
+
+class MotionSample(Wire):
+    """What has changed at one time."""
+
+    t: float
+    """On the run's clock [s]."""
+    q: dict[str, list[float]] = {}
+    """Part -> positions of its joints [rad or m]."""
+    scene: dict[str, SceneItem] | None = None
+    """All objects; None where none has changed."""
+
+
+class MotionView(Wire):
+    """How a run's robot has moved, from some place of the record on."""
+
+    parts: dict[str, list[str]] = {}
+    """Part -> its joints; only at the beginning of the record."""
+    samples: list[MotionSample]
+    next: int
+    """Where to go on."""

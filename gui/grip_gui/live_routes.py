@@ -9,25 +9,30 @@ import asyncio
 import json
 from collections.abc import Callable
 from functools import partial
-from typing import Any
+from typing import Annotated, Any
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Query
 from pydantic import ValidationError
 
 from grip_bt.app.project import find_project
 from grip_bt.errors import GripError
 from grip_bt.graph.syntax import parse, plain
+from grip_bt.values import JointState
 
 from .editing.files import TextFile
 from .live import RosWindow
+from .live.motion import last_state, motion_of
 from .live.samples import form_of, source_of
+from .live.written import text_of
 from .live_messages import (
     ComponentForm,
     Done,
+    GeometryView,
     LiveMessage,
     LiveMessages,
     MeasureWish,
     MessageDeed,
+    MotionView,
     PutWish,
     ReceivedView,
     ReceiveWish,
@@ -38,8 +43,11 @@ from .live_messages import (
 )
 from .project import ProjectFolder
 from .setup.changes import set_value
+from .setup.geometry import geometry
 from .setup.kinds import JOINT_STATES, POSES, kind_of
 from .setup.probes import Prober
+
+RunId = Annotated[str, Query(pattern=r"^[A-Za-z0-9_-]+$", max_length=200)]
 
 
 def make_live_router(folder: ProjectFolder, window: RosWindow, run: Callable[[], str]) -> APIRouter:
@@ -53,6 +61,8 @@ def make_live_router(folder: ProjectFolder, window: RosWindow, run: Callable[[],
     api = APIRouter(prefix="/api/live")
     _add_graph(api, window)
     _add_tries(api, folder, window, run)
+    _add_calls(api, folder)
+    _add_space(api, folder)
     return api
 
 
@@ -112,11 +122,21 @@ def _add_tries(api: APIRouter, folder: ProjectFolder, window: RosWindow, run: Ca
 
     @api.post("/measure")
     async def measure(wish: MeasureWish) -> Done:
+        if wish.robot == "run":
+            return await from_run(wish)
         asked_for = json.dumps({"robot": wish.robot, "part": wish.part, "what": wish.what})
         found = await prober.answer("grip_gui.live.measuring", (asked_for,))
         if "text" not in found:
             return Done(trouble=found["trouble"])
         return await keep(wish, found["text"])
+
+    async def from_run(wish: MeasureWish) -> Done:
+        if wish.what == "pose":
+            return Done(trouble="of a run under way the joints can be kept; a pose that a task measured is a variable")
+        state = last_state(folder.journal, run(), wish.part) if run() else {}
+        if not state:
+            return Done(trouble=f"no run is under way that has measured {wish.part}")
+        return await keep(wish, text_of(JointState.from_mapping(state)))
 
     async def keep(wish: MeasureWish, text: str) -> Done:
         path, store = (POSES, "poses") if wish.what == "pose" else (JOINT_STATES, "joint_states")
@@ -128,6 +148,11 @@ def _add_tries(api: APIRouter, folder: ProjectFolder, window: RosWindow, run: Ca
                 return Done(said=said, trouble=given["trouble"])
             said += ", and the server has it"
         return Done(said=said)
+
+
+def _add_calls(api: APIRouter, folder: ProjectFolder) -> None:
+    """Add what is asked of components."""
+    prober = Prober(folder)
 
     @api.get("/component")
     def component(path: str) -> ComponentForm:
@@ -148,6 +173,24 @@ def _add_tries(api: APIRouter, folder: ProjectFolder, window: RosWindow, run: Ca
             return TryView(**await prober.answer("grip_gui.live.calling", (), asked_for))
         except (GripError, ValidationError) as error:
             return TryView(trouble=str(error))
+
+
+def _add_space(api: APIRouter, folder: ProjectFolder) -> None:
+    """Add what is drawn of the robot."""
+
+    @api.get("/geometry")
+    def looks() -> GeometryView:
+        try:
+            file = find_project(folder.folder).file
+        except GripError as error:
+            return GeometryView(trouble=str(error))
+        robot = file.robot if file.robot is None or isinstance(file.robot, str) else file.robot.model_dump(mode="json")
+        hands = {arm.hand: arm.group for arm in file.arms.values() if arm.hand is not None}
+        return GeometryView.model_validate(geometry(robot, hands, folder.folder))
+
+    @api.get("/motion")
+    def motion(run: RunId, after: Annotated[int, Query(ge=0, le=2**40)] = 0) -> MotionView:
+        return motion_of(folder.journal, run, after)
 
 
 def _write(folder: ProjectFolder, path: str, name: str, text: str) -> None:

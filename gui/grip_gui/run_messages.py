@@ -60,6 +60,15 @@ class RunEvent(Wire):
     data: dict[str, Any] = {}
 
 
+class NamedPlace(Wire):
+    """A pose, for drawing."""
+
+    name: str
+    frame: str
+    at: list[float]
+    """x y z [m], then the quaternion w x y z."""
+
+
 class ValueView(Wire):
     """What was written to a variable, for looking at."""
 
@@ -72,6 +81,8 @@ class ValueView(Wire):
     """A drawing of it as a `data:` address; empty where there is none."""
     caption: str = ""
     """What the drawing shows."""
+    places: list[NamedPlace] = []
+    """Poses in it: its own, or those of grasps."""
 
 
 # --- the run under way ------------------------------------------------------------------------------------------------

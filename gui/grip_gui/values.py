@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import islice
 from typing import Any
 
 import numpy as np
 
 from grip_bt.errors import GripError
-from grip_bt.values import DepthImage, Image, PointCloud, Pose
+from grip_bt.values import DepthImage, Grasp, Image, PointCloud, Pose
 
 from .pictures import address, drawn_cloud, drawn_depth, drawn_image
-from .run_messages import ValueView
+from .run_messages import NamedPlace, ValueView
 
 ROWS = 60
 """Most parts that are listed."""
+PLACES = 30
+"""Most poses that are drawn."""
 LINE = 300
 """Longest text of a part, in characters."""
 
@@ -27,9 +30,10 @@ def value_view(type_name: str, value: Any) -> ValueView:
         type_name: how the journal calls its type.
         value: anything.
     """
-    rows = [[name, _line(part)] for name, part in _first(_parts(value))]
+    rows = [[name, _line(part)] for name, part in _listed(_parts(value))]
     picture, caption = _drawing(value)
-    return ValueView(type=type_name, text=_line(value), rows=rows, picture=picture, caption=caption)
+    places = [NamedPlace(name=name, frame=pose.frame, at=_place(pose)) for name, pose in islice(_poses(value), PLACES)]
+    return ValueView(type=type_name, text=_line(value), rows=rows, picture=picture, caption=caption, places=places)
 
 
 def unkept_view(type_name: str, preview: str, why: GripError) -> ValueView:
@@ -67,12 +71,35 @@ def _parts(value: Any) -> Iterable[tuple[str, Any]]:
         yield from ((str(i), part) for i, part in enumerate(value))
 
 
-def _first(parts: Iterable[tuple[str, Any]]) -> Iterable[tuple[str, Any]]:
+def _listed(parts: Iterable[tuple[str, Any]]) -> Iterable[tuple[str, Any]]:
     for i, part in enumerate(parts):
         if i == ROWS:
             yield "...", "there is more"
             return
         yield part
+
+
+def _poses(value: Any, name: str = "") -> Iterator[tuple[str, Pose]]:
+    """Yield the poses in a value, by what they are."""
+    match value:
+        case Pose():
+            yield name, value
+        case Grasp(pose=pose, pre_grasp=before, post_grasp=after):
+            yield from (
+                (f"{name} grasp".strip(), pose),
+                (f"{name} before".strip(), before),
+                (f"{name} after".strip(), after),
+            )
+        case Mapping():
+            for key, part in value.items():
+                yield from _poses(part, str(key))
+        case list() | tuple():
+            for number, part in enumerate(value):
+                yield from _poses(part, str(number))
+
+
+def _place(pose: Pose) -> list[float]:
+    return [*pose.position.tolist(), *pose.quaternion.tolist()]
 
 
 def _line(value: Any) -> str:

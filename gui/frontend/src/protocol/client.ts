@@ -15,6 +15,7 @@ import type {
   ExpressionView,
   ExpressionWish,
   FormsView,
+  GeometryView,
   ImportView,
   ImportWish,
   InterfaceView,
@@ -24,6 +25,7 @@ import type {
   LiveMessages,
   MeasureWish,
   MessageDeed,
+  MotionView,
   NewTask,
   PartsView,
   PinWish,
@@ -139,6 +141,8 @@ export const server = {
   measure: (wish: MeasureWish) => ask<Done>("live/measure", wish),
   componentForm: (path: string) => ask<ComponentForm>(`live/component?path=${encodeURIComponent(path)}`),
   callComponent: (wish: TryWish) => ask<TryView>("live/component", wish),
+  geometry: () => ask<GeometryView>("live/geometry"),
+  motion: (run: string, after: number) => ask<MotionView>(`live/motion?run=${encodeURIComponent(run)}&after=${after}`),
   value: (run: string, seq: number) => ask<ValueView>(`runs/${encodeURIComponent(run)}/values/${seq}`),
 };
 

@@ -188,6 +188,23 @@ export interface FormsView {
   trouble: string;
 }
 
+/** A frame on a link. */
+export interface FrameView {
+  link: string;
+  at: number[];
+}
+
+/** What the project's robot looks like. */
+export interface GeometryView {
+  name: string;
+  links: LinkView[];
+  joints: JointView[];
+  meshes: MeshView[];
+  rest: Record<string, number>;
+  grasp: Record<string, FrameView>;
+  trouble: string;
+}
+
 /** The value of one input: recorded, or typed. */
 export interface Given {
   port: string;
@@ -247,6 +264,17 @@ export interface InterfaceWish {
   create: boolean;
 }
 
+/** A joint of a robot. */
+export interface JointView {
+  name: string;
+  type: string;
+  parent: string;
+  child: string;
+  at: number[];
+  axis: number[];
+  mimic: MimicView | null;
+}
+
 /** A kind of container. */
 export interface KindFace {
   kind: string;
@@ -267,6 +295,12 @@ export interface LeaseWish {
   page: string;
   take: boolean;
   over: boolean;
+}
+
+/** A link of a robot. */
+export interface LinkView {
+  name: string;
+  shapes: ShapeView[];
 }
 
 /** One of them, looked at. */
@@ -295,6 +329,12 @@ export interface MeasureWish {
   serve: boolean;
 }
 
+/** Triangles, in base64. */
+export interface MeshView {
+  points: string;
+  triangles: string;
+}
+
 /** Do something with a running server, or start one. */
 export interface MessageDeed {
   do: "serve" | "end" | "delete" | "reset" | "save";
@@ -302,11 +342,39 @@ export interface MessageDeed {
   name: string;
 }
 
+/** How a joint follows another one: multiplier * its position + offset. */
+export interface MimicView {
+  joint: string;
+  multiplier: number;
+  offset: number;
+}
+
 /** One state of a document in its history. */
 export interface MomentView {
   number: number;
   parent: number | null;
   title: string;
+}
+
+/** What has changed at one time. */
+export interface MotionSample {
+  t: number;
+  q: Record<string, number[]>;
+  scene: Record<string, SceneItem> | null;
+}
+
+/** How a run's robot has moved, from some place of the record on. */
+export interface MotionView {
+  parts: Record<string, string[]>;
+  samples: MotionSample[];
+  next: number;
+}
+
+/** A pose, for drawing. */
+export interface NamedPlace {
+  name: string;
+  frame: string;
+  at: number[];
 }
 
 /** Make a task file. */
@@ -538,6 +606,15 @@ export interface SaveWish {
   over: boolean;
 }
 
+/** An object of the planning scene. */
+export interface SceneItem {
+  kind: "box" | "cylinder" | "sphere";
+  size: number[];
+  at: number[];
+  hand: string;
+  fixed: boolean;
+}
+
 export type ServerFrame = SessionFrame | DeskFrame | EventsFrame | RefusedFrame | RevisionsFrame;
 
 /** Server to page: how the run under way is; None when none was started. */
@@ -612,6 +689,15 @@ export interface SetupView {
   options: Record<string, string[]>;
   templates: Template[];
   problems: Problem[];
+}
+
+/** A body of a link. */
+export interface ShapeView {
+  kind: "box" | "cylinder" | "sphere" | "mesh";
+  size: number[];
+  at: number[];
+  color: number[];
+  mesh: number;
 }
 
 /** Start a run of a task. */
@@ -758,6 +844,7 @@ export interface ValueView {
   rows: string[][];
   picture: string;
   caption: string;
+  places: NamedPlace[];
 }
 
 /** A variable that the task declares. */

@@ -2,6 +2,7 @@
 import type { JSX, KeyboardEvent } from "react";
 
 import { type FootTab, usePage } from "../store/page";
+import { setRobotOpen, useRobot } from "../store/robot";
 import { useRun } from "../store/run";
 import { HistoryPanel } from "./edit/HistoryPanel";
 import { EventLog } from "./EventLog";
@@ -19,6 +20,7 @@ const TABS: readonly [FootTab, string][] = [
 export function Foot(): JSX.Element {
   const foot = usePage((s) => s.foot);
   const problems = useRun((s) => s.task.problems.length);
+  const robot = useRobot((s) => s.open);
   const { setFoot } = usePage.getState();
   function onKeyDown(event: KeyboardEvent): void {
     const by = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
@@ -29,13 +31,18 @@ export function Foot(): JSX.Element {
   }
   return (
     <footer>
-      <div className="tabs" role="tablist" aria-label="Below the views" aria-orientation="horizontal" onKeyDown={onKeyDown}>
-        {TABS.map(([name, label]) => (
-          <button key={name} id={`tab-${name}`} role="tab" aria-selected={foot === name} aria-controls="foot-panel" tabIndex={foot === name ? 0 : -1} onClick={() => setFoot(name)}>
-            {label}
-            {name === "problems" && problems > 0 && ` (${problems})`}
-          </button>
-        ))}
+      <div className="foot-bar">
+        <div className="tabs" role="tablist" aria-label="Below the views" aria-orientation="horizontal" onKeyDown={onKeyDown}>
+          {TABS.map(([name, label]) => (
+            <button key={name} id={`tab-${name}`} role="tab" aria-selected={foot === name} aria-controls="foot-panel" tabIndex={foot === name ? 0 : -1} onClick={() => setFoot(name)}>
+              {label}
+              {name === "problems" && problems > 0 && ` (${problems})`}
+            </button>
+          ))}
+        </div>
+        <button aria-pressed={robot} title="The robot at the shown moment" onClick={() => setRobotOpen(!robot)}>
+          Robot in 3D
+        </button>
       </div>
       <div id="foot-panel" role="tabpanel" aria-labelledby={`tab-${foot}`} className={`foot-panel foot-${foot}`}>
         {foot === "problems" && <Problems />}

@@ -1,0 +1,53 @@
+/** How a run's robot has moved: pieces of its record put together, and where everything was at a time. */
+import type { MotionView, SceneItem } from "../protocol/generated";
+
+/** Where everything is at one time. */
+export interface Stand {
+  readonly t: number;
+  /** Joint -> position [rad or m]. */
+  readonly joints: ReadonlyMap<string, number>;
+  readonly scene: Readonly<Record<string, SceneItem>>;
+}
+
+interface Known {
+  readonly t: number;
+  readonly q: Readonly<Record<string, readonly number[]>>;
+  readonly scene: Readonly<Record<string, SceneItem>>;
+}
+
+export class Motion {
+  private parts: Readonly<Record<string, readonly string[]>> = {};
+  private readonly known: Known[] = [];
+  /** Where to go on reading. */
+  next = 0;
+
+  get length(): number {
+    return this.known.length;
+  }
+
+  /** Take the next piece of the record. */
+  add(piece: MotionView): void {
+    if (Object.keys(piece.parts).length > 0) this.parts = piece.parts;
+    for (const sample of piece.samples) {
+      const before = this.known.at(-1);
+      this.known.push({ t: sample.t, q: { ...before?.q, ...sample.q }, scene: sample.scene ?? before?.scene ?? {} });
+    }
+    this.next = piece.next;
+  }
+
+  /** What was true at a time: the last sample not after it, the first where there is none, null without any. */
+  at(t: number): Stand | null {
+    let low = 0;
+    let high = this.known.length;
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if ((this.known[middle] as Known).t <= t) low = middle + 1;
+      else high = middle;
+    }
+    const found = this.known[Math.max(0, low - 1)];
+    if (!found) return null;
+    const joints = new Map<string, number>();
+    for (const [part, names] of Object.entries(this.parts)) names.forEach((name, at) => found.q[part]?.[at] !== undefined && joints.set(name, found.q[part]?.[at] as number));
+    return { t: found.t, joints, scene: found.scene };
+  }
+}

@@ -1,0 +1,164 @@
+/** The robot in 3D at the shown moment: joints as measured, objects, what hands hold, frames and poses; also in words. */
+import "./robot.css";
+
+import { type JSX, type KeyboardEvent, useEffect, useRef, useState } from "react";
+
+import type { Stand } from "../../model/motion";
+import { seconds } from "../../model/words";
+import type { NamedPlace } from "../../protocol/generated";
+import { loadGeometry, placesOf, readMotion, setRobotOpen, useRobot } from "../../store/robot";
+import { useRun } from "../../store/run";
+import { makeSpace, type Side, type Space } from "./space";
+
+const PERIOD = 150;
+const SIDES: readonly [Side, string][] = [
+  ["front", "Front"],
+  ["side", "Side"],
+  ["above", "Above"],
+];
+
+export default function RobotView(): JSX.Element {
+  const view = useRobot((s) => s.view);
+  const stand = useStand();
+  const places = usePlaces();
+  const [frames, setFrames] = useState(false);
+  const [trouble, setTrouble] = useState("");
+  const [grasps, setGrasps] = useState<ReadonlyMap<string, readonly [number, number, number]>>(new Map());
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const space = useRef<Space | null>(null);
+  useEffect(() => void loadGeometry(), []);
+  useEffect(() => {
+    if (!canvas.current || !view || view.trouble) return;
+    try {
+      space.current = makeSpace(canvas.current, view);
+    } catch (error) {
+      setTrouble(`This browser can't draw in 3D: ${error instanceof Error ? error.message : String(error)}`);
+    }
+    return () => {
+      space.current?.close();
+      space.current = null;
+    };
+  }, [view]);
+  useEffect(() => {
+    space.current?.show(stand, places, frames);
+    if (space.current) setGrasps(space.current.grasps());
+  }, [view, stand, places, frames]);
+  function onKeyDown(event: KeyboardEvent): void {
+    const turn = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
+    if (turn) space.current?.turn(turn[0] ?? 0, turn[1] ?? 0);
+    else if (event.key === "+" || event.key === "-") space.current?.nearer(event.key === "+" ? 0.85 : 1.18);
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+  }
+  const known = stand && view ? view.joints.filter((joint) => stand.joints.has(joint.name)).length : 0;
+  const said = view === null ? "Fetching the robot ..." : view.trouble || (stand === null ? `${view.name} at rest: the run has measured nothing` : known === 0 ? `${view.name} at rest: the joints of this run's robot aren't its joints (a fake?)` : `${view.name}: ${known} joints as measured at ${seconds(stand.t)}`);
+  return (
+    <section className="robot-view" aria-label="Robot in 3D">
+      <div className="edit-bar" role="toolbar" aria-label="Camera">
+        {SIDES.map(([side, label]) => (
+          <button key={side} onClick={() => space.current?.from(side)}>
+            {label}
+          </button>
+        ))}
+        <label className="robot-frames">
+          <input type="checkbox" checked={frames} onChange={(event) => setFrames(event.target.checked)} /> Frames
+        </label>
+        <span className="grow" />
+        <button aria-label="Close" title="Close" onClick={() => setRobotOpen(false)}>
+          ✕
+        </button>
+      </div>
+      <p className={view?.trouble ? "fault padded" : "hint padded"} role="status" aria-label="What is drawn">
+        {trouble || said}
+      </p>
+      <div className="robot-canvas">
+        {view !== null && !view.trouble && (
+          <canvas ref={canvas} tabIndex={0} role="application" aria-roledescription="3D drawing" aria-label={`${said}. Arrow keys turn it, plus and minus go nearer and away.`} onKeyDown={onKeyDown} />
+        )}
+      </div>
+      {stand && view && !view.trouble && <InWords stand={stand} places={places} grasps={grasps} />}
+    </section>
+  );
+}
+
+function InWords({ stand, places, grasps }: { stand: Stand; places: readonly NamedPlace[]; grasps: ReadonlyMap<string, readonly number[]> }): JSX.Element {
+  const items = Object.entries(stand.scene);
+  return (
+    <details className="robot-words">
+      <summary>
+        {items.length} {items.length === 1 ? "object" : "objects"}, {places.length} {places.length === 1 ? "pose" : "poses"}, in words
+      </summary>
+      <div className="scroll" tabIndex={0} role="group" aria-label="The drawing in words">
+        <ul className="plain">
+          {[...grasps].map(([hand, at]) => (
+            <li key={hand}>
+              grasp frame of {hand}: {numbers(at)} m
+            </li>
+          ))}
+          {items.map(([name, item]) => (
+            <li key={name}>
+              {name}: {item.kind} {numbers(item.size)} m {item.hand ? `held by ${item.hand}` : `at ${numbers(item.at.slice(0, 3))} m`}
+            </li>
+          ))}
+          {places.map((place) => (
+            <li key={place.name}>
+              {place.name}: {numbers(place.at.slice(0, 3))} m in {place.frame}
+            </li>
+          ))}
+        </ul>
+      </div>
+    </details>
+  );
+}
+
+function numbers(values: readonly number[]): string {
+  return `(${values.map((value) => (Math.round(value * 1000) / 1000 + 0).toFixed(3)).join(", ")})`;
+}
+
+/** Where everything is at the moment that is shown; the latest that was measured while a run is followed. */
+function useStand(): Stand | null {
+  const run = useRun((s) => s.record?.id);
+  const live = useRun((s) => !s.complete);
+  const following = useRun((s) => s.cursor === null && !s.complete);
+  const t = useRun((s) => s.moment.t);
+  const version = useRobot((s) => s.version);
+  const known = useRobot((s) => s.run);
+  const [stand, setStand] = useState<Stand | null>(null);
+  useEffect(() => {
+    if (run === undefined) return;
+    let left = false;
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    async function look(id: string): Promise<void> {
+      if (document.visibilityState === "visible") await readMotion(id);
+      if (!left && live) timer = setTimeout(() => void look(id), PERIOD);
+    }
+    void look(run);
+    return () => {
+      left = true;
+      clearTimeout(timer);
+    };
+  }, [run, live]);
+  useEffect(() => {
+    const { motion } = useRobot.getState();
+    setStand(run === undefined || known !== run ? null : motion.at(following ? Number.POSITIVE_INFINITY : t));
+  }, [run, known, version, following, t]);
+  return stand;
+}
+
+/** The poses and grasps among the variables at the shown moment. */
+function usePlaces(): readonly NamedPlace[] {
+  const run = useRun((s) => s.record?.id);
+  const moment = useRun((s) => s.moment);
+  const version = useRun((s) => s.version);
+  const [places, setPlaces] = useState<readonly NamedPlace[]>([]);
+  useEffect(() => {
+    let left = false;
+    const asked = run === undefined ? [] : [...moment.variables].map(([key, value]) => placesOf(run, value.seq, value.type, key.split(/[:/]/).at(-1) ?? key));
+    void Promise.all(asked).then((found) => left || setPlaces(found.flat()));
+    return () => {
+      left = true;
+    };
+  }, [run, moment, version]);
+  return places;
+}

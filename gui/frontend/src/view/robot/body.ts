@@ -1,0 +1,97 @@
+/** A robot as objects of three: each joint turns or shifts what hangs on it, so that a moment is a few numbers. */
+import { BoxGeometry, BufferAttribute, BufferGeometry, Color, CylinderGeometry, Group, Mesh, MeshStandardMaterial, type Object3D, Quaternion, SphereGeometry, Vector3 } from "three";
+
+import type { GeometryView, JointView, MeshView, SceneItem, ShapeView } from "../../protocol/generated";
+
+const GREY = new Color(0.72, 0.74, 0.77);
+const SIDES = 32;
+
+export interface Robot {
+  readonly root: Group;
+  readonly links: ReadonlyMap<string, Group>;
+  /** Put the joints where they were measured; the others rest. */
+  stand(joints: ReadonlyMap<string, number>): void;
+}
+
+export function makeRobot(view: GeometryView): Robot {
+  const meshes = view.meshes.map(triangles);
+  const root = new Group();
+  const links = new Map<string, Group>();
+  for (const link of view.links) {
+    const group = new Group();
+    group.name = link.name;
+    for (const shape of link.shapes) group.add(body(shape, shape.kind === "mesh" ? meshes[shape.mesh] : undefined, colorOf(shape.color)));
+    links.set(link.name, group);
+  }
+  const moving = new Map<string, Object3D>();
+  for (const joint of view.joints) {
+    const fixed = new Group();
+    place(fixed, joint.at);
+    const mover = new Group();
+    fixed.add(mover);
+    moving.set(joint.name, mover);
+    const child = links.get(joint.child);
+    if (child) mover.add(child);
+    (links.get(joint.parent) ?? root).add(fixed);
+  }
+  for (const link of links.values()) if (link.parent === null) root.add(link);
+  return { root, links, stand: (joints) => view.joints.forEach((joint) => move(joint, moving.get(joint.name), positionOf(joint, joints, view))) };
+}
+
+function positionOf(joint: JointView, joints: ReadonlyMap<string, number>, view: GeometryView): number {
+  const { mimic } = joint;
+  if (mimic) return mimic.multiplier * (joints.get(mimic.joint) ?? view.rest[mimic.joint] ?? 0) + mimic.offset;
+  return joints.get(joint.name) ?? view.rest[joint.name] ?? 0;
+}
+
+function move(joint: JointView, mover: Object3D | undefined, position: number): void {
+  if (!mover) return;
+  const axis = new Vector3(...(joint.axis as [number, number, number])).normalize();
+  if (joint.type === "prismatic") mover.position.copy(axis.multiplyScalar(position));
+  else if (joint.type === "revolute" || joint.type === "continuous") mover.quaternion.setFromAxisAngle(axis, position);
+}
+
+/** Put an object at x y z and the quaternion w x y z. */
+export function place(object: Object3D, at: readonly number[]): void {
+  const [x = 0, y = 0, z = 0, w = 1, i = 0, j = 0, k = 0] = at;
+  object.position.set(x, y, z);
+  object.quaternion.copy(new Quaternion(i, j, k, w));
+}
+
+function colorOf(color: readonly number[]): Color {
+  const [red, green, blue] = color;
+  return red === undefined || green === undefined || blue === undefined ? GREY : new Color(red, green, blue);
+}
+
+/** An object of the planning scene; what belongs to the room is seen through. */
+export function makeItem(item: SceneItem, color: Color): Mesh {
+  const made = body({ ...item, color: [], mesh: -1 }, undefined, color);
+  if (item.fixed) Object.assign(made.material as MeshStandardMaterial, { transparent: true, opacity: 0.45 });
+  return made;
+}
+
+function body(shape: ShapeView, mesh: BufferGeometry | undefined, color: Color): Mesh {
+  const made = new Mesh(mesh ?? solid(shape), new MeshStandardMaterial({ color, roughness: 0.75, metalness: 0.05, flatShading: true }));
+  place(made, shape.at);
+  return made;
+}
+
+function solid({ kind, size }: ShapeView): BufferGeometry {
+  const [a = 0, b = 0, c = 0] = size;
+  if (kind === "sphere") return new SphereGeometry(a, SIDES, SIDES / 2);
+  // A cylinder of three stands along y, one of a URDF along z.
+  if (kind === "cylinder") return new CylinderGeometry(a, a, b, SIDES).rotateX(Math.PI / 2);
+  return new BoxGeometry(a, b, c);
+}
+
+function triangles(mesh: MeshView): BufferGeometry {
+  const made = new BufferGeometry();
+  made.setAttribute("position", new BufferAttribute(new Float32Array(bytes(mesh.points)), 3));
+  made.setIndex(new BufferAttribute(new Uint32Array(bytes(mesh.triangles)), 1));
+  made.computeVertexNormals();
+  return made;
+}
+
+function bytes(text: string): ArrayBuffer {
+  return Uint8Array.from(atob(text), (character) => character.charCodeAt(0)).buffer;
+}

@@ -1,0 +1,166 @@
+/** The drawing: camera, light, ground, the robot, the scene around it, and poses; drawn only when something has changed. */
+import { AmbientLight, AxesHelper, CanvasTexture, Color, DirectionalLight, GridHelper, Group, PerspectiveCamera, Scene, Sprite, SpriteMaterial, Vector3, WebGLRenderer } from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+
+import type { Stand } from "../../model/motion";
+import type { GeometryView, NamedPlace } from "../../protocol/generated";
+import { makeItem, makeRobot, place, type Robot } from "./body";
+
+const STEP = Math.PI / 18;
+const AXES = 0.08;
+
+export type Side = "front" | "side" | "above";
+
+export interface Space {
+  show(stand: Stand | null, places: readonly NamedPlace[], frames: boolean): void;
+  /** Where the grasp frames are: hand -> x y z [m]. */
+  grasps(): ReadonlyMap<string, readonly [number, number, number]>;
+  from(side: Side): void;
+  turn(around: number, over: number): void;
+  nearer(factor: number): void;
+  close(): void;
+}
+
+/** Throws where the browser can't draw in 3D. */
+export function makeSpace(canvas: HTMLCanvasElement, view: GeometryView): Space {
+  const renderer = new WebGLRenderer({ canvas, antialias: true });
+  const scene = new Scene();
+  const camera = new PerspectiveCamera(45, 1, 0.01, 50);
+  camera.up.set(0, 0, 1);
+  const controls = new OrbitControls(camera, canvas);
+  controls.enableDamping = false;
+  const sun = new DirectionalLight(0xffffff, 2);
+  sun.position.set(2, -3, 4);
+  const ground = new Group();
+  const things = new Group();
+  const robot = makeRobot(view);
+  const held = new Map(Object.entries(view.grasp).map(([hand, frame]) => [hand, graspFrame(robot, frame)]));
+  const axes = [...robot.links.values()].map((link) => addAxes(link, AXES * 0.7));
+  scene.add(new AmbientLight(0xffffff, 1.3), sun, ground, robot.root, things);
+  robot.stand(new Map());
+
+  let asked = 0;
+  function draw(): void {
+    if (asked !== 0) return;
+    asked = requestAnimationFrame(() => {
+      asked = 0;
+      renderer.render(scene, camera);
+    });
+  }
+  const dark = matchMedia("(prefers-color-scheme: dark)");
+  function dress(): void {
+    const word = (name: string): Color => new Color(getComputedStyle(canvas).getPropertyValue(name).trim());
+    scene.background = word("--sunken");
+    ground.clear();
+    ground.add(new GridHelper(4, 20, word("--line-strong"), word("--line")).rotateX(Math.PI / 2));
+    draw();
+  }
+  const sized = new ResizeObserver(() => {
+    const { clientWidth: width, clientHeight: height } = canvas.parentElement ?? canvas;
+    if (width === 0 || height === 0) return;
+    renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    renderer.setSize(width, height, false);
+    camera.aspect = width / height;
+    camera.updateProjectionMatrix();
+    draw();
+  });
+  sized.observe(canvas.parentElement ?? canvas);
+  controls.addEventListener("change", draw);
+  dark.addEventListener("change", dress);
+
+  function from(side: Side): void {
+    const where: Record<Side, [number, number, number]> = { front: [1.5, -0.95, 0.95], side: [0.35, -1.7, 0.6], above: [0.36, -0.01, 2.1] };
+    controls.target.set(0.35, 0, 0.3);
+    camera.position.set(...where[side]);
+    controls.update();
+    draw();
+  }
+
+  function show(stand: Stand | null, places: readonly NamedPlace[], frames: boolean): void {
+    robot.stand(stand?.joints ?? new Map());
+    for (const each of axes) each.visible = frames;
+    things.clear();
+    for (const frame of held.values()) frame.clear();
+    const look = getComputedStyle(canvas);
+    for (const item of Object.values(stand?.scene ?? {})) {
+      const color = new Color(look.getPropertyValue(item.hand ? "--success" : item.fixed ? "--quiet" : "--accent").trim());
+      (held.get(item.hand) ?? things).add(makeItem(item, color));
+    }
+    for (const each of places) {
+      const pose = new Group();
+      place(pose, each.at);
+      addAxes(pose, AXES);
+      pose.add(label(each.name, look.getPropertyValue("--text").trim()));
+      (robot.links.get(each.frame) ?? things).add(pose);
+      if (robot.links.has(each.frame)) hung.push(pose);
+    }
+    draw();
+  }
+  const hung: Group[] = [];
+
+  dress();
+  from("front");
+  return {
+    show: (stand, places, frames) => {
+      for (const pose of hung.splice(0)) pose.removeFromParent();
+      show(stand, places, frames);
+    },
+    grasps: () => {
+      scene.updateMatrixWorld(true);
+      return new Map([...held].map(([hand, frame]) => [hand, frame.getWorldPosition(new Vector3()).toArray() as [number, number, number]]));
+    },
+    from,
+    turn: (around, over) => {
+      const arm = camera.position.clone().sub(controls.target);
+      arm.applyAxisAngle(camera.up, around * STEP);
+      const right = new Vector3().crossVectors(arm, camera.up).normalize();
+      const tilted = arm.clone().applyAxisAngle(right, over * STEP);
+      if (Math.abs(tilted.clone().normalize().z) < 0.99) arm.copy(tilted);
+      camera.position.copy(controls.target).add(arm);
+      controls.update();
+      draw();
+    },
+    nearer: (factor) => {
+      camera.position.sub(controls.target).multiplyScalar(factor).add(controls.target);
+      controls.update();
+      draw();
+    },
+    close: () => {
+      cancelAnimationFrame(asked);
+      sized.disconnect();
+      dark.removeEventListener("change", dress);
+      controls.dispose();
+      renderer.dispose();
+    },
+  };
+}
+
+function graspFrame(robot: Robot, frame: { link: string; at: number[] }): Group {
+  const made = new Group();
+  place(made, frame.at);
+  (robot.links.get(frame.link) ?? robot.root).add(made);
+  return made;
+}
+
+function addAxes(parent: Group, size: number): AxesHelper {
+  const axes = new AxesHelper(size);
+  parent.add(axes);
+  return axes;
+}
+
+/** A name beside a pose. */
+function label(text: string, color: string): Sprite {
+  const canvas = document.createElement("canvas");
+  canvas.width = 256;
+  canvas.height = 48;
+  const pen = canvas.getContext("2d");
+  if (pen) {
+    pen.font = "28px sans-serif";
+    pen.fillStyle = color;
+    pen.fillText(text, 4, 34, 248);
+  }
+  const sprite = new Sprite(new SpriteMaterial({ map: new CanvasTexture(canvas), depthTest: false }));
+  sprite.scale.set(0.32, 0.06, 1);
+  sprite.position.set(0.12, 0, 0.06);
+  return sprite;
+}
