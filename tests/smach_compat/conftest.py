@@ -5,7 +5,7 @@ import threading
 import pytest
 
 import grip_bt.smach_compat as smach
-from grip_bt.smach_compat._settings import Settings, settings
+from grip_bt.smach_compat._settings import PROFILES, Settings, settings
 from grip_bt.smach_compat.container import Container
 
 LIMIT = 20.0  # [s] far beyond what any machine here takes
@@ -16,6 +16,28 @@ class Log(list):
 
     def at(self, level):
         return [text for recorded, text in self if recorded == level]
+
+
+PROBED = ("userdata", "state", "construction", "execution", "concurrence", "iterator")
+
+
+def pytest_configure(config):
+    """Say what the mark means."""
+    config.addinivalue_line("markers", "noetic: of the version of ROS 1, where ROS 2's differs")
+
+
+def pytest_generate_tests(metafunc):
+    """Run the tests of the probes for both versions of upstream, but for those that say which they mean."""
+    probes = metafunc.module.__name__.removeprefix("test_smach_") in PROBED
+    says = "profile" in metafunc.fixturenames or metafunc.definition.get_closest_marker("noetic")
+    if probes and not says:
+        metafunc.parametrize("version", PROFILES, indirect=True)
+
+
+@pytest.fixture(autouse=True)
+def version(request, log):
+    """Stand in for a version of upstream; noetic where a test doesn't say."""
+    settings.profile = getattr(request, "param", "noetic")
 
 
 @pytest.fixture(autouse=True)

@@ -234,12 +234,14 @@ def test_children_run_in_named_threads_and_observers_see_who_is_active(in_time):
     assert cc.get_active_states() == []
 
 
+@pytest.mark.noetic
 def test_a_request_from_the_termination_callback_is_not_lost(in_time):
     b = WaitsForPreempt()
     cc = concurrence({"A": ok(), "B": b}, child_termination_cb=lambda outcomes: cc.request_preempt())
     assert in_time(cc.execute) == "preempted"
 
 
+@pytest.mark.noetic
 def test_a_preempt_of_the_parent_gets_through_while_a_callback_runs(in_time):
     def preempt_from_another_thread(outcomes):
         other = threading.Thread(target=sm.request_preempt)

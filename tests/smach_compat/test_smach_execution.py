@@ -43,6 +43,7 @@ def test_an_inner_machines_own_error_becomes_user_code_outside():  # probe 29
         outer.execute()
 
 
+@pytest.mark.noetic
 @pytest.mark.parametrize("interrupt", [KeyboardInterrupt, SystemExit])
 def test_interrupts_pass_through(interrupt):  # probe 30
     sm = machine(raises(interrupt()))
@@ -274,6 +275,7 @@ def test_private_attributes_of_a_view_are_gone_at_the_next_execution():
     assert [sm.execute(), sm.execute()] == ["ok", "ok"]
 
 
+@pytest.mark.noetic
 @pytest.mark.parametrize("remapping", [None, {"k": "kk"}])
 def test_constants_are_written_before_the_state(remapping):  # probes 82 83
     key = "kk" if remapping else "k"
@@ -287,6 +289,7 @@ def test_constants_are_written_before_the_state(remapping):  # probes 82 83
     assert read == [3, 3]
 
 
+@pytest.mark.noetic
 @pytest.mark.parametrize("remapping", [None, {"k": "kk"}])
 def test_the_ros2_branch_has_no_constants(remapping):  # probes 82 83
     configure(profile="ros2")
