@@ -6,7 +6,6 @@ and rclpy's answers its events, all on the bus's thread.
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
@@ -20,22 +19,14 @@ from grip_bt.operation import Operation
 from .action_wire import WireClient
 from .client import pass_error
 from .goal import LIVE, AskCancel, AskResult, Command, Goal, GoalEnd, Patience, Phase, Send, Tell
-from .preflight import action_servers, check_action_servers, gids_of
+from .preflight import action_servers, check_action_servers
+from .server_check import GRACE, STALE, ServerCheck
 
 if TYPE_CHECKING:
     from .bus import Bus
 
 IN_FLIGHT = 8
 """Goals sent and not yet answered at once: a server keeps the last 10 requests and drops others without a word."""
-TRUST = 0.5
-"""How long a check of the server holds [s]."""
-SETTLE = 0.1
-"""How long a server must be known before it is sent anything [s]: it has to know our ear too, or its first answer is
-lost."""
-GRACE = 1.0
-"""How long to wait for the exit of a process of ours whose server has gone [s]: it says more than DDS does."""
-STALE = 3.5
-"""How long a second server may be a dead one whose lease is running out [s]."""
 CANCEL = 3.0
 """How long a server may take to end a goal that was canceled [s]."""
 
@@ -68,9 +59,11 @@ class ActionClient:
         self._bus, self._timeout, self._wait = bus, timeout, wait
         self._client: Any = None
         self._entries: list[_Entry] = []
-        self._servers: frozenset[bytes] = frozenset()
-        self._checked = -math.inf
-        self._settled: tuple[frozenset[bytes], float] = (frozenset(), 0.0)
+        self._check = ServerCheck(
+            lambda: action_servers(bus.node, name),
+            lambda servers: check_action_servers(bus.node, type_, name, servers),
+            self._connected,
+        )
         self._server_ended: str | None = None
         self._supervised = False
 
@@ -125,7 +118,8 @@ class ActionClient:
         """Say that the server's process is known to have ended: every goal fails at once, now and until it is back."""
 
         def end() -> None:
-            self._server_ended, self._servers = reason, frozenset()
+            self._server_ended = reason
+            self._check.forget()
             for entry in list(self._entries):
                 self._do(entry, entry.machine.server_ended(reason))
 
@@ -163,9 +157,7 @@ class ActionClient:
         """Look at the goals under way; False when there are none."""
         now = time.monotonic()
         if any(e.machine.phase is not Phase.WAITING for e in self._entries):
-            present = gids_of(action_servers(self._bus.node, self.name))
-            if present != self._servers:
-                self._servers = frozenset()
+            present = self._check.present()
             for entry in list(self._entries):
                 if entry.servers:
                     self._do(entry, entry.machine.server_seen(bool(entry.servers & present), now))
@@ -197,9 +189,9 @@ class ActionClient:
         if not waiting:
             return
         try:
-            ready = self._server_fits(now)
+            ready = self._check.fits(now)
         except UnfitServerError as error:
-            stale_possible = len(action_servers(self._bus.node, self.name)) > 1
+            stale_possible = self._check.several()
             for entry in waiting:
                 if not stale_possible or now > entry.began + min(entry.machine.patience.server, STALE):
                     self._do(entry, entry.machine.server_unfit(error))
@@ -212,32 +204,12 @@ class ActionClient:
                 elif sum(e.machine.phase is Phase.SENT for e in self._entries) < IN_FLIGHT:
                     self._do(entry, entry.machine.server_fits(now))
 
-    def _server_fits(self, now: float) -> bool:
-        """Tell whether there is one fitting server that our client is connected to.
-
-        Raises:
-            UnfitServerError: who is there doesn't fit.
-        """
-        if self._servers and now - self._checked < TRUST:
-            return bool(self._client.server_is_ready())
-        self._servers = frozenset()
-        servers = action_servers(self._bus.node, self.name)
-        if not servers:
-            return False
-        check_action_servers(self._bus.node, self.type, self.name, servers)
-        if self._client is None:  # not before: a client of the wrong type would spoil the name for this process
+    def _connected(self) -> bool:
+        if self._client is None:
             self._client = WireClient(self._bus.node, self.type, self.name, self._statuses)
             # It warns of a second server at every answer to a goal that was given up here.
             set_logger_level(f"{self._bus.node.get_logger().name}.action_client", LoggingSeverity.ERROR)
-        if not self._client.server_is_ready():
-            return False
-        present = gids_of(servers)
-        if present != self._settled[0]:
-            self._settled = (present, now)
-        if now < self._settled[1] + SETTLE:
-            return False
-        self._servers, self._checked = present, now
-        return True
+        return bool(self._client.server_is_ready())
 
     def _do(self, entry: _Entry, commands: list[Command]) -> None:
         """Carry out what the machine of a goal says; forget the goal when it is over."""
@@ -277,7 +249,7 @@ class ActionClient:
                 if entry.on_feedback is not None:
                     entry.on_feedback(message.feedback)
 
-        entry.servers, entry.handle = self._servers, self._client.new_goal()
+        entry.servers, entry.handle = self._check.servers, self._client.new_goal()
         goal_id = entry.handle.goal_id
         try:
             future = self._client.send_goal_async(entry.message, feedback_callback=feedback, goal_uuid=goal_id)

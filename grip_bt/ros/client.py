@@ -19,22 +19,14 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 from grip_bt.errors import CanceledError, ServerLostError, ServerTimeOutError, UnfitServerError
 from grip_bt.operation import Operation
 
-from .preflight import check_servers, gids_of, servers_of
+from .preflight import check_servers, servers_of
+from .server_check import GRACE, STALE, ServerCheck
 
 if TYPE_CHECKING:
     from .bus import Bus
 
 IN_FLIGHT = 8
 """Requests under way at once: a server keeps the last 10, and what it drops is lost without a word."""
-TRUST = 0.5
-"""How long a check of the server holds [s]; a query per call would double the price of a call."""
-SETTLE = 0.1
-"""How long a server must be known before it is sent anything [s]: it has to know our ear too, or its first answer is
-lost."""
-GRACE = 1.0
-"""How long to wait for the exit of a process of ours whose server has gone [s]: it says more than DDS does."""
-STALE = 3.5
-"""How long a second server may be a dead one whose lease is running out [s]."""
 _QOS = QoSProfile(
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.VOLATILE,
@@ -73,9 +65,11 @@ class ServiceClient:
         self._sent: list[_Call] = []
         self._handed_over = 0  # calls on their way to the bus's thread, which no later one may overtake
         self._lock = threading.Lock()  # of `_handed_over` and `_sent`, and of what a call is sent on
-        self._servers: frozenset[bytes] = frozenset()
-        self._checked = float("-inf")
-        self._settled: tuple[frozenset[bytes], float] = (frozenset(), 0.0)
+        self._check = ServerCheck(
+            lambda: servers_of(bus.node, name),
+            lambda servers: check_servers(bus.node, type_, name, servers),
+            self._connected,
+        )
         self._server_ended: str | None = None
         self._supervised = False
 
@@ -97,7 +91,7 @@ class ServiceClient:
     @property
     def servers(self) -> frozenset[bytes]:
         """Who the last call went to, by DDS's own names; others after the server was started anew."""
-        return self._settled[0]
+        return self._check.last
 
     @property
     def busy(self) -> bool:
@@ -125,7 +119,8 @@ class ServiceClient:
 
         def end() -> None:
             with self._lock:
-                self._server_ended, self._servers = reason, frozenset()
+                self._server_ended = reason
+                self._check.forget()
             self.end(self._lost(reason))
 
         self._bus.post(end)
@@ -156,9 +151,9 @@ class ServiceClient:
     def _sent_at_once(self, call: _Call) -> bool:
         """Send a call from the caller's thread, if nothing has to be waited for or looked at first."""
         with self._lock:
-            servers, trusted = self._servers, time.monotonic() - self._checked < TRUST
+            servers, trusted = self._check.servers, self._check.trusted(time.monotonic())
             free = not self._waiting and not self._handed_over and len(self._sent) < IN_FLIGHT
-            if not (servers and trusted and free) or self._server_ended is not None or self._bus.closed:
+            if not (trusted and free) or self._server_ended is not None or self._bus.closed:
                 return False
             if not self._client.service_is_ready():
                 return False
@@ -174,13 +169,11 @@ class ServiceClient:
         """Look at the calls under way; False when there are none."""
         now = time.monotonic()
         if self._sent:
-            present = gids_of(servers_of(self._bus.node, self.name))
+            present = self._check.present()
             for call in [c for c in self._sent if not c.servers & present]:
                 call.gone_since = call.gone_since or now
                 if not self._supervised or now > call.gone_since + GRACE:
                     self._finish(call, self._lost("the server that had the request is gone"))
-            if present != self._servers:
-                self._servers = frozenset()
         for call in [c for c in (*self._sent, *self._waiting) if now > c.deadline]:
             self._finish(call, self._timed_out(call, now))
         if self._waiting:
@@ -211,9 +204,9 @@ class ServiceClient:
     def _advance(self, now: float) -> None:
         """Send what can be sent; give up what has waited too long for a server."""
         try:
-            ready = self._server_fits(now)
+            ready = self._check.fits(now)
         except UnfitServerError as error:
-            stale_possible = len(servers_of(self._bus.node, self.name)) > 1
+            stale_possible = self._check.several()
             for call in list(self._waiting):
                 if not stale_possible or now > min(call.wait_until, call.started + STALE):
                     self._finish(call, error)
@@ -227,33 +220,13 @@ class ServiceClient:
                 waited = call.wait_until - call.started
                 self._finish(call, self._lost(f"no server within {waited:.1f} s"))
 
-    def _server_fits(self, now: float) -> bool:
-        """Tell whether there is one fitting server that our client is connected to.
-
-        Raises:
-            UnfitServerError: who is there doesn't fit.
-        """
-        if self._servers and now - self._checked < TRUST:
-            return bool(self._client.service_is_ready())
-        self._servers = frozenset()
-        servers = servers_of(self._bus.node, self.name)
-        if not servers:
-            return False
-        check_servers(self._bus.node, self.type, self.name, servers)
-        if self._client is None:  # not before: a client of the wrong type would spoil the name for this process
+    def _connected(self) -> bool:
+        if self._client is None:
             self._client = self._bus.node.create_client(self.type, self.name, qos_profile=_QOS)
-        if not self._client.service_is_ready():
-            return False
-        present = gids_of(servers)
-        if present != self._settled[0]:
-            self._settled = (present, now)
-        if now < self._settled[1] + SETTLE:
-            return False
-        self._servers, self._checked = present, now
-        return True
+        return bool(self._client.service_is_ready())
 
     def _send(self, call: _Call) -> None:
-        call.servers = self._servers
+        call.servers = self._check.servers
         with self._lock:
             self._waiting.remove(call)
             self._sent.append(call)

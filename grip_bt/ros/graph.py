@@ -15,8 +15,11 @@ from .bus import Bus
 
 _HIDDEN = ("/_action/", "/describe_parameters", "/get_parameter_types", "/get_parameters", "/list_parameters")
 _HIDDEN += ("/set_parameters", "/set_parameters_atomically", "/get_type_description", "/rosout", "/parameter_events")
-SETTLE = 0.3
-"""How long to go on listening after something was found [s]: of a server's parts, some are seen before others."""
+SETTLE = 0.1
+"""What was found is all there when nothing new was seen for so long [s]: of a server's parts, some are seen before
+others."""
+LOOK = 0.01
+"""How often is looked [s]; rclpy tells nobody when the graph changes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,18 +84,20 @@ def find_served(name: str, within: float = 5.0, domain_id: int | None = None) ->
     wanted = name if name.startswith("/") else f"/{name}"
     deadline = time.monotonic() + within
     with Bus("grip_look", domain_id=domain_id) as bus:
+        seen, since = _on_bus(bus), time.monotonic()
         while True:
-            seen = _on_bus(bus)
             found = [s for s in seen if s.name == wanted]
-            if found and SETTLE:
-                time.sleep(SETTLE)
-                found = [s for s in _on_bus(bus) if s.name == wanted] or found
+            now = time.monotonic()
+            if found and (now > since + SETTLE or now > deadline):
                 return found[0]
-            if time.monotonic() > deadline:
+            if now > deadline:
                 names = [s.name for s in seen]
                 where = f"the running graph, after {within:.0f} s (ROS_DOMAIN_ID {_domain(domain_id)})"
                 raise UnknownNameError("service, action or topic", wanted, names, where)
-            time.sleep(0.05)
+            time.sleep(LOOK)
+            before, seen = seen, _on_bus(bus)
+            if seen != before:
+                since = time.monotonic()
 
 
 def list_served(within: float = 2.0, domain_id: int | None = None) -> list[Served]:

@@ -56,7 +56,7 @@ def test_calls_from_many_threads_all_end(bus, serve):
 
 
 def test_a_call_to_a_known_server_needs_no_other_thread_to_be_sent(bus, serve, monkeypatch):
-    monkeypatch.setattr("grip_bt.ros.client.TRUST", 60.0)
+    monkeypatch.setattr("grip_bt.ros.server_check.TRUST", 60.0)
     serve("std_srvs/SetBool", "/set")
     client, go_on = bus.service(SET, "/set"), threading.Event()
     ended(client.call(request()))
