@@ -13,12 +13,14 @@ CAMERA = np.array([0.53, 0.14, 1.30])
 
 @pytest.fixture(scope="module")
 def proposer():
+    sys.path.insert(0, str(PROPOSER.parent))
     spec = importlib.util.spec_from_file_location("antipodal_proposer_under_test", PROPOSER)
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module
     spec.loader.exec_module(module)
     yield module
-    del sys.modules[spec.name]
+    del sys.modules[spec.name], sys.modules["splitting"]
+    sys.path.remove(str(PROPOSER.parent))
 
 
 def rays(step=0.0018):
@@ -236,3 +238,50 @@ def test_it_knows_nothing_of_grip():
     text = PROPOSER.read_text()
     assert "import grip" not in text
     assert "from grip" not in text
+
+
+# --- things that touch ---
+
+
+def bar(x, y, yaw, length=0.15, width=0.06):
+    """A lying thing: a long low box."""
+    along, across = np.array([np.cos(yaw), np.sin(yaw)]), np.array([-np.sin(yaw), np.cos(yaw)])
+    corners = [s * length / 2 * along + t * width / 2 * across for s, t in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    return np.array(corners) + [x, y], width
+
+
+def middles(proposer, cloud):
+    """Return how many things are seen, and where their middles are."""
+    found = [part for c in proposer.clusters(cloud) for part in proposer.parts(c, 0.09, 30)]
+    return sorted(thing.centre.round(2).tolist() for part in found if (thing := proposer.fit(part)) is not None)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.001])
+@pytest.mark.parametrize(
+    ("shapes", "places"),
+    [
+        ([cylinder(0.50, 0.10), bar(0.50, 0.165, 0.0)], [[0.50, 0.10], [0.50, 0.17]]),  # lies along what stands
+        ([box(0.50, 0.10, yaw=0.0), bar(0.61, 0.10, 0.0)], [[0.50, 0.10], [0.61, 0.10]]),  # lies head on
+        ([bar(0.48, 0.10, 0.0), bar(0.586, 0.10, np.pi / 2)], [[0.48, 0.10], [0.59, 0.10]]),  # a T
+        ([cylinder(0.50, 0.10), cylinder(0.556, 0.13)], [[0.50, 0.10], [0.56, 0.13]]),  # both stand
+        ([bar(0.45, 0.10, 0.0), bar(0.56, 0.135, 0.9)], [[0.45, 0.10], [0.56, 0.14]]),  # at an angle
+    ],
+)
+def test_things_that_touch_are_taken_apart(proposer, shapes, places, noise):
+    assert len(proposer.clusters(look(*shapes, noise=noise))) == 1, "they touch"
+    assert middles(proposer, look(*shapes, noise=noise)) == pytest.approx(np.array(places), abs=0.015)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.001])
+@pytest.mark.parametrize("yaw", np.linspace(0, np.pi, 7))
+def test_one_thing_stays_one_thing(proposer, yaw, noise):
+    for shape in (bar(0.5, 0.1, yaw), box(0.5, 0.1, yaw=yaw), cylinder(0.5, 0.1), bar(0.5, 0.3, yaw, 0.19, 0.07)):
+        assert len(middles(proposer, look(shape, noise=noise))) == 1
+
+
+def test_both_of_two_that_touch_get_grasps_where_the_hand_has_room(proposer):
+    """A box of 6 cm and one that lies head on: the one is taken from the side, the other from above."""
+    cloud = look(box(0.50, 0.10, yaw=0.0), bar(0.62, 0.10, 0.0, length=0.18))
+    leaning = [rotation(grasp.pose.quaternion)[2, 2] < -0.5 for grasp in proposer.propose(cloud)]
+    assert any(leaning)
+    assert not all(leaning)

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from splitting import parts
 
 Array = NDArray[np.float64]
 
@@ -104,7 +105,8 @@ def propose(points: Array) -> list[Candidate]:
     Args:
         points: shape (n, 3), world frame; what isn't finite is ignored.
     """
-    things = [thing for cluster in clusters(points) if (thing := fit(cluster)) is not None]
+    groups = (part for cluster in clusters(points) for part in parts(cluster, TABLE + PALM_HEIGHT, MIN_POINTS))
+    things = [thing for group in groups if (thing := fit(group)) is not None]
     found = []
     for i, thing in enumerate(things):
         ways = pinches if thing.lies else grasps

@@ -1,0 +1,130 @@
+"""Take apart clusters of points that touch each other but are several things. Plain numpy and OpenCV.
+
+Two clues, in this order: what rises high has a top of its own, so low points beside it belong to something else; and an
+outline that, seen from above, goes in somewhere is that of two things that touch there. Things of one height that touch
+along a whole face stay together. Lengths in m.
+"""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+PIXEL = 0.004
+"""Edge of a pixel of the outline."""
+BESIDE = 0.014
+"""Low points further than this outside the tops of what stands aren't its sides."""
+NOTCH = 0.008
+"""An outline goes in between two things by more than this."""
+SOLID = 0.93
+"""What fills this part of its convex hull is one thing."""
+GAIN = 0.05
+"""A cut is made where the parts fill their hulls better than the whole does, by this much."""
+CUTS = 24
+"""So many directions of a cut are tried."""
+
+
+def parts(points: Array, high: float, fewest: int) -> list[Array]:
+    """Return the points of each thing in a cluster; the cluster itself where it is one thing.
+
+    Args:
+        points: of the cluster, shape (n, 3).
+        high: what stands rises above this height.
+        fewest: a part of fewer points is noise, and then nothing is taken apart.
+    """
+    found: list[Array] = []
+    for group in by_height(points, high, fewest):
+        found += by_outline(group, fewest)
+    return found
+
+
+def by_height(points: Array, high: float, fewest: int) -> list[Array]:
+    """Take apart what stands and what lies beside it.
+
+    The points of each top, seen from above, are one standing thing with all that is seen within `BESIDE` of it; what is
+    left over lies.
+    """
+    tops = [group for group in connected(points[points[:, 2] > high]) if len(group) >= fewest // 2]
+    if not tops:
+        return [points]
+    away = np.stack([_outside(points[:, :2], top[:, :2]) for top in tops])
+    nearest, owned = away.argmin(axis=0), away.min(axis=0) <= BESIDE
+    standing = [points[owned & (nearest == k)] for k in range(len(tops))]
+    lying = [group for group in connected(points[~owned]) if len(group) >= fewest]
+    return [*standing, *lying]
+
+
+def by_outline(points: Array, fewest: int, most: int = 3) -> list[Array]:
+    """Take apart an outline with notches by the straight cut through a notch that makes both parts most convex.
+
+    Args:
+        points: of the cluster, shape (n, 3).
+        fewest: no part has fewer points.
+        most: so many cuts, one after the other, at most.
+    """
+    mask, pixels = _mask(points[:, :2])
+    whole, best, chosen = _solidity(pixels, mask), 0.0, None
+    if most == 0 or whole >= SOLID:
+        return [points]
+    for notch in _notches(mask):
+        for turn in np.linspace(0.0, np.pi, CUTS, endpoint=False):
+            side = (pixels - notch) @ np.array([np.cos(turn), np.sin(turn)]) > 0
+            if min(side.sum(), (~side).sum()) < fewest:
+                continue
+            parts = (pixels[side], pixels[~side])
+            solid = float(np.average([_solidity(part) for part in parts], weights=[len(part) for part in parts]))
+            if solid > best:
+                best, chosen = solid, side
+    if chosen is None or best < whole + GAIN:
+        return [points]
+    return [part for side in (chosen, ~chosen) for part in by_outline(points[side], fewest, most - 1)]
+
+
+def _solidity(pixels: NDArray[np.int64], mask: NDArray[np.uint8] | None = None) -> float:
+    """Return how much of the convex hull of pixels is filled."""
+    if mask is None:
+        mask, pixels = _image(pixels)
+    hull = cv2.convexHull(np.argwhere(mask).astype(np.int32))
+    return float(mask.sum()) / float(cv2.fillConvexPoly(np.zeros_like(mask), hull.reshape(-1, 2)[:, ::-1], 1).sum())
+
+
+def _notches(mask: NDArray[np.uint8]) -> list[Array]:
+    """Return where an outline goes in deepest, as rows and columns, the deepest first."""
+    contours, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    contour = max(contours, key=len)
+    defects = cv2.convexityDefects(contour, cv2.convexHull(contour, returnPoints=False))
+    if defects is None:
+        return []
+    deep = sorted((d for d in defects.reshape(-1, 4) if d[3] / 256 * PIXEL > NOTCH), key=lambda d: -d[3])
+    return [contour.reshape(-1, 2)[d[2], ::-1].astype(float) for d in deep[:4]]
+
+
+def connected(points: Array) -> list[Array]:
+    """Return groups of points that touch, seen from above."""
+    if not len(points):
+        return []
+    mask, pixels = _mask(points[:, :2])
+    count, labels = cv2.connectedComponents(mask, connectivity=8)
+    label = labels[pixels[:, 0], pixels[:, 1]]
+    return [points[label == k] for k in range(1, count)]
+
+
+def _mask(flat: Array) -> tuple[NDArray[np.uint8], NDArray[np.int64]]:
+    """Return an image of points seen from above, gaps between them closed, and each one's pixel in it."""
+    return _image(np.floor(flat / PIXEL).astype(np.int64))
+
+
+def _image(pixels: NDArray[np.int64]) -> tuple[NDArray[np.uint8], NDArray[np.int64]]:
+    pixels = pixels - pixels.min(axis=0) + 2
+    mask = np.zeros(pixels.max(axis=0) + 3, np.uint8)
+    mask[pixels[:, 0], pixels[:, 1]] = 1
+    return cv2.morphologyEx(mask, cv2.MORPH_CLOSE, np.ones((3, 3), np.uint8)), pixels
+
+
+def _outside(flat: Array, top: Array) -> Array:
+    """Return how far points, shape (n, 2), are outside the convex hull of others; shape (n,)."""
+    hull = cv2.convexHull(top.astype(np.float32))
+    return np.array([max(0.0, -cv2.pointPolygonTest(hull, (float(x), float(y)), True)) for x, y in flat])
