@@ -143,8 +143,9 @@ def open_session(
     if options.mocks:
         task, catalog, factory = apply_mocks(task, catalog, options.mocks)
     compiled = compile_task(task, catalog, data=options.data, leaf_factory=factory)
-    needs = {leaf.manifest.id for leaf in compiled.leaves.values() if not isinstance(leaf, MockLeaf)}
-    parts = open_resources(project, needs, options.robot, options.seed, options.pace, progress, hold)
+    working = [leaf.manifest for leaf in compiled.leaves.values() if not isinstance(leaf, MockLeaf)]
+    needs, own = {manifest.id for manifest in working}, {manifest.implementation for manifest in working}
+    parts = open_resources(project, needs, options.robot, options.seed, options.pace, progress, hold, own)
     with parts as resources, Journal(options.journal or project.journal) as journal:
         log = reliving = None
         kept = kept_parts(resources)

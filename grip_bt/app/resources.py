@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from grip_bt.errors import UnknownNameError
 from grip_bt.ports import Arm, Camera, Clock, Component, Hand, Messages, Pausable, Ros, Scene, Sensor
 
+from .own_needs import ROBOT, parts_asked_for
 from .project import Project
 
 if TYPE_CHECKING:
@@ -67,6 +68,7 @@ def open_resources(
     pace: float | None,
     progress: Progress,
     hold: int | None = None,
+    own: Collection[str] = (),
 ) -> Iterator[Resources]:
     """Start what the nodes in `needs` ask for; everything is closed again at the end, in reverse order.
 
@@ -78,12 +80,14 @@ def open_resources(
         pace: simulated seconds per second; None for as fast as it goes.
         progress: told of each part that came up.
         hold: file descriptor over which somebody else may have the robot hold; None for nobody.
+        own: implementations of leaves, in which it is looked what the project's own nodes ask for.
     """
     from . import fake_parts, simulated_parts
 
     with ExitStack() as stack:
-        resources = Resources()
-        if any(_needs_robot(project, node) for node in needs) and project.file.robot is not None:
+        resources, asked = Resources(), parts_asked_for(own)
+        needs_robot = bool(asked & ROBOT) or any(_needs_robot(project, node) for node in needs)
+        if needs_robot and project.file.robot is not None:
             if robot == "fake":
                 fake_parts.open_robot(project, resources)
             elif robot == "sim":
@@ -106,7 +110,7 @@ def open_resources(
             from . import ros_parts
 
             ros_parts.open_ros(project, names, sensors, needs, resources, stack, progress)
-        if any(node.startswith("messages/") for node in needs):
+        if "messages" in asked or any(node.startswith("messages/") for node in needs):
             from . import message_parts
 
             message_parts.open_messages(project, resources, stack, progress, server=robot != "fake")

@@ -123,7 +123,7 @@ def prepare(args: argparse.Namespace, options: RunOptions, given: frozenset[str]
         parts = {part.path: part for part in resolve(model, catalog).root.walk()}
     go_on = GoOn(record.id, at, read_results(parts, args.set_outcome), values)
     happened = events if at is None else events[:at]
-    stays = MESSAGES if project.file.message_server else ""
+    stays = MESSAGES if project.file.message_server and options.robot != "fake" else ""
     asked = questions(parts, happened, go_on, options.mocks, options.robot, stays)
     if args.yes or at is not None:  # a fork moves nothing that another run has left behind
         for question in asked:
