@@ -48,7 +48,7 @@ await onPage(url, async (page, { answer, button, choose, fileIs, pick }) => {
   assert.ok(now.filter((name) => name === "look").length > 1, `look is asked again as it is: ${now}`);
   await check(page, "a counterexample");
 
-  await page.getByRole("group", { name: "Form that is played" }).getByRole("button", { name: "As it would be" }).click();
+  await page.getByRole("group", { name: "Form that is played" }).getByRole("button", { name: "Then" }).click();
   await page.getByRole("treeitem", { name: /^watch state machine/ }).waitFor();
   await ended();
   const then = await spansOf();

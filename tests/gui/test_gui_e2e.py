@@ -151,7 +151,16 @@ def test_the_page_in_a_browser(folder: Path, script: str) -> None:
 @pytest.mark.e2e
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "script", ["edit_tree.mjs", "edit_flow.mjs", "edit_text.mjs", "subtasks.mjs", "counterexample.mjs", "forms.mjs"]
+    "script",
+    [
+        "edit_tree.mjs",
+        "edit_flow.mjs",
+        "edit_text.mjs",
+        "subtasks.mjs",
+        "counterexample.mjs",
+        "forms.mjs",
+        "nested_flow.mjs",
+    ],
 )
 def test_tasks_are_edited_in_a_browser(folder: Path, script: str) -> None:
     with editing(folder) as (_, url):

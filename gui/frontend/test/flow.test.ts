@@ -2,7 +2,9 @@ import fc from "fast-check";
 import { describe, expect, it } from "vitest";
 
 import { endId, flowOf, START } from "../src/model/flow";
+import { chartedIn, chartOf, isCharted } from "../src/model/flowChart";
 import { layoutFlow } from "../src/model/flowLayout";
+import type { Box } from "../src/model/layout";
 import { TaskIndex } from "../src/model/status";
 import type { NodeView } from "../src/protocol/generated";
 import { node, task } from "./tasks";
@@ -87,5 +89,54 @@ describe("the layout", () => {
       }),
       { numRuns: 60 },
     );
+  });
+});
+
+describe("a chart with containers open in it", () => {
+  const inner = [node("g/x", { parent: "g" }), node("g/y", { parent: "g" })];
+  const group = node("g", { kind: "retry", fields: { times: 2 }, children: inner.map((each) => each.path) });
+  const root = node("/", { kind: "sequence", children: ["a", "g", "b"] });
+  const whole = task([root, node("a"), group, ...inner, node("b")]);
+  const { byPath } = new TaskIndex(whole);
+  const drawn = (opened: string[]) => chartOf(whole, byPath, "/", new Set(opened), {});
+
+  it("holds the inside of an open one in its box, and nothing of a closed one", () => {
+    expect(drawn([]).items.map((each) => each.item.id)).not.toContain("g/x");
+    const chart = drawn(["g"]);
+    const box = chart.boxes.get("g") as Box;
+    for (const { item, parent } of chart.items.filter((each) => each.parent !== null)) {
+      const { x, y, width, height } = chart.boxes.get(item.id) as Box;
+      expect(parent).toBe("g");
+      expect(x).toBeGreaterThan(box.x);
+      expect(y).toBeGreaterThan(box.y + 46);
+      expect(x + width).toBeLessThan(box.x + box.width);
+      expect(y + height).toBeLessThan(box.y + box.height);
+    }
+    expect(chart.items.map((each) => each.item.id)).toContain(endId("success", "g"));
+    expect(chart.items.findIndex((each) => each.item.id === "g")).toBeLessThan(chart.items.findIndex((each) => each.item.id === "g/x"));
+  });
+
+  it("keeps ids apart, and every edge between things that are there", () => {
+    const chart = drawn(["g"]);
+    const ids = chart.items.map((each) => each.item.id);
+    expect(new Set(ids).size).toBe(ids.length);
+    for (const edge of chart.edges) expect(ids).toEqual(expect.arrayContaining([edge.source, edge.target]));
+    expect(chart.edges.filter((edge) => edge.target === endId("success", "g")).length).toBe(2);
+  });
+
+  it("knows in whose chart something stands", () => {
+    expect(["g/x", endId("success", "g"), endId("failure"), "a"].map((id) => chartedIn(id, "/"))).toEqual(["g", "g", "/", "/"]);
+    expect(isCharted("g/x", "/", new Set())).toBe(false);
+    expect(isCharted("g/x", "/", new Set(["g"]))).toBe(true);
+    expect(isCharted("g/x", "g", new Set())).toBe(true);
+  });
+
+  it("leads a loop round below its node", () => {
+    const loops = drawn(["g"]).edges.filter((edge) => edge.source === edge.target);
+    expect(loops.map((edge) => edge.source)).toEqual(["g/x", "g/y"]);
+    for (const { source, bottom } of loops) {
+      const { y, height } = drawn(["g"]).boxes.get(source) as Box;
+      expect(bottom).toBe(y + height);
+    }
   });
 });

@@ -7,7 +7,7 @@ export const PORT_HEIGHT = 20;
 export const FLOW_HEAD = 46;
 const END_SIZE = { width: 132, height: 34 };
 const START_SIZE = { width: 28, height: 28 };
-/** Id of the mark from which the first child is entered; no path holds a `#`. */
+/** Id of the mark from which the first child is entered, after the path of its container where that is open in another; no path holds a `#`. */
 export const START = "#start";
 
 export interface Port {
@@ -47,25 +47,32 @@ export interface Flow {
   readonly machine: boolean;
 }
 
-export const endId = (outcome: string): string => `#end:${outcome}`;
+export const endId = (outcome: string, within = ""): string => `${within}#end:${outcome}`;
+export const isStart = (id: string): boolean => id.endsWith(START);
 
-export function flowOf(task: TaskView, byPath: ReadonlyMap<string, NodeView>, container: string): Flow {
+/**
+ * The inside of a container.
+ * @param within begins the ids of its ends and its start, so that several charts can stand in one.
+ */
+export function flowOf(task: TaskView, byPath: ReadonlyMap<string, NodeView>, container: string, within = ""): Flow {
   const around = byPath.get(container);
   if (!around) return { items: [], edges: [], strip: "", machine: false };
   const children = around.children.map((path) => byPath.get(path)).filter((node) => node !== undefined);
   const machine = around.kind === "state_machine";
-  const edges = machine ? storedEdges(children, around) : derivedEdges(children, around);
+  const edges = machine ? storedEdges(children, around, within) : derivedEdges(children, around, within);
   const led = new Set(edges.map((edge) => `${edge.source}\n${edge.outcome}`));
   const items: FlowItem[] = children.map((node) => item(node, led));
   const used = new Set(edges.map((edge) => edge.target));
   const ends = Object.entries(container === "/" && children.length === 0 ? task.outcomes : around.outcomes);
   for (const [outcome, meaning] of ends) {
-    if (machine || used.has(endId(outcome))) items.push({ id: endId(outcome), kind: "end", outcome, meaning, ports: [], ...END_SIZE });
+    const id = endId(outcome, within);
+    if (machine || used.has(id)) items.push({ id, kind: "end", outcome, meaning, ports: [], ...END_SIZE });
   }
   const first = machine ? children.find((node) => node.initial) : ORDERED.has(around.kind) ? children[0] : undefined;
   if (first) {
-    items.unshift({ id: START, kind: "start", ports: [], ...START_SIZE });
-    edges.unshift({ id: "start", source: START, target: first.path, outcome: "", derived: true, label: "" });
+    const id = within + START;
+    items.unshift({ id, kind: "start", ports: [], ...START_SIZE });
+    edges.unshift({ id, source: id, target: first.path, outcome: "", derived: true, label: "" });
   }
   return { items, edges, strip: stripOf(around), machine };
 }
@@ -80,12 +87,12 @@ function item(node: NodeView, led: ReadonlySet<string>): FlowItem {
   return { id: node.path, kind: "node", node, ports, width: FLOW_WIDTH, height: FLOW_HEAD + ports.length * PORT_HEIGHT + 6 };
 }
 
-function storedEdges(children: readonly NodeView[], around: NodeView): FlowEdge[] {
+function storedEdges(children: readonly NodeView[], around: NodeView, within: string): FlowEdge[] {
   const edges: FlowEdge[] = [];
   for (const node of children) {
     for (const { outcome, target } of node.on) {
       const sibling = join(around.path, target);
-      const to = around.children.includes(sibling) ? sibling : target in around.outcomes ? endId(target) : null;
+      const to = around.children.includes(sibling) ? sibling : target in around.outcomes ? endId(target, within) : null;
       if (to !== null) edges.push({ id: `${node.path}.${outcome}`, source: node.path, target: to, outcome, derived: false, label: "" });
     }
   }
@@ -95,26 +102,26 @@ function storedEdges(children: readonly NodeView[], around: NodeView): FlowEdge[
 const ORDERED = new Set(["sequence", "fallback"]);
 
 /** What the order and the kind of a container say, as edges; exits stand in the file and come first. */
-function derivedEdges(children: readonly NodeView[], around: NodeView): FlowEdge[] {
+function derivedEdges(children: readonly NodeView[], around: NodeView, within: string): FlowEdge[] {
   const edges: FlowEdge[] = [];
   children.forEach((node, i) => {
     const exits = new Map(node.on.map((edge) => [edge.outcome, edge.target]));
     for (const [outcome, target] of exits) {
-      edges.push({ id: `${node.path}.${outcome}`, source: node.path, target: endId(target), outcome, derived: false, label: "" });
+      edges.push({ id: `${node.path}.${outcome}`, source: node.path, target: endId(target, within), outcome, derived: false, label: "" });
     }
     for (const [outcome, meaning] of Object.entries(node.outcomes)) {
       if (exits.has(outcome)) continue;
-      const lead = byKind(around, children, i, meaning);
+      const lead = byKind(around, children, i, meaning, within);
       if (lead) edges.push({ id: `${node.path}.${outcome}`, source: node.path, outcome, derived: true, ...lead });
     }
   });
   return edges;
 }
 
-function byKind(around: NodeView, children: readonly NodeView[], i: number, meaning: string): { target: string; label: string } | null {
+function byKind(around: NodeView, children: readonly NodeView[], i: number, meaning: string, within: string): { target: string; label: string } | null {
   const self = children[i]?.path as string;
   const next = children[i + 1]?.path;
-  const end = (outcome: string): { target: string; label: string } => ({ target: endId(outcome), label: "" });
+  const end = (outcome: string): { target: string; label: string } => ({ target: endId(outcome, within), label: "" });
   switch (around.kind) {
     case "sequence":
       return meaning === "success" && next ? { target: next, label: "" } : end(meaning);
@@ -146,5 +153,6 @@ function stripOf(around: NodeView): string {
 
 /** The name under which an item is known as a target of an edge. */
 export function targetName(id: string): string {
-  return id.startsWith("#end:") ? id.slice(5) : nameOf(id);
+  const end = id.indexOf("#end:");
+  return end >= 0 ? id.slice(end + 5) : nameOf(id);
 }

@@ -1,10 +1,12 @@
 /** Where a flow chart's nodes go: layered by a library, except those that a person has pinned, which never move. */
 import dagre from "@dagrejs/dagre";
 
-import type { Flow, FlowItem } from "./flow";
+import { type Flow, type FlowItem, isStart } from "./flow";
 import type { Box } from "./layout";
 
 const GAP = 24;
+/** Below a node that leads to itself: its edge goes round there. */
+export const LOOP_ROOM = 34;
 type Pins = Readonly<Record<string, readonly [number, number] | number[]>>;
 
 export interface FlowLayout {
@@ -48,9 +50,10 @@ function layered(flow: Flow): FlowLayout {
   const graph = new dagre.graphlib.Graph({ multigraph: true });
   graph.setGraph({ rankdir: "LR", nodesep: 28, ranksep: 64, marginx: 8, marginy: 8 });
   graph.setDefaultEdgeLabel(() => ({}));
-  for (const { id, width, height } of flow.items) graph.setNode(id, { width, height });
+  const looped = new Set(flow.edges.filter((edge) => edge.source === edge.target).map((edge) => edge.source));
+  for (const { id, width, height } of flow.items) graph.setNode(id, { width, height: height + (looped.has(id) ? LOOP_ROOM : 0) });
   for (const edge of flow.edges) {
-    if (edge.source !== edge.target) graph.setEdge(edge.source, edge.target, { weight: edge.source === "#start" ? 4 : 1 }, edge.id);
+    if (edge.source !== edge.target) graph.setEdge(edge.source, edge.target, { weight: isStart(edge.source) ? 4 : 1 }, edge.id);
   }
   // An end that nothing leads to stands where ends stand, not where it all begins.
   const last = flow.items.filter((item) => item.kind === "node").at(-1)?.id;
@@ -60,7 +63,8 @@ function layered(flow: Flow): FlowLayout {
   const boxes = new Map<string, Box>();
   for (const { id, width, height } of flow.items) {
     const { x, y } = graph.node(id) as { x: number; y: number };
-    boxes.set(id, { x: Math.round(x - width / 2), y: Math.round(y - height / 2), width, height });
+    const room = looped.has(id) ? LOOP_ROOM : 0;
+    boxes.set(id, { x: Math.round(x - width / 2), y: Math.round(y - (height + room) / 2), width, height });
   }
   const bends = new Map<string, readonly Point[]>();
   for (const edge of flow.edges) {

@@ -6,7 +6,7 @@ import { askConversion } from "./converting";
 import { useDocument } from "./document";
 import { redo, save, undo } from "./editing";
 import { find } from "./finding";
-import { connectOutcome, enterSelected, leaveContainer } from "./flowing";
+import { connectOutcome, enterSelected, leaveContainer, toggleInPlace } from "./flowing";
 import { addHere, changeKind, connectFree, copy, cut, duplicate, paste, remove, rename, shift, unwrap, wrap } from "./gestures";
 import { pauseOrResume, runFromHere, runToHere, start, step, stop, toggleBreakpoint } from "./running";
 import { extract, inline, openSubtask } from "./subtasks";
@@ -68,6 +68,7 @@ export const ACTIONS: readonly Action[] = [
   { id: "split", title: "Show tree and flow chart", keys: ["Alt+3"], run: show("split") },
   { id: "text", title: "Show the text", keys: ["Alt+4"], inFields: true, run: show("text") },
   { id: "enter", title: "Go into the container", keys: ["Enter"], run: enterSelected },
+  { id: "in-place", title: "Open the container in place, or close it", keys: ["Shift+Enter"], run: toggleInPlace },
   { id: "leave", title: "Go out of the container", keys: ["Backspace"], run: leaveContainer },
   { id: "unfold", title: "Unfold everything", keys: [], run: () => usePage.setState({ closed: new Set() }) },
   { id: "fold", title: "Fold everything", keys: [], run: foldAll },

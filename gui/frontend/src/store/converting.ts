@@ -82,7 +82,7 @@ async function askForm(name: string, kind: string): Promise<string | null> {
 }
 
 function leadOf(found: ConversionView): string {
-  const kept = found.kept.length > 0 ? ` Stays: ${found.kept.join("; ")}.` : "";
+  const kept = found.kept.length > 0 ? ` ${found.kept.join("; ")}.` : "";
   if (found.same) return `Both forms are ${found.compared}.${kept}`;
   return `They are not the same. When ${found.script.join(", ")}: now ${found.does_before.join(", ")}; then ${found.does_after.join(", ")}.${kept}`;
 }

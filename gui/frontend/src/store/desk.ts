@@ -90,7 +90,7 @@ export function openTask(path: string, node?: string): Promise<void> {
     const document = await server.document(path);
     if (wish !== wishes || document.type !== "document") return;
     useDocument.getState().setConflict(null);
-    usePage.setState({ closed: foldedAtFirst(document.task.nodes) });
+    usePage.setState({ closed: foldedAtFirst(document.task.nodes), opened: new Set() });
     useRun.getState().showTask(document.task);
     take(document);
     usePage.getState().enter("/");

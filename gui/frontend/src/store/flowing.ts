@@ -122,6 +122,13 @@ export function enterSelected(): void {
   if (view === "tree") setView("flow");
 }
 
+/** Show the inside of the selected container within the chart, or close it. */
+export function toggleInPlace(): void {
+  const { selected, opened, openInPlace } = usePage.getState();
+  const node = selected === null ? undefined : nodes().get(selected);
+  if (node !== undefined && node.children.length > 0 && node.path !== "/") openInPlace(node.path, !opened.has(node.path));
+}
+
 export function leaveContainer(): void {
   const { container, enter, select } = usePage.getState();
   const parent = parentOf(container);

@@ -32,6 +32,8 @@ export interface PageStore {
   readonly container: string;
   /** The tasks through whose subtasks this one was come to, the outermost first. */
   readonly trail: readonly Above[];
+  /** Containers whose inside the flow chart shows in place. */
+  readonly opened: ReadonlySet<string>;
   readonly foot: FootTab;
   /** Variable whose writers and readers are lit: its key. */
   readonly lens: string | null;
@@ -44,6 +46,7 @@ export interface PageStore {
   setView(view: ViewName): void;
   setBeside(beside: "flow" | "text"): void;
   enter(container: string): void;
+  openInPlace(path: string, open: boolean): void;
   setFoot(foot: FootTab): void;
   setLens(lens: string | null): void;
   setRoom(room: Room): void;
@@ -58,6 +61,7 @@ export const usePage = create<PageStore>()((set) => ({
   beside: "flow",
   container: "/",
   trail: [],
+  opened: new Set(),
   foot: "problems",
   lens: null,
   room: "task",
@@ -87,6 +91,13 @@ export const usePage = create<PageStore>()((set) => ({
   setView: (view) => set({ view }),
   setBeside: (beside) => set({ beside }),
   enter: (container) => set({ container }),
+  openInPlace: (path, open) =>
+    set(({ opened }) => {
+      const next = new Set(opened);
+      if (open) next.add(path);
+      else next.delete(path);
+      return { opened: next };
+    }),
   setFoot: (foot) => set({ foot }),
   setLens: (lens) => set({ lens }),
   setRoom: (room) => set({ room }),

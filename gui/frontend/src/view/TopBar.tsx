@@ -208,7 +208,7 @@ function RunState(): JSX.Element {
   const words = connected ? runText(session) : "no connection to the server";
   const kind = !connected ? "lost" : session?.state === "ended" ? `ended-${session.status}` : (session?.state ?? "none");
   return (
-    <output className={`run-state state-${kind}`} aria-live="polite" aria-label="State of the run">
+    <output className={`run-state state-${kind}`} aria-live="polite" aria-label="State of the run" title={words}>
       {words}
     </output>
   );

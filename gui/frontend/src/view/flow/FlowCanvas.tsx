@@ -3,8 +3,8 @@ import { Background, type Connection, Controls, type Edge, MarkerType, MiniMap, 
 import { type DragEvent, type JSX, useCallback, useEffect, useMemo, useState } from "react";
 
 import { parentOf } from "../../model/commands";
-import { type Flow, FLOW_HEAD, flowOf, PORT_HEIGHT, START, targetName } from "../../model/flow";
-import { type FlowLayout, layoutFlow } from "../../model/flowLayout";
+import { type Flow, FLOW_HEAD, isStart, PORT_HEIGHT, targetName } from "../../model/flow";
+import { chartedIn, chartOf, type FlowChart, isCharted } from "../../model/flowChart";
 import type { Box } from "../../model/layout";
 import { useDocument } from "../../store/document";
 import { pin } from "../../store/editing";
@@ -33,19 +33,23 @@ export function FlowCanvas(): JSX.Element {
   const container = usePage((s) => s.container);
   useSelectedContainer();
   const pins = useDocument((s) => s.document?.layout.flow) ?? NO_PINS;
-  const flow = useMemo(() => flowOf(task, index.byPath, container), [task, index, container]);
-  const { boxes, bends } = useMemo(() => layoutFlow(flow, pins), [flow, pins]);
+  const opened = usePage((s) => s.opened);
+  const chart = useMemo(() => chartOf(task, index.byPath, container, opened, pins), [task, index, container, opened, pins]);
+  const { flow, boxes } = chart;
   const [edge, setEdge] = useState<string | null>(null);
   const [dragged, setDragged] = useState<{ id: string; x: number; y: number } | null>(null);
-  const nodes = useMemo(() => flowNodes(flow, boxes, dragged), [flow, boxes, dragged]);
-  const edges = useMemo(() => flowEdges(flow, bends, edge), [flow, bends, edge]);
+  const nodes = useMemo(() => flowNodes(chart, dragged), [chart, dragged]);
+  const edges = useMemo(() => flowEdges(chart, edge), [chart, edge]);
   useEffect(() => setDragged(null), [boxes]);
 
   const onConnect = useCallback(({ source, sourceHandle, target }: Connection): void => {
-    if (source === START) void beginWith(target);
-    else if (target !== START) void connect(source, sourceHandle ?? "success", targetName(target));
-  }, []);
-  const chosen = flow.edges.find((each) => each.id === edge);
+    if (isStart(target)) return;
+    if (chartedIn(source, container) !== chartedIn(target, container)) {
+      useRun.getState().setTrouble("An edge leads within its container: to a sibling, or to an end of the container. Lead it to an end, and go on from there.");
+    } else if (isStart(source)) void beginWith(target);
+    else void connect(source, sourceHandle ?? "success", targetName(target));
+  }, [container]);
+  const chosen = chart.edges.find((each) => each.id === edge);
   const canEdit = !locked;
   return (
     <section className="flow" aria-label="Flow chart" onDragOver={allow} onDrop={(event) => drop(event, { parent: container, index: index.byPath.get(container)?.children.length ?? 0 })}>
@@ -54,7 +58,7 @@ export function FlowCanvas(): JSX.Element {
         <FormBadge path={container} />
         {flow.strip && <span>{flow.strip}</span>}
         {flow.machine && canEdit && <button onClick={() => void connectFree(container)}>Connect free outcomes</button>}
-        {chosen && canEdit && chosen.id !== "start" && (
+        {chosen && canEdit && !isStart(chosen.source) && (
           <span className="edge-tools" role="group" aria-label="Selected edge">
             {targetName(chosen.source)}.{chosen.outcome} → {targetName(chosen.target)}
             <button onClick={() => void disconnect(chosen.source, chosen.outcome, chosen.derived)}>Remove this edge</button>
@@ -141,7 +145,7 @@ function useSelectedContainer(): void {
     const { container, enter } = usePage.getState();
     const { byPath } = useRun.getState().index;
     const parent = selected === null ? null : parentOf(selected);
-    if (selected === null || selected === container || parent === container || !byPath.has(selected)) return;
+    if (selected === null || selected === container || isCharted(selected, container, usePage.getState().opened) || !byPath.has(selected)) return;
     if (selected === "/" || parent === null) enter("/");
     else enter(parent);
   }, [selected]);
@@ -162,9 +166,8 @@ function Keeper({ boxes }: { boxes: ReadonlyMap<string, Box> }): null {
   return null;
 }
 
-function flowNodes(flow: Flow, boxes: ReadonlyMap<string, Box>, dragged: { id: string; x: number; y: number } | null): Node[] {
-  return flow.items.map((item) => {
-    const { x, y, width, height } = boxes.get(item.id) as Box;
+function flowNodes({ items }: FlowChart, dragged: { id: string; x: number; y: number } | null): Node[] {
+  return items.map(({ item, parent, box: { x, y, width, height } }) => {
     const position = dragged?.id === item.id ? { x: dragged.x, y: dragged.y } : { x, y };
     const handle = { width: 10, height: 10 };
     const target = { type: "target" as const, position: Position.Left, id: "in", x: -5, y: (item.kind === "end" ? height / 2 : 24) - 5, ...handle };
@@ -178,17 +181,19 @@ function flowNodes(flow: Flow, boxes: ReadonlyMap<string, Box>, dragged: { id: s
       width,
       height,
       measured: { width, height },
-      draggable: item.kind === "node",
+      // What stands in an open box is placed in the chart of its own container.
+      draggable: item.kind === "node" && parent === null,
       handles: item.kind === "start" ? [start] : [target, ...sources],
+      ...(parent === null ? {} : { parentId: parent }),
     };
   });
 }
 
-function flowEdges(flow: Flow, bends: FlowLayout["bends"], selected: string | null): Edge[] {
-  return flow.edges.map((edge) => ({
+function flowEdges({ edges }: FlowChart, selected: string | null): Edge[] {
+  return edges.map((edge) => ({
     id: edge.id,
     type: "line",
-    data: { bends: bends.get(edge.id) ?? [] },
+    data: { bends: edge.bends, bottom: edge.bottom },
     source: edge.source,
     sourceHandle: edge.outcome,
     target: edge.target,

@@ -11,8 +11,8 @@ export function FlowEdgeLine(props: EdgeProps): JSX.Element {
   const to = { x: targetX, y: targetY };
   const loop = source === target;
   const back = targetX < sourceX + 10;
-  const points = loop ? around(from, to) : bends.length > 1 || back ? [from, ...bends, to] : [from, to];
-  const [path, x, y] = points.length === 2 ? getBezierPath(props) : [smooth(points), ...middle(points)];
+  const points = loop ? around(from, to, Number(data?.["bottom"] ?? Math.max(sourceY, targetY) + 40)) : bends.length > 1 || back ? [from, ...bends, to] : [from, to];
+  const [path, x, y] = points.length === 2 ? getBezierPath(props) : [loop ? round(points) : smooth(points), ...middle(points)];
   return (
     <>
       <BaseEdge id={id} path={path} interactionWidth={18} {...(markerEnd ? { markerEnd } : {})} />
@@ -27,10 +27,10 @@ export function FlowEdgeLine(props: EdgeProps): JSX.Element {
   );
 }
 
-/** Round below the node, back to its own entry. */
-function around(from: Point, to: Point): Point[] {
-  const below = Math.max(from.y, to.y) + 62;
-  return [from, { x: from.x + 22, y: (from.y + below) / 2 }, { x: (from.x + to.x) / 2, y: below }, { x: to.x - 22, y: (to.y + below) / 2 }, to];
+/** Round below the node, which ends at `bottom`, back to its own entry. */
+function around(from: Point, to: Point, bottom: number): Point[] {
+  const below = bottom + 18;
+  return [from, { x: from.x + 24, y: (from.y + below) / 2 }, { x: (from.x + to.x) / 2, y: below }, { x: to.x - 24, y: (to.y + below) / 2 }, to];
 }
 
 /** A curve through points: each piece leaves and arrives level. */
@@ -46,6 +46,18 @@ function smooth(points: readonly Point[]): string {
     at = point;
   }
   return path;
+}
+
+/** A curve round a node through five points: out to the right, down, along below, up, and in from the left. */
+function round(points: readonly Point[]): string {
+  const [from, right, low, left, to] = points as [Point, Point, Point, Point, Point];
+  const r = 12;
+  return [
+    `M ${from.x} ${from.y} H ${right.x - r} Q ${right.x} ${from.y} ${right.x} ${from.y + r}`,
+    `V ${low.y - r} Q ${right.x} ${low.y} ${right.x - r} ${low.y}`,
+    `H ${left.x + r} Q ${left.x} ${low.y} ${left.x} ${low.y - r}`,
+    `V ${to.y + r} Q ${left.x} ${to.y} ${left.x + r} ${to.y} H ${to.x}`,
+  ].join(" ");
 }
 
 function middle(points: readonly Point[]): [number, number] {

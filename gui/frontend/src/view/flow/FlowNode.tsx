@@ -18,11 +18,13 @@ export function FlowNode({ data }: NodeProps): JSX.Element {
   const selected = usePage((s) => s.marked.has(node.path));
   const lens = usePage((s) => s.lens);
   const form = useForm(node.path);
+  const open = usePage((s) => s.opened.has(node.path));
   const kind = node.kind === "leaf" ? node.label : [KINDS[node.kind], node.label].filter(Boolean).join(", ");
   return (
-    <div className={`node flow-node kind-${node.kind} is-${status.phase}${selected ? " selected" : ""}`} data-path={node.path} title={node.doc}>
+    <div className={`node flow-node${open ? " open" : ""} kind-${node.kind} is-${status.phase}${selected ? " selected" : ""}`} data-path={node.path} title={node.doc}>
       <Handle type="target" position={Position.Left} id="in" />
       <div className="node-head">
+        {node.children.length > 0 && <Open node={node} />}
         <KindIcon kind={node.kind} />
         <span className="node-name">{node.name}</span>
         <HoldMark path={node.path} />
@@ -44,6 +46,27 @@ export function FlowNode({ data }: NodeProps): JSX.Element {
         ))}
       </ul>
     </div>
+  );
+}
+
+/** Shows the inside of a container in its box, or closes it. */
+function Open({ node }: { node: NonNullable<FlowItem["node"]> }): JSX.Element {
+  const open = usePage((s) => s.opened.has(node.path));
+  return (
+    <button
+      className={`fold nodrag${open ? "" : " closed"}`}
+      aria-expanded={open}
+      aria-label={`Inside of ${node.name} in place`}
+      title={open ? "Close" : "Open in place; a double click goes in"}
+      tabIndex={-1}
+      onClick={(event) => {
+        event.stopPropagation();
+        usePage.getState().openInPlace(node.path, !open);
+      }}
+      onDoubleClick={(event) => event.stopPropagation()}
+    >
+      <span className={`twisty ${open ? "open" : "closed"}`} />
+    </button>
   );
 }
 

@@ -1,0 +1,63 @@
+// Containers in a flow chart: opened in place, edited there, closed; an edge to its own node goes round it.
+import assert from "node:assert/strict";
+
+import { check } from "./axe.mjs";
+import { onPage, url } from "./page.mjs";
+
+await onPage(url, async (page, { answer, button, choose, fileIs, item, pick }) => {
+  const box = (path) => page.locator(`.flow [data-path="${path}"]`);
+  const edge = (name) => page.locator(`.flow .react-flow__edge[data-id="${name}"]`);
+  await choose("Task", "tasks/short.yaml");
+  await fileIs("saved");
+  await button("Flow").click();
+  await box("machine").waitFor();
+  assert.equal(await box("machine/a").count(), 0);
+
+  // In place, by the mark: what is inside lies in the box, with its own ends.
+  const inside = page.locator(".flow").getByRole("button", { name: "Inside of machine in place" });
+  await inside.click();
+  await box("machine/a").waitFor();
+  await edge("machine/a.success").waitFor({ state: "attached" });
+  const [around, within] = [await box("machine").boundingBox(), await box("machine/a").boundingBox()];
+  assert.ok(within.x > around.x && within.y > around.y && within.x + within.width < around.x + around.width && within.y + within.height < around.y + around.height);
+  await page.locator(".flow .end-node", { hasText: "done" }).waitFor();
+
+  // Selecting inside stays in this chart; what is edited is drawn where it is.
+  await pick("b");
+  await page.getByRole("navigation", { name: "Containers" }).getByRole("button", { name: "short" }).and(page.locator('[aria-current="location"]')).waitFor();
+  await page.keyboard.press("F2");
+  await answer("last");
+  await box("machine/last").waitFor();
+  await check(page, "a container open in place");
+
+  // By keys, two at once; a loop goes round its node.
+  await pick("second");
+  await page.keyboard.press("w");
+  await answer("repeat");
+  await item("repeat").waitFor();
+  await pick("short");
+  await pick("attempts");
+  await page.keyboard.press("Shift+Enter");
+  await box("attempts/repeat").waitFor();
+  await pick("repeat");
+  await page.keyboard.press("Shift+Enter");
+  const looped = box("attempts/repeat/second");
+  await looped.waitFor();
+  const loop = await edge("attempts/repeat/second.success").locator("path").first().boundingBox();
+  const node = await looped.boundingBox();
+  assert.ok(loop.y + loop.height > node.y + node.height, "the loop goes below its node");
+  assert.ok(loop.x < node.x && loop.x + loop.width > node.x + node.width, "and round both of its sides");
+
+  // Closed again: only the box is left.
+  await inside.click();
+  await box("machine/last").waitFor({ state: "detached" });
+
+  // A double click goes in (on a chart that stays where it is); from afar a chart has no small print.
+  await page.getByRole("button", { name: "Fit View" }).click();
+  await pick("machine");
+  await box("machine").locator(".node-name").dblclick();
+  await box("machine/last").waitFor();
+  await item("last").waitFor();
+  for (let i = 0; i < 8; i++) await page.getByRole("button", { name: "Zoom Out" }).click();
+  await page.locator(".flow .react-flow.far").waitFor();
+});
