@@ -37,12 +37,10 @@ def spin(machine: Any) -> Any:
     lock, views = machine._state_transitioning_lock, machine._views
     rows = views.rows
     outcome: Any = None
-    label: Any = None
-    state: Any = None
+    label, state = machine._current_label, machine._current_state
     lock.release()
     try:
         while True:
-            label, state = machine._current_label, machine._current_state
             try:
                 known, view, left, inputs, outputs, remapping, store = rows[label]
                 if (
@@ -73,13 +71,16 @@ def spin(machine: Any) -> Any:
                 break
             machine._current_label, machine._current_state = target, following
             machine._current_transitions = transitions
-            loginfo = smach.loginfo
-            if loginfo is not silent:
-                loginfo(f"State machine transitioning '{label}':'{outcome}'-->'{target}'")
-            check = smach.is_shutdown
-            if not machine._is_running or (check is not is_shutdown and check()):
+            if smach.loginfo is silent and smach.is_shutdown is is_shutdown:
+                if not machine._is_running:
+                    return STOPPED
+                label, state = target, following
+                continue
+            smach.loginfo(f"State machine transitioning '{label}':'{outcome}'-->'{target}'")
+            if not machine._is_running or smach.is_shutdown():
                 return STOPPED
-            if machine._current_label not in machine._states:
+            label, state = machine._current_label, machine._current_state
+            if label not in machine._states:
                 return OVER
     finally:
         lock.acquire()

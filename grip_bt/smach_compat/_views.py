@@ -5,7 +5,7 @@ Upstream makes a `Remapper` for each activation of a state; that was a third of 
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 from . import _quick_view
 from ._names import Names
@@ -20,16 +20,9 @@ TRIALS = 8
 """Activations of a state, at least, from one making of a view to the next, which takes as long as a few transitions."""
 
 
-class Row(NamedTuple):
-    """A view of a plain state, and all that it was made from."""
-
-    state: State
-    view: Remapper
-    left: dict[str, Any]  # attributes that somebody set on the view; this very dict
-    inputs: frozenset[str]
-    outputs: frozenset[str]
-    remapping: Any
-    store: UserData
+Row = tuple[State, Remapper, dict[str, Any], frozenset[str], frozenset[str], Any, UserData]
+"""A plain state and its view; what was left on the view (its very `__dict__`); and all that it was made from: input
+keys, output keys, remapping and store. An ordinary tuple is unpacked at once, others item by item."""
 
 
 class Views:
@@ -55,7 +48,7 @@ class Views:
         """Return a state's view, and whether the state's own sets say what it has registered."""
         row = self.row(label, state, ud, remapping)
         if row is not None:
-            return row.view, True
+            return row[1], True
         view = Remapper(ud, state.get_registered_input_keys(), state.get_registered_output_keys(), remapping)
         return view, _is_plain(state)
 
@@ -67,9 +60,9 @@ class Views:
         """
         row = self.rows.get(label)
         if row is not None and _fits(row, state, ud, remapping):
-            row = self.rows[label] = row._replace(
-                inputs=_frozen(state._input_keys), outputs=_frozen(state._output_keys)
-            )
+            known, view, left, _, _, names, store = row
+            keys = _frozen(state._input_keys), _frozen(state._output_keys)
+            row = self.rows[label] = (known, view, left, *keys, names, store)
             return row
         if not _is_plain(state):
             return None
@@ -88,13 +81,14 @@ class Views:
 
 def _fits(row: Row, state: Any, ud: Any, remapping: Any) -> bool:
     """Tell whether a view made anew would be the same."""
+    known, _, left, inputs, outputs, names, store = row
     return (
-        row.state is state
-        and _frozen(state._input_keys) == row.inputs
-        and _frozen(state._output_keys) == row.outputs
-        and row.remapping is remapping
-        and row.store is ud
-        and not row.left
+        known is state
+        and _frozen(state._input_keys) == inputs
+        and _frozen(state._output_keys) == outputs
+        and names is remapping
+        and store is ud
+        and not left
     )
 
 
@@ -102,7 +96,7 @@ def _made(state: State, ud: Any, remapping: Any) -> Row:
     make = _quick_view.quick_view if _quick_view.possible(ud) else Remapper
     inputs, outputs = _frozen(state._input_keys), _frozen(state._output_keys)
     view = make(ud, inputs, outputs, remapping)
-    return Row(state, view, view.__dict__, inputs, outputs, remapping, ud)
+    return state, view, view.__dict__, inputs, outputs, remapping, ud
 
 
 def _frozen(keys: set[str]) -> frozenset[str]:
