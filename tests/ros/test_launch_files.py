@@ -163,6 +163,46 @@ def test_what_is_wrong_or_not_understood_is_refused_by_name_and_line(tmp_path, p
         read(tmp_path, text, prefix)
 
 
+BRINGUP = """<?xml version="1.0"?>
+<launch>
+  <arg name="ur_type" default="ur5e" description="which robot"><choice value="ur5e"/><choice value="ur10e"/></arg>
+  <arg name="use_sim_time" default="false"/>
+  <let name="description"
+       value="$(command 'xacro $(find-pkg-share arm_driver)/urdf/arm.urdf.xacro name:=$(var ur_type)')"/>
+  <group>
+    <push_ros_namespace namespace="left"/>
+    <set_use_sim_time value="$(var use_sim_time)"/>
+    <set_parameters_from_file filename="$(dirname)/common.yaml"/>
+    <node pkg="arm_driver" exec="driver" name="publisher" output="screen">
+      <param name="robot_description" value="$(var description)" type="str"/>
+      <param name="gains"><param name="p" value="1.5"/></param>
+    </node>
+  </group>
+</launch>
+"""
+ARM = """<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro">
+<xacro:arg name="name" default="none"/><link name="$(arg name)_base"/></robot>"""
+
+
+def test_a_bringup_file_as_robots_come_with_expands_its_description(tmp_path, prefix):
+    urdf = prefix / "share" / "arm_driver" / "urdf"
+    urdf.mkdir(parents=True)
+    (urdf / "arm.urdf.xacro").write_text(ARM)
+    (tmp_path / "common.yaml").write_text("/**: {ros__parameters: {rate: 10}}\n")
+    launch = read(tmp_path, BRINGUP, prefix, ur_type="ur10e", use_sim_time="true")
+    (process,) = launch.processes
+    words = list(process.command)
+    assert {"__ns:=/left", "use_sim_time:=true", str(tmp_path / "common.yaml"), "gains.p:=1.5"} <= set(words)
+    (description,) = [w for w in words if w.startswith("robot_description:='")]
+    assert '<link name="ur10e_base"/>' in description
+    (tmp_path / "common.yaml").unlink()
+    with pytest.raises(LaunchError, match="there is no file .*common.yaml"):
+        read(tmp_path, BRINGUP, prefix)
+    (urdf / "arm.urdf.xacro").write_text(ARM.replace("$(arg name)", "$(arg nam)"))
+    with pytest.raises(LaunchError, match=r":[56]: \$\(command 'xacro ...'\): .*nam"):
+        read(tmp_path, BRINGUP, prefix)
+
+
 def test_an_argument_that_the_file_does_not_have_is_refused(tmp_path):
     with pytest.raises(LaunchError, match=r"no argument 'robot_pi'; did you mean 'robot_ip'"):
         read(tmp_path, '<launch><arg name="robot_ip" default=""/></launch>', robot_pi="1")

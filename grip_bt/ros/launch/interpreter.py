@@ -158,6 +158,16 @@ class _Reader:
         name, value = self._text(element, scope, "name"), self._text(element, scope, "value")
         scope.parameters = (*scope.parameters, "-p", f"{name}:={value}")
 
+    def _set_parameters_from_file(self, element: Element, scope: Scope) -> None:
+        file = Path(self._text(element, scope, "filename"))
+        if not file.is_file():
+            raise self._place(element, scope).error(f"<set_parameters_from_file>: there is no file {file}")
+        scope.parameters = (*scope.parameters, "--params-file", str(file))
+
+    def _set_use_sim_time(self, element: Element, scope: Scope) -> None:
+        value = truth(self._text(element, scope, "value"), self._place(element, scope))
+        scope.parameters = (*scope.parameters, "-p", f"use_sim_time:={str(value).lower()}")
+
     def _group(self, element: Element, scope: Scope) -> None:
         scoped = truth(element.attributes.get("scoped", "true"), self._place(element, scope))
         self._all(element.children, scope.copy() if scoped else scope)
@@ -247,6 +257,8 @@ _HANDLERS: dict[str, tuple[Callable[[_Reader, Element, Scope], None], set[str]]]
     "push-ros-namespace": (_Reader._namespace, {"namespace"}),
     "set_remap": (_Reader._set_remap, {"from", "to"}),
     "set_parameter": (_Reader._set_parameter, _NAMED),
+    "set_parameters_from_file": (_Reader._set_parameters_from_file, {"filename"}),
+    "set_use_sim_time": (_Reader._set_use_sim_time, {"value"}),
     "group": (_Reader._group, {"scoped"}),
     "include": (_Reader._include, {"file"}),
     "node": (_Reader._node, _COMMON | {"pkg", "exec", "namespace", "args", "ros_args"}),

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from grip_bt.errors import listing, nearest
+from grip_bt.errors import DocumentError, listing, nearest
 
 from ..packages import PackageError, executable_of, prefix_of, share_of
 from .errors import LaunchError
@@ -16,7 +17,8 @@ MOST = 100
 """Substitutions in one text, also within each other."""
 _REFUSED = {
     "eval": "it runs Python code of the file; write the condition with if/unless, `equals`, `not`, `and`, `or`",
-    "command": "it runs a program while the file is read; give its output as an argument",
+    "command": "it runs a program while the file is read (`xacro FILE NAME:=VALUE ...` is understood, and expanded "
+    "by GRIP); give its output as an argument",
     "param": "it asks for a parameter that is set while nodes start",
     "find": "it is of ROS 1; write $(find-pkg-share PACKAGE)",
     "optenv": "it is of ROS 1; write $(env NAME DEFAULT)",
@@ -119,6 +121,8 @@ def _word(text: str, at: int, place: Place) -> tuple[str, int]:
 
 
 def _apply(name: str, words: list[str], place: Place) -> str:
+    if name == "command" and (asked := shlex.split(words[0] if words else ""))[:1] == ["xacro"]:
+        return _xacro(asked[1:], place)
     if name in _REFUSED:
         raise place.error(f"$({name} ...) isn't run here: {_REFUSED[name]}")
     if name not in _KNOWN:
@@ -149,6 +153,22 @@ def _environment(words: list[str], place: Place) -> str:
     if len(words) > 1:
         return words[1]
     raise place.error(f"$(env {words[0]}): the environment has no such variable; a default: $(env {words[0]} VALUE)")
+
+
+def _xacro(words: list[str], place: Place) -> str:
+    """Return a robot's description, as `xacro FILE NAME:=VALUE ...` prints it."""
+    from grip_bt.commanders.description.packages import Packages
+    from grip_bt.commanders.description.xacro_files import expand
+
+    files = [word for word in words if ":=" not in word and not word.startswith("-")]
+    if len(files) != 1:
+        raise place.error(f"$(command 'xacro ...'): it is given one file, not {len(files)}")
+    shares = [folder for prefix in reversed(place.prefixes or ()) for folder in sorted((prefix / "share").glob("*"))]
+    packages = Packages({folder.name: folder for folder in shares if folder.is_dir()}, (Path(files[0]),))
+    try:
+        return expand(Path(files[0]), dict(word.split(":=", 1) for word in words if ":=" in word), packages)
+    except DocumentError as error:
+        raise place.error(f"$(command 'xacro ...'): {error}") from None
 
 
 def _logic(words: list[str], place: Place) -> list[bool]:
