@@ -22,7 +22,7 @@ for (const colorScheme of ["light", "dark"]) {
       await choose("Run to look at", run);
       await button("Robot in 3D").focus();
       await page.keyboard.press("Enter");
-      await page.getByLabel("What is drawn").getByText("23 joints as measured").waitFor();
+      await page.getByLabel("What is drawn").getByText("23 joints as measured at 2.50 s").waitFor();
       const canvas = page.getByRole("application", { name: /^panda_allegro: 23 joints/ });
       await canvas.waitFor();
       await page.getByText("2 objects, 3 poses, in words").click();

@@ -25,6 +25,8 @@ from grip_gui.live.motion import last_state, motion_of
 from grip_gui.setup.geometry import FINE, coarse, geometry
 
 GRIP = "grip: 1\nrobot: panda_allegro\narms: {right: {group: arm, hand: palm}}\nhands: {palm: {group: hand}}\n"
+BEGAN = 9.5
+"""What the run's clock says when the run begins [s]: a simulator took that long to start."""
 CUP = {"kind": "cylinder", "size": [0.04, 0.12], "fixed": False}
 TABLE = {"kind": "box", "size": [0.8, 1.2, 0.02], "at": [0.5, 0, -0.01, 1, 0, 0, 0], "hand": "", "fixed": True}
 
@@ -38,23 +40,23 @@ def recorded(folder: Path) -> tuple[str, list[list[float]]]:
     wanted = [model.grasp_pose(JointState(arm, turn)).position.tolist() for turn in turns]
     with Journal(folder / ".grip" / "runs.sqlite") as journal:
         log = journal.begin("tiny", "tasks/tiny.yaml", TASK, "bt", 7)
-        log.append(0.0, "/", "run_started", None, None, {})
-        log.append(0.0, "first", "enter", None, None, {})
+        log.append(BEGAN, "/", "run_started", None, None, {})
+        log.append(BEGAN, "first", "enter", None, None, {})
         at = Pose((0.5, 0.1, 0.2))
         grasp = Grasp(at, at.moved((0, 0, 0.1)), at.moved((0, 0, 0.2)))
         data = {"variable": "chosen", "type": "Grasp", "preview": "a grasp"}
-        log.note(2.0, "first", Noted("write", data=data, written=(snapshot(grasp),)))
-        log.append(3.0, "/", "run_ended", None, None, {"status": "success"})
+        log.note(BEGAN + 2.0, "first", Noted("write", data=data, written=(snapshot(grasp),)))
+        log.append(BEGAN + 3.0, "/", "run_ended", None, None, {"status": "success"})
         log.end("success", None)
     lines: list[dict[str, Any]] = [
         {"parts": {"palm": list(hand), "right": list(arm)}},
         {
-            "t": 0.0,
+            "t": BEGAN,
             "q": {"palm": [0.0] * len(hand), "right": turns[0]},
             "scene": {"table": TABLE, "cup": {**CUP, "at": [0.5, 0.1, 0.06, 1, 0, 0, 0], "hand": ""}},
         },
-        {"t": 2.0, "q": {"right": turns[1]}},
-        {"t": 2.5, "scene": {"table": TABLE, "cup": {**CUP, "at": [0, 0, 0.05, 1, 0, 0, 0], "hand": "palm"}}},
+        {"t": BEGAN + 2.0, "q": {"right": turns[1]}},
+        {"t": BEGAN + 2.5, "scene": {"table": TABLE, "cup": {**CUP, "at": [0, 0, 0.05, 1, 0, 0, 0], "hand": "palm"}}},
     ]
     file = motion_file(folder / ".grip" / "runs.sqlite", log.id)
     file.parent.mkdir(parents=True)
@@ -98,7 +100,7 @@ def test_the_record_of_a_motion_is_read_piece_by_piece(project: Path) -> None:
     run, _ = recorded(project)
     journal = project / ".grip" / "runs.sqlite"
     piece = motion_of(journal, run, 0)
-    assert [sample.t for sample in piece.samples] == [0.0, 2.0, 2.5]
+    assert [sample.t for sample in piece.samples] == [BEGAN, BEGAN + 2.0, BEGAN + 2.5]
     with motion_file(journal, run).open("a") as record:
         record.write('{"t": 3.0, "q": {"right": [1')  # the writer is in the middle of a line
     assert motion_of(journal, run, piece.next).samples == []

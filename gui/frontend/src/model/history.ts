@@ -17,6 +17,11 @@ export class History {
     return this.events.length;
   }
 
+  /** What the run's clock said when it began [s]; the times of its events count from there. */
+  get start(): number {
+    return this.origin ?? 0;
+  }
+
   /** Number of the next event that is missing. */
   get nextSeq(): number {
     return (this.events.at(-1)?.seq ?? -1) + 1;

@@ -51,8 +51,9 @@ export default function RobotView(): JSX.Element {
     event.preventDefault();
     event.stopPropagation();
   }
+  const origin = useRun((s) => s.history.start);
   const known = stand && view ? view.joints.filter((joint) => stand.joints.has(joint.name)).length : 0;
-  const said = view === null ? "Fetching the robot ..." : view.trouble || (stand === null ? `${view.name} at rest: the run has measured nothing` : known === 0 ? `${view.name} at rest: the joints of this run's robot aren't its joints (a fake?)` : `${view.name}: ${known} joints as measured at ${seconds(stand.t)}`);
+  const said = view === null ? "Fetching the robot ..." : view.trouble || (stand === null ? `${view.name} at rest: the run has measured nothing` : known === 0 ? `${view.name} at rest: the joints of this run's robot aren't its joints (a fake?)` : `${view.name}: ${known} joints as measured at ${seconds(Math.max(0, stand.t - origin))}`);
   return (
     <section className="robot-view" aria-label="Robot in 3D">
       <div className="edit-bar" role="toolbar" aria-label="Camera">
@@ -122,6 +123,7 @@ function useStand(): Stand | null {
   const live = useRun((s) => !s.complete);
   const following = useRun((s) => s.cursor === null && !s.complete);
   const t = useRun((s) => s.moment.t);
+  const origin = useRun((s) => s.history.start);
   const version = useRobot((s) => s.version);
   const known = useRobot((s) => s.run);
   const [stand, setStand] = useState<Stand | null>(null);
@@ -141,8 +143,8 @@ function useStand(): Stand | null {
   }, [run, live]);
   useEffect(() => {
     const { motion } = useRobot.getState();
-    setStand(run === undefined || known !== run ? null : motion.at(following ? Number.POSITIVE_INFINITY : t));
-  }, [run, known, version, following, t]);
+    setStand(run === undefined || known !== run ? null : motion.at(following ? Number.POSITIVE_INFINITY : t + origin));
+  }, [run, known, version, following, t, origin]);
   return stand;
 }
 

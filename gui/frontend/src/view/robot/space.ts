@@ -8,6 +8,8 @@ import { makeItem, makeRobot, place, type Robot } from "./body";
 
 const STEP = Math.PI / 18;
 const AXES = 0.08;
+/** Of a variable with more poses, such as a list of grasps, only the axes are drawn: names would cover each other. */
+const NAMED = 3;
 
 export type Side = "front" | "side" | "above";
 
@@ -86,11 +88,13 @@ export function makeSpace(canvas: HTMLCanvasElement, view: GeometryView): Space 
       const color = new Color(look.getPropertyValue(item.hand ? "--success" : item.fixed ? "--quiet" : "--accent").trim());
       (held.get(item.hand) ?? things).add(makeItem(item, color));
     }
+    const together = new Map<string, number>();
+    for (const { name } of places) together.set(variableOf(name), (together.get(variableOf(name)) ?? 0) + 1);
     for (const each of places) {
       const pose = new Group();
       place(pose, each.at);
       addAxes(pose, AXES);
-      pose.add(label(each.name, look.getPropertyValue("--text").trim()));
+      if ((together.get(variableOf(each.name)) ?? 0) <= NAMED) pose.add(label(each.name, look.getPropertyValue("--text").trim()));
       (robot.links.get(each.frame) ?? things).add(pose);
       if (robot.links.has(each.frame)) hung.push(pose);
     }
@@ -133,6 +137,10 @@ export function makeSpace(canvas: HTMLCanvasElement, view: GeometryView): Space 
       renderer.dispose();
     },
   };
+}
+
+function variableOf(name: string): string {
+  return name.split(" ")[0] ?? "";
 }
 
 function graspFrame(robot: Robot, frame: { link: string; at: number[] }): Group {
