@@ -8,7 +8,7 @@ import time
 import traceback
 from collections.abc import Callable, Mapping
 
-from grip_bt.compilers import drive
+from grip_bt.compilers import BehaviourState, drive
 from grip_bt.errors import HungError, NodeError
 from grip_bt.nodes.leaf import Leaf
 
@@ -60,7 +60,7 @@ class Watchdog:
 
 
 def _ticks(thread: int) -> bool:
-    """Tell whether a thread is inside a tick: in the loop that drives a behaviour, and not waiting for its turn.
+    """Tell whether a thread is inside a tick: in a loop that drives a behaviour, and not waiting for its turn.
 
     Entries of threads that wait for others, or that have ended, are old and mean nothing.
     """
@@ -68,7 +68,9 @@ def _ticks(thread: int) -> bool:
     while frame is not None:
         codes.add(frame.f_code)
         frame = frame.f_back
-    return drive.__code__ in codes and not codes & _WAITING
+    return bool(codes & _LOOPS) and not codes & _WAITING
 
 
+_LOOPS = {drive.__code__, BehaviourState.execute.__code__}
+"""The loops that tick: of a tree, and of a state of a machine."""
 _WAITING = {Pacing.turn.__code__, Pacing.rest.__code__, Pacing.hold.__code__}
