@@ -5,8 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from grip_bt.errors import CanceledError, ExecutionAbortedError, NameTakenError, NoGraspError, UnknownNameError
+from grip_bt.errors import (
+    CanceledError,
+    ConstraintBrokenError,
+    ExecutionAbortedError,
+    NameTakenError,
+    NoGraspError,
+    UnknownNameError,
+)
 from grip_bt.ports import Arm
+from grip_bt.values import PathConstraint, Pose
 
 
 def go(rig, goal):
@@ -67,6 +75,23 @@ def test_a_position_is_reached_whatever_the_orientation(arm_rig):
     assert arm_rig.port.grasp_pose().position == pytest.approx(target.position, abs=0.02)
     with pytest.raises(UnknownNameError, match="orientation"):
         arm_rig.port.plan(target, free="all")
+
+
+def test_a_plan_keeps_to_its_constraint_or_says_which_end_breaks_it(arm_rig):
+    start = arm_rig.port.grasp_pose()
+    target = start.moved(arm_rig.offset)
+    upright = PathConstraint(Pose(quaternion=start.quaternion), (0.2, 0.2, 0.2))
+    plan = arm_rig.wait(arm_rig.port.plan(target, constraint=upright)).result()
+    arm_rig.wait(arm_rig.port.execute(plan)).result()
+    assert upright.kept_by(arm_rig.port.grasp_pose(), slack=0.02)
+    near = PathConstraint(box=arm_rig.port.grasp_pose(), size=(0.02, 0.02, 0.02))
+    with pytest.raises(ConstraintBrokenError, match="the goal breaks"):
+        arm_rig.wait(arm_rig.port.plan(start, constraint=near)).result()
+
+
+def test_one_plan_alone_meets_nothing(arm_rig):
+    plan = arm_rig.wait(arm_rig.port.plan("home")).result()
+    assert arm_rig.wait(arm_rig.port.check_together([plan])).result() is None
 
 
 def test_jogging_moves_along_the_twist_for_its_time_and_no_quicker_than_allowed(arm_rig):
