@@ -179,7 +179,7 @@ class Calls(Evaluation):
                 return None
             if owner in CONTAINERS:
                 return construction.call(self, owner, last, None, arguments, named, span)
-        return NotImplemented
+        return self.library(callee.name, arguments, named)
 
     # --- methods ---
 

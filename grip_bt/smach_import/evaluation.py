@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import ast
+import copy
+import itertools
+import json
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from .found import CONTAINERS, Found, FoundContainer, Opaque, Reference
@@ -40,6 +43,18 @@ _FUNCTIONS |= {
     "zip": lambda *a: list(zip(*a, strict=False)),
     "reversed": lambda a: list(reversed(a)),
 }
+_LIBRARY: dict[str, Callable[..., Any]] = {
+    "itertools.product": lambda *a, **k: _limited(itertools.product(*a, **k)),
+    "itertools.permutations": lambda *a: _limited(itertools.permutations(*a)),
+    "itertools.combinations": lambda *a: _limited(itertools.combinations(*a)),
+    "itertools.chain": lambda *a: _limited(itertools.chain(*a)),
+    "itertools.islice": lambda *a: _limited(itertools.islice(*a)),
+    "collections.OrderedDict": dict,
+    "json.loads": json.loads,
+    "copy.copy": copy.copy,
+    "copy.deepcopy": copy.deepcopy,
+}
+"""Functions of Python's library that give the same whenever they are called, by what they are given."""
 _PURE = {
     str: ("format", "upper", "lower", "join", "replace", "strip", "split", "title", "capitalize", "startswith"),
     dict: ("items", "keys", "values", "get", "copy", "update", "pop", "setdefault"),
@@ -262,6 +277,12 @@ class Evaluation:
     def _call(self, node: ast.Call, scope: Scope) -> Any:
         return self.call(node, scope)
 
+    def library(self, name: str, arguments: list[Any], named: dict[str, Any]) -> Any:
+        """Call a function of Python's library on what is known."""
+        known = all(map(is_literal, (*arguments, *named.values())))
+        ranges = any(isinstance(a, range) and len(a) > _LARGEST for a in arguments)
+        return _LIBRARY[name](*arguments, **named) if name in _LIBRARY and known and not ranges else NotImplemented
+
     def pure(self, target: Any, name: str, arguments: list[Any], named: dict[str, Any]) -> Any:
         """Call a method of a Python value, or a builtin function where `target` is None."""
         if any(isinstance(a, range) and len(a) > _LARGEST for a in arguments):
@@ -283,6 +304,13 @@ def bind(target: ast.expr, value: Any, scope: Scope) -> None:
         known = isinstance(value, (tuple, list)) and len(value) == len(target.elts)
         for i, each in enumerate(target.elts):
             bind(each, value[i] if known else Opaque(ast.unparse(each)), scope)
+
+
+def _limited(items: Iterable[Any]) -> list[Any]:
+    found = list(itertools.islice(items, _LARGEST + 1))
+    if len(found) > _LARGEST:
+        raise ValueError("too many items to follow")
+    return found
 
 
 def _size(value: Any) -> int:

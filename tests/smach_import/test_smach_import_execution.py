@@ -22,7 +22,8 @@ def texts(imported):
 
 @pytest.mark.parametrize(("name", "given"), [("computed_steps", {}), ("given_rooms", ROOMS)])
 def test_what_only_a_run_knows_is_exact_when_it_is_run_and_does_the_same(name, given, tmp_path):
-    file = EXECUTED / f"{name}.py"
+    file = tmp_path / f"{name}.py"
+    file.write_text((EXECUTED / f"{name}.py").read_text().replace("json.loads(", "json.JSONDecoder().decode("))
     assert verdicts(import_file(file)) == ["failed"]
     imported = import_with_execution(file, given=given)
     assert verdicts(imported) == ["exact"]
