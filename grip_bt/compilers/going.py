@@ -15,7 +15,7 @@ from grip_bt.smach_compat.util import is_shutdown
 from .behaviour_state import TaskState
 
 ORDINARY: Any = object()
-"""The next transition isn't plain; its state hasn't been executed."""
+"""The very next transition isn't plain; its state hasn't been executed."""
 
 
 def go_on(machine: Any) -> Any:
@@ -29,14 +29,14 @@ def go_on(machine: Any) -> Any:
         machine: a `StateMachine` of smach_compat.
 
     Returns:
-        The machine's outcome; None after a transition that wasn't plain; `ORDINARY`.
+        The machine's outcome; `ORDINARY`; None after some transitions, before one that isn't plain or mustn't be.
 
     Raises:
         InvalidUserCodeError: a state raised.
     """
     if machine._constants or not all(isinstance(state, TaskState) for state in machine._states.values()):
         return ORDINARY
-    lock = machine._state_transitioning_lock
+    lock, result = machine._state_transitioning_lock, ORDINARY
     lock.release()
     try:
         while True:
@@ -49,7 +49,7 @@ def go_on(machine: Any) -> Any:
                 or smach_compat.loginfo is not silent
                 or label not in machine._states
             ):
-                return ORDINARY
+                return result
             try:
                 outcome = state.execute(None)
             except Exception as error:  # noqa: BLE001 - it says which state it was, and goes on
@@ -62,7 +62,7 @@ def go_on(machine: Any) -> Any:
             if machine._transition_cbs or machine._current_state is not state:
                 break
             machine._current_label, machine._current_state = target, following
-            machine._current_transitions = transitions
+            machine._current_transitions, result = transitions, None
     finally:
         lock.acquire()
     return machine._follow(label, state, outcome, plain=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -9,7 +10,7 @@ from py_trees.common import Status
 
 from grip_bt import smach_compat
 from grip_bt.catalog import Catalog, Manifest
-from grip_bt.compilers import BehaviourState, Rushing, to_machine
+from grip_bt.compilers import BehaviourState, Halted, Rushing, to_machine
 from grip_bt.errors import NotExpressibleError
 from grip_bt.graph.model import Task
 from grip_bt.nodes import Leaf
@@ -155,3 +156,50 @@ def test_a_machine_runs_again_after_its_end() -> None:
     for _ in range(2):
         assert compiled.execute(Rushing()).failure.code == "no_ik"
     assert len(saw) == 4
+
+
+STEPS = {"kind": "sequence", "children": {"a": LEAF, "b": LEAF, "c": LEAF}}
+
+
+def during(leaf: Told, action: Callable[[], None]) -> None:
+    """Have something happen while a leaf is active."""
+    update = leaf.update
+
+    def acting() -> Status:
+        action()
+        return update()
+
+    leaf.update = acting  # type: ignore[method-assign]
+
+
+def test_who_begins_to_listen_in_the_middle_hears_of_the_very_next_transition() -> None:
+    compiled, _ = machine_of(STEPS)
+    (steps,) = compiled.machine.get_children().values()
+    heard: list[list[str]] = []
+    during(compiled.leaves["b"], lambda: steps.register_transition_cb(lambda ud, active: heard.append(list(active))))
+    compiled.execute(Rushing())
+    assert heard == [["c"]]
+
+
+def test_a_shutdown_that_is_asked_for_in_the_middle_stops_before_the_next_state() -> None:
+    compiled, saw = machine_of(STEPS)
+    usual = smach_compat.is_shutdown
+    during(compiled.leaves["b"], lambda: smach_compat.set_shutdown_check(lambda: True))
+    try:
+        with pytest.raises(Halted):
+            compiled.execute(Rushing())
+    finally:
+        smach_compat.set_shutdown_check(usual)
+    assert [path for path, _ in saw] == ["a", "b"]
+
+
+def test_a_transition_that_is_edited_in_the_middle_is_followed_as_it_is_then() -> None:
+    compiled, saw = machine_of(STEPS)
+    (steps,) = compiled.machine.get_children().values()
+
+    def past_the_second() -> None:
+        steps._transitions["a"]["success"] = "c"
+
+    during(compiled.leaves["a"], past_the_second)
+    assert compiled.execute(Rushing()).outcome == "success"
+    assert [path for path, _ in saw] == ["a", "c"]
