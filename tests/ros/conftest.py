@@ -8,6 +8,8 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
+from functools import partial
 from itertools import count
 from pathlib import Path
 
@@ -63,16 +65,19 @@ def bus(domain):
         yield made
 
 
-@pytest.fixture
-def serve(domain):
-    """Return a function that starts `data/servers.py` in a process that isn't ours to watch, and waits for its word."""
+@contextmanager
+def servers(domain: int):
+    """Give a function that starts a program of `data/` in a process that isn't ours to watch, and waits for its word.
+
+    It takes the file's name, arguments, and prefixes with further packages; all are killed at the end.
+    """
     from grip_bt.ros.process import child_environment
 
     started = []
 
-    def start(*arguments: str, overlays=()) -> subprocess.Popen:
+    def start(file: str, *arguments: str, overlays=()) -> subprocess.Popen:
         process = subprocess.Popen(
-            [sys.executable, str(DATA / "servers.py"), *arguments],
+            [sys.executable, str(DATA / file), *arguments],
             env=child_environment(overlays, domain),
             stdout=subprocess.PIPE,
             text=True,
@@ -81,11 +86,26 @@ def serve(domain):
         assert process.stdout.readline() == "serving\n"
         return process
 
-    yield start
-    for process in started:
-        process.kill()
-        process.wait()
-        process.stdout.close()
+    try:
+        yield start
+    finally:
+        for process in started:
+            process.kill()
+            process.wait()
+            process.stdout.close()
+
+
+@pytest.fixture
+def start_server(domain):
+    """Return a function that starts a program of `data/`; see `servers`."""
+    with servers(domain) as start:
+        yield start
+
+
+@pytest.fixture
+def serve(start_server):
+    """Return a function that starts `data/servers.py`."""
+    return partial(start_server, "servers.py")
 
 
 @pytest.fixture(scope="session")
@@ -100,28 +120,9 @@ def trial(interface_cache) -> Path:
 
 
 @pytest.fixture
-def act(domain, trial):
-    """Return a function that starts `data/action_server.py` in a process that isn't ours to watch."""
-    from grip_bt.ros.process import child_environment
-
-    started = []
-
-    def start(name: str = "/work") -> subprocess.Popen:
-        process = subprocess.Popen(
-            [sys.executable, str(DATA / "action_server.py"), name],
-            env=child_environment([trial], domain),
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        started.append(process)
-        assert process.stdout.readline() == "serving\n"
-        return process
-
-    yield start
-    for process in started:
-        process.kill()
-        process.wait()
-        process.stdout.close()
+def act(start_server, trial):
+    """Return a function that starts `data/action_server.py`."""
+    return lambda name="/work": start_server("action_server.py", name, overlays=[trial])
 
 
 @pytest.fixture

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 import time
+from functools import partial
 
 import numpy as np
 import pytest
-from conftest import DATA, ended
+from conftest import ended
 
 from grip_bt.errors import CanceledError, ExecutionAbortedError, SensorError, UnknownNameError
 from grip_bt.ports import Executor, HandPort
@@ -27,28 +26,9 @@ def messages(interface_cache):
 
 
 @pytest.fixture
-def robot(domain, messages):
+def robot(start_server, messages):
     """Return a function that starts the robot and returns its process."""
-    from grip_bt.ros.process import child_environment
-
-    started = []
-
-    def start(*arguments: str) -> subprocess.Popen:
-        process = subprocess.Popen(
-            [sys.executable, str(DATA / "controller_server.py"), *arguments],
-            env=child_environment(messages, domain),
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        started.append(process)
-        assert process.stdout.readline() == "serving\n"
-        return process
-
-    yield start
-    for process in started:
-        process.kill()
-        process.wait()
-        process.stdout.close()
+    return partial(start_server, "controller_server.py", overlays=messages)
 
 
 @pytest.fixture
@@ -180,6 +160,71 @@ def test_joints_that_nobody_publishes_are_named(bus, robot):
         states.wait_for(NAMES, 0.3)
     with pytest.raises(SensorError):
         ended(states.fresh(NAMES))
+
+
+class Reader:
+    """Stands for the subscription: messages come when the test says so."""
+
+    def listen(self, callback):
+        from grip_bt.operation import Operation
+
+        self.callback = callback
+        return Operation.finished(None)
+
+    def publishers(self):
+        return "1 publisher"
+
+
+@pytest.fixture
+def heard(monkeypatch):
+    """Return joint states, and a function that has a message heard: position, stamp [s], time of our clock [s]."""
+    from types import SimpleNamespace
+
+    from sensor_msgs.msg import JointState as Message
+
+    from grip_bt.ros.controllers import JointStates, joint_states
+    from grip_bt.ros.topic import Received
+
+    clock, reader = SimpleNamespace(now=1000.0), Reader()
+    monkeypatch.setattr(joint_states, "time", SimpleNamespace(monotonic=lambda: clock.now))
+    states = JointStates(SimpleNamespace(reader=lambda *_: reader))
+
+    def hear(position, stamp, now):
+        clock.now = now
+        message = Message(name=["joint_a"], position=[position])
+        message.header.stamp.sec, message.header.stamp.nanosec = int(stamp), round(stamp % 1 * 1e9)
+        reader.callback(Received(message, now))
+
+    return states, hear, clock
+
+
+def test_what_was_measured_before_and_is_only_heard_now_is_not_the_end_of_a_motion(heard):
+    states, hear, clock = heard
+    hear(0.0, 50.0, 1000.002)  # whatever the publisher's clock: this one took 2 ms
+    clock.now = 1001.0
+    fresh = states.fresh(["joint_a"])
+    hear(0.0, 50.5, 1001.1)  # measured half a second before, and waited
+    assert not fresh.done()
+    hear(0.7, 51.05, 1001.11)
+    assert fresh.result().position == pytest.approx([0.7])
+
+
+def test_a_clock_that_goes_otherwise_only_takes_longer(heard):
+    states, hear, clock = heard
+    hear(0.0, 50.0, 1000.0)
+    clock.now = 1004.0
+    fresh = states.fresh(["joint_a"])
+    hear(0.3, 50.4, 1004.1)  # simulated time at a tenth of the wall's
+    assert not fresh.done()
+    assert ended(fresh).position == pytest.approx([0.3])
+
+
+def test_without_stamps_what_is_heard_counts(heard):
+    states, hear, clock = heard
+    clock.now = 1001.0
+    fresh = states.fresh(["joint_a"])
+    hear(0.2, 0.0, 1001.1)
+    assert fresh.result().position == pytest.approx([0.2])
 
 
 def test_a_gripper_closes_on_what_is_there_and_opens(bus, states):

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import shutil
-import subprocess
-import sys
 import threading
 import time
 from pathlib import Path
@@ -19,7 +17,6 @@ from grip_bt.catalog.sensor_config import SensorConfig
 from grip_bt.errors import BadReplyError, CanceledError, DocumentError, SensorError, ServerLostError, ServerTimeOutError
 from grip_bt.ros.door import BadRequestError, RosDoor
 from grip_bt.ros.frames import FrameError, FrameTree
-from grip_bt.ros.process import child_environment
 from grip_bt.ros.sensors import mounted_frames, open_sensors
 from grip_bt.ros.synchronise import Synchroniser
 from grip_bt.ros.tf import Transforms
@@ -42,18 +39,8 @@ def door(bus):
 
 
 @pytest.fixture
-def camera(domain):
-    process = subprocess.Popen(
-        [sys.executable, str(DATA / "camera_driver.py")],
-        env=child_environment((), domain),
-        stdout=subprocess.PIPE,
-        text=True,
-    )
-    assert process.stdout.readline() == "serving\n"
-    yield process
-    process.kill()
-    process.wait()
-    process.stdout.close()
+def camera(start_server):
+    return start_server("camera_driver.py")
 
 
 # --- without ROS ---

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-import subprocess
-import sys
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import DATA, ended
+from conftest import ended, servers
 
 from grip_bt.commanders.description.load import load_robot
 from grip_bt.commanders.planning.requests import ChooseGrasp, PlanningSettings, PlanStraight, PlanTo, Situation
@@ -51,38 +50,21 @@ def model(robot):
 
 
 @pytest.fixture(scope="module")
-def start_server(own_domain):
+def start_move_group(own_domain):
     """Return a function that starts the stand-in."""
     from grip_bt.ros.definitions import provide
-    from grip_bt.ros.process import child_environment
 
     prefixes = provide("moveit_msgs")
-    started = []
-
-    def start(*arguments: str) -> subprocess.Popen:
-        process = subprocess.Popen(
-            [sys.executable, str(DATA / "move_group_server.py"), ROBOT, *arguments],
-            env=child_environment(prefixes, own_domain),
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        started.append(process)
-        assert process.stdout.readline() == "serving\n"
-        return process
-
-    yield start
-    for process in started:
-        process.kill()
-        process.wait()
-        process.stdout.close()
+    with servers(own_domain) as start:
+        yield partial(start, "move_group_server.py", ROBOT, overlays=prefixes)
 
 
 @pytest.fixture(scope="module")
-def shared(start_server, own_domain):
+def shared(start_move_group, own_domain):
     """Return a bus, with a stand-in running that all tests share."""
     from grip_bt.ros.bus import Bus
 
-    start_server()
+    start_move_group()
     with Bus("moveit_tests", domain_id=own_domain) as bus:
         yield bus
 
@@ -360,14 +342,14 @@ def test_a_move_group_that_is_not_there_is_named(planning, robot, scene):
     assert caught.value.data["cause"] == "server_lost"
 
 
-def test_one_that_was_started_anew_gets_the_whole_scene_again(planning, robot, scene, start_server, shared):
-    first = start_server("/again")
+def test_one_that_was_started_anew_gets_the_whole_scene_again(planning, robot, scene, start_move_group, shared):
+    first = start_move_group("/again")
     planner, goal = planning(namespace="/again"), moved(robot, elbow_joint=-0.1)
     scene.set_box("crate", (0.1, 0.1, 0.1), Pose(np.array([3.0, 3.0, 0.0])))
     ended(planner.submit(PlanTo(situation(robot, scene), goal)), 30)
     first.kill()
     first.wait()
-    start_server("/again")
+    start_move_group("/again")
     ended(planner.submit(PlanTo(situation(robot, scene), goal)), 40)
     from grip_bt.ros.types import load_type
 
@@ -432,3 +414,106 @@ def test_a_motion_that_is_stopped_or_given_up_says_so(executor, robot):
     assert (caught.value.data["moveit"], caught.value.data["moveit_code"]) == ("control_failed", -4)
     assert math.isfinite(executor.state().position[0])
     ended(executor.execute(to(executor, home(robot))))
+
+
+# --- goals in MoveIt's words ---
+
+
+@pytest.fixture
+def mounted(shared, robot):
+    """Return functions of a mount whose link has the grasp frame's axes in another order, and one that lies askew."""
+    from grip_bt.ros.moveit import Mount
+
+    def mount(frame: Pose) -> Mount:
+        return Mount("arm", robot.group("arm"), "tool", frame, ())
+
+    quarter, askew = math.sqrt(0.5), math.cos(math.radians(15))
+    ordered = Pose((0.1, 0, 0), (quarter, 0, quarter, 0), "tool")  # the grasp frame's z is the link's x
+    return mount(ordered), mount(Pose((0, 0, 0), (askew, math.sin(math.radians(15)), 0, 0), "tool"))
+
+
+def tolerances(constraints) -> list[float]:
+    (one,) = constraints.orientation_constraints
+    return [one.absolute_x_axis_tolerance, one.absolute_y_axis_tolerance, one.absolute_z_axis_tolerance]
+
+
+def test_a_free_turn_is_a_tolerance_about_the_links_axis_or_several_goals(mounted):
+    from grip_bt.ros.convert_geometry import pose_from_message
+    from grip_bt.ros.moveit.goals import ANY, TURN, TURNS, at_pose
+
+    ordered, askew = mounted
+    pose = Pose((0.4, 0.1, 0.3), (0.5, 0.5, 0.5, 0.5))
+    (exact,) = at_pose(pose, "none", ordered, "base")
+    assert tolerances(exact) == [TURN, TURN, TURN]
+    (position,) = exact.position_constraints
+    offset = position.target_point_offset
+    assert (offset.x, offset.y, offset.z) == (0.1, 0, 0)
+    assert pose_from_message(position.constraint_region.primitive_poses[0]) == Pose(pose.position, pose.quaternion)
+    (about_z,) = at_pose(pose, "z", ordered, "base")
+    assert tolerances(about_z) == [ANY, TURN, TURN]  # the link's x
+    (anyhow,) = at_pose(pose, "orientation", ordered, "base")
+    assert (len(anyhow.position_constraints), anyhow.orientation_constraints) == (1, [])
+    turned = at_pose(pose, "z", askew, "base")
+    assert len(turned) == TURNS
+    assert len({tuple(np.round(_link_turn(c), 6)) for c in turned}) == TURNS
+    assert len(at_pose(pose, "x", askew, "base")) == 1  # that axis they share
+
+
+def _link_turn(constraints) -> list[float]:
+    q = constraints.orientation_constraints[0].orientation
+    return [abs(q.w), abs(q.x), abs(q.y), abs(q.z)]
+
+
+def test_what_a_path_keeps_to_is_said_about_the_link(mounted):
+    from grip_bt.ros.moveit.goals import ANY, on_the_way
+    from grip_bt.values import PathConstraint
+
+    ordered, askew = mounted
+    upright = PathConstraint(orientation=Pose(), tolerance=(0.1, 0.2, np.inf), axes="own")
+    assert tolerances(on_the_way(upright, ordered, "base")) == [ANY, 0.2, 0.1]
+    same = PathConstraint(orientation=Pose(), tolerance=(0.1, 0.1, 0.1), axes="own")
+    assert tolerances(on_the_way(same, askew, "base")) == [0.1, 0.1, 0.1]
+    with pytest.raises(ValueError, match="only about the axes of the link that carries the hand"):
+        on_the_way(upright, askew, "base")
+    boxed = on_the_way(PathConstraint(box=Pose((0, 0, 1.0)), size=(0.2, 0.4, 0.6)), ordered, "base")
+    (region,) = [p.constraint_region for p in boxed.position_constraints]
+    assert list(region.primitives[0].dimensions) == [0.2, 0.4, 0.6]
+    assert boxed.orientation_constraints == []
+
+
+# --- several calls as one ---
+
+
+def test_steps_go_on_with_results_and_errors_and_stop_where_they_are_cancelled():
+    from grip_bt.operation import Operation
+    from grip_bt.ros.steps import Line, walk
+
+    parts = [Operation(), Operation(), Operation()]
+
+    def work():
+        first = yield parts[0]
+        try:
+            yield parts[1]
+        except NoPlanError:
+            second = yield parts[2]
+            return first + second
+
+    whole = walk(work())
+    parts[0].succeed(1)
+    parts[1].fail(NoPlanError("no"))
+    parts[2].succeed(2)
+    assert whole.result() == 3
+
+    line, held, begun = Line(), Operation(), []
+    first = line.join(lambda: held)
+    second = line.join(lambda: begun.append(2) or Operation.finished(2))
+    third = line.join(lambda: begun.append(3) or Operation.finished(3))
+    second.cancel()
+    held.succeed(1)
+    assert (first.result(), third.result(), begun) == (1, 3, [3])
+    with pytest.raises(CanceledError):
+        second.result()
+    raised = line.join(lambda: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        raised.result()
+    assert line.join(lambda: Operation.finished(4)).result() == 4

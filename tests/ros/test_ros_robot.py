@@ -7,7 +7,6 @@ import subprocess
 import sys
 
 import pytest
-from conftest import DATA
 
 from grip_bt.catalog.controller_config import ControllerConfig, RosRobotConfig
 
@@ -41,30 +40,18 @@ root:
 
 @pytest.mark.ros
 @pytest.mark.slow
-def test_a_task_runs_on_controllers_of_another_process(tmp_path, domain):
+def test_a_task_runs_on_controllers_of_another_process(tmp_path, domain, start_server):
     from grip_bt.ros.definitions import provide
     from grip_bt.ros.process import child_environment
 
     (tmp_path / "grip.yaml").write_text(PROJECT)
     (tmp_path / "task.yaml").write_text(TASK)
     prefixes = [*provide("control_msgs"), *provide("controller_manager_msgs")]
-    env = child_environment(prefixes, domain)
     away = {name: angle + 0.1 for name, angle in HOME.items()}
     fingers = {f"hand_joint_{i}.0": 0.0 for i in range(16)} | {"hand_joint_12.0": 1.3}
-    robot = subprocess.Popen(
-        [sys.executable, str(DATA / "controller_server.py"), json.dumps({"ur": away, "allegro": fingers})],
-        env=env,
-        stdout=subprocess.PIPE,
-        text=True,
-    )
-    try:
-        assert robot.stdout.readline() == "serving\n"
-        command = [sys.executable, "-m", "grip_bt.cli", "run", str(tmp_path / "task.yaml"), "--robot", "ros"]
-        done = subprocess.run(command, env=child_environment((), domain), capture_output=True, text=True, timeout=120)
-    finally:
-        robot.kill()
-        robot.wait()
-        robot.stdout.close()
+    start_server("controller_server.py", json.dumps({"ur": away, "allegro": fingers}), overlays=prefixes)
+    command = [sys.executable, "-m", "grip_bt.cli", "run", str(tmp_path / "task.yaml"), "--robot", "ros"]
+    done = subprocess.run(command, env=child_environment((), domain), capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "success" in done.stdout
 
@@ -118,28 +105,20 @@ ros:
 
 @pytest.mark.ros
 @pytest.mark.slow
-def test_a_task_is_planned_and_executed_by_move_group(tmp_path, domain):
+def test_a_task_is_planned_and_executed_by_move_group(tmp_path, domain, start_server):
     from grip_bt.ros.definitions import provide
     from grip_bt.ros.process import child_environment
 
     (tmp_path / "task.yaml").write_text(TASK.replace("    open: {node: hand/open}\n", ""))
-    env = child_environment(provide("moveit_msgs"), domain)
-    server = [sys.executable, str(DATA / "move_group_server.py"), "ur5_allegro"]
-    moveit = subprocess.Popen(server, env=env, stdout=subprocess.PIPE, text=True)
+    start_server("move_group_server.py", "ur5_allegro", overlays=provide("moveit_msgs"))
 
     def run(project: str) -> subprocess.CompletedProcess[str]:
         (tmp_path / "grip.yaml").write_text(project)
         command = [sys.executable, "-m", "grip_bt.cli", "run", str(tmp_path / "task.yaml"), "--robot", "ros"]
         return subprocess.run(command, env=child_environment((), domain), capture_output=True, text=True, timeout=200)
 
-    try:
-        assert moveit.stdout.readline() == "serving\n"
-        done = run(MOVEIT_PROJECT)
-        refused = run(MOVEIT_PROJECT.replace("RRTConnectkConfigDefault", "'fail:-12'"))
-    finally:
-        moveit.kill()
-        moveit.wait()
-        moveit.stdout.close()
+    done = run(MOVEIT_PROJECT)
+    refused = run(MOVEIT_PROJECT.replace("RRTConnectkConfigDefault", "'fail:-12'"))
     assert done.returncode == 0, done.stdout + done.stderr
     assert "success" in done.stdout
     assert refused.returncode == 3

@@ -40,7 +40,7 @@ from grip_bt.values.solids import Box, Cylinder, Mesh, Sphere
 
 namespace = sys.argv[2] if len(sys.argv) > 2 else ""
 description = load_robot(sys.argv[1], Path.cwd())
-model, thinking = RobotModel(description), threading.Lock()
+model, thinking, telling = RobotModel(description), threading.Lock(), threading.Lock()
 frame = description.grasp_frame
 links = sorted({name for pair in description.disabled_pairs for name in pair})
 state = {**dict.fromkeys(description.joints, 0.0), **description.at_rest}
@@ -261,7 +261,8 @@ def execute(handle):
             return result
         state.update({n: float(np.interp(now, times, rows[:, i])) for i, n in enumerate(trajectory.joint_names)})
         time.sleep(0.005)
-    state.update(zip(trajectory.joint_names, rows[-1].tolist(), strict=True))
+    with telling:
+        state.update(zip(trajectory.joint_names, rows[-1].tolist(), strict=True))
     result.error_code = code(MoveItErrorCodes.SUCCESS)
     handle.succeed()
     return result
@@ -286,9 +287,10 @@ publisher = node.create_publisher(JointStateMessage, "/joint_states", 10)
 
 
 def publish():
-    message = JointStateMessage(name=list(state), position=[float(q) for q in state.values()])
-    message.header.stamp = node.get_clock().now().to_msg()
-    publisher.publish(message)
+    with telling:  # so that nothing stale is published after the end of a motion
+        message = JointStateMessage(name=list(state), position=[float(q) for q in state.values()])
+        message.header.stamp = node.get_clock().now().to_msg()
+        publisher.publish(message)
 
 
 node.create_timer(0.02, publish, callback_group=group)
