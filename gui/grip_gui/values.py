@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from grip_bt.errors import GripError
-from grip_bt.values import DepthImage, Grasp, Image, PointCloud, Pose
+from grip_bt.values import DepthImage, Grasp, Image, JointState, PointCloud, Pose
 
 from .pictures import address, drawn_cloud, drawn_depth, drawn_image
 from .run_messages import NamedPlace, ValueView
@@ -107,6 +107,8 @@ def _line(value: Any) -> str:
     match value:
         case Pose():
             return f"at {_numbers(value.position)} m in {value.frame}, {_turns(value)}"
+        case JointState():
+            text = ", ".join(f"{name} {at:.4g}" for name, at in zip(value.names, value.position, strict=True))
         case np.ndarray() if value.size <= 12:
             return _numbers(value.ravel())
         case np.ndarray():
