@@ -51,7 +51,10 @@ def open_robot(project: Project, resources: Resources, seed: int, stack: ExitSta
             "name them in grip.yaml: `ros: {controllers: {ARM: {trajectory: /CONTROLLER/follow_joint_trajectory}}}`"
         )
         raise MissingPartError("the controllers of a real robot", remedy)
-    groups = {name: part.group for name, part in (*file.arms.items(), *file.hands.items())}
+    alone = [
+        name for name, arm in file.arms.items() if not arm.arms
+    ]  # those that join others move by their controllers
+    groups = {name: file.arms[name].group for name in alone} | {name: hand.group for name, hand in file.hands.items()}
     for name in groups:
         if name not in settings.controllers:
             raise UnknownNameError("controller of", name, settings.controllers, "grip.yaml: ros/controllers")
@@ -69,7 +72,7 @@ def open_robot(project: Project, resources: Resources, seed: int, stack: ExitSta
         progress("controllers", f"active: {', '.join(wanted)}")
     states.wait_for([joint for names in joints.values() for joint in names], settings.ready)
     progress("robot", f"{sum(map(len, joints.values()))} joints measured on {settings.joint_states}")
-    executors = {name: HeldExecutor(_executor(settings, name, bus, joints[name], states)) for name in file.arms}
+    executors = {name: HeldExecutor(_executor(settings, name, bus, joints[name], states)) for name in alone}
     ports = {name: HeldHand(_hand(settings, name, bus, joints[name], states)) for name in file.hands}
     resources.pausable = [*executors.values(), *ports.values()]
     open_commanders(project, resources, description, planner, executors, ports, {}, seed)
