@@ -198,6 +198,7 @@ class _LiveMaker(TaskMaker):
     """Makes the task of objects: what YAML can't hold of their userdata is taken from there."""
 
     leaves: _LiveLeaves
+    may_be_one_leaf = False
 
     def _first(self, variable: str) -> str:
         expression, where = self.variables.first[variable]

@@ -30,7 +30,13 @@ Ends = Mapping[str, str]
 
 
 class TaskMaker:
-    """Makes the task of one outermost container."""
+    """Makes the task of one outermost container.
+
+    Attributes:
+        may_be_one_leaf: whether one that has no equal becomes a task of one leaf, which runs it.
+    """
+
+    may_be_one_leaf = True
 
     def __init__(self, root: FoundContainer, name: str, leaves: Leaves):
         self.root, self.name, self.leaves = root, name, leaves
@@ -47,7 +53,8 @@ class TaskMaker:
                 self.variables, self.sharing, self.leaves.specs = Variables(), Sharing(), dict(specs)
                 node, ends = self._root()
         except RefusedError as error:
-            if self.root.verdict == "failed" or not self.root.outcomes or not self.leaves.source(self.root):
+            one_leaf = self.may_be_one_leaf and self.root.outcomes and self.leaves.source(self.root)
+            if self.root.verdict == "failed" or not one_leaf:
                 if self.root.verdict != "failed":
                     self.root.problem("failed", str(error))
                 return None
