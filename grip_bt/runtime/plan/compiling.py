@@ -63,7 +63,7 @@ class Compiler:
             else:
                 known = builtin(node, self._given)
                 tick = leaves.leaf(node, self.visit, known)
-                inside = replace(inside, builtin=known) if inside is not None else None
+                inside = replace(inside, builtin=known) if inside is not None and known is not None else inside
             part = Part(node, self._conditional(node, tick), make_halt(stop), inside)
         else:
             part = self._inner(node, kind, verdict)
