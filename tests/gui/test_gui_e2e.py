@@ -143,7 +143,7 @@ def browser(script: str, url: str, *more: str) -> list[str]:
 )
 def test_the_page_in_a_browser(folder: Path, script: str) -> None:
     with editing(folder) as (_, url):
-        done = subprocess.run(browser(script, url), capture_output=True, text=True, timeout=120)
+        done = subprocess.run(browser(script, url), capture_output=True, text=True, timeout=300)
         assert done.returncode == 0, done.stdout + done.stderr
         wait_for(lambda: not run_processes(folder))
 

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from grip_bt.runtime import Journal
 from grip_bt.runtime.run_log import Noted
 from grip_bt.runtime.value_codec import snapshot
-from grip_bt.values import CameraInfo, DepthImage, Image, PointCloud, Pose
+from grip_bt.values import CameraInfo, DepthImage, Grasp, Image, JointState, PointCloud, Pose
 from grip_gui.pictures import LARGEST, drawn_cloud, drawn_depth, png
-from grip_gui.values import ROWS, value_view
+from grip_gui.values import PLACES, ROWS, value_view
 
 
 def pixels_of(data: bytes) -> NDArray[np.uint8]:
@@ -100,3 +100,18 @@ def test_what_a_write_wrote_is_shown_with_its_drawing(page: TestClient, written:
 def test_what_is_no_write_is_refused(page: TestClient, written: str, seq: str) -> None:
     assert page.get(f"/api/runs/{written}/values/{seq}").status_code in {404, 422}
     assert page.get("/api/runs/nobody/values/1").status_code == 404
+
+
+def test_joint_states_are_told_joint_by_joint() -> None:
+    assert value_view("JointState", JointState(("a", "b"), [0.25, -1.5])).text == "a 0.25, b -1.5"
+
+
+def test_poses_and_grasps_say_where_they_are_drawn() -> None:
+    at = Pose((0.5, 0.1, 0.2), frame="table")
+    (place,) = value_view("Pose", at).places
+    assert (place.frame, place.at) == ("table", [0.5, 0.1, 0.2, 1, 0, 0, 0])
+    grasps = [Grasp(at, at.moved((0, 0, 0.1)), at.moved((0, 0, 0.2)))] * 20
+    places = value_view("list[Grasp]", grasps).places
+    assert [place.name for place in places[:3]] == ["0 grasp", "0 before", "0 after"]
+    assert len(places) == PLACES
+    assert value_view("int", 3).places == []
