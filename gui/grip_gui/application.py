@@ -102,7 +102,7 @@ def create_app(
     app.add_middleware(Gate, token=app.state.token)
     app.add_exception_handler(GripError, _teach)
     app.add_exception_handler(RequestValidationError, _refuse_malformed)
-    edits, window = EditDesk(folder), RosWindow(folder.folder)
+    edits, window = EditDesk(folder, desk.follow_edit), RosWindow(folder.folder)
     app.include_router(make_edit_router(edits, desk.notify))
     app.include_router(make_run_router(folder, desk))
     app.include_router(make_setup_router(folder, runs, desk.notify))

@@ -9,6 +9,9 @@ from pathlib import Path
 
 from pydantic import TypeAdapter, ValidationError
 
+from grip_bt.graph.edit import path_after
+from grip_bt.graph.edit.steps import Step
+
 from .run_messages import Breakpoint
 
 log = logging.getLogger(__name__)
@@ -42,10 +45,28 @@ class Breakpoints:
         Raises:
             OSError: they can't be kept.
         """
+        self._put(task, points)
+
+    def follow(self, task: str, steps: Sequence[Step]) -> bool:
+        """Let the breakpoints of nodes that an edit has renamed or moved go with them; tell whether any did.
+
+        Those of nodes that are gone stay: an undo brings the nodes back.
+
+        Raises:
+            OSError: they can't be kept.
+        """
+        points = self.of(task)
+        moved = [p.model_copy(update={"node": path_after(p.node, steps) or p.node}) for p in points]
+        if moved == points:
+            return False
+        self._put(task, moved)
+        return True
+
+    def _put(self, task: str, points: Sequence[Breakpoint]) -> None:
         once = {(p.node, p.when, p.outcome): p for p in points}
         self.all = {**self.all, task: list(once.values())}
         if not once:
-            del self.all[task]
+            self.all.pop(task, None)
         self._file.parent.mkdir(parents=True, exist_ok=True)
         text = json.dumps(_FILE.dump_python(self.all, mode="json"), indent=1)
         new = self._file.with_suffix(".new")

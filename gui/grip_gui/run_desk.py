@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Sequence
 from pathlib import Path
 
 from grip_bt.errors import GripError, UnknownNameError
+from grip_bt.graph.edit.steps import Step
 
 from .breakpoints import Breakpoints
 from .journal import RunSource
@@ -14,6 +16,8 @@ from .launcher import Launcher, RunOptions
 from .lease import Lease
 from .run_messages import Breakpoint, Control, DeskView, SessionView
 from .session import STOP, Session
+
+log = logging.getLogger(__name__)
 
 
 class BusyError(GripError):
@@ -126,6 +130,13 @@ class RunDesk:
             self.lease.require(wish.page)
         await self.session.command(wish.fields())
         return self.session.view
+
+    def follow_edit(self, task: str, steps: Sequence[Step]) -> None:
+        """Let the breakpoints of a task follow an edit of it; a run under way goes on with those that it has."""
+        try:
+            self._breakpoints.follow(task, steps)
+        except OSError as error:
+            log.warning("the breakpoints of %s aren't kept: %s", task, error)
 
     async def set_breakpoints(self, task: str, points: Sequence[Breakpoint], page: str = "") -> DeskView:
         """Replace the breakpoints of a task, also in the run under way.

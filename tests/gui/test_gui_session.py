@@ -202,6 +202,27 @@ def test_breakpoints_are_kept_shown_to_all_and_set_before_the_run_begins(
         assert later.get("/api/desk").json()["breakpoints"] == shown
 
 
+def test_breakpoints_follow_a_rename_and_its_undo(page: TestClient) -> None:
+    tiny = "tasks/tiny.yaml"
+    page.post("/api/breakpoints", json={"task": tiny, "breakpoints": [{"node": "machine/a"}], "page": "one"})
+
+    def now() -> list[str]:
+        with page.websocket_connect(SOCKET) as socket:
+            shown = until(socket, lambda f: f["type"] == "desk")["desk"]["breakpoints"]
+        return [point["node"] for point in shown[tiny]]
+
+    def edit(what: str, **wish: Any) -> None:
+        base = page.get("/api/document", params={"path": tiny}).json()["revision"]
+        assert page.post(f"/api/document/{what}", json={"path": tiny, "base": base, **wish}).status_code == 200
+
+    edit("edit", command={"do": "rename", "path": "machine", "name": "steps"})
+    assert now() == ["steps/a"]
+    edit("edit", command={"do": "remove", "path": "steps/a"})
+    edit("step", step="undo")
+    edit("step", step="undo")
+    assert now() == ["machine/a"]
+
+
 def test_a_breakpoint_that_is_taken_back_is_cleared_in_the_run(page: TestClient, launcher: PlayedLauncher) -> None:
     wish = {"task": "tasks/tiny.yaml", "breakpoints": [{"node": "first"}]}
     with page.websocket_connect(SOCKET) as socket:

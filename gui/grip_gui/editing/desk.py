@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from threading import RLock
 
 from grip_bt.errors import DocumentError
 from grip_bt.graph import Task, dumps, read_text
+from grip_bt.graph.edit.steps import Step
 from grip_bt.graph.layout import layout_path
 
 from ..project import ProjectFolder
@@ -21,10 +22,11 @@ class EditDesk:
 
     Args:
         folder: the project; no path leads out of it.
+        followed: told of each edit's file and steps, for what else speaks of its nodes; in the thread of the edit.
     """
 
-    def __init__(self, folder: ProjectFolder):
-        self.folder = folder
+    def __init__(self, folder: ProjectFolder, followed: Callable[[str, tuple[Step, ...]], object] = lambda *_: None):
+        self.folder, self._followed = folder, followed
         self._sheets: dict[str, Sheet] = {}
         self._lock = RLock()
 
@@ -69,7 +71,9 @@ class EditDesk:
             file = self.folder.task_file(path)
             layout = layout_path(file)
             kept = Recovery(self.folder.journal.parent / "unsaved", path)
-            self._sheets[path] = Sheet(TextFile(file, path), TextFile(layout, layout.name), kept)
+            sheet = Sheet(TextFile(file, path), TextFile(layout, layout.name), kept)
+            sheet.followed = lambda steps: self._followed(path, steps)
+            self._sheets[path] = sheet
         return self._sheets[path]
 
     def create(self, path: str, text: str | None = None) -> None:

@@ -43,7 +43,7 @@ class Sheet:
 
     A text that isn't a task is kept beside the last good task (`draft`) until it is one again; it is saved as it
     is, and nothing drawn is changed meanwhile. `revision` grows with whatever changes what a page shows. `drawn` is
-    what was last drawn of it, kept by who draws.
+    what was last drawn of it, kept by who draws; `followed` is told what each edit did.
 
     Args:
         file: the task's file.
@@ -59,6 +59,7 @@ class Sheet:
         self.history: History | None = None
         self.draft: str | None = None
         self.drawn: Drawn | None = None
+        self.followed: Callable[[tuple[Step, ...]], object] = lambda _: None
         self.revision = 1
         self._dropped: str | None = None
         self._past: list[_Past] = []
@@ -273,6 +274,7 @@ class Sheet:
         assert self.history is not None
         self.revision += 1
         self._layouts.setdefault(self.history.at.number, layout)
+        self.followed(steps)
         self._past.append(_Past(self.revision, steps))
         del self._past[:-KEPT]
 
