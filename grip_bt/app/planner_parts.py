@@ -6,7 +6,7 @@ import os
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
-from grip_bt.catalog.controller_config import MoveGroupConfig
+from grip_bt.catalog.controller_config import MOVE_GROUP, MoveGroupConfig
 from grip_bt.errors import MissingPartError
 from grip_bt.operation import Operation
 
@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from grip_bt.commanders.worker import PlanningService
     from grip_bt.ros.bus import Bus
     from grip_bt.values import Plan
-
-MOVE_GROUP = "move_group"
-"""Value of an arm's `planner` that means MoveIt."""
 
 
 class PlannerByName:

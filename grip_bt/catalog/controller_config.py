@@ -11,6 +11,8 @@ from grip_bt.graph.frozen import FrozenDict
 from .component_parts import Part
 
 RosName = Annotated[str, StringConstraints(pattern=r"^(/[A-Za-z_][A-Za-z0-9_]*)+$")]
+MOVE_GROUP = "move_group"
+"""What an arm's `planner` says when MoveIt plans for it."""
 WAYS = ("trajectory", "positions", "move_group", "gripper")
 """How a controller may be reached."""
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from grip_bt.catalog.controller_config import MOVE_GROUP
 from grip_bt.commanders.planning.requests import (
     ChooseGrasp,
     ChosenGrasp,
@@ -40,8 +41,6 @@ from .grasps import choose
 from .mirror import SceneMirror
 from .mount import Mount
 
-NAME = "move_group"
-"""Value of an arm's `planner` that means this one."""
 STEP = 0.005
 """How far apart points of a straight line are [m]."""
 JUMP = 0.3
@@ -117,7 +116,7 @@ class MoveGroupPlanner:
             trajectory = yield from self.straight(situation, situation.start, request.poses)
         else:
             trajectory = yield from self.free(request)
-        return Plan(situation.group, trajectory, NAME, time.monotonic() - begin)
+        return Plan(situation.group, trajectory, MOVE_GROUP, time.monotonic() - begin)
 
     def show(self, situation: Situation) -> Steps[None]:
         """Send what changed in the scene."""

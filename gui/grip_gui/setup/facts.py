@@ -67,6 +67,7 @@ def stamp_of(robot: object, folder: Path) -> float:
 def _gathered(robot: Any, folder: Path) -> dict[str, Any]:
     from pydantic import ValidationError
 
+    from grip_bt.catalog.controller_config import MOVE_GROUP
     from grip_bt.commanders.description.config import RobotConfig
     from grip_bt.commanders.description.load import load_robot
     from grip_bt.commanders.ik import SOLVERS
@@ -74,7 +75,11 @@ def _gathered(robot: Any, folder: Path) -> dict[str, Any]:
     from grip_bt.commanders.robots import ROBOTS
     from grip_bt.errors import GripError, InvalidRobotError
 
-    found: dict[str, Any] = {"robots": list(ROBOTS), "planners": sorted(planners()), "kinematics": list(SOLVERS)}
+    found: dict[str, Any] = {
+        "robots": list(ROBOTS),
+        "planners": sorted([*planners(), MOVE_GROUP]),
+        "kinematics": list(SOLVERS),
+    }
     try:
         source = RobotConfig.model_validate(robot) if isinstance(robot, Mapping) else str(robot)
         description = load_robot(source, folder)
