@@ -45,7 +45,7 @@ def test_named_states_respect_the_limits(name):
 @pytest.mark.parametrize("name", ROBOTS)
 def test_every_mesh_exists_on_this_machine(name):
     meshes = [Path(m.get("filename")) for m in ET.fromstring(build_robot(name).urdf).iter("mesh")]
-    assert meshes
+    assert meshes or name == "parallel_gripper"  # made of boxes
     assert all(mesh.is_absolute() and mesh.is_file() for mesh in meshes)
 
 
