@@ -12,14 +12,16 @@ import numpy as np
 from grip_bt.errors import ExecutionAbortedError, UnknownNameError
 from grip_bt.operation import Operation
 from grip_bt.ports import Executor
-from grip_bt.values import Grasp, JointState, PathConstraint, Plan, Pose
+from grip_bt.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory
 
 from .ik.target import FREE
 from .jogging import jogged, lasting
+from .joint_names import require_joints
 from .planning.requests import (
     CheckTogether,
     ChooseGrasp,
     ChosenGrasp,
+    PlanAlong,
     PlanningSettings,
     PlanStraight,
     PlanTo,
@@ -126,6 +128,12 @@ class ArmCommander:
     def plan_straight(self, goals: Sequence[Pose], *, start: JointState | None = None) -> Operation[Plan]:
         """Plan straight lines of the grasp frame; see `ports.Arm`."""
         return self._ask(PlanStraight(self._situation(start), tuple(goals)))
+
+    def plan_along(self, trajectory: Trajectory) -> Operation[Plan]:
+        """Check a trajectory that was made elsewhere and make a plan of it; see `ports.Arm`."""
+        require_joints(trajectory.names, self._executor.joint_names, self._name)
+        situation = replace(self._situation(), settings=PlanningSettings())  # no search: whoever plans, ours checks
+        return self._ask(PlanAlong(situation, trajectory))
 
     def check_together(self, plans: Sequence[Plan]) -> Operation[None]:
         """Check that plans of several arms, begun at once, keep the arms apart; see `ports.Arm`."""

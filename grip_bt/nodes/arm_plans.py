@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from grip_bt.commanders.together import execute_together
 from grip_bt.errors import PathInvalidError, UnknownNameError
 from grip_bt.operation import Operation
@@ -12,6 +14,9 @@ from .arm import ArmLeaf, KeepingLeaf
 from .keeping import read_keep, verify_keep
 from .leaf import OperationLeaf, Status
 from .motion import go, go_straight
+
+THERE = 0.005
+"""An arm so near to the beginning of a trajectory [rad or m] needn't be led there."""
 
 
 class PlanLeaf(ArmLeaf):
@@ -68,6 +73,28 @@ class Execute(ArmLeaf):
     def start(self) -> Operation[JointState]:
         """Follow."""
         return self.arm.execute(self.read("plan"))
+
+    def finish(self, result: JointState) -> Status:
+        """Hand out what was measured."""
+        return self.end(reached=result)
+
+
+class ExecuteTrajectory(ArmLeaf):
+    """Follow a trajectory that was made elsewhere; one that can't be followed as a whole moves nothing."""
+
+    def start(self) -> Operation[JointState]:
+        """Check it, go to where it begins, follow it."""
+        return self.arm.plan_along(self.read("trajectory")).then(self._follow)
+
+    def _follow(self, plan: Plan) -> Operation[JointState]:
+        if not self.params["approach"]:
+            return self.arm.execute(plan)
+        trajectory = plan.trajectory
+        off = np.abs(self.arm.state().ordered(trajectory.names) - trajectory.positions[0]).max()
+        if off <= THERE:
+            return self.arm.execute(plan)
+        begun = go(self.arm, JointState(trajectory.names, trajectory.positions[0]))
+        return begun.then(lambda _: self.arm.execute(plan)) if trajectory.duration else begun
 
     def finish(self, result: JointState) -> Status:
         """Hand out what was measured."""

@@ -92,6 +92,20 @@ class Arm(Protocol):
         """
         ...
 
+    def plan_along(self, trajectory: Trajectory) -> Operation[Plan]:
+        """Check a trajectory that was made elsewhere, such as a stored one, and make a plan of it, as it is.
+
+        Args:
+            trajectory: of some or all of the arm's joints; the others stay where they are. It may begin elsewhere than
+                the arm is.
+
+        Ends with OutOfLimitsError (positions, velocities) or PathInvalidError (collision).
+
+        Raises:
+            UnknownNameError: it names a joint that isn't the arm's.
+        """
+        ...
+
     def check_together(self, plans: Sequence[Plan]) -> Operation[None]:
         """Check that plans of several arms, begun at once and followed as their times say, keep the arms apart.
 

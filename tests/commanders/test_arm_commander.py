@@ -8,9 +8,16 @@ from grip_bt.commanders.arm import ArmCommander
 from grip_bt.commanders.fake import FakeExecutor
 from grip_bt.commanders.planning.motions import answer
 from grip_bt.commanders.planning.requests import PlanningSettings, PlanTo
-from grip_bt.errors import ExecutionAbortedError, ExpectedError, StartInCollisionError, UnknownNameError
+from grip_bt.errors import (
+    ExecutionAbortedError,
+    ExpectedError,
+    OutOfLimitsError,
+    PathInvalidError,
+    StartInCollisionError,
+    UnknownNameError,
+)
 from grip_bt.operation import Operation
-from grip_bt.values import JointState, Plan, Pose
+from grip_bt.values import JointState, Plan, Pose, Trajectory
 
 
 class PlansHere:
@@ -138,3 +145,46 @@ def test_a_thing_is_taken_lifted_carried_and_the_scene_follows(rig):
     held = rig.scene.box(target)[1]
     assert np.linalg.norm(held.position - rig.arm.grasp_pose().position) < 0.08
     assert abs(held.rotation()[2, 2]) > 0.99, "home carries an upright thing upright"
+
+
+# --- trajectories that somebody else made ---
+
+
+def swung(rig, joint, by, seconds):
+    """Return a trajectory of one joint that turns by an angle [rad] and back, and how it was named."""
+    here = rig.arm.state().as_mapping()[joint]
+    return Trajectory((joint,), [0.0, seconds, 2 * seconds], [[here], [here + by], [here]])
+
+
+def test_a_given_trajectory_becomes_a_plan_for_all_joints(rig):
+    first = rig.arm.state().names[0]
+    plan = rig.arm.plan_along(swung(rig, first, 0.3, 2.0)).result()
+    assert (plan.group, plan.trajectory.names) == ("arm", rig.arm.state().names)
+    assert plan.trajectory.positions[1] - rig.arm.state().position == pytest.approx([0.3, *[0.0] * 6])
+    assert rig.arm.execute(plan).result().position == pytest.approx(rig.arm.state().position)
+
+
+def test_a_given_trajectory_that_is_too_fast_says_how_much_longer_it_has_to_last(rig):
+    first = rig.arm.state().names[0]
+    with pytest.raises(OutOfLimitsError, match=rf"moves {first} at 30\.00 rad/s, .* times as long") as caught:
+        rig.arm.plan_along(swung(rig, first, 0.3, 0.01)).result()
+    assert caught.value.data["joints"] == (first,)
+
+
+def test_a_given_trajectory_out_of_limits_says_where(rig):
+    first = rig.arm.state().names[0]
+    with pytest.raises(OutOfLimitsError, match=rf"20\.0 s after its beginning, .* out of limits: {first} = "):
+        rig.arm.plan_along(swung(rig, first, 9.0, 20.0)).result()
+
+
+def test_a_given_trajectory_with_something_in_its_way_says_when_and_what(rig):
+    home = rig.arm.state()
+    down = np.array(home.position)
+    down[1] += 1.2  # the shoulder leans forward, into the table
+    given = Trajectory(home.names, [0.0, 5.0], [home.position, down])
+    with pytest.raises(PathInvalidError, match=r"after \d\.\d s of the trajectory, .* touches") as caught:
+        rig.arm.plan_along(given).result()
+    assert 0.0 < caught.value.data["time"] < 5.0
+    backward = Trajectory(home.names, [0.0, 5.0], [down, home.position])
+    with pytest.raises(PathInvalidError, match="where the trajectory begins, .* touches"):
+        rig.arm.plan_along(backward).result()

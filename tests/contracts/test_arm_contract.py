@@ -14,7 +14,7 @@ from grip_bt.errors import (
     UnknownNameError,
 )
 from grip_bt.ports import Arm
-from grip_bt.values import PathConstraint, Pose
+from grip_bt.values import PathConstraint, Pose, Trajectory
 
 
 def go(rig, goal):
@@ -87,6 +87,29 @@ def test_a_plan_keeps_to_its_constraint_or_says_which_end_breaks_it(arm_rig):
     near = PathConstraint(box=arm_rig.port.grasp_pose(), size=(0.02, 0.02, 0.02))
     with pytest.raises(ConstraintBrokenError, match="the goal breaks"):
         arm_rig.wait(arm_rig.port.plan(start, constraint=near)).result()
+
+
+def test_a_trajectory_that_is_given_is_followed_through_its_points_at_its_times(arm_rig):
+    start, names = arm_rig.port.state(), arm_rig.away.names
+    rows = [start.position, arm_rig.away.position, arm_rig.away.position, start.position]
+    given = Trajectory(names, [0.0, 6.0, 7.0, 13.0], rows)
+    plan = arm_rig.wait(arm_rig.port.plan_along(given)).result()
+    assert plan.trajectory.times.tolist() == given.times.tolist()
+    operation = arm_rig.port.execute(plan)
+    arm_rig.let_pass(6.5)
+    assert arm_rig.port.state().position == pytest.approx(arm_rig.away.position, abs=0.05)
+    measured = arm_rig.wait(operation).result()
+    assert measured.position == pytest.approx(start.position, abs=0.05)
+
+
+def test_joints_that_a_trajectory_does_not_name_stay_and_those_of_others_are_refused(arm_rig):
+    start = arm_rig.port.state()
+    name, here = start.names[-1], float(start.position[-1])
+    given = Trajectory((name,), [0.0, 2.0], [[here], [here + 0.1]])
+    measured = arm_rig.wait(arm_rig.port.plan_along(given).then(arm_rig.port.execute)).result()
+    assert measured.position - start.position == pytest.approx([0.0] * (len(start.names) - 1) + [0.1], abs=0.02)
+    with pytest.raises(UnknownNameError, match=name):
+        arm_rig.port.plan_along(Trajectory(("elsewhere",), [0.0, 2.0], [[0.0], [0.1]]))
 
 
 def test_one_plan_alone_meets_nothing(arm_rig):

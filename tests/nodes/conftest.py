@@ -89,6 +89,9 @@ class FakeArm(Steps):
         self.constraint = constraint
         return self._plan("plan", goal)
 
+    def plan_along(self, trajectory):
+        return self._plan("along", trajectory.end())
+
     def check_together(self, plans):
         return Operation.finished(None)
 

@@ -8,9 +8,9 @@ import pytest
 from grip_bt.commanders.fake import FakeArm, FakeHand, OnClock
 from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.scene import PlanningScene
-from grip_bt.errors import ExecutionAbortedError, NoIkError, PathInvalidError, UnknownNameError
+from grip_bt.errors import ExecutionAbortedError, NoIkError, OutOfLimitsError, PathInvalidError, UnknownNameError
 from grip_bt.runtime.clock import ManualClock
-from grip_bt.values import JointState, Pose
+from grip_bt.values import JointState, Pose, Trajectory
 
 OPEN, CLOSED = (JointState(("finger", "thumb"), [angle, angle]) for angle in (0.0, 1.0))
 SUCCESS = ("SUCCESS", "success", None)
@@ -86,6 +86,33 @@ def test_straight_lines_go_through_their_corners(cell):
     corners = [cell.arm.grasp_pose().moved(way) for way in ((0.1, 0, 0), (0.1, 0.1, 0))]
     assert cell.run(cell.leaf("arm/plan_straight", poses=corners)) == SUCCESS
     assert len(cell.data["plan"].trajectory.times) == 3
+
+
+def test_a_stored_trajectory_is_gone_to_and_followed(cell):
+    given = Trajectory(("x", "y"), [0.0, 1.0, 2.0], [[0.5, 0.0], [0.5, 0.2], [0.3, 0.2]])
+    assert cell.run(cell.leaf("arm/execute_trajectory", trajectory=given)) == SUCCESS
+    assert cell.data["reached"].position == pytest.approx([0.3, 0.2, 0.5, 0.0, 0.0, 0.0])
+    point = Trajectory(("z",), [0.0], [[0.7]])
+    assert cell.run(cell.leaf("arm/execute_trajectory", trajectory=point)) == SUCCESS
+    assert cell.arm.grasp_pose().position == pytest.approx([0.3, 0.2, 0.7])
+
+
+def test_a_trajectory_that_begins_elsewhere_is_refused_when_the_arm_may_not_go_there_first(cell):
+    given = Trajectory(("x", "y"), [0.0, 1.0], [[0.5, 0.0], [0.5, 0.2]])
+    before = cell.arm.grasp_pose()
+    leaf = cell.leaf("arm/execute_trajectory", trajectory=given, approach=False)
+    assert cell.run(leaf) == ("FAILURE", "failure", "aborted")
+    assert cell.arm.grasp_pose() == before
+
+
+@pytest.mark.parametrize("error", [OutOfLimitsError("too fast"), PathInvalidError("a touches b")])
+def test_a_trajectory_that_cannot_be_followed_moves_nothing_and_says_why(world, error):
+    cell = Cell(world, plan_along=[error])
+    before = cell.arm.grasp_pose()
+    given = Trajectory(("x",), [0.0, 1.0], [[0.5], [0.6]])
+    leaf = cell.leaf("arm/execute_trajectory", trajectory=given)
+    assert cell.run(leaf) == ("FAILURE", "failure", error.code)
+    assert cell.arm.grasp_pose() == before
 
 
 def test_arms_move_together_by_their_plans(cell):

@@ -17,11 +17,13 @@ from grip_bt.ports import FREEDOMS
 from grip_bt.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory
 
 from ..jogging import jogged, lasting
+from ..joint_names import require_joints
 from ..taught import Taught
 from .executor import FakeExecutor
 from .schedule import Schedule, Script, steps_of
 
 JOINTS = ("x", "y", "z", "rx", "ry", "rz")
+PLANNING = ("plan", "plan_straight", "plan_along", "choose_grasp")
 SPEED = 0.5
 """Of each joint [m/s or rad/s]."""
 
@@ -34,7 +36,8 @@ class FakeArm:
         home: pose of the grasp frame in the state `home`, where it is at first.
         schedule: its time; at once when None.
         states: further named states of the joints `JOINTS`.
-        script: verb (`plan`, `plan_straight`, `choose_grasp`, `execute`) -> what becomes of each such request.
+        script: verb (`plan`, `plan_straight`, `plan_along`, `choose_grasp`, `execute`) -> what becomes of each such
+            request.
     """
 
     def __init__(
@@ -51,7 +54,7 @@ class FakeArm:
         self._taught = Taught()
         scripts = dict(script or {})
         self._executor = FakeExecutor(start, schedule, scripts.pop("execute", ()))
-        self._scripts = {verb: steps_of(scripts.pop(verb, ())) for verb in ("plan", "plan_straight", "choose_grasp")}
+        self._scripts = {verb: steps_of(scripts.pop(verb, ())) for verb in PLANNING}
         if scripts:
             raise UnknownNameError("verb of a fake arm", next(iter(scripts)), (*self._scripts, "execute"))
 
@@ -98,6 +101,16 @@ class FakeArm:
     def plan_straight(self, goals: Sequence[Pose], *, start: JointState | None = None) -> Operation[Plan]:
         """Plan a motion through poses; see `ports.Arm`."""
         return self._planned("plan_straight", [_joints_of(goal) for goal in goals], start)
+
+    def plan_along(self, trajectory: Trajectory) -> Operation[Plan]:
+        """Make a plan of a trajectory; fakes know no limits and no shapes. See `ports.Arm`."""
+        require_joints(trajectory.names, JOINTS, self._name)
+        failure = next(self._scripts["plan_along"])
+        if failure is not None:
+            return Operation.failed(failure)
+        rows = np.tile(self.state().position, (len(trajectory.times), 1))
+        rows[:, [JOINTS.index(name) for name in trajectory.names]] = trajectory.positions
+        return Operation.finished(Plan("gantry", Trajectory(JOINTS, trajectory.times, rows), "given"))
 
     def check_together(self, plans: Sequence[Plan]) -> Operation[None]:
         """Find nothing in the way: fakes know no shapes."""

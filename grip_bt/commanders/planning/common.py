@@ -37,23 +37,43 @@ def check_together(model: RobotModel, request: CheckTogether) -> None:
     for plan in plans:
         for name, column in zip(plan.trajectory.names, plan.trajectory.positions.T, strict=True):
             positions[:, chain.joints.index(name)] = np.interp(times, plan.trajectory.times, column)
+    if touched := first_touch(checker, times, positions):
+        at, pairs = touched
+        raise PathInvalidError(
+            f"after {at:.1f} s of the common motion, {touching(pairs)}; plan for a group of both"
+            " arms, or move one after the other",
+            pairs=pairs,
+            time=at,
+        )
+
+
+def first_touch(
+    checker: CollisionChecker, times: NDArray[np.float64], positions: NDArray[np.float64]
+) -> tuple[float, tuple[tuple[str, str], ...]] | None:
+    """Return when [s] and between what a timed motion first touches; None when it is free all along.
+
+    Args:
+        checker: of the joints that move.
+        times: shape (k,) [s].
+        positions: at these times, shape (k, n); between two, joints move evenly.
+    """
     if continuously_free(checker, positions):
-        return
+        return None
     for k in range(len(times) - 1):
         fine = interpolated(positions[k : k + 2], FINE)
         free = checker.free_each(fine)
         if not free.all():
-            pairs = checker.pairs(fine[int(np.argmin(free))])
-            raise PathInvalidError(
-                f"after {times[k]:.1f} s of the common motion, {touching(pairs)}; plan for a group of both"
-                " arms, or move one after the other",
-                pairs=pairs,
-                time=float(times[k]),
-            )
+            return float(times[k]), checker.pairs(fine[int(np.argmin(free))])
+    return None
 
 
 def common_times(plans: tuple[Plan, ...]) -> NDArray[np.float64]:
     """Return the times [s] of all points of the plans, and others between, so that none are `STEP` apart."""
-    last = max(plan.trajectory.duration for plan in plans)
+    return all_times(*(plan.trajectory.times for plan in plans))
+
+
+def all_times(*given: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return all given times [s], each shape (k,), and others between, so that none are `STEP` apart."""
+    last = max(float(times[-1]) for times in given)
     even = np.linspace(0.0, last, max(2, int(np.ceil(last / STEP)) + 1))
-    return np.unique(np.concatenate([even, *(plan.trajectory.times for plan in plans)]))
+    return np.unique(np.concatenate([even, *given]))

@@ -25,6 +25,7 @@ from grip_bt.values.pose import check_frame
 from ..collision import CollisionChecker, recent_checker
 from ..model import Chain, RobotModel
 from ..trajectory.timing import timed
+from .along import plan_along
 from .common import check_together
 from .constraints import kept
 from .continuous import continuously_free
@@ -32,7 +33,16 @@ from .free import RESOLUTION, plan_constrained, plan_free
 from .goals import goals_of, out_of_limits, touching
 from .grasps import choose_grasp
 from .paths import Path, interpolated
-from .requests import CheckTogether, ChooseGrasp, ChosenGrasp, PlanStraight, PlanTo, Request, Situation
+from .requests import (
+    CheckTogether,
+    ChooseGrasp,
+    ChosenGrasp,
+    PlanAlong,
+    PlanStraight,
+    PlanTo,
+    Request,
+    Situation,
+)
 from .straight import BrokenLineError, straight_path
 
 START_SLACK = 0.03
@@ -55,6 +65,8 @@ def answer(model: RobotModel, request: Request, canceled: Callable[[], bool]) ->
         return choose_grasp(model, request.situation, request.grasps, canceled)
     if isinstance(request, PlanStraight):
         planner, trajectory = "straight", plan_straight(model, request)
+    elif isinstance(request, PlanAlong):
+        planner, trajectory = "given", plan_along(model, request)
     else:
         planner, trajectory = request.situation.settings.planner, plan_to(model, request, canceled)
     return Plan(request.situation.group, trajectory, planner, time.monotonic() - begin)

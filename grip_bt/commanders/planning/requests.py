@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from grip_bt.values import Grasp, JointState, PathConstraint, Plan, Pose
+from grip_bt.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory
 
 from ..ik.target import Free
 from ..scene import SceneSnapshot
@@ -91,6 +91,19 @@ class PlanStraight:
 
 
 @dataclass(frozen=True, slots=True)
+class PlanAlong:
+    """Make a plan of a trajectory that is given, if it can be followed.
+
+    Attributes:
+        situation: where the joints are that it doesn't name, and what is avoided.
+        trajectory: of some joints of the group.
+    """
+
+    situation: Situation
+    trajectory: Trajectory
+
+
+@dataclass(frozen=True, slots=True)
 class ChooseGrasp:
     """Find the first feasible grasp, by falling quality."""
 
@@ -128,4 +141,4 @@ class ChosenGrasp:
     reasons: dict[str, int] = field(default_factory=dict)
 
 
-Request = PlanTo | PlanStraight | ChooseGrasp | CheckTogether
+Request = PlanTo | PlanStraight | PlanAlong | ChooseGrasp | CheckTogether
