@@ -5,23 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-import toppra
-import toppra.algorithm
-import toppra.constraint
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from grip_bt.errors import PathInvalidError
 from grip_bt.values import Trajectory
 
 from ..model import Limits
+from .reachability import squared_velocities
 
 SAMPLING = 0.02
 """Time between two points of a trajectory [s]."""
 _GRID = 0.02
-"""Distance along the path [rad] between the points where the limits are held; TOPP-RA's own choice takes as long as its
-solution."""
+"""Distance along the path [rad] between the points where the limits are held."""
 _SPACINGS = (0.25, 0.12, 0.06)
-toppra.setup_logging("ERROR")
 
 
 def timed(
@@ -46,13 +43,13 @@ def timed(
         acceleration: part of the acceleration limits to use, in (0, 1]; as `speed` when it isn't given.
 
     Raises:
-        PathInvalidError: no spacing of the knots is acceptable, or there is no timing.
+        PathInvalidError: no spacing of the knots is acceptable.
     """
     if np.abs(path - path[0]).max() < 1e-6:
         return Trajectory(names, np.zeros(1), path[:1], np.zeros((1, len(names))), np.zeros((1, len(names))))
     for spacing in _SPACINGS:
         trajectory = _timed_spline(names, _knots(path, spacing), limits, speed, acceleration or speed)
-        if trajectory is not None and acceptable(trajectory.positions):
+        if acceptable(trajectory.positions):
             return trajectory
     raise PathInvalidError("the path can't be timed without leaving the free space", knots=len(path))
 
@@ -63,27 +60,52 @@ def _knots(path: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
     for corner in path[1:]:
         last = rows[-1]
         steps = int(np.ceil(np.linalg.norm(corner - last) / spacing))
-        rows.extend(last + (corner - last) * (k / steps) for k in range(1, steps + 1))
+        rows.extend(last + (corner - last) * (np.arange(1, steps + 1) / steps)[:, None])
     return np.stack(rows)
 
 
 def _timed_spline(
     names: tuple[str, ...], knots: NDArray[np.float64], limits: Limits, speed: float, acceleration: float
-) -> Trajectory | None:
+) -> Trajectory:
     at = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(knots, axis=0), axis=1))])
-    spline = toppra.SplineInterpolator(at, knots, bc_type="natural")
-    fastest, hardest = limits.velocity * speed, limits.acceleration * acceleration
-    constraints = [
-        toppra.constraint.JointVelocityConstraint(np.stack([-fastest, fastest], axis=1)),
-        toppra.constraint.JointAccelerationConstraint(np.stack([-hardest, hardest], axis=1)),
-    ]
+    spline = CubicSpline(at, knots, bc_type="natural")
     grid = np.linspace(0.0, at[-1], int(np.clip(np.ceil(at[-1] / _GRID), 40, 400)) + 1)
-    method = toppra.algorithm.TOPPRA(constraints, spline, gridpoints=grid, parametrizer="ParametrizeConstAccel")
-    timing = method.compute_trajectory(0, 0)
-    if timing is None:
-        return None
-    times = np.linspace(0.0, timing.duration, max(2, int(np.ceil(timing.duration / SAMPLING)) + 1))
+    first, second = spline(grid, 1), spline(grid, 2)
+    squared = squared_velocities(grid, first, second, limits.velocity * speed, limits.acceleration * acceleration)
+    drive = _Drive(grid, squared)
+    times = np.linspace(0.0, drive.duration, max(2, int(np.ceil(drive.duration / SAMPLING)) + 1))
+    where, velocity, change = drive(times)
+    by_path = spline(where, 1)
     # Between knots that lie on a limit the spline swings past it a little; an executor must not see that.
-    positions = np.clip(timing(times), limits.lower, limits.upper)
+    positions = np.clip(spline(where), limits.lower, limits.upper)
     positions[0], positions[-1] = knots[0], knots[-1]
-    return Trajectory(names, times, positions, timing(times, 1), timing(times, 2))
+    velocities = by_path * velocity[:, None]
+    accelerations = by_path * change[:, None] + spline(where, 2) * (velocity**2)[:, None]
+    return Trajectory(names, times, positions, velocities, accelerations)
+
+
+class _Drive:
+    """Path position by time, with constant path acceleration between the points of a grid.
+
+    Attributes:
+        duration: when the path's end is reached [s].
+
+    Args:
+        grid: path positions, shape (m + 1,).
+        squared: squared path velocities there, shape (m + 1,); two neighbours aren't both zero.
+    """
+
+    def __init__(self, grid: NDArray[np.float64], squared: NDArray[np.float64]):
+        self._grid, self._velocity, steps = grid, np.sqrt(squared), np.diff(grid)
+        self._change = np.diff(squared) / (2.0 * steps)
+        self._times = np.concatenate([[0.0], np.cumsum(2.0 * steps / (self._velocity[:-1] + self._velocity[1:]))])
+        self.duration = float(self._times[-1])
+
+    def __call__(
+        self, times: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Return path position, its velocity and its acceleration at times in [0, duration], each of shape (k,)."""
+        stage = np.clip(np.searchsorted(self._times, times, side="right") - 1, 0, len(self._change) - 1)
+        since, begin, change = times - self._times[stage], self._velocity[stage], self._change[stage]
+        where = np.minimum(self._grid[stage] + begin * since + change * since**2 / 2, self._grid[-1])
+        return where, np.maximum(begin + change * since, 0.0), change
