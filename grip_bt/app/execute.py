@@ -15,6 +15,7 @@ from grip_bt.graph.model import type_of
 from grip_bt.nodes import Leaf
 from grip_bt.nodes.mock import MockLeaf
 from grip_bt.runtime import Journal, JournalReader, Runner, RunResult
+from grip_bt.runtime.breakpoints import make_breakpoint
 from grip_bt.runtime.durable import Durable
 from grip_bt.runtime.keeping import Kept
 from grip_bt.validation import Issue, Report, validate
@@ -144,6 +145,8 @@ def open_session(
         task, catalog, factory = apply_mocks(task, catalog, options.mocks)
     compiled = compile_task(task, catalog, data=options.data, leaf_factory=factory)
     working = [leaf.manifest for leaf in compiled.leaves.values() if not isinstance(leaf, MockLeaf)]
+    for point in options.breaks:
+        make_breakpoint(compiled, 0, **point)  # refused before anything is started
     needs, own = {manifest.id for manifest in working}, {manifest.implementation for manifest in working}
     parts = open_resources(project, needs, options.robot, options.seed, options.pace, progress, hold, own)
     with parts as resources, Journal(options.journal or project.journal) as journal:
@@ -184,7 +187,10 @@ def open_session(
             runner.debugger.set(**point)
         if options.paused:
             runner.pause()
-        yield Session(project, document, report, resources, runner, journal.file)
+        try:
+            yield Session(project, document, report, resources, runner, journal.file)
+        finally:
+            runner.dismiss()
     if options.journal is None:
         keep_to_limit(project.journal, project.file.journal_limit)
 

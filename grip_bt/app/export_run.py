@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 
-from grip_bt.errors import UnknownNameError
+from grip_bt.errors import DocumentError, UnknownNameError
 from grip_bt.runtime import JournalReader
 
 COLUMNS = ("seq", "t", "wall", "path", "event", "outcome", "code", "data")
@@ -26,11 +26,15 @@ def export_run(reader: JournalReader, run: str, file: Path, to: str) -> int:
     Raises:
         UnknownNameError: there is no such run or format.
         MissingPartError: `mcap` isn't installed.
+        DocumentError: the file can't be written.
     """
     if to not in FORMATS:
         raise UnknownNameError("format", to, FORMATS)
     reader.run(run)
-    return FORMATS[to](reader, run, file)
+    try:
+        return FORMATS[to](reader, run, file)
+    except OSError as error:
+        raise DocumentError(f"can't be written: {error.strerror}", str(file)) from None
 
 
 def _jsonl(reader: JournalReader, run: str, file: Path) -> int:

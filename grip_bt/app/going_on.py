@@ -103,12 +103,22 @@ def _begun(pid: int) -> int | None:
         return None
 
 
-def lives(events: Sequence[Event]) -> bool:
+def lives(events: Iterable[Event]) -> bool:
     """Tell whether the process that executes a run is there, as far as this machine knows."""
+    return _is_there(events) is True
+
+
+def gone(events: Iterable[Event]) -> bool:
+    """Tell whether the process that executed a run is known not to be there any more."""
+    return _is_there(events) is False
+
+
+def _is_there(events: Iterable[Event]) -> bool | None:
+    """Tell whether a run's process is there; None where that isn't known, such as of another machine."""
     facts = [e.data["process"] for e in events if e.event in ("run_started", "run_resumed") and "process" in e.data]
-    if not facts or facts[-1].get("host") != socket.gethostname():
-        return False
-    return facts[-1].get("since") is not None and _begun(facts[-1]["pid"]) == facts[-1]["since"]
+    if not facts or facts[-1].get("host") != socket.gethostname() or facts[-1].get("since") is None:
+        return None
+    return bool(_begun(facts[-1]["pid"]) == facts[-1]["since"])
 
 
 def before_the_end(events: Sequence[Event]) -> int:

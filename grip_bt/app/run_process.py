@@ -37,15 +37,24 @@ def main() -> int:
     control.start()
     signal.signal(signal.SIGTERM, lambda *_: control.stop())
     try:
-        return _run(order, channels, control)
+        return _run_or_say_why(order, channels, control)
     except StoppedEarlyError:
         control.send("ended", status="stopped", outcome=None, code=None, message="before the task began", zombies=[])
         return 130
+
+
+def _run_or_say_why(order: dict[str, Any], channels: dict[str, int], control: Any) -> int:
+    try:
+        return _run(order, channels, control)
+    except StoppedEarlyError:
+        raise
     except GripError as error:
+        signal.signal(signal.SIGUSR1, signal.SIG_IGN)  # a stop comes too late now, and mustn't cut the message short
         text = str(error) if getattr(error, "issues", None) else f"grip: {error}"
         control.send("failed", message=text)
         return 1
     except BaseException:  # noqa: BLE001 - the parent has to know that it isn't a node's fault
+        signal.signal(signal.SIGUSR1, signal.SIG_IGN)
         control.send("failed", message=traceback.format_exc())
         return 1
 

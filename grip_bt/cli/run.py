@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import signal
 import sys
 import threading
@@ -278,14 +279,22 @@ def _assignment(text: str) -> tuple[str, Any]:
 
 
 def _not_negative(text: str) -> float:
-    value = float(text)
-    if not value >= 0:
+    value = _number(text)
+    if not 0 <= value < math.inf:
         raise argparse.ArgumentTypeError(f"{text!r} isn't a number of seconds, 0 or more")
     return value
 
 
 def _positive(text: str) -> float:
-    value = float(text)
-    if not value > 0:
+    value = _number(text)
+    if not 0 < value < math.inf:
         raise argparse.ArgumentTypeError(f"{text!r} isn't a number more than 0")
     return value
+
+
+def _number(text: str) -> float:
+    """Return a number; what is none isn't equal to, more or less than anything."""
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan

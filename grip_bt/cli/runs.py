@@ -5,14 +5,14 @@ from __future__ import annotations
 import argparse
 import json
 import time
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from grip_bt.errors import UnknownNameError
 
 if TYPE_CHECKING:
-    from grip_bt.runtime import JournalReader
+    from grip_bt.runtime import JournalReader, RunRecord
 
 
 def add_parser(subparsers: Any) -> None:
@@ -149,9 +149,18 @@ def _coverage(reader: JournalReader, task: Path, as_json: bool) -> int:
     return 0
 
 
+def _as_it_is(reader: JournalReader, record: RunRecord) -> RunRecord:
+    """Return a run with its present status: one that has no end, and whose process isn't there any more, has died."""
+    from grip_bt.app.going_on import gone
+
+    if record.status == "running" and gone(reader.iterate(record.id)):
+        return replace(record, status="died")
+    return record
+
+
 def _list(reader: JournalReader, as_json: bool, only: str | None = None) -> int:
     runs = sorted(reader.runs(), key=lambda record: record.started)
-    runs = [record for record in runs if only in (None, record.id)]
+    runs = [_as_it_is(reader, record) for record in runs if only in (None, record.id)]
     if as_json:
         print(json.dumps([asdict(record) for record in runs]))
         return 0

@@ -223,6 +223,11 @@ class Runner:
         assert self._result is not None, "a run that has ended has a result"
         return self._result
 
+    def dismiss(self) -> None:
+        """Have the journal say of a new run that wasn't begun, and won't be, that it was stopped."""
+        if self._begun.acquire(blocking=False) and self._recorder is not None and self._reliving is None:
+            self._recorder.finished(None, "stopped")
+
     def _work(self) -> None:
         self._thread = threading.get_ident()
         if self._watchdog is not None:

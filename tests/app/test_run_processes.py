@@ -14,7 +14,9 @@ from typing import Any
 
 import pytest
 
+from grip_bt.app import run_process
 from grip_bt.app.supervisor import Supervisor
+from grip_bt.errors import GripError
 from grip_bt.runtime import JournalReader
 
 NODES = """
@@ -247,3 +249,23 @@ def test_breakpoints_of_the_command_line_hold_under_control(project: Path) -> No
     assert told["status"] == "success"
     run.communicate()
     assert run.returncode == 0
+
+
+def test_a_stop_that_comes_while_a_refusal_is_told_does_not_cut_it_short(monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[tuple[str, Any]] = []
+
+    class Stopped:
+        def send(self, event: str, **fields: Any) -> None:
+            os.kill(os.getpid(), signal.SIGUSR1)
+            told.append((event, fields["message"]))
+
+    def refuse(*_: Any) -> int:
+        raise GripError("no such thing")
+
+    monkeypatch.setattr(run_process, "_run", refuse)
+    before = signal.signal(signal.SIGUSR1, run_process._interrupted)
+    try:
+        assert run_process._run_or_say_why({}, {}, Stopped()) == 1
+    finally:
+        signal.signal(signal.SIGUSR1, before)
+    assert told == [("failed", "grip: no such thing")]

@@ -1,10 +1,14 @@
 """`grip runs` lists what was run in a project, the newest last."""
 
 import json
+import subprocess
+import sys
 
 import pytest
 
+from grip_bt.app.going_on import process_facts
 from grip_bt.cli.__main__ import main
+from grip_bt.runtime import Journal
 
 
 def _task(folder, name, node):
@@ -66,3 +70,55 @@ def test_a_journal_keeps_to_the_projects_limit_after_each_run(tmp_path, capsys):
     (tmp_path / "grip.yaml").write_text("grip: 1\njournal_limit: a lot\n")
     assert main(["run", str(task), "--in-process"]) == 1
     assert "journal_limit" in capsys.readouterr().err
+
+
+def test_a_run_whose_process_is_gone_has_died_and_others_run(tmp_path, capsys):
+    program = "import json; from grip_bt.app.going_on import process_facts; print(json.dumps(process_facts()))"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    there, gone = process_facts(), json.loads(done.stdout)
+    with Journal(tmp_path / ".grip" / "runs.sqlite") as journal:
+        for name, process in (
+            ("here", there),
+            ("killed", gone),
+            ("elsewhere", {**gone, "host": "another"}),
+            ("early", None),
+        ):
+            log = journal.begin(name)
+            if process is not None:
+                log.append(0.0, "/", "run_started", data={"process": process})
+    assert main(["runs", str(tmp_path), "--json"]) == 0
+    found = {run["task_name"]: run["status"] for run in json.loads(capsys.readouterr().out)}
+    assert found == {"here": "running", "killed": "died", "elsewhere": "running", "early": "running"}
+    assert main(["runs", str(tmp_path)]) == 0
+    assert [line.split()[5] for line in capsys.readouterr().out.splitlines() if line.endswith("killed")] == ["died"]
+
+
+def test_a_run_that_could_not_begin_does_not_stay_under_way(tmp_path, capsys):
+    task = _task(tmp_path, "good", "{node: flow/succeed}")
+    assert main(["run", task, "--in-process", "--break", "nope"]) == 1
+    assert "unknown node 'nope' (there are: /)" in capsys.readouterr().err
+    assert main(["runs", str(tmp_path), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == []
+
+
+@pytest.mark.parametrize("to", ["jsonl", "csv", "mcap"])
+def test_a_recording_that_cant_be_written_is_told(to, tmp_path, capsys):
+    assert main(["run", _task(tmp_path, "good", "{node: flow/succeed}"), "--in-process"]) == 0
+    assert main(["runs", str(tmp_path), "--to", to, "-o", str(tmp_path / "no" / "run")]) == 1
+    assert f"{tmp_path / 'no' / 'run'}: can't be written: No such file or directory" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "said"),
+    [
+        ("--rate", "fast", "'fast' isn't a number more than 0"),
+        ("--rate", "inf", "'inf' isn't a number more than 0"),
+        ("--watchdog", "x", "'x' isn't a number of seconds, 0 or more"),
+        ("--watchdog", "-1", "'-1' isn't a number of seconds, 0 or more"),
+    ],
+)
+def test_options_that_arent_numbers_say_which_are_allowed(option, value, said, tmp_path, capsys):
+    with pytest.raises(SystemExit) as end:
+        main(["run", "good.yaml", f"{option}={value}"])
+    assert end.value.code == 2
+    assert said in capsys.readouterr().err

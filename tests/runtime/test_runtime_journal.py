@@ -184,3 +184,16 @@ def test_an_interrupted_run_and_an_error_are_written_with_the_traceback(target: 
 def test_previews_of_big_values_are_short() -> None:
     for value in (list(range(10**6)), "x" * 10**6, {n: "y" * 1000 for n in range(1000)}):
         assert len(preview(value)) <= 120
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_a_run_that_is_never_begun_is_entered_as_stopped_and_one_that_has_ended_stays(target: Any, file: Path) -> None:
+    with Journal(file) as journal:
+        idle = Started(target, leaf("end"), journal=journal)
+        idle.runner.dismiss()
+        done = Started(target, leaf("end"), journal=journal).start()
+        done.join()
+        done.runner.dismiss()
+        runs = [idle.runner.run_id, done.runner.run_id]
+    with JournalReader(file) as reader:
+        assert [reader.run(run).status for run in runs if run] == ["stopped", "success"]
