@@ -4,7 +4,8 @@ import assert from "node:assert/strict";
 import { chromium } from "playwright-core";
 
 const EXECUTABLE = process.env.CHROMIUM ?? "/usr/bin/chromium";
-const PATIENCE = 30_000;
+/** How long the page may take for anything [ms]: enough for a machine that does much else. */
+export const PATIENCE = 120_000;
 
 /** Run `test(page, words)` on the page at `url`; whatever the page complains about fails the test. */
 export async function onPage(url, test, options = {}) {
@@ -55,7 +56,7 @@ export function words(page) {
     /** Wait until the outline has these rows. */
     rowsAre: async (rows) => {
       const now = () => page.getByRole("treeitem").evaluateAll((all) => all.map((row) => row.getAttribute("data-row")));
-      const deadline = Date.now() + 8000;
+      const deadline = Date.now() + PATIENCE;
       while (Date.now() < deadline && JSON.stringify(await now()) !== JSON.stringify(rows)) await page.waitForTimeout(40);
       assert.deepEqual(await now(), rows);
     },

@@ -1,9 +1,9 @@
 // What one page starts, another sees at once, and may stop. Says RUNNING, then waits for the run's process to die.
-import { onPage, url, words } from "./page.mjs";
+import { onPage, PATIENCE, url, words } from "./page.mjs";
 
 await onPage(url, async (first, one) => {
   const second = await first.context().newPage();
-  second.setDefaultTimeout(30_000);
+  second.setDefaultTimeout(PATIENCE);
   const two = words(second);
   await second.goto(url);
   await second.getByRole("tree").waitFor();

@@ -157,6 +157,13 @@ class PlayedLauncher:
         return self.last
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Give what drives a browser time on a machine that does much else: its scenarios end themselves sooner."""
+    for item in items:
+        if item.get_closest_marker("e2e") is not None:
+            item.add_marker(pytest.mark.timeout(1200))
+
+
 @pytest.fixture
 def project(tmp_path: Path) -> Path:
     """A project folder with one task, and a file beside the folder that nobody may see."""

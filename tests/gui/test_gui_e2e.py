@@ -17,6 +17,8 @@ from urllib.request import HTTPCookieProcessor, Request, build_opener
 import pytest
 
 E2E = Path(__file__).parents[2] / "gui" / "e2e"
+SCENARIO = 900.0
+"""After this long a scenario hangs [s]: a loaded machine is slow, and a page that waits in vain ends it earlier."""
 CHROMIUM = os.environ.get("CHROMIUM", "/usr/bin/chromium")
 SHORT = """\
 grip: 1
@@ -97,7 +99,7 @@ def editing(folder: Path) -> Iterator[tuple[subprocess.Popen[str], str]]:
         if server.poll() is None:
             server.send_signal(signal.SIGINT)
         try:
-            server.communicate(timeout=20)
+            server.communicate(timeout=120)
         except subprocess.TimeoutExpired:
             server.kill()
             server.communicate()
@@ -117,7 +119,7 @@ def run_processes(folder: Path) -> list[int]:
     return found
 
 
-def wait_for(condition: Callable[[], object], patience: float = 15.0) -> None:
+def wait_for(condition: Callable[[], object], patience: float = 120.0) -> None:
     """Wait until something holds; fails after `patience` [s]."""
     deadline = time.monotonic() + patience
     while not condition():
@@ -143,7 +145,7 @@ def browser(script: str, url: str, *more: str) -> list[str]:
 )
 def test_the_page_in_a_browser(folder: Path, script: str) -> None:
     with editing(folder) as (_, url):
-        done = subprocess.run(browser(script, url), capture_output=True, text=True, timeout=300)
+        done = subprocess.run(browser(script, url), capture_output=True, text=True, timeout=SCENARIO)
         assert done.returncode == 0, done.stdout + done.stderr
         wait_for(lambda: not run_processes(folder))
 
@@ -164,7 +166,7 @@ def test_the_page_in_a_browser(folder: Path, script: str) -> None:
 )
 def test_tasks_are_edited_in_a_browser(folder: Path, script: str) -> None:
     with editing(folder) as (_, url):
-        done = subprocess.run(browser(script, url, str(folder)), capture_output=True, text=True, timeout=180)
+        done = subprocess.run(browser(script, url, str(folder)), capture_output=True, text=True, timeout=SCENARIO)
         assert done.returncode == 0, done.stdout + done.stderr
 
 
@@ -179,7 +181,7 @@ def test_every_page_sees_a_run_and_its_sudden_death(folder: Path) -> None:
         if pages.stdout.readline().strip() == "RUNNING":
             (process,) = run_processes(folder)
             os.kill(process, signal.SIGKILL)
-        out, err = pages.communicate(timeout=60)
+        out, err = pages.communicate(timeout=SCENARIO)
         assert pages.returncode == 0, out + err
 
 
@@ -194,7 +196,7 @@ def test_ctrl_c_ends_the_editor_and_the_run_that_it_started(folder: Path) -> Non
         opener.open(Request(f"{origin}/api/session", body, headers)).close()
         wait_for(lambda: run_processes(folder))
         server.send_signal(signal.SIGINT)
-        _, err = server.communicate(timeout=20)
+        _, err = server.communicate(timeout=120)
         assert server.returncode == 0, err
         assert "Traceback" not in err
         assert not run_processes(folder)
@@ -205,7 +207,7 @@ def test_ctrl_c_ends_the_editor_and_the_run_that_it_started(folder: Path) -> Non
 @pytest.mark.ros
 def test_a_project_is_put_together_in_a_browser(folder: Path) -> None:
     with editing(folder) as (_, url):
-        done = subprocess.run(browser("setup.mjs", url, str(folder)), capture_output=True, text=True, timeout=180)
+        done = subprocess.run(browser("setup.mjs", url, str(folder)), capture_output=True, text=True, timeout=SCENARIO)
         assert done.returncode == 0, done.stdout + done.stderr
 
 
@@ -237,7 +239,7 @@ def test_a_legacy_machine_is_imported_converted_edited_and_run_in_a_browser(fold
     legacy.write_text(LEGACY)
     with editing(folder) as (_, url):
         command = browser("import_smach.mjs", url, str(folder), str(legacy))
-        done = subprocess.run(command, capture_output=True, text=True, timeout=150)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=SCENARIO)
         assert done.returncode == 0, done.stdout + done.stderr
 
 
@@ -255,12 +257,12 @@ def test_a_first_task_from_nothing_takes_eighty_actions_at_most(tmp_path: Path) 
     (tmp_path / "project" / "tasks").mkdir()
     with editing(tmp_path / "project") as (_, url):
         command = browser("first_task.mjs", url, str(tmp_path / "project"))
-        done = subprocess.run(command, capture_output=True, text=True, timeout=240)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=SCENARIO)
         assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_a_wrong_path_is_told_and_ends_with_1(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "grip_bt.cli", "edit", str(tmp_path / "nothing"), "--no-browser"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
     assert done.returncode == 1
     assert "nothing is there" in done.stderr

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from conftest import TASK, TestClient
-from test_gui_e2e import browser, editing
+from test_gui_e2e import SCENARIO, browser, editing
 
 from grip_bt.app.domain import own_domain
 from grip_bt.runtime import Journal
@@ -102,7 +102,7 @@ def ask(page: TestClient, path: str, wish: dict[str, Any] | None = None) -> dict
 
 def generated(home: Path) -> None:
     command = [sys.executable, "-m", "grip_bt.cli", "component", "add", str(home)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr
 
 
@@ -212,5 +212,5 @@ def test_a_component_is_called_with_a_sample_and_answers_field_by_field(
 def test_what_runs_beside_the_editor_is_seen_in_a_browser(project: Path, switcher: Path, world: None) -> None:
     generated(switcher)
     with editing(project) as (_, url):
-        done = subprocess.run(browser("live.mjs", url, str(project)), capture_output=True, text=True, timeout=300)
+        done = subprocess.run(browser("live.mjs", url, str(project)), capture_output=True, text=True, timeout=SCENARIO)
         assert done.returncode == 0, done.stdout + done.stderr

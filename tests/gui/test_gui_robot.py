@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from conftest import TASK, TestClient
-from test_gui_e2e import browser, editing
+from test_gui_e2e import SCENARIO, browser, editing
 
 from grip_bt.app.motion_record import motion_file
 from grip_bt.commanders.model import RobotModel
@@ -134,5 +134,5 @@ def test_the_robot_is_drawn_where_it_was_at_each_moment_of_a_run(project: Path) 
     run, wanted = recorded(project)
     with editing(project) as (_, url):
         command = browser("robot.mjs", url, run, json.dumps(wanted))
-        done = subprocess.run(command, capture_output=True, text=True, timeout=240)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=SCENARIO)
         assert done.returncode == 0, done.stdout + done.stderr
