@@ -1,0 +1,33 @@
+"""Errors of a project's folder, files and own code."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .base import ExpectedError, GripError
+
+
+class ProjectExistsError(GripError):
+    """A new project was asked for where something is already.
+
+    Attributes:
+        folder: the folder, or file, that was named.
+    """
+
+    def __init__(self, folder: Any):
+        self.folder = str(folder)
+        super().__init__(f"{folder} isn't an empty folder; nothing was written. Name a folder that isn't there yet")
+
+
+class ImplementationError(GripError):
+    """A node's code can't be imported; `node` is its id, `implementation` what its manifest names."""
+
+    def __init__(self, node: str, implementation: str, reason: str):
+        self.node, self.implementation, self.reason = node, implementation, reason
+        super().__init__(f"node {node}: {implementation}: {reason}")
+
+
+class BadFileError(ExpectedError):
+    """A file that a task names can't be read, or isn't what it should be."""
+
+    code = "bad_file"
