@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -18,7 +19,8 @@ class WaitForMessage(OperationLeaf):
     def start(self) -> Operation[Any]:
         """Wait from now on."""
         p = self.params
-        return self.context.ros().next(p["topic"], p["type"], p["value"], p["timeout"])
+        limit = math.inf if p["timeout"] is None else p["timeout"]
+        return self.context.ros().next(p["topic"], p["type"], p["value"], limit)
 
     def finish(self, result: Any) -> Status:
         """Hand the message out."""

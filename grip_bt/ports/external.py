@@ -30,7 +30,14 @@ class Ros(Protocol):
         ...
 
     def next(self, topic: str, message: str, value: str, timeout: float) -> Operation[Any]:
-        """Wait for the next message and return it as the declared type `value`. Ends with ServerTimeOutError."""
+        """Wait for the next message and return it as the declared type `value`. Ends with ServerTimeOutError.
+
+        Args:
+            topic: its full name.
+            message: its ROS type; empty for what it is published as.
+            value: what becomes of it; `Any` leaves it as it is.
+            timeout: how long to wait [s]; infinite for as long as it takes.
+        """
         ...
 
     def recent(self, topic: str, message: str, value: str, max_age: float, timeout: float) -> Operation[Any]:

@@ -118,7 +118,10 @@ class Bus:
         return self._client(ActionClient, interface, name, timeout, wait)
 
     def reader(self, interface: str | Any, name: str, timeout: float = 5.0) -> TopicReader:
-        """Return the subscription of a topic, likewise; `next` waits `timeout` [s] where nothing else is said."""
+        """Return the subscription of a topic, likewise; `next` waits `timeout` [s] where nothing else is said.
+
+        Without an interface (empty) it is heard as what it is published as.
+        """
         return self._client(TopicReader, interface, name, timeout, 0.0)
 
     def writer(self, interface: str | Any, name: str, timeout: float = 5.0) -> TopicWriter:
@@ -126,12 +129,15 @@ class Bus:
         return self._client(TopicWriter, interface, name, timeout, 0.0)
 
     def _client(self, kind: type[C], interface: str | Any, name: str, timeout: float, wait: float) -> C:
-        type_ = load_type(interface) if isinstance(interface, str) else interface
+        type_ = load_type(interface) if isinstance(interface, str) and interface else interface or None
         with self._lock:
             client = self._clients.get((kind, name))
-            if client is None or (client.type is not type_ and client.idle):
+            other = client is not None and type_ is not None and client.type is not type_
+            if client is not None and client.type is None:
+                client.type = type_
+            elif client is None or (other and client.idle):
                 client = self._clients[kind, name] = kind(self, type_, name, timeout, wait)
-            elif client.type is not type_:
+            elif other:
                 raise GripError(f"{name} is used as {type_name(client.type)} already, not as {type_name(type_)}")
         return cast(C, client)
 

@@ -48,7 +48,7 @@ class RosDoor:
         self.bus.reader(message, topic).listen()
 
     def next(self, topic: str, message: str, value: str, timeout: float) -> Operation[Any]:
-        """Wait for the next message and return it as the declared type `value`."""
+        """Wait for the next message and return it as the declared type `value`; see `ports.Ros`."""
         return self.bus.reader(message, topic).next(timeout).then(lambda m: _as(topic, m, value))
 
     def recent(self, topic: str, message: str, value: str, max_age: float, timeout: float) -> Operation[Any]:

@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-from grip_bt.errors import CanceledError, ServerTimeOutError
+from grip_bt.errors import CanceledError, GripError, ServerTimeOutError
 from grip_bt.operation import Operation
 
 from .client import pass_error
-from .types import type_name
+from .types import load_type, type_name
 
 if TYPE_CHECKING:
     from .bus import Bus
@@ -49,7 +49,7 @@ class TopicReader:
     """The one subscription of a topic in this process; made by `Bus.reader`.
 
     Attributes:
-        type: the message's class.
+        type: the message's class; None until a publisher is seen, where nobody has said which.
         name: the topic's full name.
         latest: the last message, None before the first.
     """
@@ -151,6 +151,9 @@ class TopicReader:
         found = self._bus.node.get_publishers_info_by_topic(self.name)
         if not found:
             return "nobody publishes it"
+        if self.type is None:
+            types = " and as ".join(sorted({p.topic_type for p in found}))
+            return f"it is published as {types}; say as which to hear it"
         wanted = type_name(self.type)
         wrong = sorted({p.topic_type for p in found if p.topic_type != wanted})
         if wrong:
@@ -161,6 +164,8 @@ class TopicReader:
         """Subscribe with what the publishers offer; again when that changes."""
         self._looked = now
         found = self._bus.node.get_publishers_info_by_topic(self.name)
+        if self.type is None and not self._adopt({p.topic_type for p in found}):
+            return
         mine = [p.qos_profile for p in found if p.topic_type == type_name(self.type)]
         reliable = bool(mine) and all(q.reliability == ReliabilityPolicy.RELIABLE for q in mine)
         lasting = bool(mine) and all(q.durability == DurabilityPolicy.TRANSIENT_LOCAL for q in mine)
@@ -176,6 +181,16 @@ class TopicReader:
             durability=DurabilityPolicy.TRANSIENT_LOCAL if lasting else DurabilityPolicy.VOLATILE,
         )
         self._subscription = self._bus.node.create_subscription(self.type, self.name, self._received, profile)
+
+    def _adopt(self, published: set[str]) -> bool:
+        """Take the one type that the topic is published as; False while there is none, or more than one."""
+        if len(published) != 1:
+            return False
+        try:
+            self.type = load_type(*published)
+        except GripError as error:
+            self.end(error)
+        return self.type is not None
 
     def _received(self, message: Any) -> None:
         received = self.latest = Received(message, time.monotonic())

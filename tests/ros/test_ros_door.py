@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shutil
 import threading
 import time
@@ -14,12 +15,22 @@ from conftest import DATA, ended
 
 from grip_bt.app import find_project, run
 from grip_bt.catalog.sensor_config import SensorConfig
-from grip_bt.errors import BadReplyError, CanceledError, DocumentError, SensorError, ServerLostError, ServerTimeOutError
+from grip_bt.errors import (
+    BadReplyError,
+    CanceledError,
+    DocumentError,
+    GripError,
+    SensorError,
+    ServerLostError,
+    ServerTimeOutError,
+)
+from grip_bt.ros.bus import Bus
 from grip_bt.ros.door import BadRequestError, RosDoor
 from grip_bt.ros.frames import FrameError, FrameTree
 from grip_bt.ros.sensors import mounted_frames, open_sensors
 from grip_bt.ros.synchronise import Synchroniser
 from grip_bt.ros.tf import Transforms
+from grip_bt.ros.types import load_type
 from grip_bt.values import CameraInfo, DepthImage, Image, Pose
 
 CAMERA = {
@@ -106,6 +117,43 @@ def test_values_are_published_and_waited_for(door):
         ended(door.recent("/target", "geometry_msgs/msg/PoseStamped", "JointState", 60.0, 0.1))
     with pytest.raises(ServerTimeOutError, match="/target: no message within"):
         ended(door.recent("/target", "geometry_msgs/msg/PoseStamped", "Pose", 0.0, 0.2))
+
+
+@ros
+def test_a_topic_whose_type_nobody_said_is_heard_as_what_it_is_published_as(door):
+    heard = door.next("/told", "", "Any", math.inf)
+    ended(door.publish("/told", "std_msgs/msg/String", {"data": "hello"}, 1, 20.0))
+    assert ended(heard).data == "hello"
+    with pytest.raises(ServerTimeOutError, match="nobody publishes it"):
+        ended(door.next("/untold", "", "Any", 0.2))
+
+
+@ros
+def test_a_topic_of_two_types_asks_which(bus, door, domain):
+    with Bus("first", domain_id=domain) as first, Bus("second", domain_id=domain) as second:
+        for other, name in ((first, "String"), (second, "Bool")):
+            kind = load_type(f"std_msgs/msg/{name}")
+            ended(other.post(lambda other=other, kind=kind: other.node.create_publisher(kind, "/both", 1)))
+        deadline = time.monotonic() + 30.0
+        while len(ended(bus.post(lambda: bus.node.get_publishers_info_by_topic("/both")))) < 2:
+            assert time.monotonic() < deadline, "the publishers aren't seen"
+            time.sleep(0.02)
+        _two_types_are_refused(door)
+
+
+def _two_types_are_refused(door):
+    with pytest.raises(ServerTimeOutError, match="as std_msgs/msg/Bool and as std_msgs/msg/String; say as which"):
+        ended(door.next("/both", "", "Any", 1.0))
+
+
+@ros
+def test_a_type_that_is_said_later_holds(door):
+    first = door.next("/late", "", "Any", 20.0)
+    second = door.next("/late", "std_msgs/msg/String", "Any", 20.0)
+    ended(door.publish("/late", "std_msgs/msg/String", {"data": "x"}, 1, 20.0))
+    assert (ended(first).data, ended(second).data) == ("x", "x")
+    with pytest.raises(GripError, match=r"/late is used as std_msgs/msg/String already"):
+        door.next("/late", "std_msgs/msg/Bool", "Any", 1.0)
 
 
 @ros

@@ -32,6 +32,8 @@ class FakeRos:
         """Return what the topic gives, as the type `value`, or as the message itself for `Any`."""
         if topic in self._published:
             return Operation.finished(self._published[topic])
+        if not message and value == "Any":
+            return Operation.finished(None)  # nobody has said what it carries
         return _tried(lambda: self._make(message if value == "Any" else value))
 
     def recent(self, topic: str, message: str, value: str, max_age: float, timeout: float) -> Operation[Any]:
