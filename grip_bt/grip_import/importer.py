@@ -16,13 +16,13 @@ from grip_bt.graph.syntax import parse, plain
 
 from .configuration import Configuration, add_files, read_configuration
 from .graphs import graph_task
-from .nodes import Setting
 from .original import Note, OriginalContainer, OriginalState
-from .project import MARK, MESSAGES, is_hand, project_texts
+from .project import MARK, MESSAGES, project_texts
 from .settings import read_settings
+from .steps import Setting
 from .texts import text_task
 from .to_task import task_of
-from .words import key_of, meanings, name_of
+from .words import is_hand, key_of, meanings, name_of
 
 
 @dataclass

@@ -1,222 +1,27 @@
-"""States of the first GRIP as nodes: what each type does, with its data in variables of the task."""
+"""States of the first GRIP as nodes: its own, those of components and sensors, and those that nobody knows."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, field
 from typing import Any
 
-from .original import Note, OriginalState
+from .original import OriginalState
+from .states import STATES, moves_a_hand
+from .steps import PLAIN, STORES, Made, Setting, Steps
 from .words import key_of, name_of
-
-STORES = {
-    "joint state": ("joint_states", "JointState"),
-    "pose": ("poses", "Pose"),
-    "trajectory": ("trajectories", "Trajectory"),
-    "plan": ("plans", "Plan"),
-}
-_PLAIN = {"success": "success", "failure": "failure"}
-
-
-@dataclass
-class Made:
-    """A state as a node.
-
-    Attributes:
-        node: the node's keys.
-        ends: outcome of the state -> outcome of the node; those that can't happen are left out.
-    """
-
-    node: dict[str, Any]
-    ends: dict[str, str]
-
-
-@dataclass
-class Setting:
-    """What a task's states stand in, and what they need.
-
-    Attributes:
-        arms: group of MoveIt -> arm or hand of the project.
-        sensors: name of a sensor -> its key in the project.
-        components: name of a component -> (its key, how many outcomes it has).
-        messages: names that the project's stores hold, by store.
-        produced: userdata that some state writes.
-        variables: variables of the task, with their types.
-        unknown: states without an equal, by the name of their node.
-        notes: what isn't as it was.
-    """
-
-    arms: Mapping[str, str] = field(default_factory=dict)
-    sensors: Mapping[str, str] = field(default_factory=dict)
-    components: Mapping[str, tuple[str, int]] = field(default_factory=dict)
-    messages: Mapping[str, Collection[str]] = field(default_factory=dict)
-    produced: set[str] = field(default_factory=set)
-    variables: dict[str, Any] = field(default_factory=dict)
-    unknown: dict[str, OriginalState] = field(default_factory=dict)
-    notes: list[Note] = field(default_factory=list)
-
-    def variable(self, name: str, type_name: str = "Any") -> str:
-        """Return the variable of a name; it holds anything where it is written as more than one type."""
-        name = name_of(name)
-        self.variables[name] = type_name if self.variables.get(name, type_name) == type_name else "Any"
-        return name
-
-    def arm(self, group: object) -> dict[str, str]:
-        """Return the parameter that names an arm; none where the project has one only."""
-        text = str(group or "")
-        if not text:
-            return {}
-        return {"arm": self.arms.get(text, key_of(text))}
-
-
-class Steps:
-    """What one state does, step by step."""
-
-    def __init__(self, state: OriginalState, setting: Setting, place: str):
-        self.state, self.setting, self.place = state, setting, place
-        self.steps: dict[str, dict[str, Any]] = {}
-
-    def slot(self, name: str) -> str:
-        """Return what a field holds, as text."""
-        value = self.state.slots.get(name)
-        return "" if value is None else str(value).strip().strip("\"'")
-
-    def note(self, kind: Any, text: str) -> None:
-        """Tell what isn't as it was."""
-        self.setting.notes.append(Note(kind, self.place, text))
-
-    def add(self, step: str, node: str, **keys: Mapping[str, Any]) -> None:
-        """Add a step; empty keys are left out."""
-        name = name_of(step, self.steps)
-        said = {{"in_": "in", "with_": "with"}.get(key, key): dict(value) for key, value in keys.items() if value}
-        self.steps[name] = {"node": node, **said}
-
-    def value(self, name: str, kind: str, what: str) -> str:
-        """Return the variable of a value, which may have to be got from a store first."""
-        store, type_name = STORES.get(kind, ("", "Any"))
-        if not store and name_of(name) not in self.setting.produced:
-            found = [(s, t) for s, t in STORES.values() if name in self.setting.messages.get(s, ())]
-            store, type_name = found[0] if found else ("", "Any")
-            if not found:
-                self.note("missing", f"{what} {name!r} is written by no state and is no named message: give it a value")
-        if not store:
-            return self.setting.variable(name)
-        known = self.setting.messages.get(store)
-        if known is not None and name not in known and store != "plans":
-            self.note("missing", f"there is no {kind or 'message'} {name!r} in messages/{store}.yaml")
-        variable = self.setting.variable(f"{name} {type_name}".replace(" ", "_"), type_name)
-        self.add(f"get_{key_of(name)}", "messages/get", with_={"store": store, "name": name}, out={"value": variable})
-        return variable
-
-    def node(self) -> dict[str, Any]:
-        """Return one step as it is, several in a sequence."""
-        if len(self.steps) == 1:
-            return next(iter(self.steps.values()))
-        return {"kind": "sequence", "children": self.steps}
 
 
 def node_of(state: OriginalState, setting: Setting, place: str) -> Made:
     """Return a state as a node."""
     steps = Steps(state, setting, place)
-    if state.type in _STATES:
-        ends = _STATES[state.type](steps)
+    if state.type in STATES and not moves_a_hand(state):
+        ends = STATES[state.type](steps)
         return Made(steps.node(), ends)
     if state.type in setting.components:
         return _component(steps)
     if state.type in setting.sensors:
-        return Made(_sensor(steps), _PLAIN)
+        return Made(_sensor(steps), PLAIN)
     return _unknown(steps)
-
-
-def _compute_plan(steps: Steps) -> dict[str, str]:
-    group, plan = steps.slot("group_name"), steps.slot("plan_name")
-    given = {"goal": steps.value(steps.slot("target_name"), steps.slot("target_type"), "the target")}
-    if start := steps.slot("starting_name"):
-        if steps.slot("starting_type") == "pose":
-            steps.note("missing", f"a plan that begins at a pose ({start!r}): it begins where the arm is; bind `start`")
-        else:
-            given["start"] = steps.value(start, steps.slot("starting_type"), "the start")
-    variable = steps.setting.variable(plan or f"last_plan_{group or 'arm'}", "Plan")
-    steps.add("plan", "arm/plan", with_=steps.setting.arm(group), in_=given, out={"plan": variable})
-    return _PLAIN
-
-
-def _move(steps: Steps) -> dict[str, str]:
-    group, plan = steps.slot("group_name"), steps.slot("plan_name")
-    if not plan:
-        steps.note("changed", "the plan that the commander kept to itself is a variable")
-    known = not plan or name_of(plan) in steps.setting.produced
-    name = plan or f"last_plan_{group or 'arm'}"
-    variable = steps.setting.variable(name, "Plan") if known else steps.value(plan, "plan", "the plan")
-    steps.add("move", "arm/execute", with_=steps.setting.arm(group), in_={"plan": variable})
-    steps.note("changed", "ends with failure when the motion fails, which was ignored")
-    return _PLAIN
-
-
-def _select(steps: Steps) -> dict[str, str]:
-    output = steps.slot("output")
-    if not output:
-        steps.note("changed", "without `output` the value was dropped; it is only looked up")
-    store, type_name = STORES.get(steps.slot("input_type"), ("", "Any"))
-    target = {"value": steps.setting.variable(output, type_name)} if output else {}
-    name = steps.slot("input")
-    if store:
-        steps.add("get", "messages/get", with_={"store": store, "name": name}, out=target)
-        return _PLAIN
-    source = steps.value(name, "", "the input")
-    steps.add("set", "flow/compute", with_={"expression": "a"}, in_={"a": source}, out=target)
-    return {"success": "success", **({} if len(steps.steps) == 1 else {"failure": "failure"})}
-
-
-def _counter(steps: Steps) -> dict[str, str]:
-    first, last = _number(steps, "initial_value", 0), _number(steps, "end_value", None)
-    down = last is not None and first is not None and last < first
-    output = name_of(steps.slot("output") or "counter")
-    if down:
-        steps.note("missing", "it counts down; `flow/count` ends at a limit from below: turn its numbers round")
-    steps.setting.variables[output] = {"type": "int", "value": (first or 0) - 1}
-    limit = {} if last is None else {"limit": last}
-    steps.add("count", "flow/count", with_=limit, in_={"count": output}, out={"count": output})
-    return {"success": "success", "finished": "reached"} if last is not None else {"success": "success"}
-
-
-def _number(steps: Steps, slot: str, otherwise: int | None) -> int | None:
-    text = steps.slot(slot)
-    if text in ("", "None"):
-        return otherwise
-    if re.fullmatch(r"-?\d{1,9}", text):
-        return int(text)
-    steps.note("missing", f"`{slot}` is {text!r} and no number")
-    return otherwise
-
-
-def _reinitialise(steps: Steps) -> dict[str, str]:
-    steps.add("reinitialise", "messages/reinitialise")
-    return _PLAIN
-
-
-def _allow(steps: Steps) -> dict[str, str]:
-    arm = steps.setting.arm(steps.slot("group_name")).get("arm", "*")
-    allowed = steps.slot("allow").lower() in ("true", "1", "")
-    listed = steps.state.slots.get("objects") or []
-    names = re.findall(r"[\w./-]+", listed) if isinstance(listed, str) else [str(each) for each in listed]
-    others = [arm] if steps.slot("collision").startswith("self") else names or ["*"]
-    for other in others:
-        pair = {"one": arm, "other": other, **({} if allowed else {"allowed": False})}
-        steps.add(f"allow_{key_of(other)}" if other != "*" else "allow", "scene/allow_collisions", with_=pair)
-    steps.note("changed", "allows and forbids as it says; it never did")
-    return _PLAIN
-
-
-_STATES: dict[str, Callable[[Steps], dict[str, str]]] = {
-    "ComputePlan": _compute_plan,
-    "Move": _move,
-    "Select": _select,
-    "Counter": _counter,
-    "ReinitialiseManagers": _reinitialise,
-    "AllowCollisions": _allow,
-}
 
 
 def _component(steps: Steps) -> Made:

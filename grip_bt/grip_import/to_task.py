@@ -9,8 +9,9 @@ from pydantic import ValidationError
 from grip_bt.errors import GripError
 from grip_bt.graph import Task
 
-from .nodes import Setting, node_of
+from .nodes import node_of
 from .original import Note, OriginalContainer, OriginalState
+from .steps import Setting
 from .words import meanings, name_of
 
 

@@ -34,3 +34,8 @@ def meanings(outcomes: Sequence[str]) -> dict[str, Meaning]:
         last = number == len(outcomes) - 1
         found[outcome] = "success" if number == 0 or not (bad or last) else "failure"
     return found
+
+
+def is_hand(group: str) -> bool:
+    """Tell whether a group of joints is a hand, by its name."""
+    return any(word in group.lower() for word in ("hand", "gripper", "finger")) and "arm" not in group.lower()

@@ -85,3 +85,44 @@ def test_every_verb_does_its_work_and_the_refused_ones_say_why(task, robot):
     assert taught.exists() == (robot == "sim")  # what fakes are taught lasts for the run
     if robot == "sim":
         assert Taught(taught).get("right", "above") == above
+
+
+SWING = """grip: 1
+name: swing
+data: {there: Trajectory, reached: JointState}
+root:
+  kind: sequence
+  children:
+    look_up: {node: messages/get, with: {store: trajectories, name: NAME}, out: {value: there}}
+    follow: {node: arm/execute_trajectory, in: {trajectory: there}, out: {reached: reached}}
+"""
+STATES = """low: {panda_joint1: 0.2, panda_joint4: -2.0}
+high: {panda_joint1: -0.3, panda_joint4: -1.6}
+"""
+TRAJECTORIES = """
+swing:
+- {name: low, interpolate_time: 1, pause_time: 0.3}
+- {name: high, interpolate_time: 2, pause_time: 0}
+hurry:
+- {name: low, interpolate_time: 1, pause_time: 0}
+- {name: high, interpolate_time: 0.01, pause_time: 0}
+"""
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize(("name", "code"), [("swing", None), ("hurry", "out_of_limits")])
+def test_a_stored_trajectory_is_followed_in_simulation_or_moves_nothing(tmp_path, name, code):
+    (tmp_path / "grip.yaml").write_text(PROJECT.replace("scene: room.scene\n", ""))
+    (tmp_path / "messages").mkdir()
+    (tmp_path / "messages" / "joint_states.yaml").write_text(STATES)
+    (tmp_path / "messages" / "trajectories.yaml").write_text(TRAJECTORIES)
+    task = tmp_path / "swing.yaml"
+    task.write_text(SWING.replace("NAME", name))
+    with open_session(task, RunOptions(robot="sim", journal=tmp_path / "j.sqlite")) as session:
+        arm = session.resources.arms["right"]
+        before = arm.state().as_mapping()
+        result = session.runner.run()
+        after = arm.state().as_mapping()
+    assert (result.failure and result.failure.code) == code
+    wanted = before if code else {**before, "panda_joint1": -0.3, "panda_joint4": -1.6}
+    assert after == pytest.approx(wanted, abs=0.03)

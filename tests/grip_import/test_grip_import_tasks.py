@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from original_files import Graph, pick_and_place, variant, write_configuration, write_settings
 
+from grip_bt.app import RunOptions, open_session
 from grip_bt.app.project import find_project
 from grip_bt.catalog.component_file import load_component
 from grip_bt.cli.__main__ import main
@@ -110,6 +111,68 @@ def test_a_counter_loop_counts_as_often_as_it_did(compile_task, tmp_path):
     compiled = compile_task(task, find_project(tmp_path).catalog())
     result = Runner(compiled, RunContext()).run()
     assert (result.outcome, compiled.data[""].cells["n"].value) == ("Task success", 4)
+
+
+def swinging(topic: str, timeout: str, group: str = "panda_arm") -> Graph:
+    """Return a task that follows a stored trajectory and then waits."""
+    graph = Graph(["Task success", "Task failure"])
+    graph.add("swing", "ExecuteTrajectory", TWO, {"group_name": group, "trajectory_name": "there"})
+    graph.add("wait", "WaitFor", TWO, {"topic_name": topic, "timeout": timeout})
+    graph.begin("swing")
+    graph.lead("swing", "success", "wait")
+    graph.lead("wait", "success", "Task success")
+    for state in ("swing", "wait"):
+        graph.lead(state, "failure", "Task failure")
+    return graph
+
+
+GANTRY = "low: {x: 0.3, y: 0.1}\nhigh: {x: 0.3, y: -0.4}\n"
+THERE = (
+    "there:\n- {name: low, interpolate_time: 1, pause_time: 0.1}\n- {name: high, interpolate_time: 1, pause_time: 0}\n"
+)
+
+
+@pytest.mark.parametrize("topic", ["", "done"])
+@pytest.mark.parametrize("target", ["bt", "sm"])
+def test_a_stored_trajectory_is_followed_and_a_wait_waits(topic, target, tmp_path, capsys):
+    source, out = tmp_path / "old", tmp_path / "new"
+    write_configuration(source)
+    (source / "files" / "joint_states.yaml").write_text(GANTRY)  # joints of the fake arm
+    (source / "files" / "trajectories.yaml").write_text(THERE)
+    write_settings(source / "swing.ini", {"root": swinging(topic, "" if topic else "0.2")})
+    main(["import", str(source), "--from", "grip", "-o", str(out)])
+    told = capsys.readouterr().out
+    assert "has no equal" not in told
+    assert "goes to where the trajectory begins" in told
+    assert errors_of(out, "swing") == []
+    project = out / "grip.yaml"
+    project.write_text(project.read_text().replace("group: panda_arm", "group: arm") + "robot: panda_allegro\n")
+    with open_session(out / "tasks" / "swing.yaml", RunOptions(robot="fake", target=target)) as session:
+        result = session.runner.run()
+        (arm,) = session.resources.arms.values()
+        assert (result.outcome, result.failure) == ("Task success", None)
+        assert arm.state().as_mapping()["y"] == pytest.approx(-0.4)
+
+
+def test_waiting_is_for_a_topic_of_any_type_or_for_a_time(tmp_path):
+    def waiting(topic, timeout):
+        write_settings(tmp_path / "swing.ini", {"root": swinging(topic, timeout)})
+        imported = import_grip(tmp_path / "swing.ini")
+        node = imported.tasks["swing"].root.children["wait"]
+        return node.node, dict(node.with_), "wait: " in notes(imported)
+
+    assert waiting("/done", "None") == ("ros/wait_for_message", {"topic": "/done", "timeout": None}, False)
+    assert waiting("done", "2.5") == ("ros/wait_for_message", {"topic": "/done", "timeout": 2.5}, False)
+    assert waiting("", "3") == ("flow/wait", {"seconds": 3.0}, False)
+    assert waiting("", "") == ("flow/wait", {"seconds": 0.0}, True)
+    assert waiting("done", "soon") == ("ros/wait_for_message", {"topic": "/done", "timeout": None}, True)
+
+
+def test_a_trajectory_of_a_hand_is_left_to_fill_in(tmp_path):
+    write_settings(tmp_path / "swing.ini", {"root": swinging("done", "1", group="gripper")})
+    imported = import_grip(tmp_path / "swing.ini")
+    assert imported.tasks["swing"].root.children["swing"].node == "original/execute_trajectory"
+    assert "ExecuteTrajectory has no equal" in notes(imported)
 
 
 TEXT = """
