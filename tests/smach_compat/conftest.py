@@ -21,11 +21,6 @@ class Log(list):
 PROBED = ("userdata", "state", "construction", "execution", "concurrence", "iterator")
 
 
-def pytest_configure(config):
-    """Say what the mark means."""
-    config.addinivalue_line("markers", "noetic: of the version of ROS 1, where ROS 2's differs")
-
-
 def pytest_generate_tests(metafunc):
     """Run the tests of the probes for both versions of upstream, but for those that say which they mean."""
     probes = metafunc.module.__name__.removeprefix("test_smach_") in PROBED
