@@ -19,8 +19,6 @@ DOMAINS = range(1, 101)
 def own_domain() -> Iterator[int]:
     """Yield the user's ROS_DOMAIN_ID, or a domain that no other run on this machine has.
 
-    A domain is taken by a lock on a file, which the kernel gives back when the process ends, however it ends.
-
     Raises:
         GripError: all are taken.
     """
@@ -28,8 +26,24 @@ def own_domain() -> Iterator[int]:
     if chosen:
         yield int(chosen)
         return
-    for shift in range(len(DOMAINS)):
-        domain = DOMAINS[(os.getpid() + shift) % len(DOMAINS)]
+    with free_domain() as domain:
+        yield domain
+
+
+@contextmanager
+def free_domain(shift: int = 0) -> Iterator[int]:
+    """Yield a domain that nobody else on this machine has from here, whatever ROS_DOMAIN_ID says.
+
+    A domain is taken by a lock on a file, which the kernel gives back when the process ends, however it ends.
+
+    Args:
+        shift: where the search begins; who goes from domain to domain counts it up.
+
+    Raises:
+        GripError: all are taken.
+    """
+    for further in range(len(DOMAINS)):
+        domain = DOMAINS[(os.getpid() + shift + further) % len(DOMAINS)]
         file = Path(tempfile.gettempdir()) / f"grip-ros-domain-{os.getuid()}-{domain}.lock"
         with file.open("w") as lock:
             try:

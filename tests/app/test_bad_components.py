@@ -1,13 +1,9 @@
 """A component that is missing, dies, or answers nonsense: clear words, the right exit status, nothing left behind."""
 
-import os
-from itertools import count
-
 import pytest
 from trial_project import grip, make_trial_project, processes_in, result_of
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
-_domains = count()
 
 
 @pytest.fixture(scope="module")
@@ -16,9 +12,8 @@ def project(tmp_path_factory):
 
 
 @pytest.fixture
-def run(project):
+def run(project, domain):
     def run_task(name):
-        domain = 1 + (os.getpid() + next(_domains)) % 100
         return grip("run", str(project / "tasks" / f"{name}.yaml"), "--json", domain=domain)
 
     yield run_task

@@ -1,10 +1,14 @@
 """Runs beside each other get different DDS domains; the user's choice wins."""
 
+import os
+import subprocess
+import sys
+import tempfile
 from contextlib import ExitStack
 
 import pytest
 
-from grip_bt.app.domain import DOMAINS, own_domain
+from grip_bt.app.domain import DOMAINS, free_domain, own_domain
 from grip_bt.errors import GripError
 
 
@@ -33,3 +37,13 @@ def test_the_domain_of_the_user_wins(monkeypatch):
     monkeypatch.setenv("ROS_DOMAIN_ID", "42")
     with own_domain() as one, own_domain() as other:
         assert one == other == 42
+
+
+def test_a_free_domain_is_nobodys_also_where_the_user_chose_one(monkeypatch):
+    with own_domain() as run:
+        monkeypatch.setenv("ROS_DOMAIN_ID", str(run))
+        script = "from grip_bt.app.domain import free_domain\nwith free_domain() as d: print(d)"
+        env = dict(os.environ, TMPDIR=tempfile.gettempdir())
+        with free_domain() as first, free_domain(1) as second:
+            done = subprocess.run([sys.executable, "-c", script], env=env, capture_output=True, text=True, check=True)
+            assert len({run, first, second, int(done.stdout)}) == 4

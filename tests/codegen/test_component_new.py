@@ -53,10 +53,9 @@ def test_the_python_repository_passes_its_own_tests(tmp_path):
 
 @pytest.mark.ros
 @pytest.mark.slow
-def test_the_python_component_is_built_started_and_answers(project):
+def test_the_python_component_is_built_started_and_answers(project, domain):
     assert grip("component", "new", "mine", cwd=project).returncode == 0
-    domain = str(10 + os.getpid() % 90)
-    done = grip("component", "test", "components/mine", cwd=project, ROS_DOMAIN_ID=domain)
+    done = grip("component", "test", "components/mine", cwd=project, ROS_DOMAIN_ID=str(domain))
     assert done.returncode == 0, done.stdout + done.stderr
     assert "empty request: 'none' (1)" in done.stdout
 

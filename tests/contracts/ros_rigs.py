@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from contract_rigs import ExecutorRig
+from server_process import serving
 
 from grip_bt.values import JointState
 
@@ -23,27 +21,17 @@ NAMES = ("joint_a", "joint_b")
 def controllers() -> Iterator[tuple[Any, Any]]:
     """Start the robot of the ROS tests; give a bus on its domain, and what it says about its joints."""
     import grip_bt.ros  # noqa: F401 - its settings come before any message package
+    from grip_bt.app.domain import free_domain
     from grip_bt.ros.bus import Bus
     from grip_bt.ros.controllers import JointStates
     from grip_bt.ros.definitions import provide
-    from grip_bt.ros.process import child_environment
 
-    domain = 10 + (os.getpid() * 7 + 41) % 90
     messages = [*provide("control_msgs"), *provide("controller_manager_msgs")]
-    process = subprocess.Popen(
-        [sys.executable, str(SERVER)], env=child_environment(messages, domain), stdout=subprocess.PIPE, text=True
-    )
-    try:
-        assert process.stdout is not None
-        assert process.stdout.readline() == "serving\n"
+    with free_domain() as domain, serving(SERVER, domain=domain, overlays=messages):
         with Bus(f"contract_{domain}", domain_id=domain) as bus:
             states = JointStates(bus)
             states.wait_for(NAMES, 15.0)
             yield bus, states
-    finally:
-        process.kill()
-        process.wait()
-        process.stdout.close()
 
 
 @contextmanager

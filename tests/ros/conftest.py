@@ -6,37 +6,27 @@ import os
 import shutil
 import signal
 import subprocess
-import sys
 import time
-from contextlib import contextmanager
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from functools import partial
-from itertools import count
 from pathlib import Path
 
 import pytest
+from server_process import serving
 
 import grip_bt.ros  # noqa: F401 - its settings come before any message package
+from grip_bt.app.domain import free_domain
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "components" / "antipodal_grasps"
 DATA = Path(__file__).parent / "data"
-_domains = count()
-
-
-def _next_domain() -> int:
-    worker = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0")[2:])
-    return 10 + (os.getpid() + worker * 23 + next(_domains)) % 90
-
-
-@pytest.fixture
-def domain() -> int:
-    """Return a DDS domain that no other test of this run uses at the same time."""
-    return _next_domain()
 
 
 @pytest.fixture(scope="module")
-def own_domain() -> int:
-    """Return a domain for servers that all tests of a module share."""
-    return _next_domain()
+def own_domain() -> Iterator[int]:
+    """Give a domain for servers that all tests of a module share."""
+    with free_domain() as number:
+        yield number
 
 
 @pytest.fixture(scope="session")
@@ -71,28 +61,12 @@ def servers(domain: int):
 
     It takes the file's name, arguments, and prefixes with further packages; all are killed at the end.
     """
-    from grip_bt.ros.process import child_environment
+    with ExitStack() as stack:
 
-    started = []
+        def start(file: str, *arguments: str, overlays=()) -> subprocess.Popen:
+            return stack.enter_context(serving(DATA / file, *arguments, domain=domain, overlays=overlays))
 
-    def start(file: str, *arguments: str, overlays=()) -> subprocess.Popen:
-        process = subprocess.Popen(
-            [sys.executable, str(DATA / file), *arguments],
-            env=child_environment(overlays, domain),
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        started.append(process)
-        assert process.stdout.readline() == "serving\n"
-        return process
-
-    try:
         yield start
-    finally:
-        for process in started:
-            process.kill()
-            process.wait()
-            process.stdout.close()
 
 
 @pytest.fixture

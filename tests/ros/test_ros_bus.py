@@ -261,10 +261,10 @@ def _wait_for_servers(bus, name, number):
         time.sleep(0.02)
 
 
-def test_the_domain_keeps_buses_apart(bus, serve, domain):
+def test_the_domain_keeps_buses_apart(bus, serve, other_domain):
     serve("std_srvs/SetBool", "/set")
     ended(bus.service(SET, "/set").wait_ready(10))
-    with Bus("other", domain_id=domain + 1) as other, pytest.raises(ServerLostError):
+    with Bus("other", domain_id=other_domain) as other, pytest.raises(ServerLostError):
         ended(other.service(SET, "/set", wait=0.5).call(request()))
     assert os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE") == "LOCALHOST"
 

@@ -84,9 +84,9 @@ def test_a_child_process_ends_and_leaves_the_parents_bus_alone(domain, method, t
     assert done.returncode == 5
 
 
-def test_a_domain_hears_only_itself(domain, serve):
+def test_a_domain_hears_only_itself(domain, other_domain, serve):
     serve("std_srvs/SetBool", "/set")
-    with Bus("same", domain_id=domain) as same, Bus("other", domain_id=domain % 90 + 5) as other:
+    with Bus("same", domain_id=domain) as same, Bus("other", domain_id=other_domain) as other:
         ended(same.service("std_srvs/srv/SetBool", "/set").wait_ready(10))
         with pytest.raises(ServerLostError):
             ended(other.service("std_srvs/srv/SetBool", "/set").wait_ready(0.5))

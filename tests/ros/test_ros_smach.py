@@ -57,20 +57,8 @@ def ros(domain, interface_cache, monkeypatch):
 
 
 @pytest.fixture
-def server(domain, counting):
-    from grip_bt.ros.process import child_environment
-
-    process = subprocess.Popen(
-        [sys.executable, str(DATA / "count_server.py")],
-        env=child_environment([counting], domain),
-        stdout=subprocess.PIPE,
-        text=True,
-    )
-    assert process.stdout.readline() == "serving\n"
-    yield process
-    process.kill()
-    process.wait()
-    process.stdout.close()
+def server(start_server, counting):
+    return start_server("count_server.py", overlays=[counting])
 
 
 def machine_of(state, **options):
