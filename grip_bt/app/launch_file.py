@@ -96,7 +96,7 @@ def _quoted(word: str) -> str:
 
 def _literal(text: str) -> str:
     """Return a text in which launch sees no substitution."""
-    return text.replace("$", "\\$")
+    return text.replace("\\", "\\\\").replace("$", "\\$")
 
 
 def _add(parent: ElementTree.Element, tag: str, /, **attributes: str) -> ElementTree.Element:

@@ -15,6 +15,7 @@ from grip_bt.errors import GripError
 
 if TYPE_CHECKING:
     from grip_bt.ros.launch.group import Member
+    from grip_bt.ros.launch.model import LaunchEvent
 
 FAILED, STOPPED = 4, 130
 
@@ -41,16 +42,16 @@ def run(args: argparse.Namespace) -> int:
     """Run until all have ended, a required one has failed, or we are told to stop."""
     if args.write is not None:
         return _write(args)
-    members, logs = _members(args)
+    members, events, logs = _members(args)
     if args.check:
         _print_members(members, args.json)
         return 0
-    if not members:
+    if not members and not events:
         raise GripError(f"{args.project / 'grip.yaml'} declares no processes; name a launch file, or add `processes:`")
-    return _supervise(members, logs, args.follow)
+    return _supervise(members, events, logs, args.follow)
 
 
-def _members(args: argparse.Namespace) -> tuple[list[Member], Path]:
+def _members(args: argparse.Namespace) -> tuple[list[Member], list[LaunchEvent], Path]:
     from grip_bt.app.launching import project_members
     from grip_bt.app.project import find_project
     from grip_bt.ros.launch.run import is_launch_file, members_of_file
@@ -58,8 +59,8 @@ def _members(args: argparse.Namespace) -> tuple[list[Member], Path]:
     project = find_project(args.project)
     logs = project.state_folder / "logs" / "launch"
     if args.what and is_launch_file(args.what[0]):
-        return members_of_file(Path(args.what[0]), _arguments(args.what[1:]), own_reader=args.own), logs
-    return project_members(project, args.what), logs
+        return *members_of_file(Path(args.what[0]), _arguments(args.what[1:]), own_reader=args.own), logs
+    return project_members(project, args.what), [], logs
 
 
 def _arguments(words: Sequence[str]) -> dict[str, str]:
@@ -74,10 +75,12 @@ def _arguments(words: Sequence[str]) -> dict[str, str]:
 
 def _print_members(members: Sequence[Member], as_json: bool) -> None:
     if as_json:
-        print(json.dumps([{"name": m.name, "command": list(m.command)} for m in members], indent=2))
+        made = [{"name": m.name, "command": list(m.command), "after": m.after} for m in members]
+        print(json.dumps(made, indent=2))
         return
     for member in members:
-        print(f"{member.name}: {shlex.join(member.command)}")
+        after = f" (after {member.after:g} s)" if member.after else ""
+        print(f"{member.name}{after}: {shlex.join(member.command)}")
 
 
 def _write(args: argparse.Namespace) -> int:
@@ -90,12 +93,12 @@ def _write(args: argparse.Namespace) -> int:
     return 0
 
 
-def _supervise(members: Sequence[Member], logs: Path, follow: bool) -> int:
+def _supervise(members: Sequence[Member], events: Sequence[LaunchEvent], logs: Path, follow: bool) -> int:
     from grip_bt.ros.launch.follow import Follower
     from grip_bt.ros.launch.group import ProcessGroup
 
     stopped: list[int] = []
-    group = ProcessGroup(members, logs, told=_tell)
+    group = ProcessGroup(members, logs, told=_tell, events=events)
 
     def stop(number: int, frame: object) -> None:
         stopped.append(number)

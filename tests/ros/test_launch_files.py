@@ -252,8 +252,9 @@ def test_ros_own_tools_are_used_where_they_are(tmp_path, monkeypatch):
     file = tmp_path / "it.launch.py"
     file.write_text("")
     monkeypatch.setenv("PATH", f"{ros2.parent}:/usr/bin:/bin")
-    (member,) = members_of_file(file, {"robot_ip": "10.0.0.2"})
+    (member,), events = members_of_file(file, {"robot_ip": "10.0.0.2"})
     assert list(member.command) == [str(ros2), "launch", str(file), "robot_ip:=10.0.0.2"]
+    assert not events
 
 
 def test_another_project_of_the_name_launch_is_not_taken_for_ros(tmp_path, monkeypatch):

@@ -14,6 +14,7 @@ import pytest
 
 from grip_bt.catalog.process_config import Ready
 from grip_bt.ros.launch.group import Member, ProcessGroup, StartError
+from grip_bt.ros.launch.model import LaunchEvent
 from grip_bt.ros.process import child_environment
 
 MARK = "GRIP_TEST_GROUP"
@@ -201,3 +202,32 @@ time.sleep(100)
         group.ask_to_stop()
         watcher.join(10)
     assert "/ready_at_last is gone" in told[2][1]
+
+
+def test_what_a_timer_holds_back_comes_in_its_time_and_keeps_nobody_waiting(tmp_path):
+    late = member(tmp_path, "late", "print('late')", after=0.8, required=False)
+    first = member(tmp_path, "first", SLEEP, required=False)
+    events = [LaunchEvent("over", 1.6, ends=True), LaunchEvent("hello"), LaunchEvent("meanwhile", 1.2)]
+    told, times = [], {}
+
+    def tell(name: str, state: str, detail: str) -> None:
+        told.append((name, state, detail if state == "says" else ""))
+        times.setdefault((name, state), time.monotonic())
+
+    group = ProcessGroup([late, first], tmp_path / "logs", told=tell, events=events)
+    began = time.monotonic()
+    group.start()
+    assert group.states() == {"late": "waiting", "first": "ready"}
+    assert group.run() == ""
+    said = [detail for name, state, detail in told if state == "says"]
+    assert said == ["hello", "meanwhile", "over"]
+    assert times["late", "starting"] >= began + 0.8
+    assert group.states()["first"] == "stopped"
+
+
+def test_a_file_of_messages_alone_runs_until_the_last_of_them(tmp_path):
+    told = []
+    group = ProcessGroup([], tmp_path / "logs", told=lambda *event: told.append(event), events=[LaunchEvent("a", 0.3)])
+    group.start()
+    assert group.run() == ""
+    assert told == [("launch", "says", "a")]

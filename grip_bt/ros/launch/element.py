@@ -15,7 +15,7 @@ from .errors import LaunchError
 
 DEEPEST = 50
 """Elements in elements; what launch files need is a handful."""
-_MANY = {"param", "remap", "env", "arg", "let"}
+_MANY = {"param", "remap", "env", "arg", "let", "choice", "composable_node", "extra_arg"}
 """Keys of YAML whose list holds sub-elements."""
 
 

@@ -18,9 +18,10 @@ from grip_bt.catalog.process_config import Ready, Restart
 from grip_bt.errors import GripError
 
 from ..process import Process
+from .model import LaunchEvent
 from .watch import GraphWatch
 
-State = Literal["waiting", "starting", "ready", "restarting", "silent", "ended", "failed", "stopped"]
+State = Literal["waiting", "starting", "ready", "restarting", "silent", "ended", "failed", "stopped", "says"]
 LOOK = 0.1
 """How often the group is looked at [s]."""
 SILENCE = 5.0
@@ -42,6 +43,7 @@ class Member:
         restart_delay: how long to wait before [s].
         required: whether the group ends when it is given up.
         ends_all: whether the group ends when it ends, however.
+        after: how long after the group's start it is started [s]; one that waits keeps no other waiting.
     """
 
     name: str
@@ -54,6 +56,7 @@ class Member:
     restart_delay: float = 1.0
     required: bool = True
     ends_all: bool = False
+    after: float = 0.0
 
 
 @dataclass
@@ -84,7 +87,8 @@ class ProcessGroup:
         members: the processes, in the order in which they are started; each waits until those before it are ready.
         logs: folder of the log files.
         domain_id: the DDS domain in which services and topics are looked for.
-        told: told of every change.
+        told: told of every change, and, as `says` of `launch`, of the events.
+        events: what happens beside processes.
     """
 
     def __init__(
@@ -93,9 +97,12 @@ class ProcessGroup:
         logs: Path,
         domain_id: int | None = None,
         told: Told = lambda name, state, detail: None,
+        events: Sequence[LaunchEvent] = (),
     ):
         self._all = {member.name: _Running(member) for member in members}
         self._logs, self._told = logs, told
+        self._events = sorted(events, key=lambda event: event.after)
+        self._began = 0.0
         self._watch = GraphWatch(domain_id)
         self._lock = threading.RLock()
         self._stopping = threading.Event()
@@ -120,10 +127,14 @@ class ProcessGroup:
         Raises:
             StartError: one isn't ready in time or ended before; all are ended again.
         """
+        self._began = time.monotonic()
         try:
             for running in self._all.values():
                 if self._stopping.is_set():
                     return
+                if running.member.after > 0:
+                    running.again_at = self._began + running.member.after
+                    continue
                 self._begin(running)
                 self._until_ready(running)
         except BaseException:
@@ -137,14 +148,14 @@ class ProcessGroup:
             What failed; empty when nothing did.
         """
         try:
-            while not self._stopping.wait(LOOK):
+            while not self._tell_events() and not self._stopping.wait(LOOK):
                 for running in self._all.values():
                     self._look(running)
                 failed = [r for r in self._all.values() if r.state == "failed"]
                 if given_up := [r for r in failed if r.member.required or r.member.ends_all]:
                     return given_up[0].why
                 over = [r for r in self._all.values() if r.state in ("ended", "failed")]
-                if len(over) == len(self._all) or any(r.member.ends_all for r in over):
+                if (len(over) == len(self._all) and not self._events) or any(r.member.ends_all for r in over):
                     return failed[0].why if failed else ""
             return ""
         finally:
@@ -173,6 +184,15 @@ class ProcessGroup:
 
     def __exit__(self, *_: object) -> None:
         self.stop()
+
+    def _tell_events(self) -> bool:
+        """Tell the events whose time has come; True when one of them ends it all."""
+        while self._events and time.monotonic() >= self._began + self._events[0].after:
+            event = self._events.pop(0)
+            self._told("launch", "says", event.text)
+            if event.ends:
+                return True
+        return False
 
     # --- one process ---
 
@@ -204,7 +224,7 @@ class ProcessGroup:
 
     def _look(self, running: _Running) -> None:
         process, now = running.process, time.monotonic()
-        if running.state == "restarting":
+        if running.state == "restarting" or (running.state == "waiting" and running.again_at):
             if now >= running.again_at:
                 self._begin(running)
         elif process is None or running.state in ("ended", "failed", "stopped"):

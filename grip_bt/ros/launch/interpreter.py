@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import shlex
 from collections.abc import Callable, Mapping, Sequence
@@ -13,7 +14,7 @@ from ..packages import PackageError, executable_of
 from .element import Element, read_elements
 from .errors import LaunchError
 from .legacy import check_not_legacy
-from .model import Argument, Launch, LaunchedProcess, Scope, joined
+from .model import Argument, Launch, LaunchedProcess, LaunchEvent, Scope, joined
 from .parameters import parameters_of
 from .substitutions import Place, substitute, truth
 
@@ -76,6 +77,8 @@ class _Reader:
         for element in elements:
             handler = _HANDLERS.get(element.tag)
             if handler is None:
+                if element.tag in _COMPOSED:
+                    raise self._place(element, scope).error(f"<{element.tag}> isn't understood here: {_CONTAINERS}")
                 known = listing(sorted(_HANDLERS))
                 reason = f"<{element.tag}> isn't understood here{nearest(element.tag, _HANDLERS)} (what is: {known})"
                 raise self._place(element, scope).error(
@@ -99,7 +102,7 @@ class _Reader:
                     f"<{element.tag}>: the attribute {name!r} isn't understood here{hint} (what is: {known})"
                 )
         for child in element.children:
-            if element.tag != "group" and child.tag not in _INNER.get(element.tag, frozenset()):
+            if element.tag not in _OF_ELEMENTS and child.tag not in _INNER.get(element.tag, frozenset()):
                 raise self._place(child, scope).error(f"<{child.tag}> can't stand in <{element.tag}> here")
         if_, unless = element.attributes.get("if"), element.attributes.get("unless")
         return (if_ is None or truth(if_, place)) and (unless is None or not truth(unless, place))
@@ -147,6 +150,43 @@ class _Reader:
         name = self._text(element, scope, "name")
         scope.env.pop(name, None)
         scope.unset |= {name}
+
+    def _append_env(self, element: Element, scope: Scope) -> None:
+        name, value = self._text(element, scope, "name"), self._text(element, scope, "value")
+        place = self._place(element, scope)
+        present = None if name in scope.unset else place.env.get(name)
+        if present is not None:
+            first = truth(element.attributes.get("prepend", "false"), place)
+            value = self._text(element, scope, "separator", os.pathsep).join(
+                (value, present) if first else (present, value)
+            )
+        scope.env[name] = value
+        scope.unset -= {name}
+
+    def _timer(self, element: Element, scope: Scope) -> None:
+        period = self._seconds(element, scope, "period")
+        inner = scope.copy()
+        inner.after += period
+        self._all(element.children, inner)
+
+    def _log(self, element: Element, scope: Scope) -> None:
+        said = self._text(element, scope, "message")
+        level = self._text(element, scope, "level", element.tag.removeprefix("log").strip("_") or "info").lower()
+        self.launch.events.append(LaunchEvent(said if level == "info" else f"{level}: {said}", scope.after))
+
+    def _shutdown(self, element: Element, scope: Scope) -> None:
+        reason = self._text(element, scope, "reason", "the launch file ends everything")
+        self.launch.events.append(LaunchEvent(reason, scope.after, ends=True))
+
+    def _seconds(self, element: Element, scope: Scope, name: str, default: str | None = None) -> float:
+        said = self._text(element, scope, name, default)
+        try:
+            value = float(said)
+        except ValueError:
+            value = -1.0
+        if not 0 <= value < math.inf:
+            raise self._place(element, scope).error(f"{name} is a number of seconds, not {said!r}")
+        return value
 
     def _namespace(self, element: Element, scope: Scope) -> None:
         scope.namespace = joined(scope.namespace, self._text(element, scope, "namespace"))
@@ -227,10 +267,9 @@ class _Reader:
             raise place.error(f'on_exit={on_exit!r} isn\'t understood here; only "shutdown" is')
         folder = self._text(element, scope, "cwd", "")
         count = self._names[name] = self._names.get(name, 0) + 1
-        try:
-            delay = float(self._text(element, scope, "respawn_delay", "0"))
-        except ValueError:
-            raise place.error("respawn_delay is a number of seconds") from None
+        most = self._text(element, scope, "respawn_max_retries", "-1")
+        if not most.lstrip("-").isdigit():
+            raise place.error(f"respawn_max_retries is a whole number, -1 for no end, not {most!r}")
         self.launch.processes.append(
             LaunchedProcess(
                 name if count == 1 else f"{name}-{count}",
@@ -239,14 +278,24 @@ class _Reader:
                 scope.unset,
                 Path(folder) if folder else None,
                 truth(self._text(element, scope, "respawn", "false"), place),
-                delay,
+                self._seconds(element, scope, "respawn_delay", "0"),
                 on_exit == "shutdown",
                 f"{self._files[-1]}:{element.line}",
+                int(most) if int(most) >= 0 else None,
+                scope.after,
             )
         )
 
 
-_COMMON = {"name", "output", "respawn", "respawn_delay", "launch-prefix", "on_exit", "cwd"}
+_COMMON = {"name", "output", "respawn", "respawn_delay", "respawn_max_retries", "launch-prefix", "on_exit", "cwd"}
+_COMMON |= {"emulate_tty"}  # where what is printed looks the same: it goes into a file
+_LOG = {"message", "level"}
+_OF_ELEMENTS = {"group", "timer"}
+_COMPOSED = {"node_container", "load_composable_node", "composable_node"}
+_CONTAINERS = (
+    "its nodes are libraries, which the container of rclcpp_components loads into one process; a ROS that "
+    "has it runs the file itself (`ros2 launch`). Most packages have the same nodes as programs, for <node pkg= exec=>"
+)
 _NAMED = {"name", "value"}
 _HANDLERS: dict[str, tuple[Callable[[_Reader, Element, Scope], None], set[str]]] = {
     "arg": (_Reader._arg, {"name", "default", "description", "value"}),
@@ -255,6 +304,11 @@ _HANDLERS: dict[str, tuple[Callable[[_Reader, Element, Scope], None], set[str]]]
     "unset_env": (_Reader._unset_env, {"name"}),
     "push_ros_namespace": (_Reader._namespace, {"namespace"}),
     "push-ros-namespace": (_Reader._namespace, {"namespace"}),
+    "append_env": (_Reader._append_env, _NAMED | {"prepend", "separator"}),
+    "timer": (_Reader._timer, {"period"}),
+    "log": (_Reader._log, _LOG),
+    **{f"log_{level}": (_Reader._log, {"message"}) for level in ("debug", "info", "warning", "error")},
+    "shutdown": (_Reader._shutdown, {"reason"}),
     "set_remap": (_Reader._set_remap, {"from", "to"}),
     "set_parameter": (_Reader._set_parameter, _NAMED),
     "set_parameters_from_file": (_Reader._set_parameters_from_file, {"filename"}),

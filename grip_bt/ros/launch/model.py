@@ -20,6 +20,8 @@ class LaunchedProcess:
         respawn: whether it is started again when it ends.
         respawn_delay: how long to wait before [s].
         required: whether everything ends when it ends (`on_exit="shutdown"`).
+        respawns: how often it is started again at most; None for no end.
+        after: how long after the beginning it is started [s], by a `timer`.
         place: where it is written, for messages.
     """
 
@@ -32,6 +34,23 @@ class LaunchedProcess:
     respawn_delay: float = 0.0
     required: bool = False
     place: str = ""
+    respawns: int | None = None
+    after: float = 0.0
+
+
+@dataclass(frozen=True)
+class LaunchEvent:
+    """What a launch file does beside starting processes.
+
+    Attributes:
+        text: what is said.
+        after: how long after the beginning [s].
+        ends: whether everything ends then (`shutdown`).
+    """
+
+    text: str
+    after: float = 0.0
+    ends: bool = False
 
 
 @dataclass(frozen=True)
@@ -50,6 +69,7 @@ class Launch:
 
     processes: list[LaunchedProcess] = field(default_factory=list)
     arguments: list[Argument] = field(default_factory=list)
+    events: list[LaunchEvent] = field(default_factory=list)
 
 
 @dataclass
@@ -63,6 +83,7 @@ class Scope:
         namespace: of nodes; empty for none.
         remaps: (from, to) of every node.
         parameters: arguments of every node.
+        after: how long after the beginning it all happens [s].
     """
 
     variables: dict[str, str]
@@ -71,6 +92,7 @@ class Scope:
     namespace: str = ""
     remaps: tuple[tuple[str, str], ...] = ()
     parameters: tuple[str, ...] = ()
+    after: float = 0.0
 
     def copy(self) -> Scope:
         """Return one that can be changed without changing this."""

@@ -12,7 +12,7 @@ from ..process import child_environment
 from .errors import LaunchError
 from .group import Member
 from .interpreter import read_launch_file
-from .model import LaunchedProcess
+from .model import LaunchedProcess, LaunchEvent
 
 SUFFIXES = (".launch.py", ".launch.xml", ".launch.yaml", ".launch.yml", ".launch", ".xml", ".yaml", ".yml", ".py")
 
@@ -24,8 +24,8 @@ def is_launch_file(name: str) -> bool:
 
 def members_of_file(
     path: Path, arguments: Mapping[str, str], domain_id: int | None = None, own_reader: bool = False
-) -> list[Member]:
-    """Return the processes that run a launch file.
+) -> tuple[list[Member], list[LaunchEvent]]:
+    """Return the processes that run a launch file, and what else happens in it.
 
     With ROS's tools there is one, which sees to all others; without them, one for each node and executable.
 
@@ -44,11 +44,12 @@ def members_of_file(
     given = [f"{name}:={value}" for name, value in arguments.items()]
     ros2 = None if own_reader else shutil.which("ros2")
     if ros2 is not None:
-        return [Member(path.name, [ros2, "launch", str(path), *given], Path.cwd(), env)]
+        return [Member(path.name, [ros2, "launch", str(path), *given], Path.cwd(), env)], []
     if path.suffix == ".py" and has_launch_package():
         command = [sys.executable, "-m", "grip_bt.ros.launch.with_package", str(path), *given]
-        return [Member(path.name, command, Path.cwd(), env)]
-    return [member_of(process, env) for process in read_launch_file(path, arguments).processes]
+        return [Member(path.name, command, Path.cwd(), env)], []
+    launch = read_launch_file(path, arguments)
+    return [member_of(process, env) for process in launch.processes], launch.events
 
 
 def member_of(process: LaunchedProcess, env: Mapping[str, str]) -> Member:
@@ -60,10 +61,11 @@ def member_of(process: LaunchedProcess, env: Mapping[str, str]) -> Member:
         process.folder or Path.cwd(),
         {**inherited, **process.env},
         restart="always" if process.respawn else "never",
-        restarts=sys.maxsize if process.respawn else 0,
+        restarts=0 if not process.respawn else sys.maxsize if process.respawns is None else process.respawns,
         restart_delay=process.respawn_delay,
         required=False,
         ends_all=process.required,
+        after=process.after,
     )
 
 

@@ -7,7 +7,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from grip_bt.errors import DocumentError, listing, nearest
+from grip_bt.errors import DocumentError, EvaluationError, ExpressionError, listing, nearest
+from grip_bt.graph.evaluation import value_of
+from grip_bt.graph.expression import parse_expression
 
 from ..packages import PackageError, executable_of, prefix_of, share_of
 from .errors import LaunchError
@@ -16,7 +18,6 @@ TRUE, FALSE = ("true", "1"), ("false", "0")
 MOST = 100
 """Substitutions in one text, also within each other."""
 _REFUSED = {
-    "eval": "it runs Python code of the file; write the condition with if/unless, `equals`, `not`, `and`, `or`",
     "command": "it runs a program while the file is read (`xacro FILE NAME:=VALUE ...` is understood, and expanded "
     "by GRIP); give its output as an argument",
     "param": "it asks for a parameter that is set while nodes start",
@@ -50,7 +51,7 @@ class Place:
 
 
 def substitute(text: str, place: Place) -> str:
-    r"""Return a text with its substitutions made; `\$` is a dollar.
+    r"""Return a text with its substitutions made; behind a backslash, every character is itself, as in ROS.
 
     Raises:
         LaunchError: an unknown or refused substitution, or one that fails; with its place.
@@ -59,8 +60,8 @@ def substitute(text: str, place: Place) -> str:
         raise place.error(f"more than {MOST} substitutions in one text")
     made, at = [], 0
     while at < len(text):
-        if text.startswith(r"\$", at):
-            made.append("$")
+        if text[at] == "\\" and at + 1 < len(text):
+            made.append(text[at + 1])
             at += 2
         elif text.startswith("$(", at):
             value, at = _inside(text, at + 2, place)
@@ -106,9 +107,7 @@ def _word(text: str, at: int, place: Place) -> tuple[str, int]:
     made = []
     while at < len(text) and not text[at].isspace() and text[at] != ")":
         if text[at] in "'\"":
-            end = text.find(text[at], at + 1)
-            if end < 0:
-                raise place.error(f"a quotation mark is missing in {text!r}")
+            end = _closing_quote(text, at, place)
             made.append(substitute(text[at + 1 : end], place))
             at = end + 1
         elif text.startswith("$(", at):
@@ -118,6 +117,16 @@ def _word(text: str, at: int, place: Place) -> tuple[str, int]:
             made.append(text[at])
             at += 1
     return "".join(made), at
+
+
+def _closing_quote(text: str, at: int, place: Place) -> int:
+    """Return where the text that is quoted from `at` ends; a quotation mark behind a backslash doesn't end it."""
+    end = at + 1
+    while end < len(text) and text[end] != text[at]:
+        end += 2 if text[end] == "\\" else 1
+    if end >= len(text):
+        raise place.error(f"a quotation mark is missing in {text!r}")
+    return end
 
 
 def _apply(name: str, words: list[str], place: Place) -> str:
@@ -155,6 +164,22 @@ def _environment(words: list[str], place: Place) -> str:
     raise place.error(f"$(env {words[0]}): the environment has no such variable; a default: $(env {words[0]} VALUE)")
 
 
+def _evaluated(words: list[str], place: Place) -> str:
+    """Compute an expression of literals by the language of guards: what a condition needs, and nothing that acts."""
+    try:
+        expression = parse_expression(words[0])
+        if expression.names:
+            raise place.error(
+                f"$(eval {words[0]!r}): {expression.names[0]!r} is no value; a text stands in quotation marks: "
+                "$(eval \"'$(var NAME)' == 'sim'\")"
+            )
+        return str(value_of(expression, {})())
+    except (ExpressionError, EvaluationError) as error:
+        raise place.error(
+            f"$(eval {words[0]!r}): {error}; Python code isn't run here: write it with if/unless, `equals`, `not`"
+        ) from None
+
+
 def _xacro(words: list[str], place: Place) -> str:
     """Return a robot's description, as `xacro FILE NAME:=VALUE ...` prints it."""
     from grip_bt.commanders.description.packages import Packages
@@ -182,6 +207,7 @@ def _said(value: bool) -> str:
 _KNOWN: dict[str, tuple[int, int, Callable[[list[str], Place], str]]] = {
     "var": (1, 2, _variable),
     "env": (1, 2, _environment),
+    "eval": (1, 1, _evaluated),
     "dirname": (0, 0, lambda words, place: str(place.source.resolve().parent)),
     "filename": (0, 0, lambda words, place: place.source.name),
     "find-pkg-share": (1, 1, lambda words, place: str(share_of(words[0], place.prefixes))),
