@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ._frozen import ComparesArrays, frozen_array
 
@@ -28,6 +29,17 @@ class JointState(ComparesArrays):
     velocity: NDArray[np.float64] | None = None
     effort: NDArray[np.float64] | None = None
     time: float = 0.0
+
+    if TYPE_CHECKING:  # what the constructor takes is wider than what it keeps
+
+        def __init__(
+            self,
+            names: Iterable[str],
+            position: ArrayLike,
+            velocity: ArrayLike | None = None,
+            effort: ArrayLike | None = None,
+            time: float = 0.0,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "names", tuple(self.names))

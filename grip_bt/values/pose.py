@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,6 +32,10 @@ class Pose(ComparesArrays):
     position: NDArray[np.float64] = field(default_factory=_zeros)
     quaternion: NDArray[np.float64] = field(default_factory=_identity)
     frame: str = "world"
+
+    if TYPE_CHECKING:  # what the constructor takes is wider than what it keeps
+
+        def __init__(self, position: ArrayLike = ..., quaternion: ArrayLike = ..., frame: str = "world") -> None: ...
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "position", frozen_array(self.position, (3,), "position"))
