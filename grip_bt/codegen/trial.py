@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from grip_bt.catalog.component_file import ComponentFile
@@ -35,7 +36,7 @@ def default_outcome(component: ComponentFile, interface: InterfaceSpec) -> tuple
         if any(name not in reply for name in rule.names):
             return None
         try:
-            if condition_of(rule, {name: (lambda name=name: reply[name]) for name in rule.names})():
+            if condition_of(rule, {name: partial(reply.__getitem__, name) for name in rule.names})():
                 return reply, label
         except EvaluationError:
             return None

@@ -38,8 +38,8 @@ def _surely_few(text: str) -> bool:
 
 def _by_libyaml(text: str) -> Any | None:
     try:
-        from yaml import YAMLError  # type: ignore[import-untyped]
-        from yaml.cyaml import CParser  # type: ignore[import-untyped]
+        from yaml import YAMLError
+        from yaml.cyaml import CParser
     except ImportError:
         return None
     try:

@@ -169,8 +169,8 @@ def _quickly(text: str, source: str = "") -> Value | None:
         DocumentError: it is wrong, and too large for the patient way.
     """
     try:
-        from yaml import YAMLError  # type: ignore[import-untyped]
-        from yaml.cyaml import CParser  # type: ignore[import-untyped]
+        from yaml import YAMLError
+        from yaml.cyaml import CParser
     except ImportError:
         return None
     large = len(text) > PATIENCE

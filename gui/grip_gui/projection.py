@@ -109,11 +109,11 @@ def _nodes(task: Task, find: Faces, before: Drawn | None) -> list[NodeView]:
                 keep(child)
             return
         olds = children_of(old) if old is not None else {}
-        for name, child in children_of(node).items():
+        for name, below in children_of(node).items():
             place = join(path, name)
             initial = isinstance(node, StateMachine) and node.initial == name
-            shown = _node(place, path, name, child, find, _edges_below(node, name, child), initial)
-            draw(place, child, shown, olds.get(name))
+            shown = _node(place, path, name, below, find, _edges_below(node, name, below), initial)
+            draw(place, below, shown, olds.get(name))
 
     root = _node("/", None, task.name, task.root, find, _edges(task.root.on, ends=task.outcomes))
     draw("/", task.root, root, before.task.root if before else None)

@@ -40,7 +40,6 @@ class RunDesk:
         self.lease = Lease(self.notify)
         self._breakpoints = Breakpoints(journal.parent / "breakpoints.json")
         self._starting = False
-        self._shown: SessionView | None = None
         self._viewers: set[asyncio.Event] = set()
 
     @property

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import cast, get_args
+from typing import get_args
 
 from fastapi import APIRouter
 
@@ -15,7 +15,7 @@ from .from_here import mocks_before
 from .launcher import RunOptions
 from .project import ProjectFolder
 from .run_desk import RunDesk
-from .run_messages import BreakpointsWish, Control, DeskView, LeaseWish, Robot, SessionView, StartRun
+from .run_messages import BreakpointsWish, Control, DeskView, LeaseWish, SessionView, StartRun
 
 
 def robots() -> list[str]:
@@ -69,9 +69,7 @@ def make_run_router(folder: ProjectFolder, desk: RunDesk) -> APIRouter:
 def _options(folder: ProjectFolder, wish: StartRun) -> RunOptions:
     if wish.robot not in robots():
         raise UnknownNameError("robot", wish.robot, robots(), "grip run --robot")
-    options = RunOptions(
-        robot=cast(Robot, wish.robot), target=wish.target, seed=wish.seed, pace=wish.pace, mocks=wish.mocks
-    )
+    options = RunOptions(robot=wish.robot, target=wish.target, seed=wish.seed, pace=wish.pace, mocks=wish.mocks)
     if not wish.begin_at:
         return options
     return replace(options, mocks={**mocks_before(task_view(folder, wish.task), wish.begin_at), **wish.mocks})

@@ -89,7 +89,8 @@ class RayCamera:
 
     def capture(self) -> Frame:
         """Take one frame of the scene as it is now."""
-        distance, normals, labels = (a.copy() for a in self._still)
+        distance, normals, labels = self._still
+        distance, normals, labels = distance.copy(), normals.copy(), labels.copy()
         pixels = np.flatnonzero(self._may_see_moving())
         hits: list[int] = []
         found: list[float] = []

@@ -24,10 +24,10 @@ def outcome_map(part: Part) -> tuple[dict[str, dict[str, str]], str] | None:
     order = {child.name: number for number, child in enumerate(part.children)}
     exits = sorted(part.exits, key=lambda exit: order[exit[0][0]])
     mapped: dict[str, dict[str, str]] = {}
-    for (child, outcome, _), target in exits:
+    for (name, outcome, _), target in exits:
         if target in mapped or target in ("success", "failure"):
             return None
-        mapped[target] = {child: outcome}
+        mapped[target] = {name: outcome}
     wanted = {}
     for child in part.children:
         good = [outcome for outcome, meaning in child.meaning.items() if meaning == "success"]
@@ -58,8 +58,8 @@ def outcome_function(part: Part, name: str, labels: dict[str, str]) -> str:
     assert isinstance(node, model.Parallel), "only these join"
     lines = [f"def {name}(ends):", f'    """Return the outcome of {part.name} from those of its children."""']
     order = {child.name: number for number, child in enumerate(part.children)}
-    for (child, outcome, _), target in sorted(part.exits, key=lambda exit: order[exit[0][0]]):
-        lines += [f"    if ends[{py(labels[child])}] == {py(outcome)}:", f"        return {py(target)}"]
+    for (joined, outcome, _), target in sorted(part.exits, key=lambda exit: order[exit[0][0]]):
+        lines += [f"    if ends[{py(labels[joined])}] == {py(outcome)}:", f"        return {py(target)}"]
     lines.append("    good = [")
     for child in part.children:
         ends = [outcome for outcome, meaning in child.meaning.items() if meaning == "success"]

@@ -40,8 +40,8 @@ def tree(plan: Plan, part: Part, needed: Refined) -> Items:
 
 def _ordered(document: dict[str, Any]) -> dict[str, Any]:
     """Return a node's keys with what it is first and its children last, as task files have them."""
-    first = {key: document[key] for key in ("doc", "kind", "node", "task") if key in document}
-    below = {}
+    first: dict[str, Any] = {key: document[key] for key in ("doc", "kind", "node", "task") if key in document}
+    below: dict[str, Any] = {}
     for key in ("child", "children"):
         if key in document:
             below[key] = {name: _ordered(node) for name, node in document[key].items()}

@@ -9,7 +9,7 @@ from grip_bt.catalog import Catalog
 from grip_bt.compilers.restructure import Difference, Restructured, moved, play
 from grip_bt.compilers.restructure.equivalence import End
 from grip_bt.graph import Task
-from grip_bt.graph.model import outcomes_of
+from grip_bt.graph.model import Leaf, outcomes_of
 from grip_bt.runtime.recorder import preview
 from grip_bt.values import Failure
 
@@ -45,7 +45,9 @@ def _play(task: Task, script: tuple[End, ...], catalog: Catalog, file: str) -> P
 
 
 def _meaning(task: Task, outcome: str) -> str:
-    return outcomes_of(task.root).get(outcome, "failure")
+    root = task.root
+    known = root.meaning if isinstance(root, Leaf) else outcomes_of(root)
+    return known.get(outcome, "failure")
 
 
 class _Events:

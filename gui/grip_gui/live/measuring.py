@@ -10,6 +10,7 @@ from typing import Any
 from grip_bt.app.project import find_project
 from grip_bt.app.resources import open_resources
 from grip_bt.errors import ExpectedError, GripError, MissingPartError, UnknownNameError
+from grip_bt.ports import Arm, Hand
 
 from .written import text_of
 
@@ -29,7 +30,7 @@ def measured(robot: str, part: str, what: str) -> Any:
     if project.file.robot is None:
         raise MissingPartError("a robot", "name one in grip.yaml (`robot:`)")
     with open_resources(project, ["arm/teach"], robot, 0, None, lambda *_: None) as resources:
-        parts = {**resources.hands, **resources.arms}
+        parts: dict[str, Arm | Hand] = {**resources.hands, **resources.arms}
         if part not in parts:
             raise UnknownNameError("arm or hand", part, parts, "grip.yaml")
         if what == "pose":

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ruamel.yaml import YAML
@@ -13,7 +13,7 @@ from ruamel.yaml.error import YAMLError
 from grip_bt.errors import GripError, nearest
 
 WIDTH = 140
-REFERENCES = {("hands",): (("arms", "*", "hand"),)}
+REFERENCES: Mapping[tuple[str, ...], tuple[tuple[str, ...], ...]] = {("hands",): (("arms", "*", "hand"),)}
 """Where the names of a mapping's entries are used: a rename is followed there."""
 
 
@@ -93,7 +93,7 @@ def _follow(value: Any, pattern: Sequence[str], old: object, new: str) -> None:
 
 def _loaded(text: str) -> tuple[YAML, Any]:
     yaml = YAML(typ="rt")
-    yaml.preserve_quotes = True  # type: ignore[assignment]
+    yaml.preserve_quotes = True
     yaml.width = WIDTH
     yaml.indent(mapping=2, sequence=4, offset=2)
     try:
