@@ -9,6 +9,7 @@ from table_top import robot_model
 
 from grip_bt.commanders.collision import CollisionChecker, recent_checker
 from grip_bt.commanders.planning.continuous import continuously_free, half_displacements
+from grip_bt.commanders.planning.free import halving
 from grip_bt.commanders.planning.paths import interpolated
 from grip_bt.commanders.scene import Box, Cylinder, SceneObject, SceneSnapshot
 from grip_bt.values import Pose
@@ -48,6 +49,34 @@ def test_the_hull_first_gives_the_same_answers_as_all_pairs(chain, checker):
     assert 0.2 < free.mean() < 0.9
     assert free.tolist() == [everything_free(checker, q) for q in rows]
     assert [checker.free(q) for q in rows[:40]] == free[:40].tolist()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_all_are_free_when_each_one_is_in_whatever_order_they_are_asked(chain, checker, seed):
+    rng = np.random.default_rng(seed)
+    rows = random_rows(chain, 3000, seed)
+    free = checker.free_each(rows)
+    hulls = checker._ask(checker._rough, rows, stop_at_first=False)
+    harmless = rows[free & hulls]  # free, though the hand's hull touches something
+    assert len(harmless)
+    good = np.concatenate([rows[free][:60], harmless])
+    assert checker.all_free(rng.permutation(good))
+    assert checker.all_free(good[:1])
+    assert checker.all_free(good[:0])
+    for count in (1, 3, 25, 60, 90):
+        some = rng.permutation(np.concatenate([good[:count], rows[~free][:1]]))
+        assert not checker.all_free(some)
+        assert not checker.all_free(some[::-1])
+
+
+@given(st.integers(1, 3000))
+def test_halving_names_every_step_once_and_the_end_first(steps):
+    order = np.round(halving(steps) * steps).astype(int)
+    assert order[0] == steps
+    assert sorted(order) == list(range(1, steps + 1))
+    for count in (1, 3, 7, 15, 31):
+        seen = np.sort(np.concatenate([[0], order[: count + 1]]))
+        assert np.diff(seen).max() <= 2 * (steps // (count + 1) + 1)
 
 
 def test_what_is_clear_by_a_margin_is_that_far_apart(chain, checker):

@@ -114,7 +114,8 @@ def test_a_constrained_motion_keeps_the_hand_level_round_an_obstacle(model, chec
 def test_a_constrained_motion_stays_in_its_box(model, checker):
     box = PathConstraint(box=pose(np.eye(3), 0.4, 0.0, 0.4), size=(0.5, 0.9, 0.4))
     one, other = level_at(checker, 0.45, -0.3, 0.3), level_at(checker, 0.45, 0.3, 0.3)
-    request = PlanTo(situation(model, checker, one), JointState(checker.chain.joints, other), constraint=box)
+    begin = situation(model, checker, one, time_limit=60.0)
+    request = PlanTo(begin, JointState(checker.chain.joints, other), constraint=box)
     for q in answer(model, request, lambda: False).trajectory.positions:
         offset = checker.chain.grasp_pose(q).translation - [0.4, 0.0, 0.4]
         assert (np.abs(offset) <= np.array([0.25, 0.45, 0.2]) + CONSTRAINT_SLACK).all()

@@ -18,12 +18,11 @@ from grip_bt.values import PathConstraint
 from ..collision import CollisionChecker
 from .bitrrt import bitrrt, costs, highest_cost
 from .cbirrt import cbirrt
-from .paths import Path, interpolated, shortened
+from .paths import Path, shortened
 
 BITRRT = "BiTRRT"
 RESOLUTION = 0.02
 """No joint moves more than this [rad] between two checks while planning; the timed result is checked more finely."""
-_COARSE = 8
 _THREADED = frozenset({"PRM", "PRMstar"})
 """These ask from a thread of their own whether to stop. It can't enter Python, since the search holds the lock, so they
 only get a time limit, and are cancelled by ending their process."""
@@ -43,11 +42,23 @@ class MotionCheck:
         self.checker, self.resolution = checker, resolution
 
     def __call__(self, one: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
-        """Check the motion, its start excepted: every eighth sample first, since most collisions are found by these."""
-        samples = interpolated(np.stack([one, other]), self.resolution)[:0:-1]
-        if len(samples) <= 2 * _COARSE:
-            return self.checker.all_free(samples)
-        return self.checker.all_free(samples[::_COARSE]) and self.checker.all_free(samples)
+        """Check the motion, its start excepted: its end first, then its middle, quarters, eighths and so on.
+
+        Most motions that aren't free touch something for a good part of the way, so they are found out after a few.
+        """
+        steps = max(1, int(np.ceil(np.abs(other - one).max() / self.resolution)))
+        return self.checker.all_free(one + (other - one) * halving(steps)[:, None])
+
+
+@cache
+def halving(steps: int) -> NDArray[np.float64]:
+    """Return the fractions 1/steps, 2/steps ... 1, those first that cut the gaps between the earlier ones in half."""
+    order: list[int] = []
+    stride = 1 << (steps - 1).bit_length()
+    while stride:
+        order += range(steps, 0, -stride)
+        stride //= 2
+    return np.array(list(dict.fromkeys(order))) / steps
 
 
 def plan_free(
