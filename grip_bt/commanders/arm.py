@@ -15,7 +15,7 @@ from grip_bt.ports import Executor
 from grip_bt.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory
 
 from .ik.target import FREE
-from .jogging import jogged, lasting
+from .jogging import approaching, bounded, jogged, lasting
 from .joint_names import require_joints
 from .planning.requests import (
     CheckTogether,
@@ -23,12 +23,15 @@ from .planning.requests import (
     ChosenGrasp,
     PlanAlong,
     PlanningSettings,
+    PlanOnward,
     PlanStraight,
     PlanTo,
     Request,
     Situation,
 )
 from .scene import PlanningScene
+from .steering import HOLD
+from .stream import Stream, Twist, velocity_of
 from .taught import Taught
 from .worker import PlanningService
 
@@ -79,6 +82,7 @@ class ArmCommander:
         self._group = group
         self._taught = taught if taught is not None else Taught()
         self._others, self._more_states = others, dict(states or {})
+        self._stream = Stream(executor, self._plan_step)
         self._lock = threading.Lock()
         self._reached_by: list[tuple[Pose, JointState]] = []
 
@@ -147,6 +151,15 @@ class ArmCommander:
         goal, seconds = jogged(self.grasp_pose(), linear, angular, seconds)
         return self.plan_straight([goal]).then(lambda plan: self.execute(lasting(plan, seconds)))
 
+    def steer(self, linear: Sequence[float], angular: Sequence[float] = (0.0, 0.0, 0.0)) -> Operation[JointState]:
+        """Move the grasp frame with a twist from now on; see `ports.Arm`."""
+        bounded(linear, angular)
+        return self._stream.steer(lambda _: (linear, angular))
+
+    def steer_to(self, target: Pose, speed: float = 0.15) -> Operation[JointState]:
+        """Steer the grasp frame towards a pose; see `ports.Arm`."""
+        return self._stream.steer(lambda there: self._twist_to(target, speed, there))
+
     def teach(self, name: str, *, pose: bool = False) -> JointState | Pose:
         """Remember where the arm is now; see `ports.Arm`."""
         state = self._executor.state()
@@ -185,6 +198,18 @@ class ArmCommander:
         names = tuple(name for part in parts for name in part.names)
         start = JointState(names, np.concatenate([part.position for part in parts]), time=arm.time)
         return Situation(self._group, start, self._scene.snapshot(), self._hand, self._settings)
+
+    def _twist_to(self, target: Pose, speed: float, there: JointState) -> Twist:
+        return approaching(self._model.grasp_pose(there, group=self._group), target, speed, HOLD)
+
+    def _plan_step(self, start: JointState, twist: Twist, hold: float) -> Operation[Trajectory]:
+        situation = self._situation(start)
+        names = situation.start.names
+        begin = replace(situation.start, velocity=velocity_of(start, names))
+        own = replace(self._settings, planner=PlanningSettings().planner)  # no search: whoever plans, ours checks
+        linear, angular = (tuple(map(float, part)) for part in twist)
+        request = PlanOnward(replace(situation, start=begin, settings=own), linear, angular, hold)
+        return self._ask(request).then(lambda plan: Operation.finished(plan.trajectory))
 
     def _submit(self, request: Request) -> Operation[Plan | ChosenGrasp | None]:
         return self._planner.submit(request)

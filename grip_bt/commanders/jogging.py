@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from grip_bt.values import Plan, Pose
 
@@ -29,18 +30,42 @@ def jogged(pose: Pose, linear: Sequence[float], angular: Sequence[float], second
     Raises:
         ValueError: a number isn't finite, or the time isn't positive.
     """
-    v, w = np.asarray(linear, dtype=float), np.asarray(angular, dtype=float)
-    if v.shape != (3,) or w.shape != (3,) or not (np.isfinite(v).all() and np.isfinite(w).all()):
-        raise ValueError(f"a twist is 3 + 3 finite numbers, not {list(linear)} and {list(angular)}")
+    v, w = bounded(linear, angular)
     if not 0 < seconds < np.inf:
         raise ValueError(f"jogging takes a positive time [s], not {seconds}")
-    excess = max(1.0, float(np.linalg.norm(v)) / MOST_LINEAR, float(np.linalg.norm(w)) / MOST_ANGULAR)
-    turn = w * seconds / excess
+    turn = w * seconds
     angle = float(np.linalg.norm(turn))
     axis = turn / angle if angle > 0 else np.array([0.0, 0.0, 1.0])
     spin = Pose(quaternion=[np.cos(angle / 2), *(np.sin(angle / 2) * axis)])
     turned = Pose.from_matrix(spin.matrix() @ Pose(quaternion=pose.quaternion).matrix())
-    return Pose(pose.position + v * seconds / excess, turned.quaternion, pose.frame), seconds
+    return Pose(pose.position + v * seconds, turned.quaternion, pose.frame), seconds
+
+
+def bounded(linear: Sequence[float], angular: Sequence[float]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return a twist, made smaller as a whole where it is above the bounds.
+
+    Raises:
+        ValueError: it isn't twice 3 finite numbers.
+    """
+    v, w = np.asarray(linear, dtype=float), np.asarray(angular, dtype=float)
+    if v.shape != (3,) or w.shape != (3,) or not (np.isfinite(v).all() and np.isfinite(w).all()):
+        raise ValueError(f"a twist is 3 + 3 finite numbers, not {list(linear)} and {list(angular)}")
+    excess = max(1.0, float(np.linalg.norm(v)) / MOST_LINEAR, float(np.linalg.norm(w)) / MOST_ANGULAR)
+    return v / excess, w / excess
+
+
+def approaching(pose: Pose, target: Pose, speed: float, period: float) -> tuple[list[float], list[float]]:
+    """Return a twist towards a target that gets slower near it, so that steps of a period [s] don't go beyond it.
+
+    Args:
+        pose: where the grasp frame is, in world.
+        target: likewise.
+        speed: of the grasp frame's origin at most [m/s].
+        period: how long the twist is held [s].
+    """
+    linear, angular = twist_towards(pose, target, 2.0 * period)
+    slower = min(1.0, speed / max(float(np.linalg.norm(linear)), 1e-9))
+    return [v * slower for v in linear], [w * slower for w in angular]
 
 
 def twist_towards(pose: Pose, target: Pose, seconds: float) -> tuple[list[float], list[float]]:

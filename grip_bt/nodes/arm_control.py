@@ -11,24 +11,13 @@ from grip_bt.values import JointState, Pose
 from .arm import ArmLeaf
 from .leaf import Status
 
-STEP = 0.4
-"""A followed target is looked at after each step of so long [s]."""
+LOOK = 0.1
+"""A steered arm is told where to again after so long [s]."""
+_IDLE = 0.2
 
 
-class Jog(ArmLeaf):
-    """Move the hand with a twist for a while."""
-
-    def start(self) -> Operation[JointState]:
-        """Go."""
-        return self.arm.jog(self.params["linear"], self.params["angular"], self.params["seconds"])
-
-    def finish(self, result: JointState) -> Status:
-        """Hand out what was measured."""
-        return self.end(reached=result)
-
-
-class Follow(ArmLeaf):
-    """Follow a pose that may move: each step goes straight towards where it is then."""
+class SteeringLeaf(ArmLeaf):
+    """A leaf that tells an arm where to, again and again, while it moves."""
 
     _asked_before = False
 
@@ -36,28 +25,73 @@ class Follow(ArmLeaf):
         """Note what was asked before this activation."""
         self._asked_before = self.context.preempt_requested
 
-    def update(self) -> Status:
-        """At the target end, or wait for it to move; else make a step."""
-        if self.operation is None and self._at_target():
-            if not self.params["keep_on"]:
-                return self.end(reached=self.arm.grasp_pose())
-            if self.context.preempt_requested and not self._asked_before:
-                return self.fail("preempted", "the task was asked to end while the arm followed a target")
-            self.context.wake_at(self.context.clock.now() + STEP / 2)
-            return self.running("at the target")
-        return super().update()
+    def steer(self) -> Operation[JointState]:
+        """Tell the arm where to now."""
+        raise NotImplementedError(f"{type(self).__name__}.steer")
 
     def start(self) -> Operation[JointState]:
-        """Make one step, no quicker than allowed."""
-        linear, angular = twist_towards(self.arm.grasp_pose(), self.read("pose"), STEP)
-        slower = min(1.0, self.params["speed"] / max(float(np.linalg.norm(linear)), 1e-9))
-        return self.arm.jog([v * slower for v in linear], [w * slower for w in angular], STEP)
+        """Begin a motion."""
+        return self.steer()
+
+    def update(self) -> Status:
+        """Begin, or go on; an arm that has come to rest is asked again."""
+        if self.operation is not None and not self.operation.done() and not self.operation.cancel_asked:
+            self.steer()
+        self.context.wake_at(self.context.clock.now() + LOOK)
+        return super().update()
 
     def finish(self, result: JointState) -> Status:
-        """Look again."""
+        """Go on: it was only at rest for a moment."""
         self.operation = None
         self.context.wake()
-        return self.running("following")
+        return self.running("moving")
+
+
+class Jog(SteeringLeaf):
+    """Move the hand with a twist, for a while or until interrupted."""
+
+    def update(self) -> Status:
+        """A motion whose length is known is made in one; else go on."""
+        if self.params["seconds"] is None:
+            return super().update()
+        return super(SteeringLeaf, self).update()
+
+    def start(self) -> Operation[JointState]:
+        """Go."""
+        if self.params["seconds"] is None:
+            return self.steer()
+        return self.arm.jog(self.params["linear"], self.params["angular"], self.params["seconds"])
+
+    def steer(self) -> Operation[JointState]:
+        """Go on."""
+        return self.arm.steer(self.params["linear"], self.params["angular"])
+
+    def finish(self, result: JointState) -> Status:
+        """Hand out what was measured."""
+        return super().finish(result) if self.params["seconds"] is None else self.end(reached=result)
+
+
+class Follow(SteeringLeaf):
+    """Follow a pose that may move."""
+
+    def update(self) -> Status:
+        """At the target end, or wait for it to move; else go on towards it."""
+        if (self.operation is None or not self.operation.cancel_asked) and self._at_target():
+            if not self.params["keep_on"]:
+                return self.end(reached=self.arm.grasp_pose())
+            if self.operation is None:
+                return self._wait_at_target()
+        return super().update()
+
+    def steer(self) -> Operation[JointState]:
+        """Go towards where the target is now, no quicker than allowed."""
+        return self.arm.steer_to(self.read("pose"), self.params["speed"])
+
+    def _wait_at_target(self) -> Status:
+        if self.context.preempt_requested and not self._asked_before:
+            return self.fail("preempted", "the task was asked to end while the arm followed a target")
+        self.context.wake_at(self.context.clock.now() + _IDLE)
+        return self.running("at the target")
 
     def _at_target(self) -> bool:
         target: Pose = self.read("pose")

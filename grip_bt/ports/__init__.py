@@ -8,7 +8,7 @@ from .context import Context
 from .external import Component, Ros
 from .hands import Hand, HandPort
 from .messages import Messages
-from .motion import FREEDOMS, Arm, Executor
+from .motion import FREEDOMS, Arm, Executor, Steerable
 from .scene import Scene
 from .sensing import Camera, Sensor
 from .timing import Clock, Pausable
@@ -28,4 +28,5 @@ __all__ = [
     "Ros",
     "Scene",
     "Sensor",
+    "Steerable",
 ]

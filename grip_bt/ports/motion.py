@@ -40,6 +40,34 @@ class Executor(Protocol):
 
 
 @runtime_checkable
+class Steerable(Protocol):
+    """An executor whose motion can be changed while it is under way."""
+
+    def passed(self) -> float | None:
+        """Return for how long the motion under way has been followed [s]; None when nothing moves."""
+        ...
+
+    def amend(self, tail: Trajectory, at: float) -> bool:
+        """Go on with `tail` from `at` seconds after the beginning of the motion under way.
+
+        The operation of the motion ends when the tail does. Returns False, and changes nothing, when that moment is
+        over or nothing moves.
+
+        Raises:
+            ValueError: the tail moves other joints, or begins elsewhere than the motion is at that moment.
+        """
+        ...
+
+    def expect(self, at: float | None) -> None:
+        """Tell that an amendment at that moment is likely; None: none is.
+
+        For executors with a time of their own: a simulator that is quicker than our clock waits there for a
+        moment. Others do nothing.
+        """
+        ...
+
+
+@runtime_checkable
 class Arm(Protocol):
     """What leaves ask of an arm. Plans avoid the scene; straight motions are checked against it too."""
 
@@ -130,6 +158,36 @@ class Arm(Protocol):
 
         Raises:
             ValueError: a number isn't finite, or the time isn't positive.
+        """
+        ...
+
+    def steer(self, linear: Sequence[float], angular: Sequence[float] = (0.0, 0.0, 0.0)) -> Operation[JointState]:
+        """Move the grasp frame with a twist from now on, without a stop where the executor is `Steerable`.
+
+        To be called again every 0.1 s or so: what is asked takes its effect 0.2 s later at most, and the arm comes to
+        rest when nothing more is asked. Each step is known to be free to its end, at rest, before it begins; where it
+        isn't, the arm comes to rest before it.
+
+        Args:
+            linear: velocity of its origin in world, 3 numbers [m/s]; too large a twist is made smaller.
+            angular: angular velocity in world, 3 numbers [rad/s].
+
+        Returns:
+            The motion from rest to rest, the same operation as long as it goes on.
+
+        Ends with NoIkError, OutOfLimitsError, PathInvalidError or ExecutionAbortedError, the arm being at rest.
+
+        Raises:
+            ValueError: a number isn't finite.
+        """
+        ...
+
+    def steer_to(self, target: Pose, speed: float = 0.15) -> Operation[JointState]:
+        """Steer the grasp frame towards a pose in world, slower near it; see `steer`.
+
+        Args:
+            target: where to, for now.
+            speed: of the grasp frame's origin at most [m/s].
         """
         ...
 

@@ -47,7 +47,7 @@ class _Joints:
 
 
 class SimExecutor(_Joints):
-    """Implements `grip_bt.ports.Executor`."""
+    """Implements `grip_bt.ports.Executor` and `grip_bt.ports.Steerable`."""
 
     def execute(self, trajectory: Trajectory) -> Operation[JointState]:
         """Follow a trajectory; see the port.
@@ -55,6 +55,25 @@ class SimExecutor(_Joints):
         Raises:
             ValueError: the trajectory isn't for these joints, or holds what isn't a number.
         """
+        return _measured(self._client.move("follow", self._arrays(trajectory), names=list(self._names)))
+
+    def passed(self) -> float | None:
+        """Return for how long the motion under way has been followed, in simulated time [s]; see `ports.Steerable`."""
+        passed: float | None = self._client.ask("passed", names=list(self._names)).fields["passed"]
+        return passed
+
+    def amend(self, tail: Trajectory, at: float) -> bool:
+        """Go on with another trajectory from a moment on; see `ports.Steerable`."""
+        arrays = self._arrays(tail)
+        if "velocities" not in arrays:
+            arrays["velocities"] = np.gradient(arrays["positions"], tail.times, axis=0)
+        return bool(self._client.ask("amend", arrays, names=list(self._names), at=at).fields["amended"])
+
+    def expect(self, at: float | None) -> None:
+        """Have simulated time stand still at a moment until the motion is amended, for a second of ours at most."""
+        self._client.ask("expect", names=list(self._names), at=at)
+
+    def _arrays(self, trajectory: Trajectory) -> dict[str, NDArray[np.float64]]:
         if set(trajectory.names) != set(self._names):
             raise ValueError(f"the trajectory is for {trajectory.names}, not for {self._names}")
         _check_finite("a trajectory", trajectory.times, trajectory.positions, trajectory.velocities)
@@ -62,7 +81,7 @@ class SimExecutor(_Joints):
         arrays = {"times": trajectory.times, "positions": trajectory.positions[:, order]}
         if trajectory.velocities is not None:
             arrays["velocities"] = trajectory.velocities[:, order]
-        return _measured(self._client.move("follow", arrays, names=list(self._names)))
+        return arrays
 
 
 class SimHand(_Joints):

@@ -18,6 +18,8 @@ GRACE = 1.0
 """How long a motion may take to come to rest after its time [s]."""
 STILL = 0.05
 """Joints slower than this stand still [rad/s]."""
+_PAST = 0.1
+"""What was followed longer ago is forgotten when a motion is amended [s]."""
 
 
 @dataclass(frozen=True)
@@ -64,6 +66,32 @@ class Follow:
             velocities = np.gradient(positions, times, axis=0) if len(times) > 1 else np.zeros_like(positions)
         self._times, self._positions, self._velocities = times, positions, velocities
         self._begun = begun
+        self.expects: float | None = None
+
+    def passed(self, time: float) -> float:
+        """Return for how long it has been followed at a simulated time [s]."""
+        return time - self._begun
+
+    def waits(self, world: World) -> bool:
+        """Tell whether the next step would go beyond where an amendment is expected."""
+        return self.expects is not None and self.passed(world.time) + world.spec.dt > self.expects
+
+    def amend(self, time: float, at: float, times: Floats, positions: Floats, velocities: Floats) -> bool:
+        """Go on with another path from a moment of this one on; False when that is over.
+
+        Raises:
+            ValueError: it begins elsewhere than this one is then.
+        """
+        if self.passed(time) > at or at > self._times[-1] + 1e-6:
+            return False
+        off = np.abs(self._at(at, self._positions) - positions[0]).max()
+        if off > 1e-3:
+            raise ValueError(f"what goes on begins {off:.4f} rad away from where the motion is then")
+        kept = (self._times < at - 1e-6) & (self._times > self.passed(time) - _PAST)
+        self._times = np.concatenate([self._times[kept], at + times])
+        self._positions = np.concatenate([self._positions[kept], positions])
+        self._velocities = np.concatenate([self._velocities[kept], velocities])
+        return True
 
     def wrong_start(self) -> str:
         """Return why the motion can't start here, or an empty string."""

@@ -23,8 +23,12 @@ STEPS_PER_LOOK = 4
 """Steps between two looks at the connection: 17 ms of simulated time, a few ms of ours."""
 SIGN_OF_LIFE = 10.0
 """While it is paused, the client is told this often that we are there [s]."""
+PATIENCE = 1.0
+"""Where a motion is expected to be amended, time stands still for so long at most [s of ours]."""
 TELL_TIME = 0.02
 """While something moves, the client is told the time this often [s of ours]."""
+_LOOK = 0.002
+"""While time stands still for an amendment, it is looked for again after so long [s of ours]."""
 
 
 class Server:
@@ -45,8 +49,12 @@ class Server:
         self.world = World(spec)
         self._motions: dict[int, Motion] = {}
         self._told = self._due = 0.0
+        self._waits_since: float | None = None
         self._calls: dict[str, Callable[..., Any]] = {
             "follow": self._follow,
+            "passed": self._passed,
+            "amend": self._amend,
+            "expect": self._expect,
             "move_hand": self._move_hand,
             "wait": self._wait,
             "pause": self._pause,
@@ -116,6 +124,8 @@ class Server:
     def _advance(self) -> None:
         began = time.monotonic()
         for _ in range(STEPS_PER_LOOK):
+            if self._pace is None and self._awaited():
+                return
             for number, motion in list(self._motions.items()):
                 end = motion.advance(self.world)
                 if end is not None:
@@ -128,6 +138,27 @@ class Server:
         if time.monotonic() - self._told > TELL_TIME:
             self._told = time.monotonic()
             self._send({"id": 0})
+
+    def _awaited(self) -> bool:
+        """Tell whether time stands still until a motion is amended: planning must not take simulated time.
+
+        Who has a pace of ours has our time for it, as with a real robot.
+        """
+        waiting = [
+            motion for motion in self._motions.values() if isinstance(motion, Follow) and motion.waits(self.world)
+        ]
+        if not waiting:
+            self._waits_since = None
+            return False
+        now = time.monotonic()
+        if self._waits_since is None:
+            self._waits_since = now
+            self._send({"id": 0})
+        if now - self._waits_since > PATIENCE:
+            for motion in waiting:
+                motion.expects = None
+        self._due = now + _LOOK
+        return True
 
     def _finish(self, number: int, end: Ended) -> None:
         motion = self._motions.pop(number)
@@ -164,6 +195,26 @@ class Server:
         wrong = motion.wrong_start()
         if wrong:
             self._finish(number, Ended("aborted", wrong))
+
+    def _following(self, names: list[str]) -> Follow | None:
+        rows = set(self.world.robot.rows(names))
+        found = (m for m in self._motions.values() if isinstance(m, Follow) and set(m.rows) == rows)
+        return next(found, None)
+
+    def _passed(self, number: int, names: list[str]) -> Any:
+        motion = self._following(names)
+        return {"passed": None if motion is None else motion.passed(self.world.time)}, None
+
+    def _amend(self, number: int, names: list[str], at: float, times: Any, positions: Any, velocities: Any) -> Any:
+        motion = self._following(names)
+        amended = motion is not None and motion.amend(self.world.time, at, times, positions, velocities)
+        return {"amended": amended}, None
+
+    def _expect(self, number: int, names: list[str], at: float | None) -> Any:
+        motion = self._following(names)
+        if motion is not None:
+            motion.expects = at
+        return {}, None
 
     def _move_hand(self, number: int, names: list[str], goal: Any, duration: float, limit: float | None) -> None:
         self._allow_motion()

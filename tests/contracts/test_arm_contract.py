@@ -130,6 +130,32 @@ def test_jogging_moves_along_the_twist_for_its_time_and_no_quicker_than_allowed(
         arm_rig.port.jog([np.nan, 0, 0])
 
 
+def test_a_steered_arm_goes_on_along_its_twist_and_rests_when_nothing_is_asked(arm_rig):
+    before = arm_rig.port.grasp_pose()
+    way = arm_rig.offset / np.linalg.norm(arm_rig.offset)
+    for _ in range(400):
+        operation = arm_rig.port.steer(way * 0.05)
+        arm_rig.let_pass(0.05)
+        gone = (arm_rig.port.grasp_pose().position - before.position) @ way
+        if gone > 0.06:
+            break
+    arm_rig.wait(operation).result()
+    end = arm_rig.port.grasp_pose()
+    off = end.position - before.position
+    assert 0.06 < off @ way < 0.12
+    assert np.linalg.norm(off - way * (off @ way)) < 0.01
+    assert end.quaternion == pytest.approx(before.quaternion, abs=0.02)
+    for _ in range(400):
+        operation = arm_rig.port.steer_to(before, 0.1)
+        arm_rig.let_pass(0.05)
+        if np.linalg.norm(arm_rig.port.grasp_pose().position - before.position) < 0.005:
+            break
+    arm_rig.wait(operation).result()
+    assert arm_rig.port.grasp_pose().matrix() == pytest.approx(before.matrix(), abs=0.02)
+    with pytest.raises(ValueError, match="finite"):
+        arm_rig.port.steer([np.nan, 0, 0])
+
+
 def test_a_taught_state_is_a_goal_and_a_taught_pose_is_kept(arm_rig):
     go(arm_rig, arm_rig.away)
     arm_rig.port.teach("shown")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from grip_bt.errors import CanceledError, ExecutionAbortedError
-from grip_bt.ports import Executor
+from grip_bt.ports import Executor, Steerable
 from grip_bt.values import Trajectory
 
 
@@ -85,3 +85,56 @@ def test_a_motion_after_a_stop_begins_where_the_joints_are(executor_rig):
     second = executor_rig.wait(executor_rig.port.execute(towards(executor_rig))).result()
     names = executor_rig.port.joint_names
     assert second.ordered(names) == pytest.approx(executor_rig.goal.ordered(names), abs=0.02)
+
+
+# --- those that can be steered ---
+
+
+def ramp(names, begin, speed, hold, brake=0.2):
+    """Evenly on with a speed for a while, and then to rest."""
+    on, rest = np.linspace(0.0, hold, 21), np.linspace(0.0, brake, 11)[1:]
+    way = np.concatenate([on, hold + rest - rest**2 / (2 * brake)])
+    pace = np.concatenate([np.ones(21), 1 - rest / brake])
+    times = np.concatenate([on, hold + rest])
+    return Trajectory(names, times, begin + np.outer(way, speed), np.outer(pace, speed))
+
+
+@pytest.fixture
+def steered(executor_rig):
+    """A rig whose executor can be steered, a motion of it, and what goes on with that from 0.4 s on."""
+    if not isinstance(executor_rig.port, Steerable):
+        pytest.skip("this executor's motions can't be changed while they are under way")
+    rig, names = executor_rig, executor_rig.port.joint_names
+    start = rig.port.state().ordered(names)
+    speed = (rig.goal.ordered(names) - start) / 3.0
+    first = ramp(names, start, speed, 0.4)
+    return rig, first, ramp(names, first.at(0.4), speed, 0.6)
+
+
+def test_a_motion_that_is_gone_on_with_does_not_stop_and_ends_once(steered):
+    rig, first, tail = steered
+    assert rig.port.passed() is None
+    operation = rig.port.execute(first)
+    rig.port.expect(0.4)
+    rig.let_pass(0.2)
+    passed = rig.port.passed()
+    assert 0.0 < passed <= 0.4
+    assert rig.port.amend(tail, 0.4)
+    rig.port.expect(None)
+    measured = rig.wait(operation).result()
+    assert measured.ordered(tail.names) == pytest.approx(tail.positions[-1], abs=0.02)
+    assert rig.port.passed() is None
+
+
+def test_what_comes_too_late_or_jumps_changes_nothing(steered):
+    rig, first, tail = steered
+    operation = rig.port.execute(first)
+    rig.let_pass(0.1)
+    jump = Trajectory(tail.names, tail.times, tail.positions + 0.2, tail.velocities)
+    with pytest.raises(Exception, match="rad away"):
+        rig.port.amend(jump, 0.4)
+    rig.let_pass(0.4)
+    assert not rig.port.amend(tail, 0.4)
+    measured = rig.wait(operation).result()
+    assert measured.ordered(first.names) == pytest.approx(first.positions[-1], abs=0.02)
+    assert not rig.port.amend(tail, 0.4)

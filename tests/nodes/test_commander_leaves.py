@@ -196,9 +196,55 @@ def test_following_may_go_on_at_the_target_until_it_is_asked_to_end(cell):
 
 
 def test_a_target_out_of_reach_ends_the_following(world):
-    cell = Cell(world, plan_straight=[None, PathInvalidError("in the way")])
+    cell = Cell(world, plan_step=[None, PathInvalidError("in the way")])
     leaf = cell.leaf("arm/follow", pose=Pose((0.3, -0.4, 0.9)))
     assert cell.run(leaf) == ("FAILURE", "failure", "path_invalid")
+    stood = cell.arm.grasp_pose()
+    assert 0.51 < stood.position[2] < 0.6, "what was free was gone"
+    cell.clock.advance(1.0)
+    assert cell.arm.grasp_pose() == stood
+
+
+def speeds(cell, leaf, seconds):
+    """How fast the grasp frame moves from tick to tick, every 0.05 s [m/s]."""
+    places = []
+    for _ in range(round(seconds / 0.05)):
+        leaf.tick_once()
+        places.append(cell.arm.grasp_pose().position)
+        cell.clock.advance(0.05)
+    return np.linalg.norm(np.diff(places, axis=0), axis=1) / 0.05
+
+
+def test_following_does_not_stop_between_its_steps(cell):
+    leaf = cell.leaf("arm/follow", pose=Pose((0.9, -0.4, 0.5)), speed=0.2)
+    seen = speeds(cell, leaf, 2.5)
+    assert seen.max() <= 0.2 + 1e-6
+    assert seen[3:].min() > 0.19
+    assert leaf.status.name == "RUNNING"
+
+
+def test_jogging_without_an_end_goes_on_until_it_is_interrupted(cell):
+    leaf = cell.leaf("arm/jog", linear=[0.1, 0.0, 0.0], angular=[0.0, 0.0, 0.2], seconds=None)
+    assert speeds(cell, leaf, 3.0)[3:].tolist() == pytest.approx([0.1] * 56, abs=1e-3)
+    leaf.stop()
+    held = cell.arm.grasp_pose()
+    cell.clock.advance(1.0)
+    assert cell.arm.grasp_pose() == held
+
+
+def test_who_asks_no_more_lets_the_arm_come_to_rest(cell):
+    leaf = cell.leaf("arm/jog", linear=[0.2, 0.0, 0.0], seconds=None)
+    speeds(cell, leaf, 1.0)
+    begin = cell.arm.grasp_pose().position
+    cell.clock.advance(0.6)
+    rest = cell.arm.grasp_pose()
+    assert 0.0 < np.linalg.norm(rest.position - begin) < 0.2 * 0.6
+    cell.clock.advance(1.0)
+    assert cell.arm.grasp_pose() == rest
+    leaf.tick_once()
+    leaf.tick_once()
+    cell.clock.advance(0.2)
+    assert cell.arm.grasp_pose() != rest, "and goes on when it is asked again"
 
 
 def test_holding_ends_a_motion_and_lasts_as_long_as_it_should(cell):

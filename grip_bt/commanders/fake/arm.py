@@ -16,16 +16,21 @@ from grip_bt.operation import Operation
 from grip_bt.ports import FREEDOMS
 from grip_bt.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory
 
-from ..jogging import jogged, lasting
+from ..jogging import approaching, bounded, jogged, lasting
 from ..joint_names import require_joints
+from ..steering import HOLD, steered
+from ..stream import Stream, Twist, velocity_of
 from ..taught import Taught
 from .executor import FakeExecutor
 from .schedule import Schedule, Script, steps_of
 
 JOINTS = ("x", "y", "z", "rx", "ry", "rz")
-PLANNING = ("plan", "plan_straight", "plan_along", "choose_grasp")
+PLANNING = ("plan", "plan_straight", "plan_along", "plan_step", "choose_grasp")
 SPEED = 0.5
 """Of each joint [m/s or rad/s]."""
+ACCELERATION = 2.0
+"""Of each joint while it is steered [m/s^2 or rad/s^2]."""
+_MOMENT = 1e-3
 
 
 class FakeArm:
@@ -36,8 +41,8 @@ class FakeArm:
         home: pose of the grasp frame in the state `home`, where it is at first.
         schedule: its time; at once when None.
         states: further named states of the joints `JOINTS`.
-        script: verb (`plan`, `plan_straight`, `plan_along`, `choose_grasp`, `execute`) -> what becomes of each such
-            request.
+        script: verb (`plan`, `plan_straight`, `plan_along`, `plan_step`, `choose_grasp`, `execute`) -> what becomes of
+            each such request; `plan_step` is asked while the arm is steered.
     """
 
     def __init__(
@@ -54,6 +59,7 @@ class FakeArm:
         self._taught = Taught()
         scripts = dict(script or {})
         self._executor = FakeExecutor(start, schedule, scripts.pop("execute", ()))
+        self._stream = Stream(self._executor, self._plan_step)
         self._scripts = {verb: steps_of(scripts.pop(verb, ())) for verb in PLANNING}
         if scripts:
             raise UnknownNameError("verb of a fake arm", next(iter(scripts)), (*self._scripts, "execute"))
@@ -123,6 +129,15 @@ class FakeArm:
         goal, seconds = jogged(self.grasp_pose(), linear, angular, seconds)
         return self.plan_straight([goal]).then(lambda plan: self.execute(lasting(plan, seconds)))
 
+    def steer(self, linear: Sequence[float], angular: Sequence[float] = (0.0, 0.0, 0.0)) -> Operation[JointState]:
+        """Move with a twist from now on; see `ports.Arm`."""
+        bounded(linear, angular)
+        return self._stream.steer(lambda _: (linear, angular))
+
+    def steer_to(self, target: Pose, speed: float = 0.15) -> Operation[JointState]:
+        """Steer towards a pose; see `ports.Arm`."""
+        return self._stream.steer(lambda there: approaching(_pose_of(there.position), target, speed, HOLD))
+
     def teach(self, name: str, *, pose: bool = False) -> JointState | Pose:
         """Remember where it is now, for this run; see `ports.Arm`."""
         value = self.grasp_pose() if pose else JointState(JOINTS, self.state().position)
@@ -157,6 +172,18 @@ class FakeArm:
     def resume(self) -> None:
         """Go on with it."""
         self._executor.resume()
+
+    def _plan_step(self, start: JointState, twist: Twist, hold: float) -> Operation[Trajectory]:
+        failure = next(self._scripts["plan_step"])
+        if failure is not None:
+            return Operation.failed(failure)
+
+        def wanted(q: NDArray[np.float64]) -> NDArray[np.float64]:
+            rates = (_joints_of(jogged(_pose_of(q), *twist, _MOMENT)[0]) - q) / _MOMENT
+            return rates / max(1.0, float(np.abs(rates).max()) / SPEED)
+
+        step = steered(JOINTS, start.position, velocity_of(start, JOINTS), wanted, np.full(6, ACCELERATION), hold)
+        return Operation.finished(step)
 
     def _planned(self, verb: str, ends: list[NDArray[np.float64]], start: JointState | None) -> Operation[Plan]:
         failure = next(self._scripts[verb])

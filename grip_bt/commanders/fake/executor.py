@@ -10,6 +10,7 @@ from grip_bt.errors import CanceledError, ExecutionAbortedError
 from grip_bt.operation import Operation
 from grip_bt.values import JointState, Trajectory
 
+from ..steering import spliced
 from .schedule import AtOnce, Schedule, Script, steps_of
 
 START_TOLERANCE = 0.05
@@ -21,12 +22,17 @@ class _Motion:
     trajectory: Trajectory
     begin: float
     operation: Operation[JointState]
+    failure: Exception | None = None
     stood_at: float | None = None
-    due: tuple[float, _Motion, Exception | None] | None = None
+    due: bool = False
+
+    @property
+    def end(self) -> float:
+        return self.trajectory.duration / (2 if self.failure else 1)
 
 
 class FakeExecutor:
-    """Implements `ports.Executor`.
+    """Implements `ports.Executor`, `ports.Pausable` and `ports.Steerable`.
 
     Args:
         start: where the joints are at first.
@@ -70,12 +76,10 @@ class FakeExecutor:
             )
         self.executed.append(trajectory)
         operation: Operation[JointState] = Operation(on_cancel=lambda: self._cancel(operation))
-        self._motion = motion = _Motion(trajectory, self._schedule.now(), operation)
-        failure = next(self._script)
-        duration = trajectory.duration / 2 if failure else trajectory.duration
+        self._motion = motion = _Motion(trajectory, self._schedule.now(), operation, next(self._script))
         if self._paused:
             motion.stood_at = 0.0
-        self._finish_after(duration, motion, failure)
+        self._finish_after(motion)
         return operation
 
     def stop(self) -> None:
@@ -96,25 +100,41 @@ class FakeExecutor:
         motion = self._motion
         if motion is not None and motion.stood_at is not None:
             motion.begin, motion.stood_at = self._schedule.now() - motion.stood_at, None
-            if motion.due is not None:
-                due, motion.due = motion.due, None
-                self._finish_after(*due)
+            if motion.due:
+                motion.due = False
+                self._finish_after(motion)
 
     def _progress(self, motion: _Motion) -> float:
         return self._schedule.now() - motion.begin if motion.stood_at is None else motion.stood_at
 
-    def _finish_after(self, end: float, motion: _Motion, failure: Exception | None) -> None:
-        """Finish when the motion has come to `end` [s], however long it was held in between."""
+    def passed(self) -> float | None:
+        """Return for how long the motion under way has been followed [s]; see `ports.Steerable`."""
+        return None if self._motion is None else self._progress(self._motion)
+
+    def amend(self, tail: Trajectory, at: float) -> bool:
+        """Go on with another trajectory from a moment on; see `ports.Steerable`."""
+        motion = self._motion
+        if motion is None or self._progress(motion) > min(at, motion.end) + 1e-9:
+            return False
+        motion.trajectory = spliced(motion.trajectory, tail, at)
+        self.executed.append(tail)
+        return True
+
+    def expect(self, at: float | None) -> None:
+        """Do nothing: its time is that of who asks."""
+
+    def _finish_after(self, motion: _Motion) -> None:
+        """Finish when the motion has come to its end, however long it was held and gone on with in between."""
 
         def look() -> None:
             if motion.stood_at is not None:
-                motion.due = (end, motion, failure)
-            elif self._progress(motion) < end - 1e-9:
-                self._finish_after(end, motion, failure)
+                motion.due = True
+            elif self._progress(motion) < motion.end - 1e-9:
+                self._finish_after(motion)
             else:
-                self._finish(motion, failure)
+                self._finish(motion)
 
-        self._schedule.after(max(0.0, end - self._progress(motion)), look)
+        self._schedule.after(max(0.0, motion.end - self._progress(motion)), look)
 
     def _cancel(self, operation: Operation[JointState]) -> None:
         if self._motion is not None and self._motion.operation is operation:
@@ -125,12 +145,12 @@ class FakeExecutor:
         motion, self._motion = self._motion, None
         return motion
 
-    def _finish(self, motion: _Motion, failure: Exception | None) -> None:
+    def _finish(self, motion: _Motion) -> None:
         if self._motion is not motion:
             return
         self._hold()
-        if failure is None:
+        if motion.failure is None:
             self._position = np.array(motion.trajectory.positions[-1])
             motion.operation.succeed(self.state())
         else:
-            motion.operation.fail(failure)
+            motion.operation.fail(motion.failure)

@@ -32,12 +32,14 @@ from .continuous import continuously_free
 from .free import RESOLUTION, plan_constrained, plan_free
 from .goals import goals_of, out_of_limits, touching
 from .grasps import choose_grasp
+from .onward import plan_onward
 from .paths import Path, interpolated
 from .requests import (
     CheckTogether,
     ChooseGrasp,
     ChosenGrasp,
     PlanAlong,
+    PlanOnward,
     PlanStraight,
     PlanTo,
     Request,
@@ -65,6 +67,8 @@ def answer(model: RobotModel, request: Request, canceled: Callable[[], bool]) ->
         return choose_grasp(model, request.situation, request.grasps, canceled)
     if isinstance(request, PlanStraight):
         planner, trajectory = "straight", plan_straight(model, request)
+    elif isinstance(request, PlanOnward):
+        planner, trajectory = "onward", plan_onward(model, request)
     elif isinstance(request, PlanAlong):
         planner, trajectory = "given", plan_along(model, request)
     else:

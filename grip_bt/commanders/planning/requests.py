@@ -91,6 +91,23 @@ class PlanStraight:
 
 
 @dataclass(frozen=True, slots=True)
+class PlanOnward:
+    """Plan a step of a steered motion: with a twist for a moment, and then to rest.
+
+    Attributes:
+        situation: where it begins; the velocities of `start` are those that it begins with, at rest when None.
+        linear: velocity of the grasp frame's origin in world [m/s].
+        angular: angular velocity in world [rad/s].
+        hold: how long the twist is held [s].
+    """
+
+    situation: Situation
+    linear: tuple[float, ...]
+    angular: tuple[float, ...]
+    hold: float
+
+
+@dataclass(frozen=True, slots=True)
 class PlanAlong:
     """Make a plan of a trajectory that is given, if it can be followed.
 
@@ -141,4 +158,4 @@ class ChosenGrasp:
     reasons: dict[str, int] = field(default_factory=dict)
 
 
-Request = PlanTo | PlanStraight | PlanAlong | ChooseGrasp | CheckTogether
+Request = PlanTo | PlanStraight | PlanOnward | PlanAlong | ChooseGrasp | CheckTogether
