@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
@@ -15,25 +16,29 @@ from .project import ArmConfig, Project
 if TYPE_CHECKING:
     from grip_bt.commanders.planning.requests import ChosenGrasp, Request
     from grip_bt.commanders.robots import RobotDescription
-    from grip_bt.commanders.worker import PlanningService
+    from grip_bt.commanders.worker import PlanningService, Searcher
     from grip_bt.ros.bus import Bus
     from grip_bt.values import Plan
 
 
 class PlannerByName:
-    """Implements `commanders.worker.PlanningService`: a request goes to who its arm's settings name.
+    """Implements `commanders.worker.PlanningService`: a search goes to who its arm's settings name.
 
     Args:
-        own: answers what nobody else is named for.
-        others: planner's name -> who answers.
+        own: answers what nobody else is named for, and every request about a motion that is given.
+        others: planner's name -> who searches.
     """
 
-    def __init__(self, own: PlanningService, others: dict[str, PlanningService]):
+    def __init__(self, own: PlanningService, others: Mapping[str, Searcher]):
         self._own, self._others = own, others
 
-    def submit(self, request: Request) -> Operation[Plan | ChosenGrasp]:
+    def submit(self, request: Request) -> Operation[Plan | ChosenGrasp | None]:
         """Ask; see `PlanningService`."""
-        return self._others.get(request.situation.settings.planner, self._own).submit(request)
+        from grip_bt.commanders.planning.requests import ChooseGrasp, PlanStraight, PlanTo
+
+        if isinstance(request, PlanTo | PlanStraight | ChooseGrasp):
+            return self._others.get(request.situation.settings.planner, self._own).submit(request)
+        return self._own.submit(request)
 
 
 def wants_move_group(project: Project) -> bool:

@@ -15,7 +15,7 @@ from grip_bt.operation import Operation
 from grip_bt.values import Plan
 
 from .planning.process import read_frame, write_frame
-from .planning.requests import ChosenGrasp, Request
+from .planning.requests import ChooseGrasp, ChosenGrasp, PlanStraight, PlanTo, Request
 from .robots import RobotDescription
 
 PROGRAM = "grip_bt.commanders.planning.process"
@@ -29,6 +29,18 @@ class PlanningService(Protocol):
 
     def submit(self, request: Request) -> Operation[Plan | ChosenGrasp | None]:
         """Ask; the operation ends with the answer, or with the `ExpectedError` that says why there is none."""
+        ...
+
+
+Search = PlanTo | PlanStraight | ChooseGrasp
+"""The requests that ask for a way or a grasp. The others are about motions that are given, and ask for no planner."""
+
+
+class Searcher(Protocol):
+    """Answers the requests that search for something."""
+
+    def submit(self, request: Search) -> Operation[Plan | ChosenGrasp | None]:
+        """Ask; see `PlanningService`."""
         ...
 
 

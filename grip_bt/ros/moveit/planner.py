@@ -14,10 +14,10 @@ from grip_bt.commanders.planning.requests import (
     ChosenGrasp,
     PlanStraight,
     PlanTo,
-    Request,
     Situation,
 )
 from grip_bt.commanders.robots import RobotDescription
+from grip_bt.commanders.worker import Search
 from grip_bt.errors import (
     BadReplyError,
     ExpectedError,
@@ -80,7 +80,7 @@ class MoveGroupPlanner:
         self._mirror = SceneMirror(move_group, robot, hands)
         self._line = Line()
 
-    def submit(self, request: Request) -> Operation[Plan | ChosenGrasp]:
+    def submit(self, request: Search) -> Operation[Plan | ChosenGrasp | None]:
         """Ask; see `PlanningService`. Ends with PlannerLostError when move_group isn't there."""
         return self._line.join(lambda: walk(self._answer(request)))
 
@@ -106,7 +106,7 @@ class MoveGroupPlanner:
             raise UnknownNameError("group that move_group plans for", group, self._arms, "grip.yaml: ros/move_group")
         return self._arms[group]
 
-    def _answer(self, request: Request) -> Steps[Plan | ChosenGrasp]:
+    def _answer(self, request: Search) -> Steps[Plan | ChosenGrasp | None]:
         begin, situation = time.monotonic(), request.situation
         if isinstance(request, ChooseGrasp):
             chosen = yield from choose(self, request)
