@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import grip_bt
-from grip_bt.errors import MissingPartError, UnknownNameError
+from grip_bt.errors import MissingPartError, NotWritableError, UnknownNameError
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,11 @@ def examples_folder() -> Path:
 
 
 def _copy(folder: Path) -> Path:
-    base = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"))
+    base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     copy = base / "grip" / f"examples-{grip_bt.__version__}"
-    shutil.copytree(folder, copy, dirs_exist_ok=True)
+    try:
+        shutil.copytree(folder, copy, dirs_exist_ok=True)
+    except OSError as error:
+        advice = "the example project is copied there; set XDG_CACHE_HOME to a folder of yours"
+        raise NotWritableError(copy, error, advice) from error
     return copy

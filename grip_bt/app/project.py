@@ -14,6 +14,7 @@ from grip_bt.catalog.process_config import ProcessConfig
 from grip_bt.catalog.sensor_config import SensorConfig
 from grip_bt.catalog.sensors import sensor_manifest
 from grip_bt.commanders.description.config import RobotConfig
+from grip_bt.errors import NotWritableError
 from grip_bt.graph.settings_file import read_model
 
 if TYPE_CHECKING:
@@ -94,9 +95,17 @@ class Project:
 
     @property
     def state_folder(self) -> Path:
-        """Where runs, logs and built interfaces are kept; made when it isn't there."""
+        """Where runs, logs and built interfaces are kept; made when it isn't there.
+
+        Raises:
+            NotWritableError: it can't be made.
+        """
         folder = self.folder / ".grip"
-        folder.mkdir(exist_ok=True)
+        try:
+            folder.mkdir(exist_ok=True)
+        except OSError as error:
+            advice = "runs and logs are kept there; copy the project to a folder of yours, or give --journal FILE"
+            raise NotWritableError(folder, error, advice) from error
         return folder
 
     @property

@@ -32,6 +32,7 @@ from .graph import (
 from .projects import (
     BadFileError,
     ImplementationError,
+    NotWritableError,
     ProjectExistsError,
 )
 from .robots import (
@@ -119,6 +120,7 @@ __all__ = [
     "NodeError",
     "NotExpressibleError",
     "NotTaughtError",
+    "NotWritableError",
     "NothingHeldError",
     "OutOfLimitsError",
     "PathInvalidError",

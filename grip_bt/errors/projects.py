@@ -19,6 +19,18 @@ class ProjectExistsError(GripError):
         super().__init__(f"{folder} isn't an empty folder; nothing was written. Name a folder that isn't there yet")
 
 
+class NotWritableError(GripError):
+    """A place that has to be written can't be: no permission, a read-only disk, no room.
+
+    Attributes:
+        place: the file or folder.
+    """
+
+    def __init__(self, place: Any, error: OSError, advice: str):
+        self.place = str(place)
+        super().__init__(f"{place} can't be written ({error.strerror or error}): {advice}")
+
+
 class ImplementationError(GripError):
     """A node's code can't be imported; `node` is its id, `implementation` what its manifest names."""
 

@@ -16,7 +16,9 @@ from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 
-from .compiler import compile_package, compilers
+from grip_bt.errors import NotWritableError
+
+from .compiler import Compilation, compilers, install_package
 from .definition import check_types, parse_interface
 from .generate import generate
 from .package import Package, find_packages
@@ -63,6 +65,7 @@ def build_interfaces(folder: str | Path, cache: Path | None = None, overlays: Se
         DocumentError: a file of a package is wrong; it says which, where and why.
         MissingPartError: no compiler, or the generators aren't installed.
         InterfaceBuildError: the compiler failed.
+        NotWritableError: the cache can't be written.
     """
     cache = (cache or default_cache()).resolve()
     prefixes = search_path(overlays)
@@ -112,17 +115,28 @@ def _build(package: Package, prefix: Path, prefixes: Sequence[Path]) -> bool:
     if prefix.is_dir():
         return True
     compilers()
-    prefix.parent.mkdir(parents=True, exist_ok=True)
+    _make_writable(prefix.parent)
     with _locked(prefix.with_name(prefix.name + ".lock")):
         if prefix.is_dir():
             return True
         with tempfile.TemporaryDirectory(prefix=f".{package.name}-", dir=prefix.parent) as work:
-            generated = generate(package, Path(work) / "build", prefixes)
             target = Path(work) / "install"
             target.mkdir()
-            compile_package(generated, target, prefixes, jobs=os.cpu_count() or 1)
+            with Compilation(prefixes, jobs=os.cpu_count() or 1) as compilation:
+                generated = generate(package, Path(work) / "build", prefixes, compilation.begin)
+                objects = compilation.objects()
+            install_package(generated, objects, target, prefixes)
             shutil.move(target, prefix)
     return False
+
+
+def _make_writable(cache: Path) -> None:
+    try:
+        cache.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=cache).close()
+    except OSError as error:
+        advice = "built interfaces are kept there; set XDG_CACHE_HOME to a folder of yours"
+        raise NotWritableError(cache, error, advice) from error
 
 
 @contextmanager
