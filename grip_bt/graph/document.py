@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from difflib import get_close_matches
 from functools import cached_property
 from pathlib import Path
 
@@ -125,6 +126,8 @@ def read_file(path: Path | str) -> str:
     try:
         with Path(path).open("rb") as file:
             data = file.read(MAX_CHARACTERS + 1)
+    except (FileNotFoundError, IsADirectoryError) as error:
+        raise DocumentError(f"can't be read: {error.strerror}{_meant(Path(path))}", name) from None
     except OSError as error:
         raise DocumentError(f"can't be read: {error.strerror or error}", name) from None
     except ValueError as error:
@@ -155,3 +158,18 @@ def loads(text: str, source: str = "") -> Task:
         DocumentError: it isn't a task.
     """
     return read_text(text, source).task
+
+
+def _meant(path: Path) -> str:
+    """Return what somebody probably meant who named a folder, or a file that isn't there; empty for no idea."""
+    folder = path if path.is_dir() else path.parent
+    try:
+        there = sorted(str(file) for part in (folder, folder / "tasks") for file in part.glob("*.yaml"))
+    except OSError:
+        return ""
+    there = [file for file in there if Path(file).name != "grip.yaml" and not file.endswith(".layout.yaml")]
+    if path.is_dir():
+        return f"; name a file in it, such as {there[0]}" if there else ""
+    by_name = {Path(file).name: file for file in reversed(there)}
+    close = get_close_matches(path.name, by_name, n=1)
+    return f"; did you mean {by_name[close[0]]}?" if close else ""
