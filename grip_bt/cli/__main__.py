@@ -7,12 +7,15 @@ Exit status: 0 done with a success outcome, 1 invalid input, 2 usage, 3 done wit
 from __future__ import annotations
 
 import argparse
+import errno
 import sys
 from collections.abc import Sequence
 from importlib import import_module
 
 from grip_bt import __version__
 from grip_bt.errors import GripError, NodeError
+
+from .parser import Parser
 
 VERBS = (
     "demo",
@@ -36,11 +39,13 @@ VERBS = (
     "doctor",
 )
 INVALID, NODE_ERROR, STOPPED = 1, 4, 130
+_OF_THE_PLACE = {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOSPC, errno.EDQUOT, errno.ENAMETOOLONG}
+"""Faults of where somebody wanted something written or read, not ours."""
 
 
 def make_parser() -> argparse.ArgumentParser:
     """Return the command's parser with all verbs."""
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="grip",
         description="Draw, run and measure robot grasping tasks: one graph, behaviour tree or state machine.",
     )
@@ -62,13 +67,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except GripError as error:
         print(error if getattr(error, "issues", None) else f"grip: {error}", file=sys.stderr)
         return INVALID
-    except KeyboardInterrupt:
-        print("grip: stopped", file=sys.stderr)
-        return STOPPED
     except BrokenPipeError:
         # The reader went away (`grip ... | head`): nothing more can be said, and nothing is wrong.
         sys.stderr.close()
         return 0
+    except OSError as error:
+        if error.errno not in _OF_THE_PLACE or error.filename is None:
+            raise
+        print(f"grip: {error.filename}: {error.strerror}; name another place, or mend its rights", file=sys.stderr)
+        return INVALID
+    except KeyboardInterrupt:
+        print("grip: stopped", file=sys.stderr)
+        return STOPPED
 
 
 if __name__ == "__main__":

@@ -129,7 +129,10 @@ def run_list(args: argparse.Namespace) -> int:
 
     project = find_project(args.project)
     folder = project.folder / (project.file.components or "components")
-    for name, home in find_components(folder).items():
+    found = find_components(folder)
+    if not found:
+        print(f"no components in {folder}; `grip component new NAME` makes one", file=sys.stderr)
+    for name, home in found.items():
         component = load_component(home)
         stale = outdated(home / NODE_FOLDER, rendered(home))
         state = "node is not up to date" if stale else "node up to date"

@@ -47,8 +47,16 @@ def run(args: argparse.Namespace) -> int:
         _print_members(members, args.json)
         return 0
     if not members and not events:
-        raise GripError(f"{args.project / 'grip.yaml'} declares no processes; name a launch file, or add `processes:`")
+        raise GripError(_nothing_to_launch(args.project))
     return _supervise(members, events, logs, args.follow)
+
+
+def _nothing_to_launch(place: Path) -> str:
+    from grip_bt.app.project import FILE_NAME, find_project
+
+    file = find_project(place).folder / FILE_NAME
+    said = "declares no processes; " if file.is_file() else "isn't there; name a project by --project, "
+    return f"{file} {said}name a launch file, or add `processes:`"
 
 
 def _members(args: argparse.Namespace) -> tuple[list[Member], list[LaunchEvent], Path]:

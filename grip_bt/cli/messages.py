@@ -11,6 +11,8 @@ import time
 from pathlib import Path
 from typing import Any
 
+from grip_bt.errors import ServerLostError
+
 ARCHIVE = "messages.sqlite"
 WAIT = 15.0
 
@@ -27,15 +29,15 @@ def add_parser(subparsers: Any) -> None:
     listing.add_argument("--json", action="store_true", help="print one JSON list")
     listing.set_defaults(run=run_list)
     show = actions.add_parser("show", help="print one message")
-    show.add_argument("store")
-    show.add_argument("name")
+    show.add_argument("store", help="such as poses, joint_states")
+    show.add_argument("name", help="of the message")
     show.set_defaults(run=run_show)
     delete = actions.add_parser("delete", help="remove one message")
-    delete.add_argument("store")
-    delete.add_argument("name")
+    delete.add_argument("store", help="such as poses, joint_states")
+    delete.add_argument("name", help="of the message")
     delete.set_defaults(run=lambda args: _ask(lambda m: m.delete(args.store, args.name)))
     reset = actions.add_parser("reset", help="empty a store, or all, and read the project's files again")
-    reset.add_argument("store", nargs="?", default="")
+    reset.add_argument("store", nargs="?", default="", help="only this one (default: all)")
     reset.set_defaults(run=lambda args: _ask(lambda m: m.reset(args.store)))
     save = actions.add_parser("save", help="keep everything over restarts of the server")
     save.set_defaults(run=lambda args: _ask(lambda m: m.save()))
@@ -110,4 +112,8 @@ def _answer(request: Any) -> Any:
         operation = request(RosMessages(bus))
         if not operation.wait(WAIT):
             sys.stderr.write("grip: no answer\n")
-        return operation.result()
+        try:
+            return operation.result()
+        except ServerLostError as error:
+            advice = "start one: `grip messages serve` in the project's folder, with the same ROS_DOMAIN_ID"
+            raise ServerLostError(f"{error}; {advice}") from error

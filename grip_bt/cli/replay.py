@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 from grip_bt.errors import MissingPartError, UnknownNameError
 
 if TYPE_CHECKING:
-    from grip_bt.runtime import Event, Moment
+    from grip_bt.app.replay import Until
+    from grip_bt.runtime import Event, JournalReader, Moment
 
 
 def add_parser(subparsers: Any) -> None:
@@ -45,6 +47,8 @@ def run(args: argparse.Namespace) -> int:
         if args.gui:
             return _open_page(file, found, not args.no_browser)
         until = Until(args.until) if args.until else None
+        if until is not None and reader.run(found).status != "running":
+            _check_place(reader, found, until)
         speed = args.speed if args.speed is not None else float(sys.stdout.isatty())
 
         def show(event: Event, moment: Moment) -> None:
@@ -57,11 +61,26 @@ def run(args: argparse.Namespace) -> int:
         except EOFError:
             return 0
         if not reached:
-            there = sorted(moment.nodes) if not args.until.isdigit() else [f"1 to {moment.seq}"]
-            raise UnknownNameError("place in the run", args.until, there, f"run {found}")
+            raise _unknown_place(args.until, found, moment.nodes, moment.seq)
         if not args.json:
             print("\n".join(moment_lines(moment)))
     return 0
+
+
+def _check_place(reader: JournalReader, run: str, until: Until) -> None:
+    """Refuse a place that a run which is over never came to, before its events are shown."""
+    paths, last = set(), 0
+    for event in reader.iterate(run):
+        if until.reached(event):
+            return
+        paths.add(event.path)
+        last = event.seq
+    raise _unknown_place(until.text, run, paths, last)
+
+
+def _unknown_place(place: str, run: str, paths: Iterable[str], last: int) -> UnknownNameError:
+    there = [f"1 to {last}"] if place.isdigit() else sorted(paths)
+    return UnknownNameError("place in the run", place, there, f"run {run}")
 
 
 def _wait_for_enter() -> None:

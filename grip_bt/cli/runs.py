@@ -92,9 +92,9 @@ def _prune(args: argparse.Namespace) -> int:
     if args.json:
         print(json.dumps({"removed": pruned.runs, "before": pruned.before, "after": pruned.after}))
     else:
-        held = ByteSize(pruned.after).human_readable()
+        held, allowed = (ByteSize(size).human_readable(decimal=True) for size in (pruned.after, limit))
         count = len(pruned.runs)
-        print(f"{count} run{'s' if count != 1 else ''} removed; {file} holds {held} of {limit.human_readable()}")
+        print(f"{count} run{'s' if count != 1 else ''} removed; {file} holds {held} of {allowed}")
     return 0
 
 

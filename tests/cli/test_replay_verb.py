@@ -58,8 +58,9 @@ def test_a_replay_ends_at_a_node_and_says_what_runs_there(folder, capsys):
 
 def test_a_place_that_the_run_never_reaches_lists_where_it_was(folder, capsys):
     assert main(["replay", "last", "--until", "brokn"]) == 1
-    error = capsys.readouterr().err
-    assert "unknown place in the run 'brokn'; did you mean 'broken'?" in error
+    said = capsys.readouterr()
+    assert "unknown place in the run 'brokn'; did you mean 'broken'?" in said.err
+    assert not said.out  # nothing is shown first
 
 
 def test_an_unknown_run_lists_the_nearest(folder, capsys):

@@ -1,0 +1,22 @@
+"""The command's argument parser: argparse, which also says what was probably meant."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from typing import NoReturn
+
+from grip_bt.errors import nearest
+
+_CHOICE = re.compile(r"invalid choice: '([^']*)' \(choose from (.*)\)$")
+
+
+class Parser(argparse.ArgumentParser):
+    """argparse's parser; a word that isn't one of the choices is answered with the nearest one."""
+
+    def error(self, message: str) -> NoReturn:
+        """End the program with exit status 2; in the words of argparse, and the nearest choice."""
+        if found := _CHOICE.search(message):
+            word, choices = found.groups()
+            message += nearest(word, [choice.strip("' ") for choice in choices.split(",")])
+        super().error(message)
