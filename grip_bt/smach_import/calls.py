@@ -6,8 +6,9 @@ import ast
 from typing import Any
 
 from . import construction
+from .assumptions import GET_PARAMETER, default_given
 from .evaluation import Evaluation
-from .found import CONTAINERS, FIXED_OUTCOMES, Found, FoundContainer, Reference, Span
+from .found import CONTAINERS, FIXED_OUTCOMES, UNKNOWN, Found, FoundContainer, Opaque, Reference, Span
 from .names import Bound, Class, Function, Instance, Scope, UnresolvedError, UserDataOf, express
 from .project import Project
 
@@ -109,7 +110,7 @@ class Calls(Evaluation):
         self, cls: Class, arguments: list[Any], named: dict[str, Any], node: ast.Call, scope: Scope, span: Span
     ) -> Any:
         kind = self.kind_of(cls)
-        external = [b for b in self.lineage(cls) if isinstance(b, Reference) and not b.name.startswith("builtins.")]
+        external = [b for b in self.lineage(cls) if isinstance(b, Opaque) or _of_a_package(b)]
         if not kind and not external:
             made = Instance(cls)
             init = self.member(cls, "__init__")
@@ -179,6 +180,9 @@ class Calls(Evaluation):
                 return None
             if owner in CONTAINERS:
                 return construction.call(self, owner, last, None, arguments, named, span)
+        if callee.name == GET_PARAMETER and self.assuming:
+            default = default_given(arguments, named)
+            return NotImplemented if default is UNKNOWN else default
         return self.library(callee.name, arguments, named)
 
     # --- methods ---
@@ -223,3 +227,7 @@ class Calls(Evaluation):
         if isinstance(container, FoundContainer):
             container.userdata[key] = value
             self.doubtful(container, f"userdata `{key}` is set", span)
+
+
+def _of_a_package(base: Any) -> bool:
+    return isinstance(base, Reference) and not base.name.startswith("builtins.")

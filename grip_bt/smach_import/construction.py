@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from .assumptions import taken
 from .found import CONTAINERS, FIXED_OUTCOMES, Added, Found, FoundContainer, Opaque, Reference, Span
 from .names import Function, is_literal
 
@@ -67,6 +68,7 @@ def initialise(reader: Calls, found: Found, kind: str, arguments: list[Any], nam
 
 def _words(found: Found, name: str, value: Any) -> list[str] | None:
     """Return the words of a list; None, with a note, where only a run knows them."""
+    value = taken(value, lambda told: found.problem("partial", f"the {name} of {found.cls}: {told}"))
     if isinstance(value, str):
         value = list(value)  # upstream takes a text for its characters
     if isinstance(value, (list, tuple, set)) and all(isinstance(w, str) for w in value):
@@ -149,7 +151,7 @@ def _add(reader: Calls, kind: str, name: str, me: Found | None, given: dict[str,
     state = given.get("state")
     if not isinstance(container, FoundContainer):
         return state  # added to a container that is passed from elsewhere: whoever passes it is read
-    label = given.get("label")
+    label = taken(given.get("label"), lambda told: container.problem("partial", f"a label: {told}", span))
     found = _state_of(state, span)
     if not isinstance(label, str):
         text = label.text if isinstance(label, Opaque) else str(label)
@@ -224,7 +226,13 @@ def _constants(container: FoundContainer, label: str, value: Any, span: Span) ->
 def _mapping(container: FoundContainer, what: str, value: Any, span: Span) -> dict[str, Any]:
     if value is None or value == []:
         return {}
+
+    def note(told: str) -> None:
+        container.problem("partial", f"{what}: {told}", span)
+
+    value = taken(value, note)
     if isinstance(value, dict):
+        value = {taken(key, note): taken(target, note) for key, target in value.items()}
         if all(isinstance(k, str) and (v is None or isinstance(v, str)) for k, v in value.items()):
             return dict(value)
         for key, target in value.items():

@@ -10,7 +10,8 @@ import operator
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from .found import CONTAINERS, Found, FoundContainer, Opaque, Reference
+from .assumptions import assumed, repeatable
+from .found import CONTAINERS, UNKNOWN, Found, FoundContainer, Opaque, Reference
 from .names import Bound, Class, Function, Instance, Scope, UserDataOf, express_or_none, is_literal
 
 _LARGEST = 10_000
@@ -65,7 +66,13 @@ _PURE = {
 
 
 class Evaluation:
-    """Evaluates expressions; the interpreter calls functions and knows smach."""
+    """Evaluates expressions; the interpreter calls functions and knows smach.
+
+    Attributes:
+        assuming: whether defaults of parameters are taken for what a run may find.
+    """
+
+    assuming = False
 
     def call(self, node: ast.Call, scope: Scope) -> Any:
         """Evaluate a call; the interpreter does."""
@@ -83,12 +90,23 @@ class Evaluation:
                 result = None  # the run would raise, or knows more
                 return self.opaque(node, scope)
             if result is not NotImplemented:
-                return result
+                return assumed(result) if self.assuming else result
         return self.opaque(node, scope)
 
     def opaque(self, node: ast.expr, scope: Scope) -> Opaque:
         """Return the expression as what only a run knows."""
-        return Opaque(ast.unparse(node), express_or_none(node, scope))
+        return Opaque(ast.unparse(node), express_or_none(node, scope), self._default(node, scope))
+
+    def _default(self, node: ast.expr, scope: Scope) -> Any:
+        """Return what an expression gives where nobody has set the parameters that it asks for."""
+        if self.assuming or not repeatable(node, _FUNCTIONS, _PURE[str]):
+            return UNKNOWN
+        self.assuming = True
+        try:
+            value = self.value(node, scope)
+        finally:
+            self.assuming = False
+        return value if is_literal(value) else UNKNOWN
 
     def _constant(self, node: ast.Constant, scope: Scope) -> Any:
         return node.value
@@ -117,7 +135,10 @@ class Evaluation:
 
     def known(self, node: ast.expr, scope: Scope) -> Any:
         """Return a sequence's items; raise ValueError where only a run knows them."""
-        value = self.value(node, scope)
+        return self.items(self.value(node, scope), node)
+
+    def items(self, value: Any, node: ast.expr) -> list[Any]:
+        """Return the items of what `node` gives; raise ValueError where only a run knows them."""
         if isinstance(value, range) and len(value) > _LARGEST:
             raise ValueError("too many items to follow")
         if isinstance(value, (list, tuple, range, str, set, dict)) or type(value).__name__.startswith("dict_"):

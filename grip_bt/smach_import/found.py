@@ -19,6 +19,10 @@ FIXED_OUTCOMES = {
 }
 
 
+UNKNOWN = object()
+"""What stands for a value that isn't there; None is one."""
+
+
 @dataclass(frozen=True)
 class Span:
     """A place in a legacy file; lines and columns count from 1."""
@@ -57,10 +61,13 @@ class Opaque:
     Attributes:
         text: its source, for people.
         expression: source that gives it in the module's namespace; None where nothing does.
+        default: what it is where nobody has set the parameters of ROS that it comes from; `UNKNOWN` where the text
+            doesn't say.
     """
 
     text: str
     expression: ast.expr | None = None
+    default: Any = field(default=UNKNOWN, compare=False)
 
 
 @dataclass(frozen=True)

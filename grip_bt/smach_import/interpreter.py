@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from .assumptions import assumed, words
 from .calls import Calls
 from .evaluation import bind
 from .found import Found, FoundContainer, Opaque, Reference, Span
@@ -204,7 +205,7 @@ class Interpreter(Calls):
             elif isinstance(owner, dict) and is_literal(key):
                 owner[key] = value
         elif isinstance(target, ast.Name) and isinstance(value, Opaque) and not scope.is_module:
-            scope.names[target.id] = Opaque(target.id, value.expression)
+            scope.names[target.id] = Opaque(target.id, value.expression, value.default)
         else:
             bind(target, value, scope)
             plain = isinstance(value, Found) and not isinstance(value, FoundContainer)
@@ -234,18 +235,27 @@ class Interpreter(Calls):
             self.body(node.body if test else node.orelse, scope)
             return
         text = ast.unparse(node.test)
-        for branch, words in ((node.body, f"only if `{text}`"), (node.orelse, f"unless `{text}`")):
-            with self.under(f"{words}, which only a run knows"):
+        for branch, when in ((node.body, f"only if `{text}`"), (node.orelse, f"unless `{text}`")):
+            with self.under(f"{when}, which only a run knows"):
                 self.body(branch, scope)
 
     def _do_for(self, node: ast.For, scope: Scope) -> None:
+        found = self.value(node.iter, scope)
+        given = assumed(found)
         try:
-            items = self.known(node.iter, scope)[:_LOOPS]
+            items = self.items(given, node.iter)[:_LOOPS]
         except (ValueError, TypeError, LookupError, AttributeError):
             bind(node.target, Opaque(ast.unparse(node.target)), scope)
             with self.under(f"in a loop over `{ast.unparse(node.iter)}`, which only a run knows", failed=True):
                 self._round(node.body, scope)
             return
+        if given is found:
+            self._rounds_of(node, items, scope)
+        else:
+            with self.under(f"in a loop: {words(found, given)}"):
+                self._rounds_of(node, items, scope)
+
+    def _rounds_of(self, node: ast.For, items: list[Any], scope: Scope) -> None:
         for item in items:
             bind(node.target, item, scope)
             if not self._round(node.body, scope):

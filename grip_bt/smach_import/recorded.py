@@ -133,6 +133,9 @@ class Merge:
         if built != read and not self.run.stand_ins:
             text = f"the run adds the states {built}, the text seems to add {read}"
             twin.problem("partial", text)
+        if twin.verdict == "partial" and self.run.stand_ins:
+            names = ", ".join(self.run.stand_ins)
+            twin.problem("partial", f"it was run with stand-ins for {names}, so that what was read stays")
 
     def _better(self, twin: FoundContainer) -> bool:
         """Whether the run knows more: what was read failed, or nothing of the run was a stand-in."""

@@ -47,8 +47,20 @@ def test_without_arguments_that_it_needs_a_machine_stays_failed_with_its_reason(
     assert "room.upper()" in texts(imported)
 
 
-def test_missing_packages_get_stand_ins_and_the_machine_says_so():
+def test_a_default_that_was_assumed_stays_where_the_run_had_no_parameters_either():
     imported = import_with_execution(EXECUTED / "vendor_base.py")
+    assert "it was run with stand-ins for rospy, tf2_ros, vendor_robot, so that what was read stays" in texts(imported)
+    assert "`'FIND_' + frame.upper()` is taken as 'FIND_BASE_LINK'" in texts(imported)
+
+
+def test_missing_packages_get_stand_ins_and_the_machine_says_so(tmp_path):
+    file = tmp_path / "vendor_base.py"
+    file.write_text(
+        (EXECUTED / "vendor_base.py")
+        .read_text()
+        .replace("'~frame', 'base_link'", "'~frame', 'base_link' if rospy else ''")
+    )
+    imported = import_with_execution(file)
     assert verdicts(imported) == ["partial"]
     assert "with stand-ins for rospy, tf2_ros, vendor_robot" in texts(imported)
     (container,) = imported.containers
