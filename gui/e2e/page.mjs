@@ -7,8 +7,8 @@ const EXECUTABLE = process.env.CHROMIUM ?? "/usr/bin/chromium";
 /** How long the page may take for anything [ms]: enough for a machine that does much else. */
 export const PATIENCE = 120_000;
 
-/** Run `test(page, words)` on the page at `url`; whatever the page complains about fails the test. */
-export async function onPage(url, test, options = {}) {
+/** Run `test(page, words)` on the page at `url`; whatever the page complains about fails the test, but for what `expected` matches. */
+export async function onPage(url, test, { expected = /status of 409/, ...options } = {}) {
   const browser = await chromium.launch({
     executablePath: EXECUTABLE,
     args: ["--no-sandbox", "--disable-dev-shm-usage"],
@@ -21,7 +21,7 @@ export async function onPage(url, test, options = {}) {
     page.on("pageerror", (error) => complaints.push(String(error)));
     page.on("console", (message) => {
       // A conflict (409) is a refusal that the page shows and the person decides.
-      if (message.type() === "error" && !message.text().includes("status of 409")) complaints.push(message.text());
+      if (message.type() === "error" && !expected.test(message.text())) complaints.push(message.text());
     });
     await page.goto(url);
     await page.getByRole("tree").waitFor();

@@ -17,13 +17,11 @@ from pydantic import ValidationError
 from grip_bt.app.project import find_project
 from grip_bt.errors import GripError
 from grip_bt.graph.syntax import parse, plain
-from grip_bt.values import JointState
 
 from .editing.files import TextFile
 from .live import RosWindow
 from .live.motion import last_state, motion_of
 from .live.samples import form_of, source_of
-from .live.written import text_of
 from .live_messages import (
     ComponentForm,
     Done,
@@ -122,21 +120,14 @@ def _add_tries(api: APIRouter, folder: ProjectFolder, window: RosWindow, run: Ca
 
     @api.post("/measure")
     async def measure(wish: MeasureWish) -> Done:
-        if wish.robot == "run":
-            return await from_run(wish)
-        asked_for = json.dumps({"robot": wish.robot, "part": wish.part, "what": wish.what})
+        joints = last_state(folder.journal, run(), wish.part) if wish.robot == "run" and run() else None
+        if wish.robot == "run" and not joints:
+            return Done(trouble=f"no run is under way that has measured {wish.part}")
+        asked_for = json.dumps({"robot": wish.robot, "part": wish.part, "what": wish.what, "joints": joints})
         found = await prober.answer("grip_gui.live.measuring", (asked_for,))
         if "text" not in found:
             return Done(trouble=found["trouble"])
         return await keep(wish, found["text"])
-
-    async def from_run(wish: MeasureWish) -> Done:
-        if wish.what == "pose":
-            return Done(trouble="of a run under way the joints can be kept; a pose that a task measured is a variable")
-        state = last_state(folder.journal, run(), wish.part) if run() else {}
-        if not state:
-            return Done(trouble=f"no run is under way that has measured {wish.part}")
-        return await keep(wish, text_of(JointState.from_mapping(state)))
 
     async def keep(wish: MeasureWish, text: str) -> Done:
         path, store = (POSES, "poses") if wish.what == "pose" else (JOINT_STATES, "joint_states")

@@ -60,6 +60,13 @@ class SetupView(Wire):
     problems: list[Problem]
 
 
+class NamesView(Wire):
+    """What the project's files name, for the parameters of leaves."""
+
+    places: dict[str, list[str]]
+    """`node/parameter`, with `*` for any word, -> what may stand there; others may too."""
+
+
 class SetupText(Wire):
     """A text of a settings file, to be looked at; nothing is written."""
 

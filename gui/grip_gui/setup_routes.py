@@ -14,6 +14,7 @@ from .project import ProjectFolder
 from .setup import SetupDesk
 from .setup.importing import import_file
 from .setup.interfaces import look_at, make
+from .setup.names import names_of
 from .setup.probes import Prober
 from .setup.recording import record
 from .setup_messages import (
@@ -21,6 +22,7 @@ from .setup_messages import (
     ImportWish,
     InterfaceView,
     InterfaceWish,
+    NamesView,
     ProbeView,
     ProbeWish,
     RecordWish,
@@ -50,6 +52,10 @@ def make_setup_router(folder: ProjectFolder, source: RunSource, changed: Callabl
     @api.get("/file")
     def file(path: str) -> SetupView:
         return desk.open(path)
+
+    @api.get("/names")
+    def names() -> NamesView:
+        return NamesView(places=names_of(folder.folder))
 
     @api.post("/check")
     def check(wish: SetupText) -> SetupView:

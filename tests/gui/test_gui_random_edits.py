@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 from pathlib import Path
 from random import Random
 
 import pytest
 from conftest import TASK
 from random_edits import random_command, random_typing
+from test_gui_e2e import browser, editing
 
 from grip_bt.errors import DocumentError, EditError
 from grip_bt.graph import read_text
@@ -19,6 +22,7 @@ from grip_gui.project import ProjectFolder
 
 PATH = "tasks/tiny.yaml"
 EDITS = int(os.environ.get("GRIP_FUZZ_EDITS", "600"))
+IN_BROWSERS = int(os.environ.get("GRIP_FUZZ_BROWSER_EDITS", "60"))
 SEED = int(os.environ.get("GRIP_FUZZ_SEED", "0"))
 
 
@@ -119,3 +123,19 @@ def test_undo_and_redo_of_everything_is_the_identity_on_bytes(project: Path) -> 
         assert sheet.text == last
         sheet.save()
     assert (project / PATH).read_text() == last
+
+
+@pytest.mark.e2e
+@pytest.mark.slow
+@pytest.mark.timeout(4 * 3600)
+def test_two_browsers_that_edit_at_random_show_what_the_server_has(project: Path) -> None:
+    before = (project / PATH).read_text()
+    with editing(project) as (_, url):
+        command = browser("random_edits.mjs", url, PATH, str(IN_BROWSERS), str(SEED))
+        done = subprocess.run(command, capture_output=True, text=True, timeout=4 * 3600)
+        assert done.returncode == 0, done.stdout + done.stderr
+    sys.stdout.write(done.stdout)
+    text = (project / PATH).read_text()
+    assert read_text(text).task
+    if IN_BROWSERS < LIMIT - 100:  # further back than that no history reaches
+        assert text == before, "undoing everything gives back the very bytes"

@@ -11,17 +11,22 @@ from typing import Any
 import numpy as np
 import pytest
 from conftest import TASK, TestClient
+from fastapi import FastAPI
 from test_gui_e2e import SCENARIO, browser, editing
 
 from grip_bt.app.motion_record import motion_file
 from grip_bt.commanders.model import RobotModel
 from grip_bt.commanders.robots import build_robot
+from grip_bt.messages.library import MessageLibrary
 from grip_bt.runtime import Journal
 from grip_bt.runtime.run_log import Noted
 from grip_bt.runtime.value_codec import snapshot
 from grip_bt.values import Grasp, JointState, Pose
 from grip_bt.values.solids import Mesh
+from grip_gui.live import RosWindow
 from grip_gui.live.motion import last_state, motion_of
+from grip_gui.live_routes import make_live_router
+from grip_gui.project import ProjectFolder
 from grip_gui.setup.geometry import FINE, coarse, geometry
 
 GRIP = "grip: 1\nrobot: panda_allegro\narms: {right: {group: arm, hand: palm}}\nhands: {palm: {group: hand}}\n"
@@ -125,6 +130,30 @@ def test_a_robot_is_measured_by_the_run_only_while_one_is_under_way(page: TestCl
     recorded(project)
     wish = {"robot": "run", "part": "right", "what": "joints", "name": "there"}
     assert page.post("/api/live/measure", json=wish).json()["trouble"] == "no run is under way that has measured right"
+
+
+def test_where_a_run_under_way_has_brought_an_arm_is_kept_as_joints_and_as_a_pose(project: Path) -> None:
+    (project / "grip.yaml").write_text(GRIP)
+    run, wanted = recorded(project)
+    app = FastAPI()
+    app.include_router(make_live_router(ProjectFolder(project), RosWindow(project), lambda: run))
+    client = TestClient(app)
+    for what, part in (
+        ("joints", "right"),
+        ("pose", "right"),
+        ("joints", "palm"),
+        ("pose", "palm"),
+        ("joints", "left"),
+    ):
+        wish = {"robot": "run", "part": part, "what": what, "name": f"{part}_{what}", "serve": False}
+        done = client.post("/api/live/measure", json=wish).json()
+        said = {"palm_pose": "palm is a hand", "left_joints": "no run is under way that has measured left"}
+        assert said.get(f"{part}_{what}", "") in done["trouble"]
+        assert bool(done["trouble"]) == (f"{part}_{what}" in said)
+    library = MessageLibrary(project / "messages")
+    assert library.store("joint_states").get("right_joints").position[0] == pytest.approx(0.4)
+    assert len(library.store("joint_states").get("palm_joints").names) == 16
+    assert library.store("poses").get("right_pose").position == pytest.approx(wanted[1], abs=1e-6)
 
 
 @pytest.mark.e2e

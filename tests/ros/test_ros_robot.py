@@ -56,6 +56,38 @@ def test_a_task_runs_on_controllers_of_another_process(tmp_path, domain, start_s
     assert "success" in done.stdout
 
 
+@pytest.mark.ros
+@pytest.mark.slow
+def test_where_a_real_robot_is_can_be_kept_from_the_editor(tmp_path, domain, start_server):
+    from grip_bt.commanders.model import RobotModel
+    from grip_bt.commanders.robots import build_robot
+    from grip_bt.ros.definitions import provide
+    from grip_bt.ros.process import child_environment
+    from grip_bt.values import JointState, Pose
+    from grip_gui.live.written import value_of
+
+    (tmp_path / "grip.yaml").write_text(PROJECT)
+    prefixes = [*provide("control_msgs"), *provide("controller_manager_msgs")]
+    fingers = {f"hand_joint_{i}.0": 0.0 for i in range(16)} | {"hand_joint_12.0": 1.3}
+    start_server("controller_server.py", json.dumps({"ur": HOME, "allegro": fingers}), overlays=prefixes)
+    found = {}
+    for part, what in (("right", "joints"), ("right", "pose"), ("fingers", "joints"), ("fingers", "pose")):
+        wish = json.dumps({"robot": "ros", "part": part, "what": what})
+        command = [sys.executable, "-m", "grip_gui.live.measuring", wish]
+        done = subprocess.run(
+            command, cwd=tmp_path, env=child_environment((), domain), capture_output=True, text=True, timeout=240
+        )
+        found[part, what] = json.loads(done.stdout.splitlines()[-1])
+    assert value_of("joint_states", "there", found["right", "joints"]["text"]).as_mapping() == pytest.approx(HOME)
+    hand = value_of("joint_states", "there", found["fingers", "joints"]["text"]).as_mapping()
+    assert hand == pytest.approx(fingers)
+    pose = value_of("poses", "there", found["right", "pose"]["text"])
+    wanted = RobotModel(build_robot("ur5_allegro")).grasp_pose(JointState.from_mapping(HOME))
+    assert isinstance(pose, Pose)
+    assert pose.position == pytest.approx(wanted.position, abs=1e-6)
+    assert "is a hand" in found["fingers", "pose"]["trouble"]
+
+
 def test_a_project_without_controllers_is_told_how_to_name_them(tmp_path):
     (tmp_path / "grip.yaml").write_text(PROJECT[: PROJECT.index("ros:")])
     (tmp_path / "task.yaml").write_text(TASK)

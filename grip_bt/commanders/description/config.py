@@ -12,7 +12,7 @@ SOURCES = ("urdf", "xacro", "mjcf", "moveit", "ready", "arm", "robots")
 
 
 class _Config(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
 
 
 class FrameConfig(_Config):
@@ -79,11 +79,15 @@ class RobotConfig(_Config):
 
     name: str | None = None
     urdf: str | None = None
+    """Path of a URDF file."""
     xacro: str | None = None
+    """Path of a xacro file."""
     mjcf: str | None = None
+    """Path of a MuJoCo model."""
     arguments: dict[str, str | bool | int | float] = {}
     """Of the xacro file, and of the SRDF where it is a xacro file too."""
     srdf: str | None = None
+    """Path of an SRDF file: groups, named states, which links may touch."""
     moveit: str | None = None
     """Folder of a MoveIt configuration package."""
     ready: str | None = None
@@ -93,19 +97,25 @@ class RobotConfig(_Config):
     namespace: Key | None = None
     """Every name of the robot gets this before it, and an underscore."""
     arm: str | RobotConfig | None = None
+    """A ready-made robot's name, a path, or a description; together with `hand` and `mount`."""
     hand: str | RobotConfig | None = None
+    """Likewise."""
     mount: MountConfig | None = None
+    """Where the hand sits on the arm."""
     robots: dict[Key, PlacedConfig] = {}
     """Several robots in one world; the key is each one's namespace."""
     groups: dict[str, GroupConfig] = {}
+    """Planning groups beside those of the SRDF."""
     states: dict[str, dict[str, dict[str, FiniteFloat] | list[FiniteFloat]]] = {}
     """Group -> name -> position of each joint [rad or m], by name or in the group's order."""
     end_effectors: dict[str, EndEffectorConfig] = {}
+    """Which hand sits on which arm, where no SRDF says it."""
     grasp_frames: dict[str, FrameConfig] = {}
     """Arm's group -> the frame that grasps are given in: z leaves the palm, x runs along the fingers."""
     fingers: dict[str, dict[str, tuple[str, ...]]] = {}
     """Hand's group -> finger -> its links from the knuckle to the tip; the thumb last."""
     drives: dict[str, DriveConfig] = {}
+    """Group -> how its joints are driven in simulation."""
     accelerations: dict[str, Annotated[float, Field(gt=0, allow_inf_nan=False)]] = {}
     """Group or joint -> acceleration limit [rad/s^2 or m/s^2]."""
 

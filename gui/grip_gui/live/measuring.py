@@ -4,24 +4,29 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from grip_bt.app.project import find_project
+from grip_bt.app.project import Project, find_project
 from grip_bt.app.resources import open_resources
 from grip_bt.errors import ExpectedError, GripError, MissingPartError, UnknownNameError
 from grip_bt.ports import Arm, Hand
+from grip_bt.values import JointState
 
 from .written import text_of
 
+_NO_ARM = "{} is a hand: its joints can be kept; the pose of its palm is the arm's"
 
-def measured(robot: str, part: str, what: str) -> Any:
+
+def measured(robot: str, part: str, what: str, joints: Mapping[str, float] | None = None) -> Any:
     """Return what is measured, by the robot's adapters as a run gets them.
 
     Args:
         robot: `fake`, `sim` (which starts a world, and measures where its robot begins) or `ros`.
         part: an arm, or a hand.
         what: `joints`, or `pose` of the arm's grasp frame.
+        joints: with `robot` `run`, where the part's joints were measured [rad or m].
 
     Raises:
         GripError: it can't be measured; the message says why.
@@ -29,15 +34,28 @@ def measured(robot: str, part: str, what: str) -> Any:
     project = find_project(Path.cwd())
     if project.file.robot is None:
         raise MissingPartError("a robot", "name one in grip.yaml (`robot:`)")
+    if joints is not None:
+        return _of_joints(project, part, what, JointState.from_mapping(joints))
     with open_resources(project, ["arm/teach"], robot, 0, None, lambda *_: None) as resources:
         parts: dict[str, Arm | Hand] = {**resources.hands, **resources.arms}
         if part not in parts:
             raise UnknownNameError("arm or hand", part, parts, "grip.yaml")
         if what == "pose":
             if part not in resources.arms:
-                raise GripError(f"{part} is a hand: its joints can be kept; the pose of its palm is the arm's")
+                raise GripError(_NO_ARM.format(part))
             return resources.arms[part].grasp_pose()
         return parts[part].state()
+
+
+def _of_joints(project: Project, part: str, what: str, joints: JointState) -> Any:
+    """Return the joints, or where they bring an arm's grasp frame."""
+    from grip_bt.commanders.model import RobotModel
+
+    if what == "joints":
+        return joints
+    if part not in project.file.arms:
+        raise GripError(_NO_ARM.format(part))
+    return RobotModel(project.description()).grasp_pose(joints, group=project.file.arms[part].group)
 
 
 def main() -> int:

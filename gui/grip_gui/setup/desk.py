@@ -18,6 +18,7 @@ from ..setup_messages import SetupChange, SetupList, SetupSave, SetupView
 from .changes import UnchangeableError, remove, rename, set_value
 from .kinds import Kind, entries, kind_of
 from .options import options_of, robot_trouble, wrong_options
+from .templates import templates_of
 
 
 class SetupDesk:
@@ -97,7 +98,7 @@ class SetupDesk:
             data=data,
             shape=dict(kind.shape),
             options=options,
-            templates=list(kind.templates),
+            templates=templates_of(kind, data, self.folder.folder),
             problems=problems,
         )
 

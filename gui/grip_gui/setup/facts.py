@@ -29,8 +29,8 @@ def facts(robot: object, folder: Path) -> dict[str, Any]:
         folder: that relative paths begin in.
 
     Returns:
-        `robots`, `planners`, `kinematics`: names; `groups`: group -> joints; `states`: group -> names; `links` and
-        `frames`: names; `trouble`: what is wrong with its files, where they are.
+        `robots`, `planners`, `kinematics`: names; `groups`: group -> joints; `states`: group -> name -> joint ->
+        position [rad or m]; `links` and `frames`: names; `trouble`: what is wrong with its files, where they are.
     """
     if not isinstance(robot, str | Mapping):
         robot = ""
@@ -88,7 +88,10 @@ def _gathered(robot: Any, folder: Path) -> dict[str, Any]:
     except (GripError, ValidationError):  # said of the text already
         return found
     found["groups"] = {group: list(joints) for group, joints in description.groups.items()}
-    found["states"] = {group: list(states) for group, states in description.named_states.items()}
+    found["states"] = {
+        group: {name: dict(zip(state.names, map(float, state.position), strict=True)) for name, state in states.items()}
+        for group, states in description.named_states.items()
+    }
     links = [link.attrib["name"] for link in fromstring(description.urdf).iter("link") if "name" in link.attrib]
     return found | {"links": sorted(set(links)), "frames": ["world", *sorted(set(links))]}
 

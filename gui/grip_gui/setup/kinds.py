@@ -98,6 +98,9 @@ def _template(title: str, *key: str, value: Any) -> Template:
 
 
 _CLOUD = {"cloud": {"topic": "/camera/points", "type": "PointCloud"}}
+_DESCRIBED = {"xacro": "robot.urdf.xacro", "arguments": {"prefix": "left_"}, "srdf": "robot.srdf"}
+_MOUNTED = {"arm": "ur5", "hand": "allegro_right", "mount": {"link": "tool0", "xyz": [0.0, 0.0, 0.15]}}
+_LAUNCHED = {"package": "my_robot_bringup", "launch": "robot.launch.py", "arguments": {"use_sim": "false"}}
 PROJECT = Kind(
     "project",
     "Robot, sensors, processes",
@@ -107,12 +110,16 @@ PROJECT = Kind(
     _by_model(ProjectFile),
     (
         _template("Panda with an Allegro hand", "robot", value="panda_allegro"),
+        _template("a robot from a URDF or xacro file", "robot", value=_DESCRIBED),
+        _template("a robot from a MoveIt package", "robot", value={"moveit": "src/my_robot_moveit_config"}),
+        _template("a hand on an arm", "robot", value=_MOUNTED),
         _template("an arm with a hand", "arms", "right", value={"group": "arm", "hand": "right_hand"}),
         _template("a hand", "hands", "right_hand", value={"group": "hand"}),
         _template("a camera of the simulated world", "sensors", "overhead", value={"camera": "overhead"}),
         _template("a depth sensor on topics", "sensors", "depth", value={"topics": _CLOUD}),
         _template("the simulated table", "world", value="table"),
         _template("a process", "processes", "driver", value={"command": ["{python}", "driver.py"]}),
+        _template("a launch file", "processes", "bringup", value=_LAUNCHED),
     ),
 )
 COMPONENT = Kind(

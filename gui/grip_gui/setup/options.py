@@ -32,12 +32,12 @@ def options_of(kind: str, data: Any, folder: Path) -> dict[str, list[str]]:
                 "ports/*/unit": list(get_args(Unit)),
             }
         case "joint_states":
-            groups = _robot_facts(folder).get("groups", {})
+            groups = robot_facts(folder).get("groups", {})
             return {"*/?": sorted({joint for group in groups.values() for joint in group})}
         case "trajectories":
-            return {"*/*/name": _names(folder / JOINT_STATES)}
+            return {"*/*/name": names_in(folder / JOINT_STATES)}
         case "poses":
-            return {"*/reference_frame": _robot_facts(folder).get("frames", ["world"])}
+            return {"*/reference_frame": robot_facts(folder).get("frames", ["world"])}
     return {}
 
 
@@ -81,7 +81,8 @@ def _project(data: Mapping[str, Any], folder: Path) -> dict[str, list[str]]:
         places["robot"] = "robots"  # where it is a file, its path is as good
     found = {place: list(known[name]) for place, name in places.items() if name in known}
     found |= {
-        "arms/*/hand": list(data.get("hands") or ()) if isinstance(data.get("hands"), Mapping) else [],
+        "ros/controllers/?": [*_keys(data, "arms"), *_keys(data, "hands")],
+        "arms/*/hand": _keys(data, "hands"),
         "world": WORLDS,
         "sensors/*/camera": ["overhead"],
         "sensors/*/topics/*/type": sorted(MESSAGES),
@@ -100,13 +101,20 @@ def _project(data: Mapping[str, Any], folder: Path) -> dict[str, list[str]]:
     return found
 
 
-def _robot_facts(folder: Path) -> dict[str, Any]:
+def _keys(data: Mapping[str, Any], key: str) -> list[str]:
+    value = data.get(key)
+    return [str(name) for name in value] if isinstance(value, Mapping) else []
+
+
+def robot_facts(folder: Path) -> dict[str, Any]:
+    """Return what is known about the robot of a project's `grip.yaml`, as it is saved; see `facts`."""
     data = _data(folder / "grip.yaml")
     robot = data.get("robot") if isinstance(data, Mapping) else None
     return facts(robot, folder)
 
 
-def _names(file: Path) -> list[str]:
+def names_in(file: Path) -> list[str]:
+    """Return the keys of a file's mapping; none of a file that isn't there or can't be read."""
     data = _data(file)
     return [str(name) for name in data] if isinstance(data, Mapping) else []
 

@@ -377,6 +377,11 @@ export interface NamedPlace {
   at: number[];
 }
 
+/** What the project's files name, for the parameters of leaves. */
+export interface NamesView {
+  places: Record<string, string[]>;
+}
+
 /** Make a task file. */
 export interface NewTask {
   path: string;

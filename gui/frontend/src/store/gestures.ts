@@ -3,6 +3,8 @@ import {
   addNew,
   childNames,
   connectingFree,
+  freshName,
+  group,
   join,
   moving,
   nameOf,
@@ -17,7 +19,7 @@ import {
 } from "../model/commands";
 import { KINDS } from "../model/words";
 import { server } from "../protocol/client";
-import type { NodeFace, NodeView } from "../protocol/generated";
+import type { NodeFace, NodeView, PortFace } from "../protocol/generated";
 import { askChoice, askText, type Option } from "./ask";
 import { keepParts, keptParts } from "./clipboard";
 import { useDocument } from "./document";
@@ -243,4 +245,13 @@ export async function newVariable(scope: string): Promise<void> {
   if (name === null) return;
   const type = await askText({ title: `Type of ${name}`, label: "Type", initial: "PointCloud", hint: "A value type, int, float, str, bool, list[T], dict[str, T], T | None, a ROS type, or Any" });
   if (type !== null) await edit({ do: "declare", path: scope, name, variable: type });
+}
+
+/** A variable of the task for a port, of the port's type: declared and bound at once. */
+export async function newVariableFor(path: string, side: "in" | "out", port: PortFace): Promise<void> {
+  const taken = useRun.getState().task.variables.filter((v) => v.scope === "").map((v) => v.name);
+  const name = await askText({ title: `New variable for ${port.name}`, label: "Name", initial: freshName(taken, port.name), check: nameCheck(taken), hint: `Of the type ${port.type}` });
+  if (name === null) return;
+  const commands = [{ do: "declare", path: "", name, variable: port.type }, { do: "bind", path, side, port: port.name, variable: name }];
+  await edit(group(`new variable ${name}`, commands));
 }

@@ -5,6 +5,7 @@ import { RefusedError, server } from "../protocol/client";
 import type { ProbeView, SetupEntry, SetupView } from "../protocol/generated";
 import { askChoice } from "./ask";
 import { useDocument } from "./document";
+import { renewNames } from "./names";
 import { useRun } from "./run";
 import { loadProject } from "./tasks";
 
@@ -130,6 +131,7 @@ export async function saveSetup(over = false): Promise<boolean> {
 
 /** What the project offers may be more now: nodes of sensors and components, files. */
 export async function refreshed(): Promise<void> {
+  renewNames();
   await Promise.all([listSetup(), loadProject(), server.catalog().then(useDocument.getState().setCatalog)]);
 }
 

@@ -1,11 +1,12 @@
 /** Parameters and ports of a leaf, as its manifest describes them. */
-import type { JSX } from "react";
+import { type JSX, useEffect } from "react";
 
 import { visibleVariables } from "../../model/commands";
 import type { NodeFace, NodeView, PortFace } from "../../protocol/generated";
 import { useDocument } from "../../store/document";
 import { edit } from "../../store/editing";
-import { newVariable } from "../../store/gestures";
+import { newVariableFor } from "../../store/gestures";
+import { namesFor, needNames, useNames } from "../../store/names";
 import { useRun } from "../../store/run";
 import { ChoiceField, ValueField } from "./fields";
 
@@ -14,6 +15,11 @@ const NEW = "\n";
 export function LeafForm({ node, locked }: { node: NodeView; locked: boolean }): JSX.Element {
   const known = useDocument((s) => [...s.catalog.nodes, ...s.catalog.tasks].find((face) => face.id === node.label));
   const face = known ?? faceOf(node);
+  const names = useNames((s) => s.places);
+  const named = face.parameters.some((parameter) => parameter.type === "str");
+  useEffect(() => {
+    if (named) needNames();
+  }, [named]);
   return (
     <>
       {known === undefined && node.kind === "leaf" && <p className="fault">No node of the catalogue is called {node.label}.</p>}
@@ -28,6 +34,7 @@ export function LeafForm({ node, locked }: { node: NodeView; locked: boolean }):
           value={node.parameters[parameter.name]}
           placeholder={parameter.required ? "needed" : JSON.stringify(parameter.default ?? null)}
           disabled={locked}
+          options={parameter.type === "str" ? namesFor(names, face.id, parameter.name) : undefined}
           set={(value) => void edit(value === undefined ? { do: "unset", path: node.path, key: ["with", parameter.name] } : { do: "set", path: node.path, key: ["with", parameter.name], value })}
         />
       ))}
@@ -69,16 +76,16 @@ function Ports({ title, side, ports, bound, node, locked }: PortsProps): JSX.Ele
     const ordered = [...variables.filter(fits), ...variables.filter((variable) => !fits(variable))];
     return [["", port.required ? "(needed)" : "(not bound)"], ...ordered.map(([name, type]): [string, string] => [name, `${name}: ${type}`]), [NEW, "New variable ..."]];
   };
-  const set = (port: string, variable: string): void => {
-    if (variable === NEW) void newVariable("");
-    else if (variable === "") void edit({ do: "unbind", path: node.path, side, port });
-    else void edit({ do: "bind", path: node.path, side, port, variable });
+  const set = (port: PortFace, variable: string): void => {
+    if (variable === NEW) void newVariableFor(node.path, side, port);
+    else if (variable === "") void edit({ do: "unbind", path: node.path, side, port: port.name });
+    else void edit({ do: "bind", path: node.path, side, port: port.name, variable });
   };
   return (
     <>
       <h3>{title}</h3>
       {ports.map((port) => (
-        <ChoiceField key={port.name} label={port.name} mark={port.type} doc={port.doc} value={bound[port.name] ?? ""} options={options(port)} disabled={locked} set={(variable) => set(port.name, variable)} />
+        <ChoiceField key={port.name} label={port.name} mark={port.type} doc={port.doc} value={bound[port.name] ?? ""} options={options(port)} disabled={locked} set={(variable) => set(port, variable)} />
       ))}
     </>
   );

@@ -36,6 +36,8 @@ interface TextProps {
   readonly placeholder?: string;
   readonly disabled: boolean;
   readonly lines?: number;
+  /** What may stand there, among other things. */
+  readonly options?: readonly string[] | undefined;
   /** Called with a value, or with undefined for an empty field. */
   readonly set: (value: unknown) => void;
   /** What is wrong with a text while it is typed. */
@@ -43,7 +45,7 @@ interface TextProps {
 }
 
 /** A literal. An empty field means the default. */
-export function ValueField({ label, value, type, doc, placeholder, disabled, lines, set, check }: TextProps): JSX.Element {
+export function ValueField({ label, value, type, doc, placeholder, disabled, lines, options, set, check }: TextProps): JSX.Element {
   const given = valueText(value, type);
   const [text, setText] = useState(given);
   const [fault, setFault] = useState("");
@@ -85,7 +87,19 @@ export function ValueField({ label, value, type, doc, placeholder, disabled, lin
           if (event.key === "Enter" && !lines) commit();
           if (event.key === "Escape") setText(given);
         };
-        return lines ? <textarea rows={lines} {...common} onKeyDown={keys} /> : <input type="text" {...common} onKeyDown={keys} />;
+        if (lines) return <textarea rows={lines} {...common} onKeyDown={keys} />;
+        return (
+          <>
+            <input type="text" {...common} {...(options ? { list: `${id}-known` } : {})} onKeyDown={keys} />
+            {options && (
+              <datalist id={`${id}-known`}>
+                {options.map((option) => (
+                  <option key={option} value={option} />
+                ))}
+              </datalist>
+            )}
+          </>
+        );
       }}
     </Field>
   );

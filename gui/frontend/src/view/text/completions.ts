@@ -3,6 +3,7 @@ import type { Completion, CompletionContext, CompletionResult } from "@codemirro
 
 import { nameOf } from "../../model/commands";
 import { useDocument } from "../../store/document";
+import { namesFor, needNames, useNames } from "../../store/names";
 import { useRun } from "../../store/run";
 
 const NODE_KEYS = ["node", "kind", "doc", "precondition", "on", "with", "in", "out", "meaning", "data", "outcomes", "exits", "children", "child"];
@@ -24,6 +25,8 @@ function optionsAfter(lead: string): Completion[] {
   if (/\bkind:\s*$/.test(lead)) return catalog.kinds.map((face) => ({ label: face.kind, type: "class", detail: face.doc.split("\n")[0] ?? "" }));
   if (/\b(in|out):\s*\{[^}]*\w+:\s*$/.test(lead) || /\bitems:\s*$/.test(lead)) return variables();
   if (/\b(in|out|with):\s*\{([^}]*,\s*)?$/.test(lead)) return ports(lead);
+  const given = parameterValues(lead);
+  if (given) return given;
   if (/:\s*$/.test(lead)) return [...names(), ...variables()];
   if (/^\s*$/.test(lead)) return (lead === "" ? TASK_KEYS : keys()).map((label) => ({ label, type: "property", apply: `${label}: ` }));
   if (/[{,]\s*$/.test(lead)) return keys().map((label) => ({ label, type: "property", apply: `${label}: ` }));
@@ -45,6 +48,15 @@ function names(): Completion[] {
   const nodes = task.nodes.filter((node) => node.path !== "/").map((node) => nameOf(node.path));
   const outcomes = task.nodes.flatMap((node) => Object.keys(node.outcomes));
   return [...new Set([...nodes, ...outcomes])].map((label) => ({ label, type: "constant" }));
+}
+
+/** What the project's files name, where the value of a parameter is written in the line of its node. */
+function parameterValues(lead: string): Completion[] | null {
+  const id = /\bnode:\s*([\w/]+)/.exec(lead)?.[1];
+  const parameter = /\bwith:\s*\{(?:[^}]*,)?\s*(\w+):\s*$/.exec(lead)?.[1];
+  if (id === undefined || parameter === undefined) return null;
+  needNames();
+  return namesFor(useNames.getState().places, id, parameter)?.map((label) => ({ label, type: "constant" })) ?? null;
 }
 
 /** Ports or parameters of the leaf that this line is about. */
