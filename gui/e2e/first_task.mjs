@@ -22,6 +22,11 @@ await onPage(url, async (page, { answer, button, nodeIs, runIs, slider }) => {
     await page.getByLabel(label, { exact: true }).fill(text);
     if (enter) await page.keyboard.press("Enter");
   };
+  const fresh = async (port, name) => {
+    await choose(port, "New variable ...");
+    await reply(name);
+    await page.getByLabel(port, { exact: true }).and(page.locator(`:has(option:checked[value="${name}"])`)).waitFor();
+  };
   const row = (path) => page.locator(`[role="treeitem"][data-row="${path}"]`);
   const pick = async (path) => (actions++, row(path).click());
   const add = async (what, path) => {
@@ -54,6 +59,7 @@ await onPage(url, async (page, { answer, button, nodeIs, runIs, slider }) => {
   await press("Generate");
   await page.getByRole("main", { name: "Component", exact: true }).waitFor();
   await template("started by a command");
+  await template("time-outs");
   await fill("Name of a new one in ports", "returned_object", true);
   const port = page.getByRole("group", { name: "ports returned_object" });
   actions++;
@@ -63,39 +69,36 @@ await onPage(url, async (page, { answer, button, nodeIs, runIs, slider }) => {
   await press("Generate the node");
   await page.getByLabel("What the try said").getByText("manifest.yaml").waitFor();
 
-  // Two poses.
-  await open("Named poses");
-  await page.getByLabel("Insert a template").waitFor();
-  await template("a pose");
-  await template("a pose");
-  await page.getByText("not saved", { exact: true }).waitFor();
-  await key("Control+s");
-  await page.getByText("saved", { exact: true }).waitFor();
+  // Two poses, each where a robot is: the simulated one at its beginning, and the fake.
+  await open("Message server");
+  await choose("What", "the pose of its grasp frame");
+  for (const [name, robot] of [["at_first", "a fresh simulation"], ["of_the_fake", "the fake"]]) {
+    if (robot !== "a fresh simulation") await choose("Measured at", robot);
+    actions++;
+    await page.getByRole("group", { name: "Where the robot is" }).getByLabel("Name").fill(name);
+    await press("Measure and keep");
+    await page.getByLabel("What came of it").getByText(`${name} was written into messages/poses.yaml`).waitFor();
+  }
+  assert.match(readFileSync(join(folder, "messages/poses.yaml"), "utf8"), /at_first:(.|\n)*of_the_fake:/);
 
-  // The task: its variables, then half of it as a tree.
+  // The task: half of it as a tree. Variables are made where they are written first.
   await press("Tasks");
   await press("New task");
   await reply("clear_one");
   await row("/").waitFor();
-  await pick("/");
-  for (const [name, type] of [["cloud", "PointCloud"], ["grasps", "list[Grasp]"], ["grasp", "Grasp"]]) {
-    await press("New variable");
-    await reply(name);
-    await reply(type);
-  }
   await pick("/");
   await add("hand/open", "open");
   await add("arm/move_to", "move_to");
   await fill("state str", "home", true);
   await pick("move_to");
   await add("sensor/overhead", "overhead");
-  await choose("points PointCloud", "cloud");
+  await fresh("points PointCloud", "cloud");
   await pick("overhead");
   await add("component/antipodal_grasps", "antipodal_grasps");
-  await choose("returned_object list[Grasp]", "grasps");
+  await fresh("returned_object list[Grasp]", "grasps");
   await pick("antipodal_grasps");
   await add("grasp/choose", "choose");
-  await choose("grasp Grasp", "grasp");
+  await fresh("grasp Grasp", "grasp");
 
   await pick("choose");
   await add("arm/place", "place");
@@ -118,7 +121,12 @@ await onPage(url, async (page, { answer, button, nodeIs, runIs, slider }) => {
   await pick("state_machine/start");
   await key("Delete");
   await row("state_machine/start").waitFor({ state: "detached" });
+  // What goes wrong is tried again.
   await press("Tree");
+  await pick("state_machine");
+  await key("w");
+  await reply("retry");
+  await row("retry/state_machine/lift").waitFor();
   if (process.env.LOOK) await page.screenshot({ path: process.env.LOOK });
   await page.getByText("Nothing is wrong with this task.").waitFor();
 

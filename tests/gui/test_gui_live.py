@@ -28,6 +28,7 @@ interface: std_srvs/srv/SetBool
 server: /switch
 outcomes: {done: "success", refused: "true"}
 start: {command: ["{python}", server.py]}
+timeouts: {call: 120, ready: 120}
 """
 SERVER = """\
 import rclpy

@@ -131,7 +131,7 @@ COMPONENT = Kind(
     _by_model(ComponentFile),
     (
         _template("started by a command", "start", value={"command": ["{python}", "server.py"]}),
-        _template("time-outs", "timeouts", value={"call": 30.0, "ready": 15.0}),
+        _template("time-outs", "timeouts", value={"call": 60.0, "ready": 60.0}),
     ),
 )
 _MESSAGES = {
