@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import threading
+from functools import cached_property
 from itertools import combinations
 
 import coal
@@ -67,8 +68,16 @@ class CollisionChecker:
         lent = radii(chain.model, [self._geometry.geometryObjects[k] for k in (*held, *carried)])
         self.reaches = reaches(chain.model, np.maximum(chain.radii, lent))
         self._threads = min(os.cpu_count() or 1, 8)
-        self._pool, self._rough = self._pool_of(self._geometry), self._pool_of(self._outline)
-        self._data = self._geometry.createData()
+        self._rough = self._pool_of(self._outline)
+
+    @cached_property
+    def _pool(self) -> _Pool:
+        """All shapes; made when an outline touches something for the first time, since it takes a millisecond."""
+        return self._pool_of(self._geometry)
+
+    @cached_property
+    def _data(self) -> pin.GeometryData:
+        return self._geometry.createData()
 
     def _held_by_others(self, hand: str) -> list[tuple[SceneObject, pin.Frame]]:
         """Return what other hands hold, with the frame of this chain's model that it moves with."""
@@ -123,6 +132,8 @@ class CollisionChecker:
 
     def pairs(self, q: NDArray[np.float64]) -> tuple[tuple[str, str], ...]:
         """Return the names of the links and objects that touch one another in a configuration, without repetition."""
+        if self.free(q):
+            return ()
         pin.computeCollisions(self.chain.model, self.chain.data, self._geometry, self._data, q, False)
         touching = zip(self._geometry.collisionPairs, self._data.collisionResults, strict=True)
         names = ((self._names[p.first], self._names[p.second]) for p, result in touching if result.isCollision())
