@@ -9,6 +9,7 @@ from typing import Any, Protocol
 class Asker(Protocol):
     """A container above that may ask what runs below it to come to an end."""
 
+    path: str
     asked: bool
 
 
@@ -30,3 +31,34 @@ class AskedContext:
     def preempt_requested(self) -> bool:
         """Whether the run, or a container above, asks to come to an end."""
         return self._context.preempt_requested or any(asker.asked for asker in self._askers)
+
+
+class AskedBefore:
+    """A leaf's context as it was when it had been asked only so often, until that is over.
+
+    Args:
+        context: the leaf's.
+        count: how often the run had been asked to come to an end.
+        above: whether a container above had asked.
+
+    Attributes:
+        over: whether there is nothing to hide any more.
+    """
+
+    def __init__(self, context: Any, count: int, above: bool):
+        self._context, self._count, self._above, self.over = context, count, above, False
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._context, name)
+
+    @property
+    def preempt_requested(self) -> bool:
+        """Whether the leaf was asked to come to an end."""
+        if self.over:
+            return bool(self._context.preempt_requested)
+        return self._count > 0 or self._above
+
+    @property
+    def preempt_requests(self) -> int:
+        """How often the run was asked."""
+        return int(self._context.preempt_requests) if self.over else self._count

@@ -11,6 +11,7 @@ from grip_bt.ports import Clock
 from grip_bt.values import Failure
 
 from .journal_writer import preview
+from .recording import PREEMPT
 from .run_log import ENTER, INTERRUPTED, LIMIT, Noted, RunLog
 from .value_codec import snapshot
 
@@ -52,6 +53,10 @@ class Recorder:
     def state(self, state: str) -> None:
         """It runs, pauses or is being stopped."""
         self._append(self._now(), "/", "state", data={"state": state})
+
+    def preempt_requested(self) -> None:
+        """Somebody asks the task to come to an end on its own terms."""
+        self._append(self._now(), "/", PREEMPT)
 
     def error(self, error: BaseException, trace: str) -> None:
         """A node raised."""

@@ -19,6 +19,8 @@ from .journal_reader import Event
 NODES = ("enter", "exit", "interrupted", "write")
 """Kinds of events that happen again; others say something about them, but for messages of containers: a parallel says
 that it was decided."""
+PREEMPT = "preempt_requested"
+"""Kind of the events that tell of requests to come to an end."""
 
 
 @dataclass
@@ -51,6 +53,7 @@ class Recording:
         complete: whether all of them have happened again.
         done: how many have.
         end_time: the last time of the run that the journal knows [s].
+        requests: numbers (`seq`) of the requests to come to an end.
         under_way: leaf -> the event at which its activation began that hadn't ended.
         undone: events that don't count: writes of such activations, which are made again, and those of `set_aside`.
         on_complete: called once, in the thread of the last event.
@@ -66,6 +69,7 @@ class Recording:
     ):
         events = list(events)
         self.events = [e for e in events if e.event in NODES or (e.event == "message" and e.path not in leaves)]
+        self.requests = tuple(event.seq for event in events if event.event == PREEMPT)
         self._put = put
         self._lock = threading.RLock()
         self._over = [False] * len(self.events)
@@ -196,6 +200,11 @@ class Recording:
     def activation(self, path: str) -> Activation | None:
         """Return the activation of a node that is under way; None when the recording doesn't have it."""
         return self._current.get(path)
+
+    def said_before(self, path: str, seq: int) -> bool:
+        """Tell whether the last thing that a container said was before an event."""
+        said = next((event.seq for event in reversed(self.events) if (event.path, event.event) == (path, "message")), 0)
+        return 0 < said < seq
 
     def may_end(self, path: str) -> bool:
         """Tell whether a leaf ends now: all that came before its end has happened again."""

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Literal
 
 from py_trees.common import Status
 
 from grip_bt.nodes import Leaf
+from grip_bt.nodes.asked import AskedBefore
 from grip_bt.values import Failure
 
 from .journal_reader import Event
-from .recording import Activation
+from .recording import Activation, Recording
 
 if TYPE_CHECKING:
     from .reliving import Reliving
@@ -104,13 +106,37 @@ class RelivedLeaf:
             return self._ended(result.outcome, failure)
         mode, how = self._mode, self._reliving.how.get(path, "restart")
         self.release()
-        if mode == "open":
-            self._reliving.tell(path, how)
-        if mode == "open" and how == "resume":
-            leaf.resume(self._recording.under_way[path].t)
-        else:
+        if mode != "open":
             leaf.initialise()
-        return leaf.update()
+            return leaf.update()
+        began = self._recording.under_way[path]
+        self._reliving.tell(path, how)
+        with _asked_as_at(leaf, began, self._recording):
+            if how == "resume":
+                leaf.resume(began.t)
+            else:
+                leaf.initialise()
+            return leaf.update()
+
+
+@contextmanager
+def _asked_as_at(leaf: Leaf, began: Event, recording: Recording) -> Iterator[None]:
+    """Have a leaf begin with the requests to come to an end that there were when it began the first time.
+
+    So it takes one that came later as its own, and not as one that is already being obeyed.
+    """
+    count = sum(number < began.seq for number in recording.requests)
+    above = any(asker.asked and recording.said_before(asker.path, began.seq) for asker in leaf.askers)
+    if count == len(recording.requests) and above == any(asker.asked for asker in leaf.askers):
+        yield
+        return
+    context, leaf.context = leaf.context, AskedBefore(leaf.context, count, above)
+    try:
+        yield
+    finally:
+        leaf.context.over = True  # who kept it sees what there is now
+        leaf.context = context
+        context.wake()
 
 
 def failure_of(end: Event) -> Failure | None:

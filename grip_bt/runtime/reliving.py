@@ -69,6 +69,9 @@ class Reliving:
         how: leaf that was active at the end -> whether it is resumed; those not named are started again.
         results: leaf -> how its first activation ends that the recording doesn't have the end of.
         tell: told `(leaf, how)` as each active leaf goes on.
+
+    Attributes:
+        ask: asks the task to come to an end, as often as the recording says that somebody did.
     """
 
     def __init__(
@@ -88,6 +91,7 @@ class Reliving:
         self.clock = RelivedClock(clock, self.recording)
         self.recording.on_complete = self._complete
         self.wake: Callable[[], None] = lambda: None
+        self.ask: Callable[[], None] = lambda: None
         self._leaves: dict[str, RelivedLeaf] = {}
         self._begun = False
         self._idle = 0
@@ -142,6 +146,8 @@ class Reliving:
 
     def _complete(self) -> None:
         self.clock.go()
+        for _ in self.recording.requests:
+            self.ask()
         self.wake()
 
     # --- as a pacer ---

@@ -183,6 +183,11 @@ class Runner:
 
     def request_preempt(self) -> None:
         """Ask the task to come to an end on its own terms; leaves that care end soon, and recovery still runs."""
+        if self._recorder is not None:
+            self._recorder.preempt_requested()
+        self._ask()
+
+    def _ask(self) -> None:
         self.context.request_preempt()
         if isinstance(self.compiled, CompiledMachine):
             self.compiled.request_preempt()
@@ -213,6 +218,8 @@ class Runner:
             else:
                 self._recorder.resumed(self._reliving.recording.end_time, self._facts)
                 self._reliving.tell = self._recorder.went_on
+        if self._reliving is not None:
+            self._reliving.ask = self._ask
         self._start = self.context.clock.now()
         threading.Thread(target=self._work, name="grip_run", daemon=True).start()
         while not self._ended.is_set():

@@ -17,8 +17,10 @@ from py_trees.common import Status
 from grip_bt.compilers import CompiledMachine, CompiledTree, Halted, to_machine, to_tree
 from grip_bt.errors import DivergedError, NodeError
 from grip_bt.graph.model import Task
+from grip_bt.nodes.asked import AskedBefore
 from grip_bt.runtime import Event, Reliving
 from grip_bt.runtime.pacing import Pacing
+from grip_bt.runtime.recording import PREEMPT
 from grip_bt.runtime.reliving import News, RelivingPacer
 
 
@@ -34,6 +36,8 @@ class Outside(World):
     dead: bool = False
     under_way: dict[str, dict[str, Any]] = field(default_factory=dict)
     seen: list[Event] = field(default_factory=list)
+    asked: dict[tuple[str, int, str], str] = field(default_factory=dict)
+    """Activation and its end -> whether the leaf was asked to end before it began, meanwhile, or not."""
     stopped: bool = False
     recording: threading.RLock = field(default_factory=threading.RLock)
 
@@ -65,7 +69,10 @@ class LastingLeaf(ScriptedLeaf):
 
     world: Outside
 
+    asked_before = False
+
     def initialise(self) -> None:
+        self.asked_before = self.context.preempt_requested
         super().initialise()
         self.world.under_way[self.path] = {"k": self.k, "step": self.step, "ticks": self.ticks}
 
@@ -74,6 +81,7 @@ class LastingLeaf(ScriptedLeaf):
         if work is None:
             self.initialise()
         else:
+            self.asked_before = self.context.preempt_requested
             self.k, self.step, self.ticks = work["k"], work["step"], work["ticks"]
 
     def update(self) -> Status:
@@ -97,6 +105,13 @@ class LastingLeaf(ScriptedLeaf):
         self.world.under_way[self.path]["ticks"] = self.ticks
         return status
 
+    def _note(self, seen: dict[str, Any], outcome: str, code: str | None) -> None:
+        super()._note(seen, outcome, code)
+        asked = "before" if self.asked_before else "meanwhile" if self.context.preempt_requested else "not"
+        if asked == "not" and isinstance(self.context, AskedBefore):
+            asked = "soon"  # it ends in the tick in which it goes on, and would have seen a request in the next one
+        self.world.asked[self.path, self.k, outcome] = asked
+
     def terminate(self, new_status: Status) -> None:
         if not self.world.dead:
             super().terminate(new_status)
@@ -110,17 +125,21 @@ class Life:
     end: tuple[Any, ...]
     events: list[Event]
     data: dict[Any, Any]
+    asked: dict[tuple[str, int, str], str]
     whole: bool
     """Whether it came to its end, and not to that of our patience."""
 
 
 class _Context:
-    """What nodes are offered; the clock is that of the process, preempt requests aren't made."""
-
-    preempt_requested = False
+    """What nodes are offered; the clock is that of the process."""
 
     def __init__(self, clock: Any):
-        self.clock = clock
+        self.clock, self.preempt_requests = clock, 0
+
+    @property
+    def preempt_requested(self) -> bool:
+        """Whether somebody asked the task to come to an end."""
+        return self.preempt_requests > 0
 
     def wake(self) -> None:
         """Nothing waits here."""
@@ -149,6 +168,17 @@ class _Pacing(Pacing):
         """Nothing waits here."""
 
 
+def _asking(compiled: CompiledTree | CompiledMachine, context: _Context) -> Callable[[], None]:
+    """Return what asks the task to come to an end."""
+
+    def ask() -> None:
+        context.preempt_requests += 1
+        if isinstance(compiled, CompiledMachine):
+            compiled.request_preempt()
+
+    return ask
+
+
 def _compiled(case: dict[str, Any], world: Outside, target: str) -> CompiledTree | CompiledMachine:
     def make(path: str, node: Any, manifest: Any) -> LastingLeaf:
         leaf = LastingLeaf(path, path, manifest, dict(node.with_), dict(node.meaning))
@@ -160,7 +190,7 @@ def _compiled(case: dict[str, Any], world: Outside, target: str) -> CompiledTree
 
 
 def _world(case: dict[str, Any], kill_at: int | None) -> Outside:
-    return Outside(case["scripts"], kill_at=kill_at)
+    return Outside(case["scripts"], case.get("preempt_at"), kill_at=kill_at)
 
 
 def _life(world: Outside, compiled: CompiledTree | CompiledMachine, execute: Callable[[], Any]) -> Life | None:
@@ -183,7 +213,7 @@ def _life(world: Outside, compiled: CompiledTree | CompiledMachine, execute: Cal
     if world.dead:
         return None
     whole = not world.over_budget and world.turns <= MAX_TURNS and end != ("stopped",)
-    return Life(end, world.seen, compiled.data.snapshot(), whole)
+    return Life(end, world.seen, compiled.data.snapshot(), dict(world.asked), whole)
 
 
 def live(case: dict[str, Any], target: str, kill_at: int | None = None) -> tuple[Life | None, Outside]:
@@ -191,7 +221,15 @@ def live(case: dict[str, Any], target: str, kill_at: int | None = None) -> tuple
     world = _world(case, kill_at)
     compiled = _compiled(case, world, target)
     compiled.observe(world)
-    compiled.prepare(_Context(world.clock))
+    context = _Context(world.clock)
+    compiled.prepare(context)
+    ask = _asking(compiled, context)
+
+    def request_preempt() -> None:
+        world.note("/", PREEMPT)
+        ask()
+
+    world.request_preempt = request_preempt
     return _life(world, compiled, lambda: compiled.execute(world)), world
 
 
@@ -203,7 +241,11 @@ def resume(case: dict[str, Any], target: str, world: Outside) -> Life | None:
     events = list(world.seen)
     reliving = Reliving(compiled, events, lambda event: event.data["value"], world.clock, how=how)
     compiled.observe(News(reliving.recording, world))
-    compiled.prepare(_Context(reliving.clock))
+    context = _Context(reliving.clock)
+    compiled.prepare(context)
+    reliving.ask = _asking(compiled, context)
+    world.preempt_at = None if any(event.event == PREEMPT for event in events) else world.preempt_at
+    world.request_preempt = lambda: (world.note("/", PREEMPT), reliving.ask())
     reliving.install(lambda: None)
     pacer = RelivingPacer(_Pacing(world), reliving)
     life = _life(world, compiled, lambda: compiled.execute(pacer))

@@ -112,10 +112,10 @@ class World:
 
     def begin(self, path: str, script: str) -> tuple[int, dict[str, Any]]:
         with self.lock:
-            k = self.counts.get(path, 0)
-            self.counts[path] = k + 1
             if self.preempt_at == self.activations:
                 self.request_preempt()
+            k = self.counts.get(path, 0)
+            self.counts[path] = k + 1
             self.activations += 1
             if self.activations > MAX_ACTIVATIONS:
                 self.over_budget = True
