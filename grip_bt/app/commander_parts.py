@@ -73,13 +73,16 @@ def open_commanders(
     }
     executors = {**executors, **joined_executors(project, description, executors)}
     hand_of = {name: _hand_of(name, arm, file.hands) for name, arm in file.arms.items()}
-    links = links_of_groups(description, {name: part.group for name, part in (*file.arms.items(), *file.hands.items())})
+    groups = {name: arm.group for name, arm in file.arms.items()} | {
+        name: hand.group for name, hand in file.hands.items()
+    }
+    links = links_of_groups(description, groups)
+
+    def palm_of(arm: str) -> Pose:
+        return model.grasp_pose(executors[arm].state(), group=file.arms[arm].group)
+
     scene = PlanningScene(
-        {
-            hand: lambda arm=arm: model.grasp_pose(executors[arm].state(), group=file.arms[arm].group)
-            for arm, hand in hand_of.items()
-            if hand
-        },
+        {hand: partial(palm_of, arm) for arm, hand in hand_of.items() if hand},
         boxes,
         project.room(),
         links,
@@ -120,17 +123,22 @@ def settings_of(arm: ArmConfig, robot: RobotDescription, seed: int) -> PlanningS
 
     def field(name: str) -> Any:
         preferred = robot.preferences.get(arm.group, {}).get(name)
-        given = name in arm.model_fields_set or preferred is None or preferred.value is None
-        return getattr(arm, name) if given else preferred.value
+        if name in arm.model_fields_set or preferred is None or preferred.value is None:
+            return getattr(arm, name)
+        return preferred.value
 
+    planner = field("planner")
+    configured = robot.preferences.get(arm.group, {}).get("planner")
+    parameters = {} if configured is None else configured.parameters.get(planner, {})
     return PlanningSettings(
-        planner=field("planner"),
+        planner=planner,
         kinematics=field("kinematics"),
         speed=field("speed"),
         acceleration=field("acceleration"),
         time_limit=arm.planning_time,
         attempts=arm.attempts,
         seed=seed,
+        parameters=tuple(parameters.items()),
     )
 
 

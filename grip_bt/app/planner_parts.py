@@ -41,6 +41,13 @@ class PlannerByName:
         return self._own.submit(request)
 
 
+def planners_in_force(project: Project, description: RobotDescription) -> str:
+    """Return the names of the planners that the project's arms are planned for with, for people."""
+    from .commander_parts import settings_of
+
+    return ", ".join(sorted({settings_of(arm, description, 0).planner for arm in project.file.arms.values()}))
+
+
 def wants_move_group(project: Project) -> bool:
     """Tell whether MoveIt plans for an arm of the project."""
     return any(arm.planner == MOVE_GROUP for arm in project.file.arms.values())

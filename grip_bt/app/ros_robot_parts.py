@@ -12,7 +12,7 @@ from grip_bt.errors import GripError, MissingPartError, UnknownNameError
 from grip_bt.ports import Executor, HandPort
 
 from .commander_parts import open_commanders
-from .planner_parts import with_move_group
+from .planner_parts import planners_in_force, with_move_group
 from .project import Project
 from .resources import Progress, Resources
 
@@ -78,7 +78,7 @@ def open_robot(project: Project, resources: Resources, seed: int, stack: ExitSta
     open_commanders(project, resources, description, planner, executors, ports, {}, seed)
     if not process.wait_until_ready():
         raise GripError("the planning process doesn't come up; run `grip doctor`")
-    progress("planner", f"process {process.pid}: {', '.join(sorted({arm.planner for arm in file.arms.values()}))}")
+    progress("planner", f"process {process.pid}: {planners_in_force(project, description)}")
 
 
 def _joints(controller: ControllerConfig, group: Sequence[str]) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from grip_bt.errors import GripError, MissingPartError, UnknownNameError
 from grip_bt.values import Pose
 
 from .commander_parts import open_commanders
-from .planner_parts import with_move_group
+from .planner_parts import planners_in_force, with_move_group
 from .project import Project
 from .resources import Progress, Resources
 
@@ -71,4 +71,4 @@ def open_robot(
     resources.clock, resources.referee, resources.world = simulation.clock, simulation.referee, simulation
     if not planner.wait_until_ready():
         raise GripError("the planning process doesn't come up; run `grip doctor`")
-    progress("planner", f"process {planner.pid}: {', '.join(sorted({a.planner for a in file.arms.values()}))}")
+    progress("planner", f"process {planner.pid}: {planners_in_force(project, description)}")

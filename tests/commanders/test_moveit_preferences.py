@@ -9,7 +9,8 @@ import pytest
 from robot_files import description_package, moveit_package
 
 from grip_bt.app.commander_parts import settings_of
-from grip_bt.app.project import ArmConfig
+from grip_bt.app.planner_parts import planners_in_force
+from grip_bt.app.project import ArmConfig, find_project
 from grip_bt.cli.__main__ import main
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.load import inspect_robot, load_robot
@@ -18,9 +19,11 @@ from grip_bt.commanders.robots.description import Preference
 PLANNING = """planner_configs:
   TRRTkConfigDefault: {type: geometric::TRRT}
   PRMkConfigDefault: {type: geometric::PRM}
+  Bold: {type: geometric::RRT, range: 0.3, goal_bias: 0.4, projection: here}
+  Shy: {type: geometric::RRT, range: 0.1}
 manipulator:
   default_planner_config: DEFAULT
-  planner_configs: [TRRTkConfigDefault, PRMkConfigDefault]
+  planner_configs: [TRRTkConfigDefault, PRMkConfigDefault, Shy, Bold]
 """
 SCALING = "default_velocity_scaling_factor: 0.2\ndefault_acceleration_scaling_factor: 0.1\n"
 
@@ -54,10 +57,29 @@ def test_what_the_project_says_comes_first(tmp_path):
     assert settings.acceleration == 0.1
 
 
+def test_the_planner_that_is_told_at_the_start_of_a_run_is_the_one_in_force(tmp_path):
+    package(tmp_path)
+    (tmp_path / "grip.yaml").write_text(
+        "grip: 1\nrobot: {moveit: smally_moveit_config}\narms: {a: {group: manipulator}}\n"
+    )
+    assert planners_in_force(find_project(tmp_path), robot(tmp_path)) == "PRM"
+
+
+def test_parameters_are_those_of_the_configuration_in_force(tmp_path, capsys):
+    folder = package(tmp_path, "Bold")
+    settings = settings_of(ArmConfig(group="manipulator"), robot(tmp_path), seed=0)
+    assert (settings.planner, dict(settings.parameters)) == ("RRT", {"range": 0.3, "goal_bias": 0.4})
+    chosen = settings_of(ArmConfig(group="manipulator", planner="PRM"), robot(tmp_path), seed=0)
+    assert chosen.parameters == ()
+    assert main(["robot", "show", str(folder)]) == 0
+    assert "planner RRT, range 0.3, goal_bias 0.4 (from ompl_planning.yaml)" in capsys.readouterr().out
+
+
 def test_what_is_not_here_is_said_and_the_usual_taken(tmp_path):
     package(tmp_path, "TRRTkConfigDefault", "bio_ik/BioIKKinematicsPlugin")
     made = robot(tmp_path)
-    assert made.preferences["manipulator"]["planner"] == Preference(None, "ompl_planning.yaml", "TRRT")
+    preferred = made.preferences["manipulator"]["planner"]
+    assert preferred == Preference(None, "ompl_planning.yaml", "TRRT", {"RRT": {"range": 0.1}})
     settings = settings_of(ArmConfig(group="manipulator"), made, seed=0)
     assert (settings.planner, settings.kinematics) == ("RRTConnect", "damped_least_squares")
 
@@ -92,7 +114,12 @@ def test_show_prints_what_is_in_force_and_where_it_comes_from(tmp_path, capsys):
     assert "speed 0.2 (from joint_limits.yaml)" in line
     assert main(["robot", "show", str(folder), "--json"]) == 0
     shown = json.loads(capsys.readouterr().out)["preferences"]["manipulator"]
-    assert shown["planner"] == {"value": "PRM", "source": "ompl_planning.yaml", "unknown": ""}
+    assert shown["planner"] == {
+        "value": "PRM",
+        "source": "ompl_planning.yaml",
+        "unknown": "",
+        "parameters": {"RRT": {"range": 0.1}},
+    }
 
 
 def test_robots_that_are_no_package_prefer_nothing(tmp_path):

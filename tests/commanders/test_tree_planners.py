@@ -12,7 +12,7 @@ from grip_bt.commanders.collision import CollisionChecker
 from grip_bt.commanders.ik import Target, solve
 from grip_bt.commanders.planning.bitrrt import CLEARANCES, costs
 from grip_bt.commanders.planning.constraints import excess, kept
-from grip_bt.commanders.planning.free import plan_free
+from grip_bt.commanders.planning.free import plan_free, settable
 from grip_bt.commanders.planning.motions import CONSTRAINT_SLACK, answer
 from grip_bt.commanders.planning.paths import interpolated
 from grip_bt.commanders.planning.requests import PlanningSettings, PlanTo, Situation
@@ -52,7 +52,7 @@ def level_at(checker, *position, turn=0.0):
 
 def situation(model, checker, start, **settings):
     state = joined(JointState(checker.chain.joints, start), named(model, "hand", "open"))
-    return Situation("arm", state, SCENE, "hand", PlanningSettings(**settings))
+    return Situation("arm", state, SCENE, "hand", PlanningSettings(**{"time_limit": 60.0, **settings}))
 
 
 def pose(rotation, *position):
@@ -119,6 +119,20 @@ def test_a_constrained_motion_stays_in_its_box(model, checker):
     for q in answer(model, request, lambda: False).trajectory.positions:
         offset = checker.chain.grasp_pose(q).translation - [0.4, 0.0, 0.4]
         assert (np.abs(offset) <= np.array([0.25, 0.45, 0.2]) + CONSTRAINT_SLACK).all()
+
+
+def test_parameters_of_a_planner_change_its_search(model, checker, monkeypatch):
+    """Of a planner's steps none is longer than its range; unknown parameters, and those of others, are left out."""
+    one, other = level_at(checker, 0.5, -0.3, 0.3), level_at(checker, 0.5, 0.3, 0.3)
+    assert settable("RRT") == {"range", "goal_bias"}
+    assert settable("BiTRRT") == settable("PRM") == frozenset()
+    monkeypatch.setattr("grip_bt.commanders.planning.free.shortened", lambda path, *_: path)
+    longest = {}
+    for size in (0.2, 1.0):
+        given = {"range": size, "goal_bias": 0.05, "nonsense": 1.0}
+        path = plan_free(checker, one, other, "RRTConnect", 3, time.monotonic() + 60, lambda: False, parameters=given)
+        longest[size] = np.linalg.norm(np.diff(path, axis=0), axis=1).max()
+    assert longest[0.2] <= 0.2 + 1e-6 < longest[1.0] <= 1.0 + 1e-6
 
 
 @pytest.mark.parametrize("end", ["start", "goal"])

@@ -123,7 +123,9 @@ def _preferred(field: str, preference: dict[str, Any]) -> str:
     source = preference["source"]
     if preference["value"] is None:
         return f"{field} as usual ({source} asks for {preference['unknown']}, which isn't here)"
-    return f"{field} {preference['value']} (from {source})"
+    parameters = preference["parameters"].get(preference["value"], {})
+    words = "".join(f", {name} {value:g}" for name, value in parameters.items())
+    return f"{field} {preference['value']}{words} (from {source})"
 
 
 def _moveit(package: dict[str, Any], planners: set[str]) -> Iterator[str]:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 from ..ik import SOLVERS
 from ..robots.description import Preference
 from .package import MoveItPackage
+from .settings import PlannerChoice
 
 _PLUGINS = (("trac_ik", "trac_ik"), ("kdl", "damped_least_squares"), ("lma", "damped_least_squares"))
 """Part of a plugin's name -> the solver here that works like it."""
@@ -31,7 +33,9 @@ def preferences_of(
             choice = package.planners[group]
             default = choice.planners.get(choice.default, choice.default)
             wanted = [default] if default else list(choice.planners.values())
-            fields["planner"] = _first(wanted, known, "ompl_planning.yaml")
+            fields["planner"] = replace(
+                _first(wanted, known, "ompl_planning.yaml"), parameters=_parameters(choice, known)
+            )
         if group in package.kinematics:
             plugin = package.kinematics[group]
             solvers = [solver for part, solver in _PLUGINS if part in plugin.lower() and solver in SOLVERS]
@@ -41,6 +45,16 @@ def preferences_of(
                 fields[field] = Preference(package.scaling[factor], "joint_limits.yaml")
         found[group] = fields
     return {group: fields for group, fields in found.items() if fields}
+
+
+def _parameters(choice: PlannerChoice, known: frozenset[str]) -> dict[str, dict[str, float]]:
+    """Return planner -> its parameters; of several configurations of one planner, the default or else the first."""
+    order = sorted(choice.planners, key=lambda name: name != choice.default)
+    found: dict[str, dict[str, float]] = {}
+    for name in order:
+        if choice.planners[name] in known:
+            found.setdefault(choice.planners[name], dict(choice.parameters.get(name, {})))
+    return {planner: parameters for planner, parameters in found.items() if parameters}
 
 
 def _first(wanted: list[str], known: frozenset[str], source: str) -> Preference:

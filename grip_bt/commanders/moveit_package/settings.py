@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -36,10 +37,12 @@ class PlannerChoice:
     Attributes:
         default: configuration that is used unless told otherwise, or empty.
         planners: configuration -> OMPL's name of its planner, such as `RRTConnect`.
+        parameters: configuration -> parameter, such as `range` or `goal_bias` -> number.
     """
 
     default: str
     planners: Mapping[str, str]
+    parameters: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,18 +139,27 @@ def planners(path: Path) -> dict[str, PlannerChoice]:
         DocumentError: the file can't be read as such.
     """
     reading, data = Reading(path), read_yaml(path)
-    configs = {
-        name: str(reading.mapping(entry, f"planner_configs/{name}").get("type", "")).rpartition("::")[2]
+    entries = {
+        name: reading.mapping(entry, f"planner_configs/{name}")
         for name, entry in reading.mapping(data.get("planner_configs"), "planner_configs").items()
     }
+    configs = {name: str(entry.get("type", "")).rpartition("::")[2] for name, entry in entries.items()}
     found = {}
     for group, entry in data.items():
         if group == "planner_configs" or not isinstance(entry, dict) or "planner_configs" not in entry:
             continue
         names = reading.words(entry["planner_configs"], f"{group}/planner_configs")
         chosen = {name: configs.get(name) or _planner_in(name) for name in names}
-        found[group] = PlannerChoice(str(entry.get("default_planner_config") or ""), chosen)
+        parameters = {name: _numbers(entries.get(name, {})) for name in names}
+        found[group] = PlannerChoice(str(entry.get("default_planner_config") or ""), chosen, parameters)
     return found
+
+
+def _numbers(entry: Mapping[str, Any]) -> dict[str, float]:
+    """Return the entries that are finite numbers; those of others, such as a projection, OMPL's planners don't take."""
+    return {
+        str(name): float(value) for name, value in entry.items() if isinstance(value, int | float) and isfinite(value)
+    }
 
 
 def controllers(path: Path) -> tuple[Controller, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cache
 
 import numpy as np
@@ -26,6 +26,17 @@ RESOLUTION = 0.02
 _THREADED = frozenset({"PRM", "PRMstar"})
 """These ask from a thread of their own whether to stop. It can't enter Python, since the search holds the lock, so they
 only get a time limit, and are cancelled by ending their process."""
+
+_PARAMETERS = {
+    "range": "setRange",
+    "goal_bias": "setGoalBias",
+    "border_fraction": "setBorderFraction",
+    "failed_expansion_score_factor": "setFailedExpansionCellScoreFactor",
+    "min_valid_path_fraction": "setMinValidPathFraction",
+    "rewire_factor": "setRewireFactor",
+    "radius_multiplier": "setRadiusMultiplier",
+}
+"""Parameter in `ompl_planning.yaml` -> the method that sets it; OMPL's own list of parameters isn't bound."""
 
 
 @cache
@@ -61,6 +72,12 @@ def halving(steps: int) -> NDArray[np.float64]:
     return np.array(list(dict.fromkeys(order))) / steps
 
 
+def settable(planner: str) -> frozenset[str]:
+    """Return the parameters of a planner that can be set, by their names in MoveIt's `ompl_planning.yaml`."""
+    kind = getattr(og, planner, None)
+    return frozenset(name for name, setter in _PARAMETERS.items() if hasattr(kind, setter))
+
+
 def plan_free(
     checker: CollisionChecker,
     start: NDArray[np.float64],
@@ -70,6 +87,7 @@ def plan_free(
     deadline: float,
     canceled: Callable[[], bool],
     resolution: float = RESOLUTION,
+    parameters: Mapping[str, float] | None = None,
 ) -> Path:
     """Return a short free path from `start` to `goal`, shape (k, n).
 
@@ -82,6 +100,8 @@ def plan_free(
         deadline: time on `time.monotonic` to give up at [s].
         canceled: asked often; True ends it.
         resolution: largest joint step between two checks [rad].
+        parameters: of the planner, by their names in `ompl_planning.yaml`; those that it hasn't are left out, see
+            `settable`.
 
     Raises:
         UnknownNameError: there is no such planner.
@@ -105,7 +125,7 @@ def plan_free(
         until: object = max(0.01, deadline - time.monotonic())
     else:
         until = ob.PlannerTerminationCondition(over)
-    path = _solved(checker, motion_free, start, goal, planner, seed, until)
+    path = _solved(checker, motion_free, start, goal, planner, seed, until, parameters or {})
     return shortened(_found(path, planner, deadline, canceled), motion_free, np.random.default_rng(seed))
 
 
@@ -162,6 +182,7 @@ def _solved(
     planner: str,
     seed: int,
     until: object,
+    parameters: Mapping[str, float],
 ) -> Path | None:
     # Re-seeding after the first use is what makes requests independent of one another; OMPL logs an error about it.
     ou.setLogLevel(ou.LogLevel.LOG_NONE)
@@ -173,7 +194,10 @@ def _solved(
     information.setMotionValidator(_MotionValidator(information, motion_free, dimension))
     space = setup.getStateSpace()
     setup.setStartAndGoalStates(_state(space, start), _state(space, goal))
-    setup.setPlanner(getattr(og, planner)(information))
+    search = getattr(og, planner)(information)
+    for name in settable(planner) & set(parameters):
+        getattr(search, _PARAMETERS[name])(parameters[name])
+    setup.setPlanner(search)
     objective = ob.PathLengthOptimizationObjective(information)
     objective.setCostThreshold(ob.Cost(1e9))  # optimising planners: the first path will do, it is shortened anyway
     setup.setOptimizationObjective(objective)

@@ -189,7 +189,16 @@ class GraspTrial:
             return True  # the plan itself will tell that the start is in collision
         deadline = time.monotonic() + _PATIENCE
         try:
-            plan_free(checker, start, pre, settings.planner, settings.seed, deadline, canceled)
+            plan_free(
+                checker,
+                start,
+                pre,
+                settings.planner,
+                settings.seed,
+                deadline,
+                canceled,
+                parameters=dict(settings.parameters),
+            )
         except (NoPlanError, TimeOutError):
             return False
         return True

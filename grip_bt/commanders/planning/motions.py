@@ -145,7 +145,10 @@ def _search(
     """Return the search that fits the request, as a function of seed, deadline and resolution."""
     if request.constraint is not None:
         return partial(plan_constrained, avoid, request.constraint, start, goal, canceled=canceled)
-    return partial(plan_free, avoid, start, goal, request.situation.settings.planner, canceled=canceled)
+    settings = request.situation.settings
+    return partial(
+        plan_free, avoid, start, goal, settings.planner, canceled=canceled, parameters=dict(settings.parameters)
+    )
 
 
 def _searched_and_timed(

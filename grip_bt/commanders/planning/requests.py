@@ -23,6 +23,7 @@ class PlanningSettings:
         attempts: how often to search with other random numbers before giving up.
         margin: distance to keep from the scene's objects where start and goal leave room for it [m].
         seed: the same request with the same seed gives the same plan.
+        parameters: of the planner, such as `("range", 0.3)`; see `planning.free.settable`.
     """
 
     planner: str = "RRTConnect"
@@ -33,6 +34,7 @@ class PlanningSettings:
     attempts: int = 3
     margin: float = 0.01
     seed: int = 0
+    parameters: tuple[tuple[str, float], ...] = ()
 
     def __post_init__(self) -> None:
         for name, value in (("speed", self.speed), ("acceleration", self.acceleration)):
