@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -58,7 +59,7 @@ def run_new(args: argparse.Namespace) -> int:
     print(f"{folder}: {', '.join(str(file) for file in written)}")
     generate([folder])
     algorithm = "algorithm.py" if args.lang == "python" else "src/algorithm.cpp"
-    print(f"next: grip component test {folder}; then put your own into {folder / algorithm}")
+    print(f"next: grip component test {shlex.quote(str(folder))}; then put your own into {folder / algorithm}")
     return 0
 
 

@@ -42,8 +42,9 @@ class Issue:
         if self.line is not None:
             place = f"{place or '<text>'}:{self.line}:{self.column}"
         lead = f"{place}: " if place else ""
+        end = "" if self.message.endswith("?") else "."
         fix = f" Fix: {self.fix}." if self.fix else ""
-        return f"{lead}{self.severity}[{self.code}] {self.path or 'task'}: {self.message}.{fix}"
+        return f"{lead}{self.severity}[{self.code}] {self.path or 'task'}: {self.message}{end}{fix}"
 
     def as_dict(self) -> dict[str, Any]:
         """Return the issue as plain data, for JSON."""

@@ -96,3 +96,13 @@ def test_nothing_to_launch_is_told_apart_from_no_project(project, tmp_path, caps
 def test_a_project_without_components_says_how_to_make_one(project, capsys):
     assert main(["component", "list"]) == 0
     assert "`grip component new NAME` makes one" in capsys.readouterr().err
+
+
+def test_a_check_of_a_file_that_is_not_there_asks_one_question(project, capsys):
+    assert main(["check", "first.yaml"]) == 1
+    assert "did you mean tasks/first.yaml?\n" in capsys.readouterr().out
+
+
+def test_the_next_step_of_a_new_component_can_be_pasted(project, capsys):
+    assert main(["component", "new", "my_grasps"]) == 0
+    assert f"next: grip component test '{project / 'components' / 'my_grasps'}'; " in capsys.readouterr().out
