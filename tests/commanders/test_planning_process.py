@@ -106,9 +106,10 @@ def test_a_grasp_is_chosen_there_too(planner):
     assert chosen.grasp in grasps
 
 
-def test_cancelling_ends_a_plan_within_50_ms_and_the_process_goes_on(planner):
-    pid, taken = planner.pid, []
-    for _ in range(10):  # at its best: a busy machine may take any one of them longer
+def test_cancelling_ends_a_plan_within_50_ms(planner):
+    """At the latest by replacing the process, which a busy machine may make necessary."""
+    taken = []
+    for _ in range(10):  # at its best: such a machine may take any one of them longer
         operation = planner.submit(endless_request())
         assert not operation.wait(0.5), "the request was to be endless"
         asked = time.monotonic()
@@ -120,6 +121,18 @@ def test_cancelling_ends_a_plan_within_50_ms_and_the_process_goes_on(planner):
         if taken[-1] < 0.05:
             break
     assert min(taken) < 0.05
+    ended(planner.submit(reachable_request())).result()
+
+
+def test_a_plan_ends_itself_when_it_is_cancelled_and_its_process_goes_on(planner, monkeypatch):
+    monkeypatch.setattr("grip_bt.commanders.worker.CANCEL_GRACE", 30.0)  # nothing but the search itself may end it
+    assert planner.wait_until_ready()
+    pid = planner.pid
+    operation = planner.submit(endless_request())
+    assert not operation.wait(0.5), "the request was to be endless"
+    operation.cancel()
+    with pytest.raises(CanceledError):
+        ended(operation, within=20.0).result()
     ended(planner.submit(reachable_request())).result()
     assert planner.pid == pid
 
