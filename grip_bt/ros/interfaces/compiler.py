@@ -12,7 +12,7 @@ import subprocess
 import sys
 import sysconfig
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
 from grip_bt.errors import GripError, MissingPartError
@@ -66,14 +66,56 @@ def compilers() -> tuple[str, str]:
     return found[0], found[1]
 
 
-def compile_package(generated: Generated, target: Path, prefixes: Sequence[Path], jobs: int) -> None:
-    """Compile and install a generated package into the prefix `target`.
+class Compilation:
+    """Compiles what generators have made, several files at once, while the next generator works.
+
+    Sources of one kind are compiled some together, since most of the time goes into headers that all of them include;
+    where a compiler refuses that (two interfaces of one name), one by one.
+
+    Args:
+        prefixes: where the packages are that are needed.
+        jobs: how many compilers run at once.
+    """
+
+    def __init__(self, prefixes: Sequence[Path], jobs: int):
+        self._prefixes, self._jobs = prefixes, jobs
+        self._pool = ThreadPoolExecutor(jobs)
+        self._running: list[tuple[str, Future[list[Path]]]] = []
+
+    def __enter__(self) -> Compilation:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._pool.shutdown(cancel_futures=True)
+
+    def begin(self, generated: Generated, generator: str) -> None:
+        """Begin to compile the sources of one generator; those that it includes are there already."""
+        flags = _flags(generated, self._prefixes)
+        for library, sources in _units(generated, generator, self._jobs):
+            work = self._pool.submit(_compile, generated, library, sources, flags)
+            self._running.append((library, work))
+
+    def objects(self) -> dict[str, list[Path]]:
+        """Wait until all are compiled; return the objects of each library.
+
+        Raises:
+            MissingPartError: no compiler.
+            InterfaceBuildError: the compiler failed.
+        """
+        found: dict[str, list[Path]] = {}
+        for library, work in self._running:
+            found.setdefault(library, []).extend(work.result())
+        return found
+
+
+def install_package(
+    generated: Generated, objects: dict[str, list[Path]], target: Path, prefixes: Sequence[Path]
+) -> None:
+    """Link a compiled package and install it into the prefix `target`.
 
     Raises:
-        MissingPartError: no compiler.
-        InterfaceBuildError: the compiler or the linker failed.
+        InterfaceBuildError: the linker failed.
     """
-    objects = _compile(generated, prefixes, jobs)
     site = target / "lib" / f"python{sys.version_info.major}.{sys.version_info.minor}" / "site-packages"
     module = site / generated.package.name
     shutil.copytree(
@@ -84,10 +126,9 @@ def compile_package(generated: Generated, target: Path, prefixes: Sequence[Path]
     _install_share(generated, target)
 
 
-def _compile(generated: Generated, prefixes: Sequence[Path], jobs: int) -> dict[str, list[Path]]:
-    cc, cxx = compilers()
+def _flags(generated: Generated, prefixes: Sequence[Path]) -> list[str]:
     name = generated.package.name
-    flags = [
+    return [
         "-fPIC",
         "-O1",
         "-w",
@@ -97,26 +138,45 @@ def _compile(generated: Generated, prefixes: Sequence[Path], jobs: int) -> dict[
         *(f"-I{folder}" for folder in _include_folders(generated, prefixes)),
     ]
 
-    def compile_one(job: tuple[str, Path]) -> tuple[str, Path]:
-        library, source = job
-        target = generated.folder / "objects" / library / ("_".join(source.parts[-3:]) + ".o")
-        target.parent.mkdir(parents=True, exist_ok=True)
-        language = [cxx, "-std=c++17"] if source.suffix == ".cpp" else [cc, "-std=gnu11"]
-        _run(name, [*language, *flags, "-c", str(source), "-o", str(target)])
-        return library, target
 
-    objects: dict[str, list[Path]] = {}
-    with ThreadPoolExecutor(jobs) as pool:
-        for library, compiled in pool.map(compile_one, _units(generated)):
-            objects.setdefault(library, []).append(compiled)
-    return objects
+def _compile(generated: Generated, library: str, sources: Sequence[Path], flags: Sequence[str]) -> list[Path]:
+    """Compile sources into one object, or into one each where they can't stand together."""
+    cc, cxx = compilers()
+    folder = generated.folder / "objects" / library
+    folder.mkdir(parents=True, exist_ok=True)
+    first = sources[0]
+    language = [cxx, "-std=c++17"] if first.suffix == ".cpp" else [cc, "-std=gnu11"]
+    target = folder / ("_".join(first.parts[-3:]) + ".o")
+    if len(sources) == 1:
+        _run(generated.package.name, [*language, *flags, "-c", str(first), "-o", str(target)])
+        return [target]
+    together = target.with_suffix(first.suffix)
+    together.write_text("".join(f'#include "{source}"\n' for source in sources), encoding="utf-8")
+    try:
+        return _compile(generated, library, [together], flags)
+    except InterfaceBuildError:
+        return [made for source in sources for made in _compile(generated, library, [source], flags)]
 
 
-def _units(generated: Generated) -> Iterator[tuple[str, Path]]:
-    """Yield every source with the library that it goes into; `extension` is the module that Python imports."""
-    for generator in _LIBRARIES:
-        for source in generated.sources(generator):
-            yield ("extension" if ".ep." in source.name else generator), source
+def _units(generated: Generated, generator: str, jobs: int) -> Iterator[tuple[str, list[Path]]]:
+    """Yield sources that are compiled together, with the library that they go into.
+
+    `extension` is the module that Python imports. Sources of one folder and one ending (such as `__functions.c`) have
+    names of their own, except descriptions, which repeat those of what they nest.
+    """
+    kinds: dict[tuple[Path, str], list[Path]] = {}
+    for source in generated.sources(generator):
+        if ".ep." in source.name:
+            yield "extension", [source]
+        elif "__description" in source.name:
+            yield generator, [source]
+        else:
+            _, named, kind = source.stem.rpartition("__")
+            kinds.setdefault((source.parent, kind + source.suffix if named else source.suffix), []).append(source)
+    for sources in kinds.values():
+        parts = min(jobs, -(-len(sources) // 4))
+        for part in range(parts):
+            yield generator, sources[part::parts]
 
 
 def _include_folders(generated: Generated, prefixes: Sequence[Path]) -> Iterator[Path]:
