@@ -3,7 +3,8 @@
     python benchmarks/ros_calls.py
 
 The server runs in a process of its own. Bare calls are `call_async` with one executor thread and an event; GRIP's are
-the leaves of components in a task that is run, with its journal. Some 40 s.
+the leaves of components in a task that is run, with its journal. Both are measured in turns, since what else the
+machine does changes more from minute to minute than they differ. Some 60 s.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from grip_bt.ros.process import child_environment
 
 DATA = Path(__file__).resolve().parents[1] / "tests" / "ros" / "data"
 DOMAIN = 91
-CALLS, GOALS, WARM = 600, 200, 20
+CALLS, GOALS, WARM, ROUNDS = 300, 100, 20, 4
 COMPONENTS = {
     "ask": "interface: std_srvs/srv/Trigger\nserver: /work/counts\noutcomes: {done: success}\n",
     "act": "interface: trial_interfaces/action/Work\nserver: /work\noutcomes: {done: 'true'}\n"
@@ -57,8 +58,11 @@ def timed(work: Callable[[], None], times: int) -> list[float]:
     return taken[WARM:]
 
 
-def bare() -> None:
-    """The same calls and goals with rclpy alone."""
+Taken = dict[str, list[float]]
+
+
+def bare(taken: Taken) -> None:
+    """Take the time of calls and goals with rclpy alone [ms]."""
     import rclpy
     from rclpy.action import ActionClient
     from rclpy.context import Context
@@ -91,17 +95,17 @@ def bare() -> None:
     def goal() -> None:
         done = threading.Event()
 
-        def taken(future) -> None:
+        def accepted(future) -> None:
             future.result().get_result_async().add_done_callback(lambda _: done.set())
 
         def send() -> None:  # on the executor's thread: elsewhere, answers are lost
-            action.send_goal_async(Work.Goal(input="0", seconds=0.0)).add_done_callback(taken)
+            action.send_goal_async(Work.Goal(input="0", seconds=0.0)).add_done_callback(accepted)
 
         executor.create_task(send)
         done.wait(10)
 
-    told("bare: call_async to another process", timed(call, CALLS))
-    told("bare: goal -> accepted -> result", timed(goal, GOALS))
+    taken.setdefault("bare: service call", []).extend(timed(call, CALLS))
+    taken.setdefault("bare: goal -> result", []).extend(timed(goal, GOALS))
     stop.set()
     executor.wake()
     thread.join()
@@ -110,8 +114,8 @@ def bare() -> None:
     context.try_shutdown()
 
 
-def in_trees(folder: Path) -> None:
-    """The same from a task that is run, and how long an answer waits for the tick that takes it."""
+def in_trees(folder: Path, figures: Taken) -> None:
+    """Take the same from a task that is run, and how long an answer waits for the tick that takes it."""
     from grip_bt.app import run
     from grip_bt.nodes.component import ComponentLeaf
 
@@ -140,8 +144,8 @@ def in_trees(folder: Path) -> None:
         result = run(task)
         assert result.outcome == "success", result
         began, answered, taken = (np.array(stamps[k][WARM:]) * 1e3 for k in ("began", "answered", "taken"))
-        told(f"tree: {what}, from the tick that asks to the one that takes", list(taken - began))
-        told(f"tree: {what}, from the answer to the tick that takes it", list(taken - answered))
+        figures.setdefault(f"tree: {what}", []).extend(taken - began)
+        figures.setdefault(f"tree: {what}: from the answer to the tick that takes it", []).extend(taken - answered)
     ComponentLeaf.start, ComponentLeaf.finish = start, finish
 
 
@@ -217,9 +221,15 @@ def main() -> None:
                 shutil.copytree(DATA / "trial_interfaces", home / "interfaces" / "trial_interfaces")
             generate([home])
         server = start_server(built.prefix)
-        bare()
-        in_trees(folder)
-        bare()
+        figures: Taken = {}
+        for _ in range(ROUNDS):
+            bare(figures)
+            in_trees(folder, figures)
+        for what, milliseconds in figures.items():
+            told(what, milliseconds)
+        for what in ("service call", "goal -> result"):
+            ratio = np.median(figures[f"tree: {what}"]) / np.median(figures[f"bare: {what}"])
+            print(f"{what}: {ratio:.2f} of the bare one in the median")
         server.kill()
         server.wait()
         idle()
