@@ -93,9 +93,9 @@ def test_a_component_that_dies_in_the_middle_of_a_call_is_lost_at_once_with_its_
     began = time.monotonic()
     with pytest.raises(ServerLostError, match=r"'odd' ended with status 7; its last words.*\n.*that was too much"):
         ended(client.call(wish("die")))
-    assert time.monotonic() - began < 5  # a call may take ten
+    assert time.monotonic() - began < 50  # a call may take a hundred
     with pytest.raises(ServerLostError, match="status 7"):
-        ended(client.call(wish("die")), 0.5)
+        ended(client.call(wish("die")))
 
 
 def test_a_component_that_is_killed_in_the_middle_of_a_call_is_lost_at_once(odd):
@@ -106,7 +106,7 @@ def test_a_component_that_is_killed_in_the_middle_of_a_call_is_lost_at_once(odd)
     kill(server)
     with pytest.raises(ServerLostError, match="ended with status 137"):
         ended(operation)
-    assert time.monotonic() - killed < 5  # a call may take ten
+    assert time.monotonic() - killed < 50  # a call may take a hundred
 
 
 @pytest.mark.parametrize("number", [3, -1, 100000])
@@ -126,7 +126,7 @@ def test_what_comes_with_a_failure_outcome_need_not_be_a_value(odd):
 
 def test_a_component_that_hangs_times_out(project, domain):
     file = project / "components" / "odd" / "component.yaml"
-    file.write_text(file.read_text().replace("call: 10", "call: 0.5"))
+    file.write_text(file.read_text().replace("call: 100", "call: 0.5"))
     with start_components(project, ["odd"], domain) as components, pytest.raises(ServerTimeOutError, match="no answer"):
         ended(components.client("odd").call(wish("hang")))
     assert gone(components.process("odd").pid)
@@ -143,8 +143,8 @@ def test_a_component_that_never_serves_is_lost_with_the_end_of_its_log(project, 
     server = project / "components" / "odd" / "server.py"
     server.write_text("print('warming up'); import time; time.sleep(60)")
     file = project / "components" / "odd" / "component.yaml"
-    file.write_text(file.read_text().replace("ready: 15", "ready: 1"))
-    with pytest.raises(ServerLostError, match=r"component odd: /odd: no server within 1.0 s.*\nwarming up"):
+    file.write_text(file.read_text().replace("ready: 60", "ready: 4"))
+    with pytest.raises(ServerLostError, match=r"component odd: /odd: no server within 4.0 s.*\nwarming up"):
         start_components(project, ["odd"], domain)
 
 
@@ -153,7 +153,7 @@ def test_a_component_that_ends_while_starting_is_lost_at_once_with_its_error(pro
     began = time.monotonic()
     with pytest.raises(ServerLostError, match="(?s)ended with status 1.*No module named 'no_such_module'"):
         start_components(project, ["odd"], domain)
-    assert time.monotonic() - began < 5
+    assert time.monotonic() - began < 30  # a server may take sixty
 
 
 def test_one_that_fails_to_start_takes_the_others_down(project, domain):
