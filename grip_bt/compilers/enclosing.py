@@ -10,8 +10,8 @@ from typing import Any
 
 from grip_bt.nodes.control import Container
 from grip_bt.nodes.node import LABEL, Node
+from grip_bt.nodes.smach_among import AmongStates
 from grip_bt.nodes.smach_asking import MARK, Enclosing
-from grip_bt.nodes.smach_leaf import AmongStates
 
 from .resolve import Part
 from .task_machine import TaskConcurrence, TaskContainer

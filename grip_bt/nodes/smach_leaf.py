@@ -11,19 +11,16 @@ from __future__ import annotations
 
 import logging
 import re
-import threading
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, ClassVar
-from weakref import WeakKeyDictionary
 
 from py_trees.common import Status
 
-from grip_bt.errors import DataError
-from grip_bt.smach_compat import Remapper, UserData
 from grip_bt.smach_compat._settings import settings
 
-from .leaf import Leaf
-from .smach_asking import Asking, Enclosing, Iteration, Together
+from .smach_activation import Activation, Values
+from .smach_among import RUNS_LOCK, AmongStates, KeysLeaf
+from .smach_asking import Iteration, Together
 
 _log = logging.getLogger(__name__)
 _INVALID = re.compile(r"[^A-Za-z0-9_ -]")
@@ -33,135 +30,6 @@ def task_name(label: str) -> str:
     """Return a SMACH label as a task may spell it: other characters become `_`, and it begins with a letter or `_`."""
     name = _INVALID.sub("_", label)
     return name if name and (name[0].isalpha() or name[0] == "_") else f"_{name}"
-
-
-class _Run:
-    """What the SMACH leaves of one run share."""
-
-    def __init__(self) -> None:
-        self.asking = Asking()
-        self.built: dict[Callable[..., Any], Any] = {}
-
-
-_runs: WeakKeyDictionary[Any, _Run] = WeakKeyDictionary()
-_runs_lock = threading.RLock()
-
-
-class _Values:
-    """The userdata of one activation: reads go to the ports, writes are kept until the end."""
-
-    def __init__(self, leaf: KeysLeaf):
-        self._leaf = leaf
-        self.written: dict[str, Any] = {}
-
-    def __getitem__(self, key: str) -> Any:
-        if key in self.written:
-            return self.written[key]
-        found, value = self._leaf.look_up(key)
-        if not found:
-            raise KeyError(key)
-        return value
-
-    def __setitem__(self, key: str, value: Any) -> None:
-        self.written[key] = value
-
-    def __contains__(self, key: object) -> bool:
-        return key in self.written or self._leaf.look_up(str(key))[0]
-
-    def keys(self) -> list[str]:
-        return [key for key in self._leaf.manifest.inputs if key in self]
-
-    def update(self, ud: UserData) -> None:
-        self.written.update({key: ud[key] for key in ud.keys()})
-
-
-class _Activation:
-    """One call of `execute` in its thread."""
-
-    def __init__(self, state: Any, values: _Values, name: str, wake: Callable[[], None]):
-        self.values = values
-        self.result: Any = None
-        self.error: BaseException | None = None
-        self._ended = threading.Event()
-        inputs, outputs = state.get_registered_input_keys(), state.get_registered_output_keys()
-
-        def work() -> None:
-            try:
-                self.result = state.execute(Remapper(values, inputs, outputs))
-            except BaseException as error:  # noqa: BLE001 - raised again in the thread of the task
-                self.error = error
-            self._ended.set()
-            wake()
-
-        self._thread = threading.Thread(target=work, name=f"smach:{name}", daemon=True)
-
-    def start(self) -> None:
-        """Begin; whoever asks the state from now on has to know that it is executed."""
-        self._thread.start()
-
-    def done(self) -> bool:
-        """Whether the task may go on."""
-        return self.returned()
-
-    def returned(self) -> bool:
-        """Whether `execute` has returned."""
-        return self._ended.is_set()
-
-
-class AmongStates(Leaf):
-    """A leaf that takes part in how containers of SMACH hand on a preempt request.
-
-    Attributes:
-        enclosing: the containers around it that were SMACH's, outermost first; given by the compiler.
-    """
-
-    enclosing: Sequence[Enclosing] = ()
-    _asked_here = False
-
-    @property
-    def asking(self) -> Asking:
-        """The flags of the run."""
-        with _runs_lock:
-            return self._run().asking
-
-    def _run(self) -> _Run:
-        # A run has one clock; contexts are wrapped for states of a machine.
-        return _runs.setdefault(self.context.clock, _Run())
-
-    def requests(self) -> int:
-        """Return how many preempt requests the run has had."""
-        counted = getattr(self.context, "preempt_requests", None)
-        return int(self.context.preempt_requested if counted is None else counted)
-
-    def asked_here(self) -> bool:
-        """Tell whether something above has begun to ask just what is below it: a parallel, a state that is a task."""
-        asked = any(asker.asked for asker in self.askers) or (not self.requests() and self.context.preempt_requested)
-        new, self._asked_here = asked and not self._asked_here, asked
-        return new
-
-
-class KeysLeaf(AmongStates):
-    """A leaf whose ports are keys of userdata: a variable that isn't written is a missing key and no error.
-
-    The parameter `unwritten` lists inputs whose variable may not have been written yet: None there is a missing key.
-    """
-
-    def look_up(self, key: str) -> tuple[bool, Any]:
-        """Return whether the variable of an input has been written, and its value."""
-        if key not in self.readers:
-            return False, None
-        try:
-            value = self.read(key)
-        except DataError:
-            value = None
-        else:
-            if value is not None or key not in self.params.get("unwritten", ()):
-                return True, value
-        return self.at_first(key)
-
-    def at_first(self, key: str) -> tuple[bool, Any]:
-        """Return whether an unwritten variable has a value all the same, and that value."""
-        return False, None
 
 
 class SmachLeaf(KeysLeaf):
@@ -177,8 +45,8 @@ class SmachLeaf(KeysLeaf):
 
     state: Any = None
     first: ClassVar[Mapping[str, Callable[[Any], Any]]] = {}
-    _activation: _Activation | None = None
-    _zombie: _Activation | None = None
+    _activation: Activation | None = None
+    _zombie: Activation | None = None
 
     def make(self) -> Any:
         """Return the legacy state."""
@@ -186,16 +54,16 @@ class SmachLeaf(KeysLeaf):
 
     def built(self, factory: Callable[..., Any], *arguments: Any, **named: Any) -> Any:
         """Return the container that `factory` builds, one for all leaves of the run, so that they share its objects."""
-        with _runs_lock:
-            run = self._run()
+        with RUNS_LOCK:
+            run = self.shared()
             if factory not in run.built:
                 run.built[factory] = factory(*arguments, **named)
             return run.built[factory]
 
     def prepare(self) -> None:
         """Make the state and compare it with the manifest."""
-        with _runs_lock:
-            self._run()
+        with RUNS_LOCK:
+            self.shared()
         self.state = self.make()
         wanted = {task_name(label) for label in self.state.get_registered_outcomes()}
         self._agree("outcomes", wanted, self.meaning)
@@ -226,7 +94,7 @@ class SmachLeaf(KeysLeaf):
             with self.asking.lock:  # a request finds it running, or comes before it begins
                 self.asking.begin(self.enclosing, self, self.requests())
                 self._ask_here()
-                self._activation = _Activation(self.state, _Values(self), self.path, self.context.wake)
+                self._activation = Activation(self.state, Values(self), self.path, self.context.wake)
             self._activation.start()
         activation = self._activation
         if activation.done():
@@ -265,7 +133,7 @@ class SmachLeaf(KeysLeaf):
 
     # --- its ends ---
 
-    def _take(self, activation: _Activation) -> Status:
+    def _take(self, activation: Activation) -> Status:
         if isinstance(activation.error, Exception):
             raise activation.error
         if activation.error is not None:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import inspect
 import io
 import json
+import math
 import os
 import sys
 import threading
@@ -164,14 +165,17 @@ def _settings(found: Any) -> dict[str, Any]:
 
 
 def _literal(value: Any) -> dict[str, Any]:
-    """Return {"value": ...} for what JSON holds, {"opaque": its class} otherwise."""
-    try:
-        plain = list(value) if isinstance(value, range) else value
-        if json.loads(json.dumps(plain)) == plain:
-            return {"value": plain}
-    except (TypeError, ValueError):
-        pass
-    return {"opaque": type(value).__name__}
+    """Return {"value": ...} for what JSON holds, {"opaque": its class} otherwise: objects of subclasses, too."""
+    plain = list(value) if isinstance(value, range) else value
+    return {"value": plain} if _is_plain(plain) else {"opaque": type(value).__name__}
+
+
+def _is_plain(value: Any) -> bool:
+    if type(value) is list:
+        return all(map(_is_plain, value))
+    if type(value) is dict:
+        return all(type(key) is str and _is_plain(item) for key, item in value.items())
+    return value is None or type(value) in (bool, int, str) or (type(value) is float and math.isfinite(value))
 
 
 def _place(frame: FrameType | None, state: Any) -> tuple[str, int]:

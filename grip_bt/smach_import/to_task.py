@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from grip_bt.catalog import Catalog
-from grip_bt.graph import FrozenDict, Leaf, Parallel, StateMachine, Task, Variable, children_of
+from grip_bt.graph import FrozenDict, Leaf, Parallel, StateMachine, Task, Variable
 from grip_bt.graph.model import AnyNode, Meaning, ParallelRule
-from grip_bt.nodes.smach_asking import MARK
 from grip_bt.nodes.smach_leaf import task_name
 from grip_bt.validation import validate
 from grip_bt.validation.dataflow import DataFlow
@@ -18,12 +17,14 @@ from grip_bt.validation.survey import Survey
 from .concurrence import Plan, RefusedError, plan_of
 from .constants import declare, led_to, steps_before
 from .copies import entered, left, wrapped
+from .declared import check, labelled, meanings, source_of
 from .found import Added, FoundContainer
 from .iteration import iteration_of
 from .keys import Keys, Variables
 from .leaves import Leaves
 from .meanings import meaning_of
 from .sharing import Sharing, copied_in
+from .unwritten import marked, nodes_of
 
 Ends = Mapping[str, str]
 """Outcome of a node -> the outcome of SMACH that it stands for."""
@@ -91,7 +92,7 @@ class TaskMaker:
             return self._parallel(found, keys, plan_of(found))
         ends = {task_name(o): o for o in found.outcomes or ()}
         if found.kind == "Iterator":
-            return self._iterator(found, keys, _meanings(found)), ends
+            return self._iterator(found, keys, meanings(found)), ends
         declare(found, keys, self.variables)
         names = self._labels(found)
         steps, entries = steps_before(found, keys, names, {*names.values(), *ends})
@@ -104,9 +105,9 @@ class TaskMaker:
         machine = StateMachine(
             kind="state_machine",
             initial=entries[found.initial or ""],
-            outcomes=_meanings(found),
+            outcomes=meanings(found),
             children={**steps, **children},
-            x=_source(found),
+            x=source_of(found),
         )
         return machine, ends
 
@@ -143,7 +144,7 @@ class TaskMaker:
             outcomes=dict(means),
             data={position: Variable(type="int", value=0)},
             children={**steps, name: node.model_copy(update={"on": FrozenDict(on)})},
-            x=_source(found),
+            x=source_of(found),
         )
 
     def _parallel(self, found: FoundContainer, keys: Keys, plan: Plan) -> tuple[Parallel, Ends]:
@@ -151,7 +152,7 @@ class TaskMaker:
         ends_of: dict[str, Ends] = {}
         for label, added in found.added.items():
             children[task_name(label)], ends_of[label] = self.child(found, added, keys)
-        own, labels = _labelled(found, plan.default)
+        own, labels = labelled(found, plan.default)
         ends = {"success": plan.default, "failure": plan.default} | {label: o for o, label in labels.items()}
         asked = "asked" + "_" * ("asked" in children)
         allowed = "preempted" in labels
@@ -165,7 +166,9 @@ class TaskMaker:
                     ParallelRule(when={c: w[0] if len(w) == 1 else w for c, w in when.items()}, then=labels[outcome])
                 )
         rules.append(ParallelRule(then=labels[plan.default]))
-        node = Parallel(kind="parallel", cancel="join", children=children, rules=rules, outcomes=own, x=_source(found))
+        node = Parallel(
+            kind="parallel", cancel="join", children=children, rules=rules, outcomes=own, x=source_of(found)
+        )
         return node, ends
 
     def child(self, found: FoundContainer, added: Added, keys: Keys, raw: bool = False) -> tuple[AnyNode, Ends]:
@@ -190,7 +193,7 @@ class TaskMaker:
             node, ends = self.container(state, inner)
             self.sharing.shared.append((state, shared))
             if (copied or out) and not isinstance(node, StateMachine):
-                node = wrapped(node, {here: task_name(there) for here, there in ends.items()}, _meanings(state))
+                node = wrapped(node, {here: task_name(there) for here, there in ends.items()}, meanings(state))
                 ends = {task_name(o): o for o in state.outcomes or ()}
             if out:
                 self.sharing.wrote_outside(set(out.values()))
@@ -287,7 +290,7 @@ class TaskMaker:
         catalog = Catalog.builtin().with_manifests(spec.manifest for spec in self.leaves.specs.values())
         task = self._task(node, outcomes, set())
         missing = set(DataFlow(Survey(task, catalog, None)).missing.values()) | set(self.variables.first)
-        task = self._task(_marked(node, missing), outcomes, missing)
+        task = self._task(marked(node, missing), outcomes, missing)
         for issue in validate(task, catalog).issues:
             if issue.severity == "error":
                 self.root.problem("partial", f"`grip check`: {issue.path}: {issue.message}")
@@ -295,7 +298,7 @@ class TaskMaker:
 
     def _task(self, node: AnyNode, outcomes: Mapping[str, Meaning], missing: set[str]) -> Task:
         data = self.variables.declared(missing)
-        local = {name for each in _walk(node) for name in getattr(each, "data", {})}
+        local = {name for each in nodes_of(node) for name in getattr(each, "data", {})}
         return Task(
             grip=1,
             name=self.name,
@@ -304,61 +307,3 @@ class TaskMaker:
             data={name: declared for name, declared in data.items() if name not in local},
             root=node,
         )
-
-
-def check(found: FoundContainer) -> None:
-    """Refuse what no machine can be made of.
-
-    Raises:
-        RefusedError: the container wasn't read well enough, or SMACH would refuse it too.
-    """
-    if failed := [p for p in found.problems if p.verdict == "failed"]:
-        raise RefusedError(failed[0].text)
-    if not found.outcomes:
-        raise RefusedError("its outcomes aren't known")
-    if not found.added:
-        raise RefusedError("nothing is added to it")
-    for label, added in found.added.items():
-        known = added.state.outcomes
-        if known and (wrong := sorted(set(added.transitions) - set(known))):
-            raise RefusedError(f"{label!r} has transitions for {wrong}, but {added.state.cls} ends with {known}")
-    if found.kind in ("StateMachine", "Sequence") and found.initial not in found.added:
-        raise RefusedError(f"its initial state {found.initial!r} isn't there")
-
-
-def _marked(node: AnyNode, missing: set[str]) -> AnyNode:
-    """Tell every leaf which of its inputs may be unwritten."""
-    if isinstance(node, Leaf):
-        unwritten = [port for port, variable in node.in_.items() if variable in missing and port != "position"]
-        return node.model_copy(update={"with_": FrozenDict({"unwritten": unwritten})}) if unwritten else node
-    children = {name: _marked(child, missing) for name, child in children_of(node).items()}
-    return node.model_copy(update={"children": FrozenDict(children)})
-
-
-def _walk(node: AnyNode) -> Iterable[AnyNode]:
-    yield node
-    for child in children_of(node).values():
-        yield from _walk(child)
-
-
-def _meanings(found: FoundContainer) -> dict[str, Meaning]:
-    means = {task_name(o): meaning_of(o) for o in found.outcomes or ()}
-    if wrong := [o for o in ("success", "failure") if o in means and means[o] != o]:
-        raise RefusedError(f"its outcome {wrong[0]!r} would have to mean the opposite")
-    return means
-
-
-def _labelled(found: FoundContainer, default: str) -> tuple[dict[str, Meaning], dict[str, str]]:
-    """Return the outcomes that a parallel declares, and what each outcome is called: one `success`, one `failure`."""
-    _meanings(found)
-    outcomes = list(dict.fromkeys((default, *(found.outcomes or ()))))
-    labels: dict[str, str] = {o: o for o in outcomes if o in ("success", "failure")}
-    for outcome in outcomes:
-        if outcome not in labels and meaning_of(outcome) not in labels.values():
-            labels[outcome] = meaning_of(outcome)
-    own = {o: task_name(o) for o in outcomes if o not in labels}
-    return {name: meaning_of(o) for o, name in own.items()}, {**labels, **own}
-
-
-def _source(found: FoundContainer) -> dict[str, Any]:
-    return {"x-source": str(found.span), MARK: found.kind}

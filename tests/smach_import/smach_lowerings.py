@@ -23,7 +23,7 @@ TICKS = 4  # leaves take 0 to 3 ticks
 STUMBLES = re.compile(r"which is none of (the Iterator's|its outcomes)")
 
 
-class PacedActivation(smach_leaf._Activation):
+class PacedActivation(smach_leaf.Activation):
     """An activation that is seen to have ended after 0 to 3 ticks, and never before it has."""
 
     ticks = staticmethod(lambda path, number: 0)

@@ -41,6 +41,55 @@ def test_what_only_a_run_knows_is_exact_when_it_is_run_and_does_the_same(name, g
     assert len(ends) == len(container.added) >= 2
 
 
+CONSTANTS = """
+import json
+import smach
+
+class Speed(float):
+    pass
+
+class Set(smach.State):
+    def __init__(self):
+        smach.State.__init__(self, outcomes=['ok'], input_keys=['speed'], output_keys=['seen'])
+    def execute(self, userdata):
+        userdata.seen = [userdata.speed, type(userdata.speed).__name__]
+        return 'ok'
+
+def build():
+    sm = smach.StateMachine(outcomes=['done'])
+    with sm:
+        for name, speed, after in json.JSONDecoder().decode('[["A", 1.5, "B"], ["B", 4, "done"]]'):
+            smach.StateMachine.add(name, Set(), {'ok': after}, constants={'speed': VALUE})
+    return sm
+"""
+
+
+@pytest.mark.parametrize("target", ["bt", "sm"])
+def test_constants_that_only_a_run_knows_are_set_before_each_state(tmp_path, target):
+    file = tmp_path / "legacy_constants.py"
+    file.write_text(CONSTANTS.replace("VALUE", "speed"))
+    imported = import_with_execution(file)
+    assert verdicts(imported) == ["exact"]
+    assert [added.constants for added in imported.containers[0].added.values()] == [{"speed": 1.5}, {"speed": 4}]
+    path = tmp_path / "build.yaml"
+    write_import(imported, {"build": path}, tmp_path / "nodes")
+    outcome, ends, data = run_task(path, target)
+    machine = build_legacy(imported, "build")
+    assert [path for path, _ in ends[0::2]] == ["set speed of A", "set speed of B"]
+    assert (outcome, ends[1::2]) == run_legacy(machine)
+    assert data["seen"] == machine.userdata.seen == [4, "int"]
+
+
+def test_a_constant_that_a_task_cannot_hold_is_told_and_not_flattened(tmp_path):
+    file = tmp_path / "legacy_constants.py"
+    file.write_text(CONSTANTS.replace("VALUE", "Speed(speed)"))
+    imported = import_with_execution(file)
+    assert verdicts(imported) == ["partial"]
+    assert "the constant `speed` of 'A' is `Speed`, which only a run knows: give its variable a value" in texts(
+        imported
+    )
+
+
 def test_without_arguments_that_it_needs_a_machine_stays_failed_with_its_reason():
     imported = import_with_execution(EXECUTED / "given_rooms.py")
     assert verdicts(imported) == ["failed"]

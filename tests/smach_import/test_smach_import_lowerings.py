@@ -29,7 +29,7 @@ FIRST = int(os.environ.get("GRIP_FUZZ_SEED", "0"))
 
 @pytest.fixture(autouse=True)
 def paced(monkeypatch):
-    monkeypatch.setattr(smach_leaf, "_Activation", PacedActivation)
+    monkeypatch.setattr(smach_leaf, "Activation", PacedActivation)
 
 
 def imported(spec, folder):

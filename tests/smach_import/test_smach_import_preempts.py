@@ -39,7 +39,7 @@ EACH = """def both():
 
 @pytest.fixture(autouse=True)
 def paced(monkeypatch):
-    monkeypatch.setattr(smach_leaf, "_Activation", PacedActivation)
+    monkeypatch.setattr(smach_leaf, "Activation", PacedActivation)
     yield
     vars(settings).update(vars(Settings()))
 

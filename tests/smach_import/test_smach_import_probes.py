@@ -14,7 +14,7 @@ ALL = 95
 
 @pytest.fixture(autouse=True)
 def paced(monkeypatch):
-    monkeypatch.setattr(smach_leaf, "_Activation", PacedActivation)
+    monkeypatch.setattr(smach_leaf, "Activation", PacedActivation)
 
 
 def compat(file, before):
