@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 from grip_bt.catalog.component_file import ComponentFile
@@ -21,6 +22,6 @@ def label_of(component: ComponentFile, reply: Mapping[str, Any]) -> str:
         return f"{component.outcomes[reply['outcome']]!r} ({reply['outcome']})"
     for label, text in component.rules.items():
         rule = parse_expression(text)
-        if condition_of(rule, {name: (lambda name=name: reply[name]) for name in rule.names})():
+        if condition_of(rule, {name: partial(reply.__getitem__, name) for name in rule.names})():
             return repr(label)
     return "no rule holds"

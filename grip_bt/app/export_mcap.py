@@ -99,7 +99,7 @@ def _drawn(reader: JournalReader, event: Event, nanoseconds: int) -> dict[str, t
         found = messages(reader.value(event), nanoseconds)
     except GripError:
         found = {}
-    kept = {key: event.data[key] for key in ("preview", "value") if key in event.data}
+    kept: dict[str, Any] = {key: event.data[key] for key in ("preview", "value") if key in event.data}
     return found or {"": ("grip.Value", kept)}
 
 

@@ -350,7 +350,7 @@ def _set_values(
     """Write that variables were set by hand; return these events as they happen again."""
     scopes = compiled.data
     t = events[-1].t if events else 0.0
-    made = []
+    made: list[Event] = []
     for name, value in values.items():
         found = [scope for scope in scopes if name in scope.cells]
         if not found:

@@ -84,8 +84,8 @@ def _include(root: ElementTree.Element, start: Start, folder: str) -> None:
     for variable, value in start.env.items():
         _add(group, "set_env", name=variable, value=_literal(value))
     include = _add(group, "include", file=file)
-    for argument, value in start.arguments.items():
-        _add(include, "arg", name=argument, value=_literal(text_of(value)))
+    for argument, given in start.arguments.items():
+        _add(include, "arg", name=argument, value=_literal(text_of(given)))
 
 
 def _quoted(word: str) -> str:

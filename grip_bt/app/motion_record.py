@@ -21,7 +21,7 @@ from grip_bt.values import Pose
 from grip_bt.values.solids import Box, Cylinder, Solid, Sphere
 
 if TYPE_CHECKING:
-    from grip_bt.ports import Clock
+    from grip_bt.ports import Arm, Clock, Hand
 
     from .resources import Resources
 
@@ -67,7 +67,7 @@ def recorded_motion(resources: Resources, clock: Clock, journal: Path, run: str)
 
 
 def _record(resources: Resources, clock: Clock, file: Path, over: threading.Event) -> None:
-    parts = {**resources.hands, **resources.arms}
+    parts: dict[str, Arm | Hand] = {**resources.hands, **resources.arms}
     # A robot that is lost, or a full disk, is told by the run itself; the drawing just ends.
     with suppress(GripError, OSError, TimeoutError):
         file.parent.mkdir(parents=True, exist_ok=True)
@@ -87,7 +87,7 @@ def _record(resources: Resources, clock: Clock, file: Path, over: threading.Even
                     told |= moved
                     line["q"] = {name: np.round(position, 4).tolist() for name, position in moved.items()}
                 now = resources.scene.snapshot() if resources.scene is not None else None
-                if now is not scene:
+                if now is not None and now is not scene:
                     scene, line["scene"] = now, _objects(now.objects)
                 if line:
                     out.write(json.dumps({"t": round(clock.now(), 3), **line}, separators=(",", ":")) + "\n")

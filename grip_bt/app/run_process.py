@@ -85,6 +85,7 @@ def _run(order: dict[str, Any], channels: dict[str, int], control: Any) -> int:
         signal.signal(signal.SIGUSR1, signal.SIG_IGN)
         pulse.start()
         runner = session.runner
+        assert runner.run_id is not None, "a session's runs are in its journal"
         with recorded_motion(session.resources, runner.context.clock, session.journal, runner.run_id):
             control.run()
         pulse.stop()

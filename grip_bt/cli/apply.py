@@ -38,7 +38,7 @@ def run(args: argparse.Namespace) -> int:
     words = sys.stdin.read() if args.command == "-" else args.command
     document, catalog = read(args.task), project_catalog(args.task)
     files: dict[str, str] = {}
-    inverses = []
+    inverses: list[Any] = []
     for data in _listed(words):
         edited = _applied(data, document, catalog, files)
         document = edited.document

@@ -41,7 +41,7 @@ def run(args: argparse.Namespace) -> int:
     if args.report:
         print(_report(imported, args.path.name))
         return 0
-    write_task(imported, args.output, f"{args.path}", "btcpp")
+    write_task(imported.task, args.output, f"{args.path}", "btcpp")
     if imported.manifests:
         _provide(imported.manifests, args.output, args.path.name)
     return 0

@@ -232,7 +232,7 @@ def sentence(end: Mapping[str, Any]) -> str:
     """Return how a run ended, in a line, from the facts of the event `ended`."""
     left = f"; left behind: {', '.join(end['zombies'])}" if end.get("zombies") else ""
     if end["outcome"] is None:
-        return end["status"] + (f": {end['message']}" if end["message"] else "") + left
+        return f"{end['status']}" + (f": {end['message']}" if end["message"] else "") + left
     reason = f" ({end['message']})" if end["message"] else ""
     return f"{end['status']}: {end['outcome']}{reason}{left}"
 

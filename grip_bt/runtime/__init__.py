@@ -3,13 +3,14 @@
 from .clock import ManualClock, WallClock
 from .context import RunContext
 from .control import serve_control
-from .journal import Journal, JournalError, RunLog
+from .journal import Journal, JournalError
 from .journal_reader import Event, JournalReader, RunRecord
 from .moment import Moment, NodeState
 from .pacing import Pacing
 from .plan import Plan
 from .recording import Recording
 from .reliving import Reliving, Result
+from .run_log import RunLog
 from .runner import Runner, RunResult
 from .tree_choice import Choose
 from .tree_containers import Each, Joining

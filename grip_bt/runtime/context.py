@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from grip_bt.errors import MissingPartError, UnknownNameError
 from grip_bt.operation import Operation
@@ -126,13 +126,13 @@ class RunContext:
         Raises:
             UnknownNameError: there is no such arm; it lists those that exist.
         """
-        arm: Arm = _named("arm", self._arms, name)
+        arm = _named("arm", self._arms, name)
         self._used[id(arm)] = arm
         return arm
 
     def hand(self, name: str) -> Hand:
         """Return a hand, likewise."""
-        hand: Hand = _named("hand", self._hands, name)
+        hand = _named("hand", self._hands, name)
         self._used[id(hand)] = hand
         return hand
 
@@ -207,7 +207,7 @@ class RunContext:
         return list(self._used.values())
 
 
-def _named(kind: str, parts: Mapping[str, Any], name: str) -> Any:
+def _named(kind: str, parts: Mapping[str, T], name: str) -> T:
     if not name and len(parts) == 1:
         return next(iter(parts.values()))
     if name not in parts:

@@ -21,6 +21,8 @@ from .value_codec import decode
 PAGE = 10_000
 """Events that `iterate` holds at a time."""
 
+_Names = tuple[str, str, str | None, str | None]  # of an event: path, kind, outcome and code
+
 
 @dataclass(frozen=True)
 class RunRecord:
@@ -88,7 +90,7 @@ class JournalReader:
         if not self.file.is_file():
             raise JournalError(f"{self.file}: there is no journal; runs are written to it as soon as there is one")
         self._lock = threading.Lock()
-        self._names: dict[str, list[tuple[Any, ...]]] = {}
+        self._names: dict[str, list[_Names]] = {}
         self._database = sqlite3.connect(self.file, timeout=30, check_same_thread=False)
         try:
             self._database.execute("PRAGMA query_only=ON")
@@ -234,12 +236,13 @@ class JournalReader:
         data = {int(i): more for i, more in json.loads(text).items()} if text else {}
         names = self._names_of(run, int(numbers.max(initial=0)))
         rest = zip(numbers.tolist(), times.tolist(), walls.tolist(), strict=True)
-        return [
-            Event(first + i, at, wall_at, *names[number], data.get(i, {}))
-            for i, (number, at, wall_at) in enumerate(rest, since)
-        ]
+        events = []
+        for i, (number, at, wall_at) in enumerate(rest, since):
+            path, event, outcome, code = names[number]
+            events.append(Event(first + i, at, wall_at, path, event, outcome, code, data.get(i, {})))
+        return events
 
-    def _names_of(self, run: str, largest: int) -> list[tuple[Any, ...]]:
+    def _names_of(self, run: str, largest: int) -> list[_Names]:
         """Return what the numbers of a run's events stand for; names are only ever added."""
         names = self._names.get(run, [])
         if len(names) <= largest:
@@ -251,7 +254,10 @@ class JournalReader:
         columns = "seq, t, wall, path, event, outcome, code, data"
         sql = f"SELECT {columns} FROM events WHERE run=? AND seq>? ORDER BY seq LIMIT ?"
         rows = self._query(sql, run, after, -1 if limit is None else limit)
-        return [Event(*row[:-1], json.loads(row[-1]) if row[-1] else {}) for row in rows]
+        return [
+            Event(seq, t, wall, path, event, outcome, code, json.loads(data) if data else {})
+            for seq, t, wall, path, event, outcome, code, data in rows
+        ]
 
     def _query(self, statement: str, *values: Any) -> list[tuple[Any, ...]]:
         with self._lock:

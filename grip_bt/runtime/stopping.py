@@ -82,7 +82,7 @@ def terminate_outside(leaves: Mapping[str, Leaf]) -> list[threading.Thread]:
 def lock_out(leaves: Mapping[str, Leaf]) -> None:
     """Have leaves do nothing more, whoever still calls them."""
     for leaf in leaves.values():
-        leaf.context = ClosedContext()  # type: ignore[assignment]
+        leaf.context = ClosedContext()
         leaf.status, leaf.active = Status.INVALID, False
 
 

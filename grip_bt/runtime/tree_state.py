@@ -20,7 +20,6 @@ from grip_bt.compilers.leaves import LeafFactory, implementation_of
 from grip_bt.compilers.scopes import UNSET, Scopes
 from grip_bt.graph import Leaf, Task
 from grip_bt.graph.model import join
-from grip_bt.ports import Context
 from grip_bt.smach_compat import State
 
 from .context import RunContext
@@ -41,7 +40,7 @@ class TreeRun:
 
     def __init__(
         self,
-        context: Context | None = None,
+        context: RunContext | None = None,
         catalog: Catalog | None = None,
         *,
         leaf_factory: LeafFactory | None = None,

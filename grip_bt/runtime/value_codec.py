@@ -156,7 +156,7 @@ def _restored(item: Any, body: bytes) -> Any:
     (kind, content), *_ = item.items()
     match kind:
         case "$array":
-            return _array_back(*content, body)
+            return _array_back(body, *content)
         case "$value":
             return _value(content[0], {key: _restored(one, body) for key, one in content[1].items()})
         case "$tuple" | "$set" | "$frozenset":
@@ -173,7 +173,7 @@ def _restored(item: Any, body: bytes) -> Any:
     raise ValueError(f"{kind!r} isn't known; a newer GRIP wrote it")
 
 
-def _array_back(dtype: str, shape: list[int], where: int | list[Any], body: bytes) -> NDArray[Any]:
+def _array_back(body: bytes, dtype: str, shape: list[int], where: int | list[Any]) -> NDArray[Any]:
     if isinstance(where, list):
         array = np.array(where, dtype).reshape(shape)
         array.setflags(write=False)

@@ -1,7 +1,12 @@
 """The editor's server: shows a project's tasks in a browser, runs each in a process of its own, live and in replay."""
 
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .application import create_app
+    from .launcher import RunOptions
+    from .server import serve
 
 _HOME = {"serve": "server", "create_app": "application", "RunOptions": "launcher"}
 __all__ = ["RunOptions", "create_app", "serve"]

@@ -78,11 +78,11 @@ def compare(node: Any) -> Update:
             or node.blackboard is not client
             or check.variable is not variable
         ):
-            return own()  # type: ignore[no-any-return]
+            return own()
         try:
             value = read()
         except KeyError:
-            return own()  # type: ignore[no-any-return]
+            return own()
         if inside is not None:
             try:
                 value = inside(value)
@@ -155,13 +155,13 @@ def status_of(node: Any) -> Update:
 
     def update() -> Status:
         if node.variable_name is not variable or node.blackboard is not client:
-            return own()  # type: ignore[no-any-return]
+            return own()
         try:
             status = read()
         except KeyError:
-            return own()  # type: ignore[no-any-return]
+            return own()
         if not isinstance(status, Status):
-            return own()  # type: ignore[no-any-return]
+            return own()
         node.feedback_message = messages[status]
         return status
 
@@ -184,7 +184,7 @@ def set_value(node: Any) -> Update:
             or name not in writable
             or not node.overwrite
         ):
-            return own()  # type: ignore[no-any-return]
+            return own()
         place = places[name]
         Blackboard.storage[place] = node.variable_value_generator()
         return S
@@ -198,9 +198,9 @@ def queue(node: Any) -> Update:
     def update() -> Status:
         if not node.current_queue:
             if node.eventually is not None:
-                return node.eventually  # type: ignore[no-any-return]
+                return node.eventually
             node.current_queue = copy(node.queue)
-        return node.current_queue.pop(0)  # type: ignore[no-any-return]
+        return node.current_queue.pop(0)
 
     return update
 

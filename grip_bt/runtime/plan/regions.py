@@ -16,7 +16,8 @@ from typing import Any
 
 from py_trees.common import Status
 
-from .emit import Emitter, Outer
+from .emit import Emitter
+from .emit_halts import Outer
 from .kinds import Kind
 from .parts import Inside, Part
 from .watch import Methods
