@@ -62,7 +62,8 @@ class Difference:
     """A script with which two forms do different things.
 
     Attributes:
-        script: how each activation of a leaf ends, in the order in which the first form runs them.
+        script: how each activation of a leaf ends, in the order in which they end in the first form; last those that
+            it interrupts.
         before: what the first form does: ends of leaves, then its own.
         after: what the other form does.
     """
@@ -127,10 +128,10 @@ def compare(task: Task, result: Restructured, catalog: Catalog, runs: int | None
     while queue and done < most:
         _, _, prefix = heappop(queue)
         first = _Run(task, catalog, None, prefix, codes)
-        other = _Run(result.task, catalog, origin, tuple(first.log), codes)
+        other = _Run(result.task, catalog, origin, first.played(), codes)
         done += 1
         if _unlike(first, other, concurrent):
-            return Comparison(done, None, Difference(tuple(first.log), tuple(first.did()), tuple(other.did())))
+            return Comparison(done, None, Difference(first.played(), tuple(first.did()), tuple(other.did())))
         for at in range(len(prefix), min(len(first.log), ENDS)):
             for each in first.others(first.log[at]):
                 heappush(queue, (at + 1, next(order), (*first.log[:at], each)))
@@ -230,6 +231,7 @@ class _Run:
         self.origin, self.codes = origin, tuple(codes)
         self.context = _Context()
         self.log: list[End] = []
+        self.begun: list[End] = []
         self.counts: dict[str, int] = {}
         self.faces: dict[str, Leaf] = {}
         self.unfinished = False
@@ -237,6 +239,10 @@ class _Run:
         if observe is not None:
             compiled.observe(observe(self.context.clock.now))
         self.end: tuple[str, ...] = self._run(compiled)
+
+    def played(self) -> tuple[End, ...]:
+        """Return the script of this run: the activations that have ended, then those that were interrupted before."""
+        return (*self.log, *(end for end in self.begun if end not in self.log))
 
     def did(self) -> Iterator[str]:
         """Yield what it did, in words."""
@@ -286,7 +292,9 @@ class _Run:
         count = self.counts.get(leaf.known_as, 0)
         self.counts[leaf.known_as] = count + 1
         usual = next((o for o, m in leaf.meaning.items() if m == "success"), next(iter(leaf.meaning)))
-        return self.script.get((leaf.known_as, count)) or End(leaf.known_as, count, usual)
+        end = self.script.get((leaf.known_as, count)) or End(leaf.known_as, count, usual)
+        self.begun.append(end)
+        return end
 
 
 class _Scripted(Leaf):

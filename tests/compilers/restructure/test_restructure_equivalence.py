@@ -109,3 +109,14 @@ def test_random_machines_and_their_trees_are_found_to_be_the_same() -> None:
         assert found.difference is None, f"seed {seed}: {found}"
         runs += found.runs
     assert runs > 400
+
+
+def test_a_leaf_that_a_sibling_interrupts_runs_as_long_in_both_forms() -> None:
+    children = {"ready": {"kind": "parallel", "children": {"open": leaf(), "home": leaf()}}, "look": leaf()}
+    before = task({"kind": "sequence", "children": children})
+    found = compare(before, to_state_machines(before, CATALOG), CATALOG)
+    assert found.difference is None
+    interrupted = (End("ready/open", 0, "failure"), End("ready/home", 0, "success", ticks=1))
+    run = _Run(before, CATALOG, None, interrupted, {})
+    assert run.log == [interrupted[0]]
+    assert run.played() == interrupted
