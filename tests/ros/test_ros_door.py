@@ -165,11 +165,11 @@ def test_a_wait_is_stopped_at_once_and_costs_nothing_until_then(door):
     assert time.process_time() - before < 0.3 * (time.monotonic() - began)
     waiting.cancel()
     with pytest.raises(CanceledError):
-        ended(waiting, 1.0)
+        ended(waiting)
     together = door.together({"/silent": "std_msgs/msg/Float64", "/mute": "std_msgs/msg/Bool"}, 0.1, 60.0)
     together.cancel()
     with pytest.raises(CanceledError):
-        ended(together, 1.0)
+        ended(together)
 
 
 @ros
