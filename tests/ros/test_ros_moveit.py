@@ -473,7 +473,7 @@ def test_what_a_path_keeps_to_is_said_about_the_link(mounted):
     assert tolerances(on_the_way(upright, ordered, "base")) == [ANY, 0.2, 0.1]
     same = PathConstraint(orientation=Pose(), tolerance=(0.1, 0.1, 0.1), axes="own")
     assert tolerances(on_the_way(same, askew, "base")) == [0.1, 0.1, 0.1]
-    with pytest.raises(ValueError, match="only about the axes of the link that carries the hand"):
+    with pytest.raises(GoalRejectedError, match="only about the axes of the link that carries the hand"):
         on_the_way(upright, askew, "base")
     boxed = on_the_way(PathConstraint(box=Pose((0, 0, 1.0)), size=(0.2, 0.4, 0.6)), ordered, "base")
     (region,) = [p.constraint_region for p in boxed.position_constraints]

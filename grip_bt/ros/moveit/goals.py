@@ -9,6 +9,7 @@ from geometry_msgs.msg import Pose as PoseMessage
 from geometry_msgs.msg import Vector3
 from shape_msgs.msg import SolidPrimitive
 
+from grip_bt.errors import GoalRejectedError
 from grip_bt.values import JointState, Pose
 
 from ..convert_geometry import header, pose_to_message
@@ -76,8 +77,8 @@ def on_the_way(constraint: Any, mount: Mount, frame: str) -> Any:
     """Return the path constraints of a `PathConstraint`, about the link that carries the grasp frame.
 
     Raises:
-        ValueError: its tolerances are about axes that MoveIt can't express: those of the world while the orientation
-            that is kept is turned against it, with different tolerances.
+        GoalRejectedError: its tolerances are about axes that MoveIt can't express: those of the world while the
+            orientation that is kept is turned against it, with different tolerances.
     """
     positions, orientations = [], []
     if constraint.orientation is not None:
@@ -96,7 +97,7 @@ def _kept_orientation(constraint: Any, mount: Mount, frame: str) -> Any:
     places = np.abs(to_link)
     if np.ptp(tolerance) > 1e-9:
         if (np.abs(places.max(axis=1) - 1) > 1e-6).any():
-            raise ValueError(
+            raise GoalRejectedError(
                 "move_group keeps tolerances only about the axes of the link that carries the hand; "
                 "give the same tolerance about all three axes, or plan with one of our own planners"
             )
