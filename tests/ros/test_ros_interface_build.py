@@ -12,6 +12,9 @@ from conftest import EXAMPLE
 from test_ros_interface_definitions import make_package
 
 from grip_bt.ros.interfaces import build_interfaces
+from grip_bt.ros.interfaces.compiler import InterfaceBuildError, _compile
+from grip_bt.ros.interfaces.generate import Generated
+from grip_bt.ros.interfaces.package import Package
 from grip_bt.ros.interfaces.prefixes import search_path, share_folder
 from grip_bt.ros.overlay import OverlayError, activate
 from grip_bt.ros.process import child_environment
@@ -22,7 +25,9 @@ from grip_bt.ros.overlay import activate
 for prefix in sys.argv[1:]:
     activate(prefix)
 from upper_pkg.action import Move
-from upper_pkg.msg import Pair
+from upper_pkg.msg import Move as Moved, Pair
+from upper_pkg.srv import Pair as PairService
+assert PairService.Request(input=Pair(home=2)).input.home == Moved(pair=Pair(home=2)).pair.home == 2
 from lower_pkg.msg import Item
 pair = Pair(items=[Item(weight=2.5, tags=["a"])], home=Pair.HOME)
 goal = Move.Goal(input=pair)
@@ -68,6 +73,8 @@ def test_packages_may_nest_each_other_and_a_child_process_may_import_them(tmp_pa
         {
             "msg/Pair.msg": "int8 HOME=4\nlower_pkg/Item[] items\nint8 home\n",
             "action/Move.action": "Pair input\n---\nint32 outcome\nPair returned_object\n---\nfloat32 progress\n",
+            "srv/Pair.srv": "Pair input\n---\nint32 outcome\n",
+            "msg/Move.msg": "Pair pair\n",
         },
         ("lower_pkg",),
     )
@@ -80,6 +87,19 @@ def test_packages_may_nest_each_other_and_a_child_process_may_import_them(tmp_pa
     for command, env in ((activated, None), (by_environment, child_environment(prefixes))):
         done = subprocess.run(command, env=env, capture_output=True, text=True, timeout=60, check=False)
         assert done.returncode == 0, done.stderr
+
+
+def test_sources_that_cannot_stand_together_are_compiled_one_by_one(tmp_path):
+    sources = [tmp_path / f"{name}.c" for name in "ab"]
+    for source in sources:
+        source.write_text(f"static int same(void) {{ return 1; }}\nint {source.stem}(void) {{ return same(); }}\n")
+    generated = Generated(Package("pkg", tmp_path, (), frozenset()), tmp_path, (), {})
+    assert len(_compile(generated, "lib", sources, [])) == 2
+    sources[1].write_text("int b(void) { return 2; }\n")
+    assert len(_compile(generated, "lib", sources, [])) == 1
+    sources[1].write_text("int b(void) { return nothing; }\n")
+    with pytest.raises(InterfaceBuildError, match="nothing"):
+        _compile(generated, "lib", sources, [])
 
 
 def test_a_folder_that_is_no_prefix_is_refused(tmp_path):
