@@ -118,7 +118,12 @@ def open_commanders(
 
 
 def settings_of(arm: ArmConfig, robot: RobotDescription, seed: int) -> PlanningSettings:
-    """Return how an arm is planned for: its fields in `grip.yaml`, else what the robot's files say, else defaults."""
+    """Return how an arm is planned for: its fields in `grip.yaml`, else what the robot's files say, else defaults.
+
+    Raises:
+        UnknownNameError: there is no such solver; a wrong planner is told when it is asked.
+    """
+    from grip_bt.commanders.ik import SOLVERS
     from grip_bt.commanders.planning.requests import PlanningSettings
 
     def field(name: str) -> Any:
@@ -127,6 +132,8 @@ def settings_of(arm: ArmConfig, robot: RobotDescription, seed: int) -> PlanningS
             return getattr(arm, name)
         return preferred.value
 
+    if field("kinematics") not in SOLVERS:
+        raise UnknownNameError("kinematics solver", field("kinematics"), SOLVERS, "grip.yaml: arms")
     planner = field("planner")
     configured = robot.preferences.get(arm.group, {}).get("planner")
     parameters = {} if configured is None else configured.parameters.get(planner, {})

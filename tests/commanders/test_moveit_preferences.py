@@ -15,6 +15,7 @@ from grip_bt.cli.__main__ import main
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.load import inspect_robot, load_robot
 from grip_bt.commanders.robots.description import Preference
+from grip_bt.errors import UnknownNameError
 
 PLANNING = """planner_configs:
   TRRTkConfigDefault: {type: geometric::TRRT}
@@ -55,6 +56,12 @@ def test_what_the_project_says_comes_first(tmp_path):
     settings = settings_of(arm, robot(tmp_path), seed=0)
     assert (settings.planner, settings.kinematics, settings.speed) == ("RRTConnect", "damped_least_squares", 0.5)
     assert settings.acceleration == 0.1
+
+
+def test_a_solver_that_is_not_there_is_told_before_anything_is_asked(tmp_path):
+    package(tmp_path)
+    with pytest.raises(UnknownNameError, match="'trac'; did you mean 'trac_ik'"):
+        settings_of(ArmConfig(group="manipulator", kinematics="trac"), robot(tmp_path), seed=0)
 
 
 def test_the_planner_that_is_told_at_the_start_of_a_run_is_the_one_in_force(tmp_path):
