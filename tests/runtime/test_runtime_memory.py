@@ -33,7 +33,7 @@ TASK = {
     "data": {"v": "Any"},
     "root": {"kind": "repeat", "child": {"turn": {"node": "test/turn", "out": {"x": "v"}}}},
 }
-WARM, LONG = 1_000, 5_000
+WARM, LONG = 500, 2_500
 
 
 class Turn(Leaf):
