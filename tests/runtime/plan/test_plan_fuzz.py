@@ -11,6 +11,8 @@ from plan_pairs import compare
 TREES = int(os.environ.get("GRIP_FUZZ_PLANS", "5000"))
 FIRST = int(os.environ.get("GRIP_FUZZ_SEED", "0"))
 CHUNKS = 10
+QUICK = 2
+"""As many of them are looked at all day long."""
 
 WAYS: list[dict[str, Any]] = [
     {},
@@ -28,7 +30,9 @@ CALM: list[dict[str, Any]] = [
 ]
 
 
-@pytest.mark.parametrize("chunk", range(CHUNKS))
+@pytest.mark.parametrize(
+    "chunk", [chunk if chunk < QUICK else pytest.param(chunk, marks=pytest.mark.slow) for chunk in range(CHUNKS)]
+)
 def test_a_plan_leaves_every_tree_as_py_trees_does(chunk: int) -> None:
     size = max(1, TREES // CHUNKS)
     for seed in range(FIRST + chunk * size, FIRST + (chunk + 1) * size):
