@@ -16,7 +16,7 @@ from grip_bt.values.solids import Box, Cylinder, Mesh, Solid, Sphere
 
 from .meshes import coal_mesh
 from .model import GRASP_FRAME, Chain
-from .outline import radii, reaches
+from .outline import between, radii, reaches, shape_reaches
 from .scene import SceneObject, SceneSnapshot
 
 HELD_SLACK = 0.01
@@ -144,10 +144,32 @@ class CollisionChecker:
 
         A hand counts as its hull here: False doesn't mean that it isn't so.
         """
-        self._keep_apart(margin)
+        count = self._outline.ngeoms
+        return self._clear_each(configurations, np.full((count, count), margin))
+
+    def clear_while_moving(self, configurations: NDArray[np.float64], motion: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Tell from which configurations, shape (k, n), the joints can certainly move so far and touch nothing.
+
+        Two things come closer only by the joints between them, so what is always near, such as links of a wrist,
+        isn't doubtful because a shoulder moves. A hand counts as its hull: False doesn't mean that it isn't so.
+
+        Args:
+            configurations: where the joints are.
+            motion: at most so far each joint moves, either way [rad or m], shape (n,).
+        """
+        return self._clear_each(configurations, np.tensordot(motion, self._between, axes=1))
+
+    def _clear_each(self, configurations: NDArray[np.float64], margins: NDArray[np.float64]) -> NDArray[np.bool_]:
+        self._keep_apart(margins)
         result: NDArray[np.bool_] = ~self._ask(self._rough, configurations, stop_at_first=False)
-        self._keep_apart(0.0)
+        self._keep_apart(np.zeros_like(margins))
         return result
+
+    @cached_property
+    def _between(self) -> NDArray[np.float64]:
+        """How far each joint can move two shapes of the outline against one another, shape (n, k, k)."""
+        added = self._outline.geometryObjects[self.chain.outline.geometry.ngeoms :]
+        return between(np.hstack([self.chain.outline_reaches, shape_reaches(self.chain.model, added)]))
 
     def _collide(self, configurations: NDArray[np.float64], stop_at_first: bool) -> NDArray[np.bool_]:
         """Ask the outline first: nearly all that is free is seen to be free by it."""
@@ -165,10 +187,9 @@ class CollisionChecker:
     def _pool_of(self, geometry: pin.GeometryModel) -> _Pool:
         return _Pool(self.chain.model, geometry, self._threads)
 
-    def _keep_apart(self, margin: float) -> None:
-        count = self._outline.ngeoms
+    def _keep_apart(self, margins: NDArray[np.float64]) -> None:
         for manager in self._rough.getBroadPhaseManagers():
-            manager.getGeometryData().setSecurityMargins(self._outline, np.full((count, count), margin))
+            manager.getGeometryData().setSecurityMargins(self._outline, margins)
 
     def _add(self, item: SceneObject, frame: pin.Frame | None, margin: float) -> int:
         placement = pin.SE3(item.pose.matrix())

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from grip_bt.values import JointState, Pose
 
-from .outline import Outline, outlined, radii
+from .outline import Outline, outlined, radii, shape_reaches
 from .robots import RobotDescription
 from .shapes import simplified
 
@@ -80,6 +80,11 @@ class Chain:
     def outline(self) -> Outline:
         """The collision shapes with each hand as one hull."""
         return outlined(self.geometry, self.hand)
+
+    @cached_property
+    def outline_reaches(self) -> NDArray[np.float64]:
+        """How far each joint can move each shape of the outline; see `outline.shape_reaches`."""
+        return shape_reaches(self.model, self.outline.geometry.geometryObjects)
 
     @cached_property
     def radii(self) -> NDArray[np.float64]:

@@ -87,6 +87,40 @@ def reaches(model: pin.Model, radius: NDArray[np.float64]) -> NDArray[np.float64
     return result
 
 
+def shape_reaches(model: pin.Model, shapes: Iterable[pin.GeometryObject]) -> NDArray[np.float64]:
+    """Return how far from each joint's axis each shape can come [m, or m per m for a sliding joint], shape (nv, k).
+
+    It is 0 where the joint doesn't move the shape. Unlike in `reaches`, what is further out doesn't count.
+    """
+    columns = []
+    for shape in shapes:
+        column, joint = np.zeros(model.nv), shape.parentJoint
+        radius = float(np.linalg.norm(_corners(shape), axis=1).max()) if joint else 0.0
+        while joint:
+            kind, stroke = model.joints[joint], 0.0
+            if kind.shortname() in _SLIDING:
+                stroke = max(abs(model.lowerPositionLimit[kind.idx_q]), abs(model.upperPositionLimit[kind.idx_q]))
+                column[kind.idx_v] = 1.0
+            else:
+                column[kind.idx_v] = radius
+            radius += float(np.linalg.norm(model.jointPlacements[joint].translation)) + stroke
+            joint = model.parents[joint]
+        columns.append(column)
+    return np.array(columns).reshape(-1, model.nv).T
+
+
+def between(moved: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return how far each joint can move two shapes against one another [m/rad], shape (nv, k, k).
+
+    A joint that moves both moves them alike; so it counts only where it moves one of them.
+
+    Args:
+        moved: see `shape_reaches`, shape (nv, k).
+    """
+    one, other = moved[:, :, None], moved[:, None, :]
+    return np.where((one > 0) != (other > 0), one + other, 0.0)
+
+
 _SLIDING = ("JointModelPX", "JointModelPY", "JointModelPZ", "JointModelPrismaticUnaligned")
 
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from table_top import robot_model
 
 from grip_bt.commanders.collision import CollisionChecker, recent_checker
-from grip_bt.commanders.planning.continuous import continuously_free, half_displacements
+from grip_bt.commanders.planning.continuous import continuously_free, half_motions
 from grip_bt.commanders.planning.free import halving
 from grip_bt.commanders.planning.paths import interpolated
 from grip_bt.commanders.scene import Box, Cylinder, SceneObject, SceneSnapshot
@@ -107,7 +107,7 @@ def test_nothing_moves_further_than_the_bound_says(seed):
     checker = CollisionChecker(chain, SCENE, "hand")
     one, other = random_rows(chain, 2, seed)
     pair = np.stack([one, one + 0.2 * (other - one)])
-    bound = 2 * half_displacements(checker, pair)[0]
+    bound = 2 * float(half_motions(pair)[0] @ checker.reaches)
     geometry, data = checker._geometry, checker._geometry.createData()
     places = []
     for q in pair:
@@ -115,6 +115,18 @@ def test_nothing_moves_further_than_the_bound_says(seed):
         corners = [data.oMg[k].act(corner) for k, corner in _corners(geometry)]
         places.append(np.array(corners))
     assert np.linalg.norm(places[1] - places[0], axis=1).max() <= bound + 1e-9
+
+
+def test_where_joints_may_move_nothing_touches_after_any_such_motion(chain, checker):
+    rng, rows = np.random.default_rng(4), random_rows(chain, 400, seed=4)
+    motion = np.array([0.002, 0.004, 0.002, 0.006, 0.02, 0.04, 0.06])
+    clear = checker.clear_while_moving(rows, motion)
+    nowhere = checker.clear_each(rows, float(motion @ checker.reaches))
+    assert clear.sum() > nowhere.sum() > 0  # pairs of links know which joints are between them
+    assert clear[nowhere].all()
+    for q in rows[clear][:40]:
+        moved = q + motion * rng.choice([-1.0, 1.0], (20, len(motion)))
+        assert all(everything_free(checker, other) for other in moved)
 
 
 def _corners(geometry):

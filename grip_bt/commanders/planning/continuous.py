@@ -1,8 +1,8 @@
 """Whether a motion is free all along, not only where it was sampled.
 
-No point of the robot moves further between two configurations than the sum of each joint's motion times its reach
-(Schwarzer, Saha and Latombe 2005). So where everything is clear by half of that at two neighbouring samples, nothing
-between them can touch. Where it isn't clear, fine samples decide.
+Two links come no closer between two configurations than by the sum over the joints between them of each joint's motion
+times its reach (Schwarzer, Saha and Latombe 2005). So where all are clear by half of that at two neighbouring samples,
+nothing between them can touch. Where they aren't clear, fine samples decide.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from .paths import interpolated
 FINE = 0.004
 """Joint step of the samples where clearance doesn't decide [rad]."""
 _LEVELS = 3.0
-"""Rows are asked about in groups whose needs differ by this factor at most: one clearance is set for a whole group."""
+"""Rows are asked about in groups whose needs differ by this factor at most: a clearance is set for a whole group."""
 _GROUPS = 4
 
 
@@ -24,14 +24,15 @@ def continuously_free(checker: CollisionChecker, positions: NDArray[np.float64])
     """Tell whether the motion through the rows, shape (k, n), straight between two, touches nothing."""
     if len(positions) < 2:
         return checker.all_free(positions)
-    needs = half_displacements(checker, positions)
+    halves = half_motions(positions)
+    needs = halves @ checker.reaches
     clear = np.zeros(len(positions), dtype=bool)
     level = float(needs.max())
     for group in range(_GROUPS):
         lower = level / _LEVELS if group < _GROUPS - 1 else -1.0
         rows = np.flatnonzero((needs > lower) & (needs <= level))
         if len(rows):
-            clear[rows] = checker.clear_each(positions[rows], level)
+            clear[rows] = checker.clear_while_moving(positions[rows], halves[rows].max(axis=0))
         level = lower
     doubtful = np.flatnonzero(~(clear[:-1] & clear[1:]))
     if not len(doubtful):
@@ -40,10 +41,10 @@ def continuously_free(checker: CollisionChecker, positions: NDArray[np.float64])
     return checker.all_free(samples)
 
 
-def half_displacements(checker: CollisionChecker, positions: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return how far anything moves [m] at most on the way from each row, shape (k, n), half-way to its neighbours."""
-    half = np.abs(np.diff(positions, axis=0)) @ checker.reaches / 2
-    needs = np.zeros(len(positions))
-    needs[:-1] = half
-    needs[1:] = np.maximum(needs[1:], half)
-    return needs
+def half_motions(positions: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return how far each joint moves [rad] from each row, shape (k, n), half-way to its neighbours; shape (k, n)."""
+    half = np.abs(np.diff(positions, axis=0)) / 2
+    moves = np.zeros_like(positions)
+    moves[:-1] = half
+    moves[1:] = np.maximum(moves[1:], half)
+    return moves
