@@ -49,6 +49,8 @@ from .straight import BrokenLineError, straight_path
 
 START_SLACK = 0.03
 """A measured start may be outside the limits by this much [rad]; it is drawn in."""
+SEARCH = 0.03
+"""While a path is searched, no joint moves more than this [rad] between two checks; later attempts look closer."""
 CONSTRAINT_SLACK = 0.02
 """Between its points a path is rounded into a spline; that may leave a constraint by this much [rad, m]."""
 
@@ -162,7 +164,7 @@ def _searched_and_timed(
         return keeping and _finely_free(checker, positions)
 
     for attempt in range(settings.attempts):
-        path = search(seed=settings.seed + attempt, deadline=deadline, resolution=RESOLUTION / 2 ** min(attempt, 2))
+        path = search(seed=settings.seed + attempt, deadline=deadline, resolution=SEARCH / 2 ** min(attempt, 2))
         try:
             return timed(chain.joints, path, chain.limits, settings.speed, acceptable, settings.acceleration)
         except PathInvalidError:
