@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from grip_bt.errors import GripError
 
 if TYPE_CHECKING:
+    from grip_bt.app.project import Project
     from grip_bt.ros.launch.group import Member
     from grip_bt.ros.launch.model import LaunchEvent
 
@@ -42,13 +43,13 @@ def run(args: argparse.Namespace) -> int:
     """Run until all have ended, a required one has failed, or we are told to stop."""
     if args.write is not None:
         return _write(args)
-    members, events, logs = _members(args)
+    project, members, events = _members(args)
     if args.check:
         _print_members(members, args.json)
         return 0
     if not members and not events:
         raise GripError(_nothing_to_launch(args.project))
-    return _supervise(members, events, logs, args.follow)
+    return _supervise(members, events, project.state_folder / "logs" / "launch", args.follow)
 
 
 def _nothing_to_launch(place: Path) -> str:
@@ -59,16 +60,15 @@ def _nothing_to_launch(place: Path) -> str:
     return f"{file} {said}name a launch file, or add `processes:`"
 
 
-def _members(args: argparse.Namespace) -> tuple[list[Member], list[LaunchEvent], Path]:
+def _members(args: argparse.Namespace) -> tuple[Project, list[Member], list[LaunchEvent]]:
     from grip_bt.app.launching import project_members
     from grip_bt.app.project import find_project
     from grip_bt.ros.launch.run import is_launch_file, members_of_file
 
     project = find_project(args.project)
-    logs = project.state_folder / "logs" / "launch"
     if args.what and is_launch_file(args.what[0]):
-        return *members_of_file(Path(args.what[0]), _arguments(args.what[1:]), own_reader=args.own), logs
-    return project_members(project, args.what), [], logs
+        return project, *members_of_file(Path(args.what[0]), _arguments(args.what[1:]), own_reader=args.own)
+    return project, project_members(project, args.what), []
 
 
 def _arguments(words: Sequence[str]) -> dict[str, str]:

@@ -106,3 +106,12 @@ def test_a_check_of_a_file_that_is_not_there_asks_one_question(project, capsys):
 def test_the_next_step_of_a_new_component_can_be_pasted(project, capsys):
     assert main(["component", "new", "my_grasps"]) == 0
     assert f"next: grip component test '{project / 'components' / 'my_grasps'}'; " in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    "words", [["runs"], ["component", "list"], ["replay", "last"], ["launch"], ["launch", "--check"]]
+)
+def test_what_only_looks_leaves_nothing_in_a_folder(words, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    main(words)
+    assert list(tmp_path.iterdir()) == []
