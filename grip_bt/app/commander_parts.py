@@ -146,6 +146,7 @@ def settings_of(arm: ArmConfig, robot: RobotDescription, seed: int) -> PlanningS
         attempts=arm.attempts,
         seed=seed,
         parameters=tuple(parameters.items()),
+        timing=arm.timing,
     )
 
 

@@ -48,6 +48,8 @@ class ArmConfig(_Config):
     """Longest planning time of one request, all attempts together [s]."""
     attempts: int = Field(default=3, ge=1)
     """How often a plan is searched with other random numbers before it is given up."""
+    timing: Literal["direct", "toppra"] = "direct"
+    """Who finds the fastest velocities along a path: TOPP-RA solved directly, or the library `toppra`."""
 
 
 class HandConfig(_Config):

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-import toppra
-import toppra.algorithm
-import toppra.constraint
 from scipy.interpolate import CubicSpline
 
+from grip_bt.commanders.model import Limits
+from grip_bt.commanders.trajectory import library
 from grip_bt.commanders.trajectory.reachability import squared_velocities
+from grip_bt.commanders.trajectory.timing import timed
 
 
 def spline_of(rows):
@@ -22,16 +22,7 @@ def ours(rows, points, velocity, acceleration):
 
 
 def of_the_library(rows, grid, velocity, acceleration):
-    toppra.setup_logging("ERROR")
-    at, _ = spline_of(rows)
-    limits = [
-        toppra.constraint.JointVelocityConstraint(np.stack([-velocity, velocity], axis=1)),
-        toppra.constraint.JointAccelerationConstraint(np.stack([-acceleration, acceleration], axis=1)),
-    ]
-    path = toppra.SplineInterpolator(at, rows, bc_type="natural")
-    method = toppra.algorithm.TOPPRA(limits, path, gridpoints=grid, parametrizer="ParametrizeConstAccel")
-    method.compute_trajectory(0, 0)
-    return method.problem_data.sd_vec**2
+    return library.squared_velocities(grid, spline_of(rows)[1], velocity, acceleration)
 
 
 @pytest.mark.parametrize("seed", range(30))
@@ -65,3 +56,13 @@ def test_the_path_begins_and_ends_at_rest_and_never_rests_between():
     _, found = ours(rows, 300, np.full(6, 0.8), np.full(6, 2.0))
     assert found[0] == found[-1] == 0
     assert (found[1:-1] > 0).all()
+
+
+def test_a_trajectory_is_the_same_whoever_times_it():
+    rows = np.cumsum(np.random.default_rng(7).uniform(-0.5, 0.5, (6, 3)), axis=0)
+    limits = Limits(np.full(3, -9.0), np.full(3, 9.0), np.full(3, 1.5), np.full(3, 4.0))
+    direct, by_library = (
+        timed(("a", "b", "c"), rows, limits, 0.5, lambda _: True, timing=w) for w in ("direct", "toppra")
+    )
+    assert by_library.duration == pytest.approx(direct.duration, rel=1e-4)
+    assert by_library.positions == pytest.approx(direct.positions, abs=1e-3)

@@ -237,7 +237,9 @@ def test_another_thing_beside_the_target_blocks_the_approach(chosen):
     assert set(caught.value.data["reasons"]) <= {"approach_blocked", "in_collision", "pre_grasp_in_collision"}
 
 
-@pytest.mark.parametrize("wrong", [{"speed": 0.0}, {"speed": 1.5}, {"time_limit": 0.0}, {"margin": -0.1}])
+@pytest.mark.parametrize(
+    "wrong", [{"speed": 0.0}, {"speed": 1.5}, {"time_limit": 0.0}, {"margin": -0.1}, {"timing": "spline"}]
+)
 def test_settings_that_make_no_sense_are_refused(wrong):
     with pytest.raises(ValueError, match=next(iter(wrong))):
         PlanningSettings(**wrong)

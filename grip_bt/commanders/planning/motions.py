@@ -16,7 +16,6 @@ from grip_bt.errors import (
     NoIkError,
     NoPlanError,
     PathInvalidError,
-    StartInCollisionError,
     TimeOutError,
 )
 from grip_bt.values import Plan, Trajectory
@@ -26,11 +25,11 @@ from ..collision import CollisionChecker, recent_checker
 from ..model import Chain, RobotModel
 from ..trajectory.timing import timed
 from .along import plan_along
+from .beginning import chain_and_checker, drawn_in, finely_free, free_start, refuse_collisions
 from .common import check_together
 from .constraints import kept
-from .continuous import continuously_free
 from .free import RESOLUTION, plan_constrained, plan_free
-from .goals import goals_of, out_of_limits, touching
+from .goals import goals_of
 from .grasps import choose_grasp
 from .onward import plan_onward
 from .paths import Path, interpolated
@@ -41,14 +40,13 @@ from .requests import (
     PlanAlong,
     PlanOnward,
     PlanStraight,
+    PlanThrough,
     PlanTo,
     Request,
-    Situation,
 )
 from .straight import BrokenLineError, straight_path
+from .through import plan_through
 
-START_SLACK = 0.03
-"""A measured start may be outside the limits by this much [rad]; it is drawn in."""
 SEARCH = 0.03
 """While a path is searched, no joint moves more than this [rad] between two checks; later attempts look closer."""
 CONSTRAINT_SLACK = 0.02
@@ -69,6 +67,9 @@ def answer(model: RobotModel, request: Request, canceled: Callable[[], bool]) ->
         return choose_grasp(model, request.situation, request.grasps, canceled)
     if isinstance(request, PlanStraight):
         planner, trajectory = "straight", plan_straight(model, request)
+    elif isinstance(request, PlanThrough):
+        trajectory, radii = plan_through(model, request, canceled)
+        return Plan(request.situation.group, trajectory, "through", time.monotonic() - begin, radii)
     elif isinstance(request, PlanOnward):
         planner, trajectory = "onward", plan_onward(model, request)
     elif isinstance(request, PlanAlong):
@@ -94,8 +95,8 @@ def plan_to(model: RobotModel, request: PlanTo, canceled: Callable[[], bool]) ->
     situation = request.situation
     settings = situation.settings
     deadline = time.monotonic() + settings.time_limit
-    chain, checker = _chain_and_checker(model, situation, margin=0.0)
-    start = _free_start(chain, checker, situation)
+    chain, checker = chain_and_checker(model, situation, margin=0.0)
+    start = free_start(chain, checker, situation)
     if request.constraint is not None and not kept(request.constraint, chain, start[None, :]):
         raise ConstraintBrokenError("the start breaks what the path must keep to; widen its tolerances or its box")
     goals = goals_of(chain, checker, request, start)
@@ -121,8 +122,8 @@ def plan_straight(model: RobotModel, request: PlanStraight) -> Trajectory:
         PathInvalidError: a joint would jump, or something would be touched; `data['pairs']` names what.
     """
     situation = request.situation
-    chain, checker = _chain_and_checker(model, situation, margin=0.0)
-    start = _drawn_in(chain, situation)
+    chain, checker = chain_and_checker(model, situation, margin=0.0)
+    start = drawn_in(chain, situation)
     path = start[None, :]
     for k, pose in enumerate(request.poses):
         check_frame(pose, "world")
@@ -131,10 +132,10 @@ def plan_straight(model: RobotModel, request: PlanStraight) -> Trajectory:
         except BrokenLineError as broken:
             error = PathInvalidError if broken.jump else NoIkError
             raise error(f"line {k + 1} of {len(request.poses)}: {broken}", fraction=broken.fraction) from broken
-    _refuse_collisions(checker, interpolated(path, RESOLUTION))
-    free = partial(_finely_free, checker)
+    refuse_collisions(checker, interpolated(path, RESOLUTION))
+    free = partial(finely_free, checker)
     settings = situation.settings
-    return timed(chain.joints, path, chain.limits, settings.speed, free, settings.acceleration)
+    return timed(chain.joints, path, chain.limits, settings.speed, free, settings.acceleration, settings.timing)
 
 
 def _search(
@@ -161,49 +162,15 @@ def _searched_and_timed(
 
     def acceptable(positions: NDArray[np.float64]) -> bool:
         keeping = constraint is None or kept(constraint, chain, positions, CONSTRAINT_SLACK)
-        return keeping and _finely_free(checker, positions)
+        return keeping and finely_free(checker, positions)
 
     for attempt in range(settings.attempts):
         path = search(seed=settings.seed + attempt, deadline=deadline, resolution=SEARCH / 2 ** min(attempt, 2))
         try:
-            return timed(chain.joints, path, chain.limits, settings.speed, acceptable, settings.acceleration)
+            return timed(
+                chain.joints, path, chain.limits, settings.speed, acceptable, settings.acceleration, settings.timing
+            )
         except PathInvalidError:
             if attempt == settings.attempts - 1:
                 raise
     raise AssertionError("unreachable")
-
-
-def _chain_and_checker(model: RobotModel, situation: Situation, margin: float) -> tuple[Chain, CollisionChecker]:
-    chain = model.chain(situation.group, situation.start)
-    return chain, recent_checker(chain, situation.scene, situation.hand, margin)
-
-
-def _drawn_in(chain: Chain, situation: Situation) -> NDArray[np.float64]:
-    start = situation.start.ordered(chain.joints)
-    if not chain.within_limits(start, START_SLACK):
-        raise out_of_limits(chain, start, "the start is")
-    return np.clip(start, chain.limits.lower, chain.limits.upper)
-
-
-def _free_start(chain: Chain, checker: CollisionChecker, situation: Situation) -> NDArray[np.float64]:
-    start = _drawn_in(chain, situation)
-    if pairs := checker.pairs(start):
-        raise StartInCollisionError(f"at the start, {touching(pairs)}", pairs=pairs)
-    return start
-
-
-def _refuse_collisions(checker: CollisionChecker, path: Path) -> None:
-    free = checker.free_each(path)
-    if not free.all():
-        row = int(np.argmin(free))
-        pairs = checker.pairs(path[row])
-        raise PathInvalidError(
-            f"after {row / len(path):.0%} of the straight motion, {touching(pairs)}",
-            pairs=pairs,
-            fraction=row / len(path),
-        )
-
-
-def _finely_free(checker: CollisionChecker, positions: NDArray[np.float64]) -> bool:
-    within = checker.chain.within_limits(positions, slack=1e-3)
-    return within and continuously_free(checker, positions)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import get_args
 
-from grip_bt.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory
+from grip_bt.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory, WayPoint
 
 from ..ik.target import Free
 from ..scene import SceneSnapshot
+from ..trajectory import Timing
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +26,7 @@ class PlanningSettings:
         margin: distance to keep from the scene's objects where start and goal leave room for it [m].
         seed: the same request with the same seed gives the same plan.
         parameters: of the planner, such as `("range", 0.3)`; see `planning.free.settable`.
+        timing: who finds the fastest velocities along a path; see `trajectory.timing`.
     """
 
     planner: str = "RRTConnect"
@@ -35,8 +38,11 @@ class PlanningSettings:
     margin: float = 0.01
     seed: int = 0
     parameters: tuple[tuple[str, float], ...] = ()
+    timing: Timing = "direct"
 
     def __post_init__(self) -> None:
+        if self.timing not in get_args(Timing):
+            raise ValueError(f"timing is one of {', '.join(get_args(Timing))}, not {self.timing!r}")
         for name, value in (("speed", self.speed), ("acceleration", self.acceleration)):
             if value is not None and not 0 < value <= 1:
                 raise ValueError(f"{name} is a part of the limits, in (0, 1], not {value}")
@@ -90,6 +96,19 @@ class PlanStraight:
 
     situation: Situation
     poses: tuple[Pose, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class PlanThrough:
+    """Plan one motion through way points, without a stop at those that have a blend radius.
+
+    Attributes:
+        situation: where it begins.
+        way_points: one or more, without names of states.
+    """
+
+    situation: Situation
+    way_points: tuple[WayPoint, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,4 +179,4 @@ class ChosenGrasp:
     reasons: dict[str, int] = field(default_factory=dict)
 
 
-Request = PlanTo | PlanStraight | PlanOnward | PlanAlong | ChooseGrasp | CheckTogether
+Request = PlanTo | PlanStraight | PlanThrough | PlanOnward | PlanAlong | ChooseGrasp | CheckTogether

@@ -12,6 +12,7 @@ from grip_bt.errors import PathInvalidError
 from grip_bt.values import Trajectory
 
 from ..model import Limits
+from . import Timing
 from .reachability import squared_velocities
 
 SAMPLING = 0.02
@@ -28,6 +29,7 @@ def timed(
     speed: float,
     acceptable: Callable[[NDArray[np.float64]], bool],
     acceleration: float | None = None,
+    timing: Timing = "direct",
 ) -> Trajectory:
     """Return the path as a smooth trajectory that starts and ends at rest.
 
@@ -41,6 +43,7 @@ def timed(
         speed: part of the velocity limits to use, in (0, 1].
         acceptable: takes the trajectory's positions, shape (m, n), and tells whether they are free.
         acceleration: part of the acceleration limits to use, in (0, 1]; as `speed` when it isn't given.
+        timing: who finds the velocities.
 
     Raises:
         PathInvalidError: no spacing of the knots is acceptable.
@@ -48,7 +51,7 @@ def timed(
     if np.abs(path - path[0]).max() < 1e-6:
         return Trajectory(names, np.zeros(1), path[:1], np.zeros((1, len(names))), np.zeros((1, len(names))))
     for spacing in _SPACINGS:
-        trajectory = _timed_spline(names, _knots(path, spacing), limits, speed, acceleration or speed)
+        trajectory = _timed_spline(names, _knots(path, spacing), limits, speed, acceleration or speed, timing)
         if acceptable(trajectory.positions):
             return trajectory
     raise PathInvalidError("the path can't be timed without leaving the free space", knots=len(path))
@@ -65,13 +68,23 @@ def _knots(path: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
 
 
 def _timed_spline(
-    names: tuple[str, ...], knots: NDArray[np.float64], limits: Limits, speed: float, acceleration: float
+    names: tuple[str, ...],
+    knots: NDArray[np.float64],
+    limits: Limits,
+    speed: float,
+    acceleration: float,
+    timing: Timing,
 ) -> Trajectory:
     at = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(knots, axis=0), axis=1))])
     spline = CubicSpline(at, knots, bc_type="natural")
     grid = np.linspace(0.0, at[-1], int(np.clip(np.ceil(at[-1] / _GRID), 40, 400)) + 1)
-    first, second = spline(grid, 1), spline(grid, 2)
-    squared = squared_velocities(grid, first, second, limits.velocity * speed, limits.acceleration * acceleration)
+    allowed = limits.velocity * speed, limits.acceleration * acceleration
+    if timing == "toppra":
+        from .library import squared_velocities as by_the_library  # a second to import, and seldom asked for
+
+        squared = by_the_library(grid, spline, *allowed)
+    else:
+        squared = squared_velocities(grid, spline(grid, 1), spline(grid, 2), *allowed)
     drive = _Drive(grid, squared)
     times = np.linspace(0.0, drive.duration, max(2, int(np.ceil(drive.duration / SAMPLING)) + 1))
     where, velocity, change = drive(times)

@@ -1,0 +1,38 @@
+"""The library `toppra` behind the same question as ours: for who wants a second opinion on a motion's timing."""
+
+from __future__ import annotations
+
+import numpy as np
+import toppra
+import toppra.algorithm
+import toppra.constraint
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from grip_bt.errors import PathInvalidError
+
+
+def squared_velocities(
+    grid: NDArray[np.float64], path: CubicSpline, velocity: NDArray[np.float64], acceleration: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the largest squared path velocities from rest to rest [1/s^2], shape (m + 1,), as `toppra` finds them.
+
+    Args:
+        grid: path positions, shape (m + 1,).
+        path: the n joints by path position.
+        velocity: limits, shape (n,).
+        acceleration: limits, shape (n,).
+
+    Raises:
+        PathInvalidError: the library finds no timing.
+    """
+    toppra.setup_logging("ERROR")
+    limits = [
+        toppra.constraint.JointVelocityConstraint(np.stack([-velocity, velocity], axis=1)),
+        toppra.constraint.JointAccelerationConstraint(np.stack([-acceleration, acceleration], axis=1)),
+    ]
+    curve = toppra.SplineInterpolator(path.x, path(path.x), bc_type="natural")
+    method = toppra.algorithm.TOPPRA(limits, curve, gridpoints=grid, parametrizer="ParametrizeConstAccel")
+    if method.compute_trajectory(0, 0) is None:
+        raise PathInvalidError("toppra finds no timing for the path", knots=len(path.x))
+    return np.asarray(method.problem_data.sd_vec, dtype=np.float64) ** 2
