@@ -47,6 +47,8 @@ class SmachLeaf(KeysLeaf):
     first: ClassVar[Mapping[str, Callable[[Any], Any]]] = {}
     _activation: Activation | None = None
     _zombie: Activation | None = None
+    _relives = False
+    _halted = False
 
     def make(self) -> Any:
         """Return the legacy state."""
@@ -95,6 +97,7 @@ class SmachLeaf(KeysLeaf):
                 self.asking.begin(self.enclosing, self, self.requests())
                 self._ask_here()
                 self._activation = Activation(self.state, Values(self), self.path, self.context.wake)
+                self._relives = False
             self._activation.start()
         activation = self._activation
         if activation.done():
@@ -129,7 +132,33 @@ class SmachLeaf(KeysLeaf):
     def is_running(self) -> bool:
         """Tell whether `execute` runs."""
         activation = self._activation
-        return activation is not None and not activation.returned()
+        return self._relives or (activation is not None and not activation.returned())
+
+    # --- activations of a process that died ---
+
+    def reliving(self) -> None:
+        """Be among what runs, with the flag that it began with."""
+        with self.asking.lock:
+            self._bury()
+            self._relives = True
+            self.asking.begin(self.enclosing, self, self.requests())
+            self._ask_here()
+
+    def relived(self, outcome: str | None) -> None:
+        """Bring the flags to where the activation left them.
+
+        Whether the state answered a request isn't recorded: it did where it ended with `preempted`, as SMACH's own do.
+        """
+        with self.asking.lock:
+            if not self._relives:
+                self.reliving()
+            self.asking.arrive(self.requests())
+            self._ask_here()
+            self._relives = False
+            if outcome == "preempted":
+                self.recall_preempt()
+            elif outcome is None:
+                self._ask_to_return()
 
     # --- its ends ---
 
@@ -147,11 +176,15 @@ class SmachLeaf(KeysLeaf):
         activation, self._activation = self._activation, None
         if new_status == Status.INVALID and activation is not None and not activation.done():
             self._zombie = activation
-            self.state.request_preempt()
-            for state in _with_all_below(self.state):
-                if hasattr(state, "request_halt"):  # it ticks a tree of ours, which can be halted
-                    state.request_halt()
+            self._ask_to_return()
             self.observer.message(self.path, "interrupted: execute() was asked to return and still runs")
+
+    def _ask_to_return(self) -> None:
+        self._halted = True
+        self.state.request_preempt()
+        for state in _with_all_below(self.state):
+            if hasattr(state, "request_halt"):  # it ticks a tree of ours, which can be halted
+                state.request_halt()
 
     @property
     def zombie(self) -> bool:
@@ -159,12 +192,12 @@ class SmachLeaf(KeysLeaf):
         return self._zombie is not None and not self._zombie.done()
 
     def _bury(self) -> None:
-        if self._zombie is not None:
+        if self._halted:
             for state in _with_all_below(self.state):
                 state.recall_preempt()
                 if hasattr(state, "recall_halt"):
                     state.recall_halt()
-            self._zombie = None
+            self._zombie, self._halted = None, False
 
     def shutdown(self) -> None:
         """Name what is left running; nobody can end it."""
@@ -206,6 +239,14 @@ class NextItem(AmongStates):
             return self.end("exhausted", position=position)
         return self.end("item", item=items[position], position=position + 1)
 
+    def relived(self, outcome: str | None) -> None:
+        """Bring the flags to where the activation left them."""
+        if self.enclosing:
+            self.asking.begin(self.enclosing, None, self.requests())
+            around = self.asking.container(self.enclosing[-1])
+            if outcome == "exhausted" and isinstance(around, Iteration):
+                around.exhausted = True
+
 
 class Obeyed(AmongStates):
     """The last child of what was a Concurrence: `preempted` where a request was obeyed by all others, else `others`.
@@ -233,6 +274,19 @@ class Obeyed(AmongStates):
                 "which is none of its outcomes; add it to them"
             )
         return self.end("preempted")
+
+    def relived(self, outcome: str | None) -> None:
+        """Bring the flags to where the activation left them."""
+        if outcome is None or not self.enclosing:
+            return
+        asking = self.asking
+        with asking.lock:
+            asking.begin(self.enclosing, None, self.requests())
+            around = asking.container(self.enclosing[-1])
+            if isinstance(around, Together):
+                around.obeyed()
+                if outcome == "preempted":
+                    around.recall_preempt()
 
 
 class CopyKeys(KeysLeaf):

@@ -35,6 +35,7 @@ class RelivedLeaf:
         self._recording = reliving.recording
         self._mode: Mode = ""
         self._released = False
+        self._told: Activation | None = None
         for name in ("initialise", "update", "terminate"):
             setattr(leaf, name, getattr(self, name))
 
@@ -77,8 +78,24 @@ class RelivedLeaf:
     def terminate(self, new_status: Status) -> None:
         """An activation ends in which the leaf hasn't worked; it is told when it won't."""
         mode, self._mode = self._mode, ""
-        if mode == "recorded":
+        if mode not in ("recorded", "open"):
+            return
+        activation = self._recording.activation(self._leaf.path)
+        end = activation.end if activation is not None else None
+        self._reliving.tell_begun(end.seq if end is not None else None)
+        with _asked_until(self._leaf, end.seq if end is not None else None, self._recording):
             self._leaf.relived(self._leaf.outcome)
+
+    def untold(self) -> Activation | None:
+        """Return the recorded activation under way, if the leaf hasn't been told of it."""
+        activation = self._recording.activation(self._leaf.path)
+        return None if activation is self._told else activation
+
+    def tell_begun(self, activation: Activation) -> None:
+        """Tell the leaf that a recorded activation begins."""
+        self._told = activation
+        with _asked_until(self._leaf, self._recording.events[activation.began].seq, self._recording):
+            self._leaf.reliving()
 
     def _end_again(self, activation: Activation) -> Status:
         end = activation.result
@@ -104,6 +121,7 @@ class RelivedLeaf:
             reason = result.code or result.message
             failure = Failure(result.code or "failed", result.message or "set by hand", {}) if reason else None
             return self._ended(result.outcome, failure)
+        self._reliving.tell_begun(None)
         mode, how = self._mode, self._reliving.how.get(path, "restart")
         self.release()
         if mode != "open":
@@ -111,7 +129,7 @@ class RelivedLeaf:
             return leaf.update()
         began = self._recording.under_way[path]
         self._reliving.tell(path, how)
-        with _asked_as_at(leaf, began, self._recording):
+        with _asked_until(leaf, began.seq, self._recording):
             if how == "resume":
                 leaf.resume(began.t)
             else:
@@ -120,14 +138,14 @@ class RelivedLeaf:
 
 
 @contextmanager
-def _asked_as_at(leaf: Leaf, began: Event, recording: Recording) -> Iterator[None]:
-    """Have a leaf begin with the requests to come to an end that there were when it began the first time.
+def _asked_until(leaf: Leaf, seq: int | None, recording: Recording) -> Iterator[None]:
+    """Show a leaf only the requests to come to an end that there had been before an event; None for all.
 
-    So it takes one that came later as its own, and not as one that is already being obeyed.
+    So it takes one that came after it began as its own, and not as one that is already being obeyed.
     """
-    count = sum(number < began.seq for number in recording.requests)
-    above = any(asker.asked and recording.said_before(asker.path, began.seq) for asker in leaf.askers)
-    if count == len(recording.requests) and above == any(asker.asked for asker in leaf.askers):
+    count = len(recording.requests) if seq is None else sum(number < seq for number in recording.requests)
+    above = any(asker.asked and (seq is None or recording.said_before(asker.path, seq)) for asker in leaf.askers)
+    if recording.complete and count == len(recording.requests) and above == any(a.asked for a in leaf.askers):
         yield
         return
     context, leaf.context = leaf.context, AskedBefore(leaf.context, count, above)

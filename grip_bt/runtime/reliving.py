@@ -21,7 +21,7 @@ from grip_bt.compilers.behaviour_state import BehaviourState
 from grip_bt.compilers.probe import parts_of
 from grip_bt.errors import DivergedError
 from grip_bt.graph import model
-from grip_bt.nodes import control
+from grip_bt.nodes import Leaf, control
 from grip_bt.nodes.observer import Observer
 from grip_bt.ports import Clock
 from grip_bt.values import Failure
@@ -97,6 +97,8 @@ class Reliving:
         self._idle = 0
         self._seen, self._looked = 0, time.monotonic()
         self._settling = threading.Lock()
+        self._listening: list[RelivedLeaf] = []
+        self._telling = threading.Lock()
 
     @property
     def live(self) -> bool:
@@ -120,6 +122,8 @@ class Reliving:
             node = parts[path].node
             assert isinstance(node, model.Leaf), "leaves are leaves of the document"
             self._leaves[path] = RelivedLeaf(leaf, self, {v: port for port, v in node.out.items()})
+            if type(leaf).reliving is not Leaf.reliving:
+                self._listening.append(self._leaves[path])
         states = [*self._compiled.by_path.values()]
         # A state of a machine may stand for a whole tree, by the path of its root.
         for state in states:
@@ -137,6 +141,16 @@ class Reliving:
     def restored(self, event: Event) -> Any:
         """Return what an event wrote."""
         return self._value(event)
+
+    def tell_begun(self, seq: int | None) -> None:
+        """Tell leaves that care for it which recorded activations have begun before an event, in order; None for all."""
+        if not self._listening:
+            return
+        with self._telling:
+            begun = [(activation, leaf) for leaf in self._listening if (activation := leaf.untold()) is not None]
+            for activation, leaf in sorted(begun, key=lambda pair: pair[0].began):
+                if seq is None or self.recording.events[activation.began].seq < seq:
+                    leaf.tell_begun(activation)
 
     def _put(self, event: Event) -> None:
         cell = self._compiled.data[str(event.data.get("scope", ""))].cells[str(event.data["variable"])]

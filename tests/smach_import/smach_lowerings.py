@@ -109,6 +109,12 @@ def run_form(path, file, form, preempt_at=(), pace=0, before=0):
 
 
 def _runner(path, form, pace):
+    compiled, leaves = compiled_as(path, form, pace)
+    return Runner(compiled, RunContext()), leaves
+
+
+def compiled_as(path, form, pace):
+    """Return the compiled task in one of its forms, and its legacy states; other arguments as for `run_form`."""
     task, catalog = read(path).task, find_project(path).catalog()
     if form == "structured":
         task = to_trees(task, catalog).task
@@ -116,8 +122,7 @@ def _runner(path, form, pace):
     PacedActivation.numbers.clear()
     drawn = lambda name, number: crc32(f"{pace} {name} {number}".encode()) % TICKS if pace else 0  # noqa: E731
     PacedActivation.ticks = staticmethod(drawn)
-    leaves = [leaf for leaf in compiled.leaves.values() if isinstance(leaf, smach_leaf.SmachLeaf)]
-    return Runner(compiled, RunContext()), leaves
+    return compiled, [leaf for leaf in compiled.leaves.values() if isinstance(leaf, smach_leaf.SmachLeaf)]
 
 
 def _await_arrival(runner, leaves):

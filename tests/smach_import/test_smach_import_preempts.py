@@ -1,12 +1,17 @@
 """What an imported task says where SMACH stumbles over a preempt, and what is different in the ROS 2 profile."""
 
+import threading
+
 import pytest
 from smach_lowerings import FORMS, PacedActivation, _await_arrival, _runner
 from smach_probe_machines import HEAD
 from smach_runs import write
 
+from grip_bt.app import RunOptions, open_session
+from grip_bt.cli.__main__ import main
 from grip_bt.nodes import smach_leaf
 from grip_bt.nodes.smach_source import load_legacy
+from grip_bt.runtime import JournalReader
 from grip_bt.smach_compat import configure
 from grip_bt.smach_compat._settings import Settings, settings
 
@@ -91,3 +96,61 @@ def test_a_preempted_iterator_ends_as_its_map_says(form, tmp_path):
     source = machine(EACH.format(final=", final_outcome_map={'ok': 'done', 'more': 'ok'}"), ["ok", "done"], {})
     result = ended(tmp_path, source, form)
     assert (result.error, result.outcome) == (None, "done")
+
+
+RECOVERS = """
+import threading
+import smach
+
+BEGUN = threading.Event()
+
+class Work(smach.State):
+    def __init__(self):
+        smach.State.__init__(self, outcomes=['done', 'preempted'])
+        self.asked = threading.Event()
+    def request_preempt(self):
+        smach.State.request_preempt(self)
+        self.asked.set()
+    def execute(self, userdata):
+        BEGUN.set()
+        assert self.asked.wait(60)
+        self.service_preempt()
+        return 'preempted'
+
+class Tidy(smach.State):
+    def __init__(self):
+        smach.State.__init__(self, outcomes=['tidy', 'asked'])
+    def execute(self, userdata):
+        return 'asked' if self.preempt_requested() else 'tidy'
+
+def build():
+    sm = smach.StateMachine(outcomes=['succeeded', 'preempted'])
+    with sm:
+        smach.StateMachine.add('WORK', Work(), {'done': 'succeeded', 'preempted': 'TIDY'})
+        smach.StateMachine.add('TIDY', Tidy(), {'tidy': 'preempted', 'asked': 'succeeded'})
+    return sm
+"""
+
+
+@pytest.mark.parametrize("target", ["bt", "sm"])
+def test_a_request_that_was_obeyed_is_not_asked_again_in_a_fork(target, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "legacy_recovers.py").write_text(RECOVERS)
+    assert main(["import", "legacy_recovers.py", "--from", "smach", "-o", "build.yaml"]) == 0
+    journal = tmp_path / ".grip" / "runs.sqlite"
+    with open_session(tmp_path / "build.yaml", RunOptions(robot="fake", target=target, journal=journal)) as session:
+        begun = load_legacy(tmp_path / "legacy_recovers.py").BEGUN
+
+        def ask():
+            assert begun.wait(60)
+            session.runner.request_preempt()
+
+        asker = threading.Thread(target=ask)
+        asker.start()
+        assert session.runner.run().outcome == "preempted"
+        asker.join(60)
+    assert main(["run", "--fork", "last", "--at", "TIDY:enter", "--in-process"]) == 3
+    with JournalReader(journal) as reader:
+        new, _ = reader.runs()
+        ends = [(e.path, e.outcome) for e in reader.events(new.id) if e.event == "exit"]
+    assert ("TIDY", "tidy") in ends
