@@ -143,7 +143,7 @@ class Reliving:
         return self._value(event)
 
     def tell_begun(self, seq: int | None) -> None:
-        """Tell leaves that care for it which recorded activations have begun before an event, in order; None for all."""
+        """Tell leaves that care which recorded activations have begun before an event, in order; None for all."""
         if not self._listening:
             return
         with self._telling:
