@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from contextlib import ExitStack
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from grip_bt.catalog.controller_config import MOVE_GROUP, MoveGroupConfig
@@ -25,7 +26,8 @@ class PlannerByName:
     """Implements `commanders.worker.PlanningService`: a search goes to who its arm's settings name.
 
     Args:
-        own: answers what nobody else is named for, and every request about a motion that is given.
+        own: answers what nobody else is named for, every request about a motion that is given, and motions
+            through way points (with the default planner): nobody else blends as ours does.
         others: planner's name -> who searches.
     """
 
@@ -34,8 +36,18 @@ class PlannerByName:
 
     def submit(self, request: Request) -> Operation[Plan | ChosenGrasp | None]:
         """Ask; see `PlanningService`."""
-        from grip_bt.commanders.planning.requests import ChooseGrasp, PlanStraight, PlanTo
+        from grip_bt.commanders.planning.requests import (
+            ChooseGrasp,
+            PlanningSettings,
+            PlanStraight,
+            PlanThrough,
+            PlanTo,
+        )
 
+        situation = request.situation
+        if isinstance(request, PlanThrough) and situation.settings.planner in self._others:
+            usual = replace(situation.settings, planner=PlanningSettings().planner)
+            request = replace(request, situation=replace(situation, settings=usual))
         if isinstance(request, PlanTo | PlanStraight | ChooseGrasp):
             return self._others.get(request.situation.settings.planner, self._own).submit(request)
         return self._own.submit(request)

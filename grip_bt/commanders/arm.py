@@ -12,7 +12,7 @@ import numpy as np
 from grip_bt.errors import ExecutionAbortedError, UnknownNameError
 from grip_bt.operation import Operation
 from grip_bt.ports import Executor
-from grip_bt.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory
+from grip_bt.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory, WayPoint
 
 from .ik.target import FREE
 from .jogging import approaching, bounded, jogged, lasting
@@ -25,6 +25,7 @@ from .planning.requests import (
     PlanningSettings,
     PlanOnward,
     PlanStraight,
+    PlanThrough,
     PlanTo,
     Request,
     Situation,
@@ -121,17 +122,20 @@ class ArmCommander:
         """
         if free not in FREE:
             raise UnknownNameError("freedom of a pose", free, FREE, where=f"arm {self._name!r}")
-        if isinstance(goal, str):
-            states = self.named_states()
-            if goal not in states:
-                raise UnknownNameError("named state", goal, states, where=f"arm {self._name!r}")
-            goal = states[goal]
+        goal = self._goal(goal)
         hints = () if isinstance(goal, JointState) else self._known_ways_to(goal)
         return self._ask(PlanTo(self._situation(start), goal, hints, free, constraint))  # type: ignore[arg-type]
 
     def plan_straight(self, goals: Sequence[Pose], *, start: JointState | None = None) -> Operation[Plan]:
         """Plan straight lines of the grasp frame; see `ports.Arm`."""
         return self._ask(PlanStraight(self._situation(start), tuple(goals)))
+
+    def plan_through(self, way_points: Sequence[WayPoint], *, start: JointState | None = None) -> Operation[Plan]:
+        """Plan one motion through way points; see `ports.Arm`."""
+        named = tuple(replace(point, goal=self._goal(point.goal)) for point in way_points)
+        if not named:
+            raise ValueError("a motion through way points has at least one of them")
+        return self._ask(PlanThrough(self._situation(start), named))
 
     def plan_along(self, trajectory: Trajectory) -> Operation[Plan]:
         """Check a trajectory that was made elsewhere and make a plan of it; see `ports.Arm`."""
@@ -189,6 +193,14 @@ class ArmCommander:
 
     def _described_states(self) -> Mapping[str, JointState]:
         return {**self._more_states, **self._model.description.named_states.get(self._group, {})}
+
+    def _goal(self, goal: JointState | Pose | str) -> JointState | Pose:
+        if not isinstance(goal, str):
+            return goal
+        states = self.named_states()
+        if goal not in states:
+            raise UnknownNameError("named state", goal, states, where=f"arm {self._name!r}")
+        return states[goal]
 
     def _situation(self, given: JointState | None = None) -> Situation:
         arm, hand = self._executor.state(), self._hand_state()

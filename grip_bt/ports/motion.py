@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Literal, Protocol, get_args, runtime_checkable
 
 from grip_bt.operation import Operation
-from grip_bt.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory
+from grip_bt.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory, WayPoint
 
 Free = Literal["none", "x", "y", "z", "orientation"]
 FREEDOMS: tuple[Free, ...] = get_args(Free)
@@ -117,6 +117,25 @@ class Arm(Protocol):
         """Plan a motion that moves the grasp frame along straight lines through `goals`.
 
         Ends with NoIkError, PathInvalidError (collision or joint jump).
+        """
+        ...
+
+    def plan_through(self, way_points: Sequence[WayPoint], *, start: JointState | None = None) -> Operation[Plan]:
+        """Plan one motion through way points, without a stop at inner ones that have a blend radius.
+
+        A radius that doesn't fit is made smaller: a blend takes at most half of a segment, and one whose corner would
+        touch something is tried with a half, a quarter and an eighth of its radius; then the arm comes to rest at the
+        point. `radii` of the plan tells what they became.
+
+        Args:
+            way_points: one or more; see `values.WayPoint`.
+            start: joint positions to begin from; the measured ones by default.
+
+        Ends as `plan` and `plan_straight` do.
+
+        Raises:
+            UnknownNameError: there is no such named state.
+            ValueError: there are no way points.
         """
         ...
 

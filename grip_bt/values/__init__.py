@@ -5,6 +5,7 @@ from .grasp import Failure, Grasp
 from .joints import JointState, Plan, Trajectory
 from .perception import CameraInfo, DepthImage, Image, PointCloud, RgbdFrame
 from .pose import Pose
+from .way_point import WayPoint
 
 __all__ = [
     "CameraInfo",
@@ -19,4 +20,5 @@ __all__ = [
     "Pose",
     "RgbdFrame",
     "Trajectory",
+    "WayPoint",
 ]

@@ -129,9 +129,11 @@ class Plan(ComparesArrays):
         trajectory: what to execute.
         planner: how it was found.
         planning_time: wall time spent [s].
+        radii: of a motion through way points, the blend radius at each inner one [m], as it fitted; 0: the arm rests.
     """
 
     group: str
     trajectory: Trajectory
     planner: str = ""
     planning_time: float = 0.0
+    radii: tuple[float, ...] = ()

@@ -23,8 +23,9 @@ from sensor_msgs.msg import JointState as JointStateMessage
 
 from grip_bt.commanders.description.load import load_robot
 from grip_bt.commanders.model import RobotModel
+from grip_bt.commanders.planning.beginning import chain_and_checker
 from grip_bt.commanders.planning.goals import goals_of
-from grip_bt.commanders.planning.motions import _chain_and_checker, plan_straight, plan_to
+from grip_bt.commanders.planning.motions import plan_straight, plan_to
 from grip_bt.commanders.planning.requests import PlanningSettings, PlanStraight, PlanTo, Situation
 from grip_bt.commanders.scene import SceneObject, SceneSnapshot
 from grip_bt.errors import (
@@ -230,7 +231,7 @@ def inverse(request, response):
     pose = grasp(pose_from_message(asked.pose_stamped.pose))
     try:
         with thinking:
-            chain, checker = _chain_and_checker(model, where, margin=0.0)
+            chain, checker = chain_and_checker(model, where, margin=0.0)
             start = where.start.ordered(chain.joints)
             found = goals_of(chain, checker, PlanTo(where, pose), start)[0]
     except (NoIkError, GoalInCollisionError):

@@ -1,0 +1,214 @@
+"""Motions through way points, as one: without a stop where a point has a blend radius (as MoveIt's Pilz sequences).
+
+A radius that doesn't fit is made smaller: no blend takes more than half of a segment, and a rounded corner that would
+touch something, or break a limit, is tried with a half, a quarter and an eighth of its radius. Where nothing fits, the
+arm comes to rest at the point. What came of each radius is told by the plan.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from grip_bt.errors import ExpectedError, NoIkError, NoPlanError, PathInvalidError, TimeOutError
+from grip_bt.values import JointState, Trajectory, WayPoint
+from grip_bt.values.pose import check_frame
+
+from ..collision import CollisionChecker
+from ..model import Chain, RobotModel
+from ..trajectory.timing import timed
+from .beginning import chain_and_checker, finely_free, free_start, refuse_collisions
+from .blends import SMALLEST, Leg, corner, largest_radius, within, without_ends
+from .free import RESOLUTION, plan_free
+from .goals import goals_of
+from .paths import Path, interpolated
+from .requests import PlanThrough, PlanTo
+from .straight import BrokenLineError, straight_path
+
+_SHRUNK = (1.0, 0.5, 0.25, 0.125)
+
+
+def plan_through(
+    model: RobotModel, request: PlanThrough, canceled: Callable[[], bool]
+) -> tuple[Trajectory, tuple[float, ...]]:
+    """Plan a motion through way points; return it, and the blend radii that it has at the inner ones [m].
+
+    Raises:
+        StartInCollisionError, OutOfLimitsError, GoalInCollisionError: `data` names pairs or joints.
+        NoIkError: a pose or a part of a line is out of reach.
+        NoPlanError, TimeOutError: no path around obstacles was found, or not in time.
+        PathInvalidError: a joint would jump, or a straight segment touches something.
+    """
+    settings = request.situation.settings
+    deadline = time.monotonic() + settings.time_limit
+    chain, checker = chain_and_checker(model, request.situation, margin=0.0)
+    start = free_start(chain, checker, request.situation)
+    searched = any(not point.straight for point in request.way_points)
+    attempts = settings.attempts if searched else 1
+    for attempt in range(attempts):
+        segments = _segments(chain, checker, request, start, attempt, deadline, canceled)
+        try:
+            parts, radii = rounded(chain, checker, segments, [point.radius for point in request.way_points[:-1]])
+            return _timed(chain, checker, parts, request), radii
+        except PathInvalidError:
+            if attempt == attempts - 1:
+                raise
+    raise AssertionError("unreachable")
+
+
+def rounded(
+    chain: Chain, checker: CollisionChecker, segments: list[Path], radii: list[float]
+) -> tuple[list[Path], tuple[float, ...]]:
+    """Round the corners between segments.
+
+    Args:
+        chain: what moves.
+        checker: what it avoids.
+        segments: paths, shape (k, n) each, that begin where the one before ends.
+        radii: asked at each inner way point [m].
+
+    Returns:
+        Paths at whose ends the arm comes to rest, and the radii that fitted.
+    """
+    begins, ends, corners = [0.0] * len(segments), [0.0] * len(segments), list[Path | None]()
+    fitted = []
+    for k, asked in enumerate(radii):
+        incoming, outgoing = Leg(chain, segments[k][::-1]), Leg(chain, segments[k + 1])
+        radius, rows = _fitting(chain, checker, incoming, outgoing, segments[k][-1], asked)
+        fitted.append(radius)
+        corners.append(rows)
+        if rows is not None:
+            ends[k], begins[k + 1] = incoming.crossing(radius), outgoing.crossing(radius)
+    parts: list[Path] = []
+    for k, segment in enumerate(segments):
+        own = without_ends(segment, begins[k], ends[k])
+        before = corners[k - 1] if k else None
+        if before is None:
+            parts.append(own)
+        else:
+            parts[-1] = np.concatenate([parts[-1][:-1], before, own[1:]])
+    return parts, tuple(fitted)
+
+
+def _fitting(
+    chain: Chain,
+    checker: CollisionChecker,
+    incoming: Leg,
+    outgoing: Leg,
+    point: NDArray[np.float64],
+    asked: float,
+) -> tuple[float, Path | None]:
+    """Return the radius that fits at a way point [m] and the corner's rows; 0 and None where the arm has to stop."""
+    largest = min(asked, largest_radius(incoming, outgoing))
+    for part in _SHRUNK:
+        radius = largest * part
+        if radius < SMALLEST:
+            break
+        rows = corner(incoming, outgoing, radius)
+        if within(chain, point, rows, radius) and finely_free(checker, interpolated(rows, RESOLUTION)):
+            return radius, rows
+    return 0.0, None
+
+
+def _segments(
+    chain: Chain,
+    checker: CollisionChecker,
+    request: PlanThrough,
+    start: NDArray[np.float64],
+    attempt: int,
+    deadline: float,
+    canceled: Callable[[], bool],
+) -> list[Path]:
+    segments: list[Path] = []
+    for k, point in enumerate(request.way_points):
+        where = f"segment {k + 1} of {len(request.way_points)}"
+        assert not isinstance(point.goal, str), "the arm knows its named states, the planner doesn't"
+        if point.straight and not isinstance(point.goal, JointState):
+            segments.append(_line(chain, start, point, where))
+        else:
+            ask = replace(request.situation.settings, seed=request.situation.settings.seed + attempt)
+            to = PlanTo(replace(request.situation, settings=ask), point.goal)
+            goals = goals_of(chain, checker, to, start)
+            if point.straight:
+                segments.append(np.stack([start, goals[0]]))
+            else:
+                search = partial(_search, checker, to, start, RESOLUTION / 2 ** min(attempt, 2), canceled)
+                segments.append(_first(search, goals, deadline))
+        start = segments[-1][-1]
+    return segments
+
+
+def _line(chain: Chain, start: NDArray[np.float64], point: WayPoint, where: str) -> Path:
+    check_frame(point.goal, "world")  # type: ignore[arg-type]
+    try:
+        return straight_path(chain, start, pin.SE3(point.goal.matrix()))  # type: ignore[union-attr]
+    except BrokenLineError as broken:
+        error = PathInvalidError if broken.jump else NoIkError
+        raise error(f"{where}: {broken}", fraction=broken.fraction) from broken
+
+
+def _search(
+    checker: CollisionChecker,
+    to: PlanTo,
+    start: NDArray[np.float64],
+    resolution: float,
+    canceled: Callable[[], bool],
+    goal: NDArray[np.float64],
+    deadline: float,
+) -> Path:
+    settings = to.situation.settings
+    return plan_free(
+        checker,
+        start,
+        goal,
+        settings.planner,
+        settings.seed,
+        deadline,
+        canceled,
+        resolution,
+        dict(settings.parameters),
+    )
+
+
+def _first(search: Callable[..., Path], goals: list[NDArray[np.float64]], deadline: float) -> Path:
+    """Return the path to the first goal that is reached, each having its share of the time."""
+    failure: ExpectedError = NoPlanError("there is no goal to plan to")
+    for k, goal in enumerate(goals):
+        share = time.monotonic() + max(0.0, deadline - time.monotonic()) / (len(goals) - k)
+        try:
+            return search(goal=goal, deadline=share)
+        except (NoPlanError, TimeOutError) as error:
+            failure = error
+    raise failure
+
+
+def _timed(chain: Chain, checker: CollisionChecker, parts: list[Path], request: PlanThrough) -> Trajectory:
+    """Time each part, from rest to rest, and join them."""
+    settings, free = request.situation.settings, partial(finely_free, checker)
+    for part in parts:
+        refuse_collisions(checker, interpolated(part, RESOLUTION))
+    pieces = [
+        timed(chain.joints, part, chain.limits, settings.speed, free, settings.acceleration, settings.timing)
+        for part in parts
+    ]
+    return joined(pieces)
+
+
+def joined(pieces: list[Trajectory]) -> Trajectory:
+    """Return trajectories of the same joints, each of which begins at rest where the one before ends, as one."""
+    first, *more = pieces
+    times, end = [first.times], first.duration
+    for piece in more:
+        times.append(piece.times[1:] + end)
+        end += piece.duration
+    rows = {
+        name: np.concatenate([getattr(first, name), *(getattr(piece, name)[1:] for piece in more)])
+        for name in ("positions", "velocities", "accelerations")
+    }
+    return Trajectory(first.names, np.concatenate(times), **rows)
