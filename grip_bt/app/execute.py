@@ -22,7 +22,7 @@ from grip_bt.validation import Issue, Report, validate
 
 from .going_on import GoOn, begin_again, options_text, policy_of, process_facts
 from .journal_room import keep_to_limit
-from .keeping import changes, kept_parts
+from .keeping import BroughtBack, changes, kept_parts
 from .mocks import apply_mocks
 from .project import Project, find_project
 from .resources import Progress, Resources, open_resources, silent
@@ -152,12 +152,14 @@ def open_session(
     with parts as resources, Journal(options.journal or project.journal) as journal:
         log = reliving = None
         kept = kept_parts(resources)
-        restored: dict[str, int] = {}
+        back = BroughtBack()
         if go_on is not None:
             again = begin_again(journal, compiled, go_on, resources.clock, options.seed, kept)
-            log, reliving, restored = again
-            for part, seq in restored.items():
+            log, reliving, back = again
+            for part, seq in back.restored.items():
                 progress(part, f"as it was at event {seq}")
+            for part, why in back.anew.items():
+                progress(part, f"begins as in a new run, since it {why}")
         context = resources.context(None if reliving is None else reliving.clock)
         runner = Runner(
             compiled,
@@ -174,7 +176,8 @@ def open_session(
                 "options": options_text(vars(options)),
                 "process": process_facts(),
                 "keeps": sorted(kept),
-                **({"restored": restored} if restored else {}),
+                **({"restored": back.restored} if back.restored else {}),
+                **({"anew": back.anew} if back.anew else {}),
             },
         )
         runner.keep(

@@ -13,9 +13,11 @@ from grip_bt.catalog.sensor_config import SensorConfig
 from grip_bt.commanders.fake import FakeArm, FakeCamera, FakeComponent, FakeHand, FakeRos, FakeSensor
 from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.scene import PlanningScene
+from grip_bt.commanders.taught import Taught
 from grip_bt.errors import ExpectedError, GripError, InvalidRobotError, UnknownNameError
 from grip_bt.values import JointState, Pose
 
+from .fake_state import FakeState
 from .fake_values import CAMERA, GRASP, empty_table, value_of
 from .frame_parts import robot_frames
 from .project import Project
@@ -26,10 +28,19 @@ def open_robot(project: Project, resources: Resources) -> None:
     """Put a fake of every arm, hand and camera of the project into `resources`."""
     file = project.file
     known = _state_names(project)
-    arms = {name: FakeArm(name, states=_arm_states(known.get(arm.group, ()))) for name, arm in file.arms.items()}
+    fakes = resources.fakes = resources.fakes or FakeState()
+    taught = fakes.taught
+    arms = {
+        name: FakeArm(name, states=_arm_states(known.get(arm.group, ())), taught=taught)
+        for name, arm in file.arms.items()
+    }
     hands = {arm.hand: arms[name] for name, arm in file.arms.items() if arm.hand is not None}
     resources.arms, resources.pausable = arms, list(arms.values())
-    resources.hands = {name: _hand(name, known.get(hand.group, ())) for name, hand in file.hands.items()}
+    ports = {name: _fingers() for name in file.hands}
+    resources.hands = {
+        name: _hand(name, ports[name], taught, known.get(hand.group, ())) for name, hand in file.hands.items()
+    }
+    fakes.arms, fakes.hands = arms, ports
     resources.cameras = {name: FakeCamera(CAMERA, [empty_table()]) for name, s in file.sensors.items() if s.camera}
     resources.scene = PlanningScene(
         {hand: arm.grasp_pose for hand, arm in hands.items()}, _CRATE, project.room(), folder=project.folder
@@ -48,10 +59,13 @@ def open_components(project: Project, names: list[str], resources: Resources) ->
             raise UnknownNameError("component", name, folders, str(project.folder))
     files = {name: load_component(folders[name]) for name in names}
     catalog = project.catalog()
-    resources.components = {
+    components = {
         name: FakeComponent(_replies(catalog.get(f"component/{name}"), len(file.outcomes)))
         for name, file in files.items()
     }
+    resources.components = components
+    fakes = resources.fakes = resources.fakes or FakeState()
+    fakes.components = components
 
 
 def open_ros(project: Project, sensors: Iterable[str], resources: Resources) -> None:
@@ -116,17 +130,24 @@ def _arm_states(names: Iterable[str]) -> dict[str, JointState]:
     return states
 
 
-def _hand(name: str, known: Iterable[str] = ()) -> HandCommander:
-    joints = ("finger", "thumb")
-    postures = {posture: JointState(joints, np.full(2, angle)) for posture, angle in (("open", 0.0), ("closed", 1.0))}
+_FINGERS = ("finger", "thumb")
+
+
+def _fingers() -> FakeHand:
+    thing = JointState(_FINGERS, np.full(2, 0.6))
+    return FakeHand(JointState(_FINGERS, np.zeros(2)), thing=thing, forces={"thumb": 2.0})
+
+
+def _hand(name: str, port: FakeHand, taught: Taught, known: Iterable[str] = ()) -> HandCommander:
+    postures = {posture: JointState(_FINGERS, np.full(2, angle)) for posture, angle in (("open", 0.0), ("closed", 1.0))}
     for posture in known:
-        postures.setdefault(posture, JointState(joints, np.full(2, 0.5)))
-    thing = JointState(joints, np.full(2, 0.6))
+        postures.setdefault(posture, JointState(_FINGERS, np.full(2, 0.5)))
     return HandCommander(
         name,
-        FakeHand(postures["open"], thing=thing, forces={"thumb": 2.0}),
+        port,
         postures,
-        fingers={j: (j,) for j in joints},
+        fingers={j: (j,) for j in _FINGERS},
+        taught=taught,
         reach=lambda targets, posture, frame: posture,  # a fake has no geometry: it is there already
     )
 

@@ -34,7 +34,7 @@ from grip_bt.runtime.keeping import KEPT, Kept
 from grip_bt.runtime.run_log import Noted
 from grip_bt.runtime.value_codec import snapshot
 
-from .keeping import bring_back, parts_lost
+from .keeping import ANEW, WORDS, BroughtBack, bring_back, parts_lost
 from .replay import Until
 
 MOVES = ("arm", "hand", "component", "ros")
@@ -51,12 +51,14 @@ class GoOn:
         at: the last event that happens again, in a new run; None to go on with the run itself.
         results: leaf -> (outcome, code) of its next end, in place of its work.
         values: variable -> value from then on.
+        agreed: whether a part beside the task that can't be brought back may begin as in a new run.
     """
 
     run: str
     at: int | None = None
     results: Mapping[str, Sequence[str]] = field(default_factory=dict)
     values: Mapping[str, Any] = field(default_factory=dict)
+    agreed: bool = False
 
 
 @dataclass(frozen=True)
@@ -212,6 +214,7 @@ def questions(
     mocked: Iterable[str],
     robot: str = "sim",
     stays: str = "",
+    anew: Mapping[str, str] | None = None,
 ) -> list[Question]:
     """Return what a person has to agree to before a run is gone on with.
 
@@ -222,6 +225,7 @@ def questions(
         mocked: nodes in whose place scripts are played.
         robot: with which it goes on.
         stays: a part beside the task that outlives the run's process; see `app.keeping`.
+        anew: part beside the task -> why it can't be brought back.
     """
     found = []
     leaves = {path: part for path, part in parts.items() if part.manifest is not None and path not in set(mocked)}
@@ -238,6 +242,7 @@ def questions(
         found += [
             Question("the world", lost, "it goes on all the same") for lost in parts_lost(nodes, events, robot, stays)
         ]
+    found += [Question(WORDS[part], why, ANEW) for part, why in (anew or {}).items()]
     foreign = [p for p, part in parts.items() if isinstance(part.node, model.Foreign) and p in {e.path for e in events}]
     if foreign:
         found.append(Question(", ".join(foreign), "behaviours of py_trees have run", "they are executed again"))
@@ -280,8 +285,8 @@ def begin_again(
     clock: Clock | None,
     seed: int,
     kept: Mapping[str, Kept],
-) -> tuple[RunLog, Reliving, dict[str, int]]:
-    """Return the log that is written on, the run that happens again first, and by which event parts were brought back.
+) -> tuple[RunLog, Reliving, BroughtBack]:
+    """Return the log that is written on, the run that happens again first, and what became of parts beside the task.
 
     Args:
         journal: has the run.
@@ -299,7 +304,7 @@ def begin_again(
     record = reader.run(go_on.run)
     events = reader.events(go_on.run, limit=go_on.at)
     _check_values(reader, events)
-    restored = bring_back(kept, reader, events)
+    back = bring_back(kept, reader, events, go_on.agreed)
     if go_on.at is None:
         log = journal.go_on(record.id)
     else:
@@ -320,7 +325,7 @@ def begin_again(
     def value(event: Event) -> Any:
         return values[event.data["variable"]] if event.data.get("set") == "now" else reader.value(event)
 
-    return log, Reliving(compiled, events, value, clock or WallClock(), how=how, results=results), restored
+    return log, Reliving(compiled, events, value, clock or WallClock(), how=how, results=results), back
 
 
 def _check_values(reader: JournalReader, events: Iterable[Event]) -> None:

@@ -1,8 +1,9 @@
-"""What comes back besides the task when a run is gone on with: scene, messages and simulated world, by the journal."""
+"""What comes back besides the task when a run is gone on with: scene, messages, simulated world, fakes."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from grip_bt.errors import GripError, ResumeError
@@ -10,23 +11,25 @@ from grip_bt.messages import LocalMessages
 from grip_bt.messages.store import Entry
 from grip_bt.runtime import Event, JournalReader
 from grip_bt.runtime.keeping import KEPT, Kept
+from grip_bt.runtime.value_codec import encode
 
 if TYPE_CHECKING:
     from grip_bt.ports import Scene
 
+    from .fake_state import FakeState
     from .resources import Resources
 
-SCENE, MESSAGES, WORLD = "scene", "messages", "world"
+SCENE, MESSAGES, WORLD, FAKES = "scene", "messages", "world", "fakes"
 CHANGED_BY = {
-    "arm": (WORLD, SCENE),
-    "hand": (WORLD, SCENE),
-    "component": (WORLD,),
+    "arm": (WORLD, SCENE, FAKES),
+    "hand": (WORLD, SCENE, FAKES),
+    "component": (WORLD, FAKES),
     "scene": (SCENE,),
     "grasp": (SCENE,),
     "messages": (MESSAGES,),
 }
 """First part of a node's id -> what its work may change; nodes of projects may change everything."""
-EVERYTHING = (SCENE, MESSAGES, WORLD)
+EVERYTHING = (SCENE, MESSAGES, WORLD, FAKES)
 
 
 def changes(node: str, implementation: str) -> tuple[str, ...]:
@@ -84,12 +87,13 @@ class KeptMessages:
 
     def restore(self, state: Any) -> None:
         """Have these entries, and no others."""
+        made = {name: [Entry(*entry) for entry in entries] for name, entries in state.items()}
         for store in self._library.stores().values():
             store.clear()
-        for name, entries in state.items():
+        for name, entries in made.items():
             store = self._library.store(name, make=True)
             for entry in entries:
-                store.restore(Entry(*entry))
+                store.restore(entry)
         self._last = self._revisions()
 
 
@@ -114,6 +118,27 @@ class KeptWorld:
         self._seen = self._simulation.clock.simulated
 
 
+class KeptFakes:
+    """Fake arms, hands and components."""
+
+    def __init__(self, fakes: FakeState):
+        self._fakes, self._last = fakes, encode(fakes.kept())
+
+    def changed(self) -> Any:
+        """Return their state, where it is another one."""
+        state = self._fakes.kept()
+        now = encode(state)
+        if now == self._last:
+            return None
+        self._last = now
+        return state
+
+    def restore(self, state: Any) -> None:
+        """Have them as they were."""
+        self._fakes.put_back(state)
+        self._last = encode(self._fakes.kept())
+
+
 def kept_parts(resources: Resources) -> dict[str, Kept]:
     """Return those parts of a run that can be kept."""
     parts: dict[str, Kept] = {}
@@ -123,6 +148,8 @@ def kept_parts(resources: Resources) -> dict[str, Kept]:
         parts[MESSAGES] = KeptMessages(resources.messages)
     if resources.world is not None:
         parts[WORLD] = KeptWorld(resources.world)
+    if resources.fakes is not None:
+        parts[FAKES] = KeptFakes(resources.fakes)
     return parts
 
 
@@ -141,8 +168,9 @@ def parts_lost(nodes: Mapping[str, tuple[str, str]], events: Sequence[Event], ro
         stays: a part that outlives the run's process.
     """
     begun = [e.data for e in events if e.event in ("run_started", "run_resumed")]
-    keeps = set().union(*(data.get("keeps", ()) for data in begun)) - ({WORLD} if robot != "sim" else set())
-    gone = set(_LOST_WORDS) - keeps - {stays} - ({WORLD} if robot == "ros" else set())
+    keeps = set().union(*(data.get("keeps", ()) for data in begun))
+    moved = robot == "ros" or (FAKES if robot == "fake" else WORLD) in keeps
+    gone = ({SCENE, MESSAGES} - keeps - {stays}) | (set() if moved else {WORLD})
     ended = {event.path for event in events if event.event == "exit"}
     found = []
     for part in [part for part in _LOST_WORDS if part in gone]:
@@ -164,20 +192,71 @@ def _surely(node: str) -> tuple[str, ...]:
     return CHANGED_BY.get(kind, ()) if kind not in ("component", "grasp") else ()
 
 
-def bring_back(parts: Mapping[str, Kept], reader: JournalReader, events: Sequence[Event]) -> dict[str, int]:
-    """Bring parts into the state that they had at the last of `events`; return by which event each.
+def unreadable(reader: JournalReader, events: Sequence[Event], robot: str, stays: str = "") -> dict[str, str]:
+    """Return which parts can't be brought back since the journal hasn't got their states any more, and why.
+
+    Args:
+        reader: of the journal.
+        events: that happen again.
+        robot: with which the run goes on.
+        stays: a part that outlives the run's process.
+    """
+    others = {stays, *({WORLD} if robot != "sim" else ()), *({FAKES} if robot != "fake" else ())}
+    found = {}
+    for name, event in last_kept(events).items():
+        if name not in others:
+            try:
+                reader.value(event)
+            except GripError as error:
+                found[name] = _not_back(event, error)
+    return found
+
+
+@dataclass
+class BroughtBack:
+    """What became of the parts beside the task.
+
+    Attributes:
+        restored: part -> the event whose state it has.
+        anew: part that begins as in a new run -> why.
+    """
+
+    restored: dict[str, int] = field(default_factory=dict)
+    anew: dict[str, str] = field(default_factory=dict)
+
+
+def bring_back(
+    parts: Mapping[str, Kept], reader: JournalReader, events: Sequence[Event], agreed: bool = False
+) -> BroughtBack:
+    """Bring parts into the state that they had at the last of `events`.
+
+    Args:
+        parts: that this run has.
+        reader: of the journal.
+        events: that happen again.
+        agreed: whether a part that can't be brought there may begin as in a new run.
 
     Raises:
         ResumeError: one can't be brought there.
     """
-    restored = {}
+    found = BroughtBack()
     for name, event in last_kept(events).items():
         if name in parts:
             try:
                 parts[name].restore(reader.value(event))
             except (GripError, LookupError, TypeError, ValueError) as error:
-                raise ResumeError(
-                    f"the {name} can't be brought back to what it was at event {event.seq} ({event.path}): {error}"
-                ) from error
-            restored[name] = event.seq
-    return restored
+                why = _not_back(event, error)
+                if not agreed:
+                    raise ResumeError(f"{WORDS[name]} {why}; with --yes, {ANEW}") from error
+                found.anew[name] = why
+            else:
+                found.restored[name] = event.seq
+    return found
+
+
+WORDS = {SCENE: "the scene", MESSAGES: "the messages", WORLD: "the simulated world", FAKES: "the fake robot"}
+ANEW = "that begins as in a new run"
+
+
+def _not_back(event: Event, error: Exception) -> str:
+    return f"can't be brought back to what it was at event {event.seq} ({event.path}): {error}"

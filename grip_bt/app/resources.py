@@ -16,6 +16,8 @@ from .project import Project
 if TYPE_CHECKING:
     from grip_bt.runtime import RunContext
 
+    from .fake_state import FakeState
+
 Progress = Callable[[str, str], None]
 """Told `(part, detail)` as parts come up."""
 
@@ -26,7 +28,7 @@ def silent(part: str, detail: str) -> None:
 
 @dataclass
 class Resources:
-    """The parts that a run offers to its leaves; and the referee and the simulated world, which it doesn't."""
+    """The parts that a run offers to its leaves; and the referee, simulated world and fakes, which it doesn't."""
 
     clock: Clock | None = None
     arms: Mapping[str, Arm] = field(default_factory=dict)
@@ -39,6 +41,7 @@ class Resources:
     scene: Scene | None = None
     referee: Any = None
     world: Any = None
+    fakes: FakeState | None = None
     pausable: Sequence[Pausable] = ()
 
     def context(self, clock: Clock | None = None) -> RunContext:

@@ -93,7 +93,7 @@ def prepare(args: argparse.Namespace, options: RunOptions, given: frozenset[str]
     """
     from grip_bt.app import check_task
     from grip_bt.app.going_on import GoOn, agree, place_in, questions, read_results, recorded_options, resumable
-    from grip_bt.app.keeping import MESSAGES
+    from grip_bt.app.keeping import MESSAGES, unreadable
     from grip_bt.app.mocks import apply_mocks
     from grip_bt.app.replay import find_run, journal_of
     from grip_bt.compilers.resolve import resolve
@@ -121,10 +121,13 @@ def prepare(args: argparse.Namespace, options: RunOptions, given: frozenset[str]
     if options.mocks:
         model, catalog, _ = apply_mocks(model, catalog, options.mocks)
         parts = {part.path: part for part in resolve(model, catalog).root.walk()}
-    go_on = GoOn(record.id, at, read_results(parts, args.set_outcome), values)
+    results = read_results(parts, args.set_outcome)
     happened = events if at is None else events[:at]
     stays = MESSAGES if project.file.message_server and options.robot != "fake" else ""
-    asked = questions(parts, happened, go_on, options.mocks, options.robot, stays)
+    with JournalReader(file) as reader:
+        anew = unreadable(reader, happened, options.robot, stays) if args.yes or at is None else {}
+    go_on = GoOn(record.id, at, results, values, agreed=args.yes or bool(anew))
+    asked = questions(parts, happened, go_on, options.mocks, options.robot, stays, anew)
     if args.yes or at is not None:  # a fork moves nothing that another run has left behind
         for question in asked:
             _say(str(question))

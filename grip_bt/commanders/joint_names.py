@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
 from grip_bt.errors import UnknownNameError
 
 
@@ -16,3 +19,15 @@ def require_joints(names: Sequence[str], allowed: Sequence[str], arm: str) -> No
     for name in names:
         if name not in allowed:
             raise UnknownNameError("joint", name, allowed, where=f"arm {arm!r}")
+
+
+def same_joints(position: ArrayLike, names: Sequence[str]) -> NDArray[np.float64]:
+    """Return a copy of the positions of these joints, shape (n,).
+
+    Raises:
+        ValueError: they are of another number of joints.
+    """
+    row = np.array(position, dtype=float)
+    if row.shape != (len(names),):
+        raise ValueError(f"the state is of another robot: this one has the joints {', '.join(names)}, not {row.shape}")
+    return row

@@ -123,8 +123,88 @@ def test_a_state_that_was_too_big_to_be_kept_is_said(
     monkeypatch.setattr(execute, "Journal", lambda file: Journal(file, largest_value=100))
     assert main(["run", "kept.yaml", "--in-process", "--robot", "fake"]) in (0, 3)
     capsys.readouterr()
-    assert main(["run", "--fork", "last", "--at", "push", "--in-process"]) == 1
-    assert "can't be" in capsys.readouterr().err
+    fork = ["run", "--fork", "last", "--at", "box", "--in-process"]
+    assert main(fork) == 1
+    said = capsys.readouterr().err
+    assert "the scene can't be brought back to what it was at event" in said
+    assert "with --yes, that begins as in a new run" in said
+
+
+def test_with_yes_a_part_that_cannot_be_brought_back_begins_as_in_a_new_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("grip.yaml").write_text(GRIP)
+    Path("kept.yaml").write_text(TASK.replace("WAIT", "0.01"))
+    from grip_bt.app import execute
+    from grip_bt.runtime import Journal
+
+    with monkeypatch.context() as small:
+        small.setattr(execute, "Journal", lambda file: Journal(file, largest_value=100))
+        assert main(["run", "kept.yaml", "--in-process", "--robot", "fake"]) in (0, 3)
+    capsys.readouterr()
+    fork = ["run", "--fork", "last", "--at", "box", "--in-process", "--yes"]
+    assert main([*fork, *(f"--set-outcome={node}=success" for node in ("gone", "again", "last", "scene"))]) == 0
+    said = capsys.readouterr().err
+    assert "the scene: can't be brought back to what it was at event" in said
+    assert "; that begins as in a new run" in said
+    with JournalReader(tmp_path / ".grip" / "runs.sqlite") as reader:
+        begun = [e for e in reader.events(find_run(reader, "last")) if e.event in ("run_started", "run_resumed")]
+    assert list(begun[-1].data["anew"]) == ["scene"]
+
+
+FAKE = """\
+grip: 1
+name: fakes
+root:
+  kind: sequence
+  children:
+    close: {node: hand/posture, with: {posture: closed, seconds: 0.5}}
+    go: {node: arm/jog, with: {linear: [0.0, 0.1, 0.1], seconds: 1.0}}
+    show: {node: arm/teach, with: {name: shown}}
+    wait: {node: flow/wait, with: {seconds: 30.0}}
+    on: {node: arm/jog, with: {linear: [0.0, 0.1, 0.1], seconds: 1.0}}
+    back: {node: arm/move_to_taught, with: {name: shown}}
+"""
+
+
+@pytest.mark.slow
+def test_a_fake_robot_is_where_it_was_without_a_question(tmp_path: Path) -> None:
+    (tmp_path / "grip.yaml").write_text(GRIP)
+    (tmp_path / "fakes.yaml").write_text(FAKE)
+    run = kill_once(tmp_path, "wait:enter", "fakes.yaml", "--robot", "fake")
+    done = grip("run", "--resume", run, "--set-outcome", "wait=success", "--json", cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    with JournalReader(tmp_path / ".grip" / "runs.sqlite") as reader:
+        events = reader.events(run)
+        kept = {e.path: reader.value(e) for e in events if e.event == "kept" and e.data["part"] == "fakes"}
+    (resumed,) = (e for e in events if e.event == "run_resumed")
+    assert "fakes" in resumed.data["restored"]
+    went, on, back = (kept[path]["arms"]["right"] for path in ("go", "on", "back"))
+    assert np.allclose(on - went, [0, 0.1, 0.1, 0, 0, 0], atol=1e-3), "it went on from where it was"
+    assert np.allclose(back, went), "and back to what was taught before"
+    assert np.allclose(kept["back"]["hands"]["hand"], 1.0)
+
+
+def test_fakes_are_put_back_to_where_they_were() -> None:
+    from grip_bt.app.fake_state import FakeState
+    from grip_bt.commanders.fake import FakeArm, FakeComponent, FakeHand
+    from grip_bt.values import JointState, Pose
+
+    def made() -> FakeState:
+        hand = FakeHand(JointState(("finger",), np.zeros(1)), thing=JointState(("finger",), np.full(1, 0.6)))
+        return FakeState({"a": FakeArm()}, {"h": hand}, {"c": FakeComponent([{"n": 0}, {"n": 1}, {"n": 2}])})
+
+    first, second = made(), made()
+    first.arms["a"].execute(first.arms["a"].plan(Pose([0.4, 0.1, 0.3])).result())
+    first.hands["h"].move(JointState(("finger",), np.ones(1)), 0.5)
+    first.components["c"].call({})
+    second.put_back(first.kept())
+    assert np.allclose(second.arms["a"].state().position, first.arms["a"].state().position)
+    assert second.hands["h"].contacts() == first.hands["h"].contacts() != {}
+    assert second.components["c"].call({}).result() == {"n": 1}
+    with pytest.raises(ValueError, match="the state is of another robot: this one has the joints x, y, z"):
+        second.put_back({**first.kept(), "arms": {"a": np.zeros(2)}})
 
 
 MOVE = """\

@@ -7,6 +7,7 @@ that of `ArmCommander`.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from grip_bt.errors import ConstraintBrokenError, ExpectedError, NoGraspError, UnknownNameError
 from grip_bt.operation import Operation
 from grip_bt.ports import FREEDOMS
-from grip_bt.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory
+from grip_bt.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory, WayPoint
 
 from ..jogging import approaching, bounded, jogged, lasting
 from ..joint_names import require_joints
@@ -25,7 +26,7 @@ from .executor import FakeExecutor
 from .schedule import Schedule, Script, steps_of
 
 JOINTS = ("x", "y", "z", "rx", "ry", "rz")
-PLANNING = ("plan", "plan_straight", "plan_along", "plan_step", "choose_grasp")
+PLANNING = ("plan", "plan_straight", "plan_through", "plan_along", "plan_step", "choose_grasp")
 SPEED = 0.5
 """Of each joint [m/s or rad/s]."""
 ACCELERATION = 2.0
@@ -41,8 +42,9 @@ class FakeArm:
         home: pose of the grasp frame in the state `home`, where it is at first.
         schedule: its time; at once when None.
         states: further named states of the joints `JOINTS`.
-        script: verb (`plan`, `plan_straight`, `plan_along`, `plan_step`, `choose_grasp`, `execute`) -> what becomes of
-            each such request; `plan_step` is asked while the arm is steered.
+        script: verb (`plan`, `plan_straight`, `plan_through`, `plan_along`, `plan_step`, `choose_grasp`, `execute`) ->
+            what becomes of each such request; `plan_step` is asked while the arm is steered.
+        taught: what was taught before; nothing when None.
     """
 
     def __init__(
@@ -52,11 +54,12 @@ class FakeArm:
         schedule: Schedule | None = None,
         states: Mapping[str, JointState] | None = None,
         script: Mapping[str, Script] | None = None,
+        taught: Taught | None = None,
     ):
         self._name = name
         start = JointState(JOINTS, _joints_of(home or Pose([0.3, -0.4, 0.5])))
         self._states = {"home": start, **(states or {})}
-        self._taught = Taught()
+        self._taught = taught if taught is not None else Taught()
         scripts = dict(script or {})
         self._executor = FakeExecutor(start, schedule, scripts.pop("execute", ()))
         self._stream = Stream(self._executor, self._plan_step)
@@ -92,12 +95,7 @@ class FakeArm:
         """Plan a straight motion of the joints; only its ends are held to the constraint. See `ports.Arm`."""
         if free not in FREEDOMS:
             raise UnknownNameError("freedom of a pose", free, FREEDOMS, where=f"arm {self._name!r}")
-        if isinstance(goal, str):
-            states = self.named_states()
-            if goal not in states:
-                raise UnknownNameError("named state", goal, states, where=f"arm {self._name!r}")
-            goal = states[goal]
-        end = _joints_of(goal) if isinstance(goal, Pose) else goal.ordered(JOINTS)
+        end = self._end(goal)
         begin = self.state().position if start is None else start.ordered(JOINTS)
         for what, joints in (("start", begin), ("goal", end)):
             if constraint is not None and not constraint.kept_by(_pose_of(joints)):
@@ -107,6 +105,15 @@ class FakeArm:
     def plan_straight(self, goals: Sequence[Pose], *, start: JointState | None = None) -> Operation[Plan]:
         """Plan a motion through poses; see `ports.Arm`."""
         return self._planned("plan_straight", [_joints_of(goal) for goal in goals], start)
+
+    def plan_through(self, way_points: Sequence[WayPoint], *, start: JointState | None = None) -> Operation[Plan]:
+        """Plan a motion that goes through the points themselves: fakes round no corners. See `ports.Arm`."""
+        if not way_points:
+            raise ValueError("a motion through way points has at least one of them")
+        ends = [self._end(point.goal) for point in way_points]
+        none = (0.0,) * (len(ends) - 1)
+        planned = self._planned("plan_through", ends, start)
+        return planned.then(lambda plan: Operation.finished(replace(plan, radii=none)))
 
     def plan_along(self, trajectory: Trajectory) -> Operation[Plan]:
         """Make a plan of a trajectory; fakes know no limits and no shapes. See `ports.Arm`."""
@@ -152,6 +159,17 @@ class FakeArm:
         """Execute a plan; the result is where the joints are at the end."""
         return self._executor.execute(plan.trajectory)
 
+    def put_back(self, position: NDArray[np.float64]) -> None:
+        """Have the joints where they were, when nothing is under way.
+
+        Args:
+            position: of `JOINTS`, shape (6,).
+
+        Raises:
+            ValueError: it has another shape.
+        """
+        self._executor.put_back(position)
+
     def choose_grasp(self, grasps: Sequence[Grasp]) -> Operation[Grasp]:
         """Return the grasp of the highest quality."""
         failure: ExpectedError | None = next(self._scripts["choose_grasp"])
@@ -184,6 +202,14 @@ class FakeArm:
 
         step = steered(JOINTS, start.position, velocity_of(start, JOINTS), wanted, np.full(6, ACCELERATION), hold)
         return Operation.finished(step)
+
+    def _end(self, goal: JointState | Pose | str) -> NDArray[np.float64]:
+        if isinstance(goal, str):
+            states = self.named_states()
+            if goal not in states:
+                raise UnknownNameError("named state", goal, states, where=f"arm {self._name!r}")
+            goal = states[goal]
+        return _joints_of(goal) if isinstance(goal, Pose) else goal.ordered(JOINTS)
 
     def _planned(self, verb: str, ends: list[NDArray[np.float64]], start: JointState | None) -> Operation[Plan]:
         failure = next(self._scripts[verb])

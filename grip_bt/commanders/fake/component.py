@@ -22,16 +22,32 @@ class FakeComponent:
             them, or an error.
         schedule: its time; at once when None.
         delay: time to an answer [s].
+
+    Attributes:
+        requests: what it was asked.
+        given: how many replies it has given.
     """
 
     def __init__(self, replies: Iterable[Reply] = (), schedule: Schedule | None = None, delay: float = 0.0):
         self._replies = cycle(tuple(replies))
         self._schedule, self._delay = schedule or AtOnce(), delay
         self.requests: list[Mapping[str, Any]] = []
+        self.given = 0
+
+    def put_back(self, given: int) -> None:
+        """Go on with the reply that comes after so many.
+
+        Args:
+            given: how many it had given.
+        """
+        for _ in range(given - self.given):
+            next(self._replies, None)
+        self.given = max(given, self.given)
 
     def call(self, request: Mapping[str, Any]) -> Operation[Mapping[str, Any]]:
         """Answer with the next reply; ServerLostError where there is none."""
         self.requests.append(dict(request))
+        self.given += 1
         reply = next(self._replies, ServerLostError("the fake component has no replies"))
         operation: Operation[Mapping[str, Any]] = Operation()
 

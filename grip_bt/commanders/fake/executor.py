@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from grip_bt.errors import CanceledError, ExecutionAbortedError
 from grip_bt.operation import Operation
 from grip_bt.values import JointState, Trajectory
 
+from ..joint_names import same_joints
 from ..steering import spliced
 from .schedule import AtOnce, Schedule, Script, steps_of
 
@@ -87,6 +89,17 @@ class FakeExecutor:
         motion = self._hold()
         if motion is not None:
             motion.operation.fail(CanceledError("the motion was stopped"))
+
+    def put_back(self, position: NDArray[np.float64]) -> None:
+        """Have the joints where they were; nothing may be under way.
+
+        Args:
+            position: of its joints [rad], shape (n,).
+
+        Raises:
+            ValueError: it has another number of joints.
+        """
+        self._position = same_joints(position, self._names)
 
     def pause(self) -> None:
         """Hold where the joints are in the middle of a motion; see `ports.Pausable`."""

@@ -12,6 +12,7 @@ from grip_bt.errors import CanceledError
 from grip_bt.operation import Operation
 from grip_bt.values import JointState
 
+from ..joint_names import same_joints
 from .schedule import AtOnce, Schedule, Script, steps_of
 
 
@@ -86,6 +87,18 @@ class FakeHand:
         motion, self._motion = self._motion, None
         if motion is not None:
             motion.operation.fail(CanceledError("the hand was stopped"))
+
+    def kept(self) -> NDArray[np.float64]:
+        """Return where its fingers are or, where a thing is in the way, would be [rad], shape (n,)."""
+        return np.array(self._free_position())
+
+    def put_back(self, position: NDArray[np.float64]) -> None:
+        """Have the fingers where they were, as `kept` returned it; nothing may be under way.
+
+        Raises:
+            ValueError: it has another number of joints.
+        """
+        self._position = same_joints(position, self._names)
 
     def _cancel(self, operation: Operation[JointState]) -> None:
         if self._motion is not None and self._motion.operation is operation:
