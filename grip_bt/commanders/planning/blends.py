@@ -21,6 +21,7 @@ SMALLEST = 1e-3
 OUTSIDE = 1e-4
 """A rounded corner may be so far outside the ball [m]."""
 _SPACING = 0.06
+_SAME = 1e-4
 _CLOSE = 0.01
 """Rows of a segment so near to a blend [rad] are left out: the spline through both would bend."""
 
@@ -90,6 +91,15 @@ def without_ends(path: Path, begin: float, end: float) -> Path:
     kept = path[(at > first + _CLOSE) & (at < last - _CLOSE)]
     head, tail = at_arc(path, np.array([first, last]))
     return np.concatenate([head[None, :], kept, tail[None, :]])
+
+
+def distinct(path: Path) -> Path:
+    """Return a path without rows that are hardly away from the one before; both its ends stay."""
+    rows = [path[0]]
+    for row in path[1:-1]:
+        if np.linalg.norm(row - rows[-1]) > _SAME and np.linalg.norm(row - path[-1]) > _SAME:
+            rows.append(row)
+    return np.stack([*rows, path[-1]])
 
 
 def at_arc(path: Path, where: NDArray[np.float64]) -> Path:

@@ -24,7 +24,7 @@ from ..collision import CollisionChecker
 from ..model import Chain, RobotModel
 from ..trajectory.timing import timed
 from .beginning import chain_and_checker, finely_free, free_start, refuse_collisions
-from .blends import SMALLEST, Leg, corner, largest_radius, within, without_ends
+from .blends import SMALLEST, Leg, corner, distinct, largest_radius, within, without_ends
 from .free import RESOLUTION, plan_free
 from .goals import goals_of
 from .paths import Path, interpolated
@@ -93,7 +93,7 @@ def rounded(
             parts.append(own)
         else:
             parts[-1] = np.concatenate([parts[-1][:-1], before, own[1:]])
-    return parts, tuple(fitted)
+    return [distinct(part) for part in parts], tuple(fitted)
 
 
 def _fitting(
