@@ -19,6 +19,8 @@ SAMPLING = 0.02
 """Time between two points of a trajectory [s]."""
 _GRID = 0.02
 """Distance along the path [rad] between the points where the limits are held."""
+_FINER = 4
+"""Points of the grid between two knots that are closer than that."""
 _SPACINGS = (0.25, 0.12, 0.06)
 
 
@@ -77,7 +79,7 @@ def _timed_spline(
 ) -> Trajectory:
     at = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(knots, axis=0), axis=1))])
     spline = CubicSpline(at, knots, bc_type="natural")
-    grid = np.linspace(0.0, at[-1], int(np.clip(np.ceil(at[-1] / _GRID), 40, 400)) + 1)
+    grid = _grid(at)
     allowed = limits.velocity * speed, limits.acceleration * acceleration
     if timing == "toppra":
         from .library import squared_velocities as by_the_library  # a second to import, and seldom asked for
@@ -95,6 +97,21 @@ def _timed_spline(
     velocities = by_path * velocity[:, None]
     accelerations = by_path * change[:, None] + spline(where, 2) * (velocity**2)[:, None]
     return Trajectory(names, times, positions, velocities, accelerations)
+
+
+def _grid(at: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return increasing path positions, from those of the knots, shape (k,): even, and finer where knots are close.
+
+    Knots are close where the path turns sharply. With a step across such a place both its ends would have to be passed
+    with one acceleration along the path, which only a stop allows.
+    """
+    even = np.linspace(0.0, at[-1], int(np.clip(np.ceil(at[-1] / _GRID), 40, 400)) + 1)
+    close = np.flatnonzero(np.diff(at) < _GRID)
+    fine = [np.linspace(at[k], at[k + 1], _FINER + 1)[1:] for k in close]
+    both = np.unique(np.concatenate([even, *fine]))
+    apart = np.concatenate([[True], np.diff(both) > 1e-6])
+    apart[-1] = True
+    return both[apart]
 
 
 class _Drive:
