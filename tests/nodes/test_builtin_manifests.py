@@ -1,5 +1,6 @@
 """The manifests and the classes behind them say the same."""
 
+import ast
 import inspect
 import re
 from pathlib import Path
@@ -46,7 +47,10 @@ def test_a_leaf_uses_exactly_its_declared_parameters(manifest):
 
 def test_a_leaf_writes_exactly_its_declared_outputs(manifest):
     text = source_of(manifest)
-    written = set(re.findall(r"self\.end\((\w+)=", text)) | set(re.findall(r'(?:points|outputs) = \{"(\w+)"', text))
+    calls = [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Call)]
+    ends = [call for call in calls if ast.unparse(call.func) == "self.end"]
+    written = {word.arg for call in ends for word in call.keywords if word.arg}
+    written |= set(re.findall(r'(?:points|outputs) = \{"(\w+)"', text))
     assert written == set(manifest.outputs)
 
 
