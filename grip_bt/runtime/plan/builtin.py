@@ -21,6 +21,8 @@ from .builtin_updates import (
     S,
     Update,
     compare,
+    compare_all,
+    compare_two,
     compare_waiting,
     every_n,
     exists,
@@ -28,6 +30,7 @@ from .builtin_updates import (
     queue,
     set_value,
     status_of,
+    unset,
 )
 from .kinds import replaced_on
 
@@ -46,6 +49,9 @@ _MAKERS: dict[Any, Callable[[Any], Update]] = {
     behaviours.WaitForBlackboardVariable.update: exists_waiting,
     behaviours.CheckBlackboardVariableValue.update: compare,
     behaviours.WaitForBlackboardVariableValue.update: compare_waiting,
+    behaviours.CheckBlackboardVariableValues.update: compare_all,
+    behaviours.CompareBlackboardVariables.update: compare_two,
+    behaviours.UnsetBlackboardVariable.update: unset,
 }
 _CALLED: dict[Any, tuple[Any, Any]] = {
     cls.update: (base, base.update)
@@ -56,7 +62,7 @@ _CALLED: dict[Any, tuple[Any, Any]] = {
 }
 """Updates that call the one of another class."""
 _CLEARING = {cls.terminate for cls in (behaviours.Success, behaviours.Failure, behaviours.Running, behaviours.Dummy)}
-_CLIENT = ("get", "set", "__getattr__", "__setattr__")
+_CLIENT = ("get", "set", "unset", "__getattr__", "__setattr__")
 _AS_IMPORTED = [getattr(Client, name) for name in _CLIENT]
 
 

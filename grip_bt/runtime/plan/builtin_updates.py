@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from copy import copy
-from functools import partial
+from functools import partial, reduce
 from operator import attrgetter
 from typing import Any
 
@@ -40,6 +40,10 @@ class Bound:
         self.name = Blackboard.absolute_name(client.namespace, key)
         self.rights = client.read
         self.places: dict[str, str] = client.remappings
+
+    def readable(self) -> bool:
+        """Tell whether `read` fails only where the variable isn't there."""
+        return self.usual and Blackboard.activity_stream is None and self.name in self.rights
 
     def read(self) -> Any:
         """Return what the client's `get` does for the bare key.
@@ -114,31 +118,95 @@ def compare_waiting(node: Any) -> Update:
     return update
 
 
+def compare_two(node: Any) -> Update:
+    """`CompareBlackboardVariables.update`."""
+    own, first, second, client = node.update, node.var1_key, node.var2_key, node.blackboard
+    read_first, read_second = Bound(node, first).read, Bound(node, second).read
+
+    def update() -> Status:
+        if node.var1_key is not first or node.var2_key is not second or node.blackboard is not client:
+            return own()
+        try:
+            left, right = read_first(), read_second()
+        except KeyError:
+            return own()
+        holds = bool(node.operator(left, right))
+        ends = "succeeded" if holds else "failed"
+        node.feedback_message = f"'{first}, {second}' comparison {ends} [v1: {left}][v2: {right}]"
+        return S if holds else F
+
+    return update
+
+
+def compare_all(node: Any) -> Update:
+    """`CheckBlackboardVariableValues.update`."""
+    own, client = node.update, node.blackboard
+    known = [(check, check.variable, Bound(node, Blackboard.key(check.variable))) for check in node.checks]
+    inner = [_inside(check.variable) for check in node.checks]
+
+    def usual() -> bool:
+        if node.blackboard is not client or len(node.checks) != len(known):
+            return False
+        for check, (was, variable, bound) in zip(node.checks, known, strict=True):
+            if check is not was or check.variable is not variable or not bound.readable():
+                return False
+        return True
+
+    def update() -> Status:
+        if not usual():
+            return own()
+        results = []
+        for (check, variable, bound), inside in zip(known, inner, strict=True):
+            try:
+                value = bound.read() if inside is None else inside(bound.read())
+            except (KeyError, AttributeError):
+                node.feedback_message = f"variable '{variable}' does not yet exist on the blackboard"
+                return F
+            results.append(check.operator(value, check.value_generator()))
+        if node.blackboard_results is not None:
+            for number, result in enumerate(results, 1):
+                node.blackboard_results.set(str(number), result)
+        holds = bool(reduce(node.operator, results))
+        node.feedback_message = f"[{'|'.join(['T' if result else 'F' for result in results])}]"
+        return S if holds else F
+
+    return update
+
+
+def _inside(variable: str) -> Callable[[Any], Any] | None:
+    """Return what gets the nested attribute that a name asks for; None where it asks for none."""
+    attributes = variable.partition(".")[2]
+    return attrgetter(attributes) if attributes else None
+
+
 def exists(node: Any) -> Update:
     """`CheckBlackboardVariableExists.update`."""
-    return _found(node, "variable '{}' found", node.update)
+    variable = node.variable_name
+    return _found(node, f"variable '{variable}' found", F, f"variable '{variable}' not found")
 
 
 def exists_waiting(node: Any) -> Update:
     """`WaitForBlackboardVariable.update`."""
-    return _found(node, "'{}' found", node.update, of_key=True)
+    return _found(node, f"'{node.key}' found", R, f"waiting for key '{node.key}'...")
 
 
-def _found(node: Any, text: str, own: Update, of_key: bool = False) -> Update:
-    variable, key, client = node.variable_name, node.key, node.blackboard
-    read = Bound(node, variable.split(".")[0]).read
-    attributes = ".".join(variable.split(".")[1:])
-    message = text.format(key if of_key else variable)
-    if attributes:
-        return own
+def _found(node: Any, message: str, otherwise: Status, lacking: str) -> Update:
+    own, variable, key, client = node.update, node.variable_name, node.key, node.blackboard
+    read, inside = Bound(node, Blackboard.key(variable)).read, _inside(variable)
 
     def update() -> Status:
         if node.variable_name is not variable or node.key is not key or node.blackboard is not client:
             return own()
         try:
-            read()
+            value = read()
         except KeyError:
             return own()
+        if inside is not None:
+            try:
+                inside(value)
+            except (AttributeError, KeyError):
+                node.feedback_message = lacking
+                return otherwise
         node.feedback_message = message
         return S
 
@@ -148,10 +216,8 @@ def _found(node: Any, text: str, own: Update, of_key: bool = False) -> Update:
 def status_of(node: Any) -> Update:
     """`BlackboardToStatus.update`."""
     own, variable, client = node.update, node.variable_name, node.blackboard
-    read = Bound(node, variable).read
+    read, inside = Bound(node, Blackboard.key(variable)).read, _inside(variable)
     messages = {status: f"{variable}: {status}" for status in Status}
-    if "." in variable:
-        return own  # type: ignore[no-any-return]
 
     def update() -> Status:
         if node.variable_name is not variable or node.blackboard is not client:
@@ -160,8 +226,13 @@ def status_of(node: Any) -> Update:
             status = read()
         except KeyError:
             return own()
+        if inside is not None:  # looked at once, as the leaf does: it may be a property
+            try:
+                status = inside(status)
+            except AttributeError as error:
+                raise KeyError(f"Key exists, but does not have the specified nested attributes [{variable}]") from error
         if not isinstance(status, Status):
-            return own()
+            raise TypeError(f"{variable} is not of type py_trees.common.Status")
         node.feedback_message = messages[status]
         return status
 
@@ -171,22 +242,58 @@ def status_of(node: Any) -> Update:
 def set_value(node: Any) -> Update:
     """`SetBlackboardVariable.update`."""
     own, variable, client = node.update, node.variable_name, node.blackboard
-    name = Blackboard.absolute_name(client.namespace, variable)
+    name, _, attribute = Blackboard.absolute_name(client.namespace, variable).partition(".")
     writable, places = client.write, client.remappings
-    if "." in variable:
-        return own  # type: ignore[no-any-return]
+
+    def usual() -> bool:
+        return (
+            node.variable_name is variable
+            and node.blackboard is client
+            and Blackboard.activity_stream is None
+            and name in writable
+            and bool(node.overwrite)
+        )
 
     def update() -> Status:
-        if (
-            node.variable_name is not variable
-            or node.blackboard is not client
-            or Blackboard.activity_stream is not None
-            or name not in writable
-            or not node.overwrite
-        ):
+        if not usual():
             return own()
         place = places[name]
         Blackboard.storage[place] = node.variable_value_generator()
+        return S
+
+    def update_inside() -> Status:
+        if not usual() or places[name] not in Blackboard.storage:
+            return own()
+        value = node.variable_value_generator()
+        try:
+            setattr(getattr(client, name), attribute, value)
+        except AttributeError:  # it has no such attribute
+            return F
+        return S
+
+    return update_inside if attribute else update
+
+
+def unset(node: Any) -> Update:
+    """`UnsetBlackboardVariable.update`."""
+    own, key, client = node.update, node.key, node.blackboard
+    name, places = Blackboard.absolute_name(client.namespace, key), client.remappings
+    message = f"'{key}' found and removed"
+
+    def update() -> Status:
+        if (
+            node.key is not key
+            or node.blackboard is not client
+            or Blackboard.activity_stream is not None
+            or name not in places
+        ):
+            return own()
+        place = places[name]
+        if place in Blackboard.storage:
+            del Blackboard.storage[place]
+            node.feedback_message = message
+        else:
+            node.feedback_message = "'{}' not found, nothing to remove"  # theirs, which nobody fills in
         return S
 
     return update

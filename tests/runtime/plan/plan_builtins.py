@@ -15,6 +15,8 @@ from py_trees.common import Access, ComparisonExpression, Status
 KEYS = ("x", "y", "pose")
 OPERATORS = (operator.eq, operator.ne, operator.lt, operator.ge, lambda a, b: [a] if a == b else [])
 
+LOGIC = (operator.and_, operator.or_, operator.xor, lambda a, b: bool(a) is bool(b))
+
 
 def leaf_of_py_trees(name: str, rng: random.Random, board: str) -> Any:
     """Return a leaf that reads or writes variables of one part of the blackboard, or needs none."""
@@ -36,7 +38,7 @@ def leaf_of_py_trees(name: str, rng: random.Random, board: str) -> Any:
 
 def _over_a_variable(name: str, rng: random.Random, board: str) -> Any:
     key, attribute = rng.choice(KEYS), rng.choice(["", "", ".at", ".at.z"])
-    check = ComparisonExpression(key + attribute, rng.choice([0, 1, 2.0, lambda: 1]), rng.choice(OPERATORS))
+    check = _check(rng, key + attribute)
     values = itertools.cycle([_value(rng, key) for _ in range(4)])
     value = (lambda: next(values)) if rng.random() < 0.7 else _value(rng, key)
     makes = [
@@ -48,6 +50,11 @@ def _over_a_variable(name: str, rng: random.Random, board: str) -> Any:
         lambda: behaviours.SetBlackboardVariable(name, "pose.at", value, True),
         lambda: behaviours.UnsetBlackboardVariable(name, key),
         lambda: behaviours.BlackboardToStatus(name, key),
+        lambda: behaviours.BlackboardToStatus(name, "pose.status"),
+        lambda: behaviours.CompareBlackboardVariables(name, key, rng.choice(KEYS), rng.choice(OPERATORS)),
+        lambda: behaviours.CheckBlackboardVariableValues(
+            name, [check, _check(rng), *(_check(rng) for _ in range(rng.randint(0, 1)))], rng.choice(LOGIC)
+        ),
     ]
     leaf: Any = makes[rng.randrange(len(makes))]()
     client = leaf.blackboard
@@ -59,7 +66,14 @@ def _over_a_variable(name: str, rng: random.Random, board: str) -> Any:
     return leaf
 
 
+def _check(rng: random.Random, variable: str = "") -> ComparisonExpression:
+    variable = variable or rng.choice(KEYS) + rng.choice(["", "", ".at"])
+    return ComparisonExpression(variable, rng.choice([0, 1, 2.0, lambda: 1]), rng.choice(OPERATORS))
+
+
 def _value(rng: random.Random, key: str) -> Any:
     values: list[Any] = [0, 1, 1, 2, 0.5, "one", True, None]
-    others = [SimpleNamespace(at=1)] if key == "pose" else [Status.SUCCESS, Status.RUNNING]  # both trees share those
+    others = (
+        [SimpleNamespace(at=1, status=Status.FAILURE)] if key == "pose" else [Status.SUCCESS, Status.RUNNING]
+    )  # both trees share those
     return rng.choice(values + others)

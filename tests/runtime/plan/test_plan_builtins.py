@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Iterator
+import random
+from collections.abc import Callable, Iterator
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -19,7 +21,7 @@ S, F, R = Status.SUCCESS, Status.FAILURE, Status.RUNNING
 @pytest.fixture
 def board() -> Iterator[Client]:
     client = Client(name="test")
-    for key in ("x", "name"):
+    for key in ("x", "y", "pose", "name"):
         client.register_key(key=key, access=Access.WRITE)
     yield client
     Blackboard.disable_activity_stream()
@@ -41,7 +43,7 @@ def hot(root: Any, **options: Any) -> Plan:
 def test_no_update_of_their_own_is_called_where_everything_is_as_usual(
     board: Client, generated: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    board.x = 1
+    board.x, board.y, board.pose = 1, 2, SimpleNamespace(at=0, status=S)
     kids = [
         behaviours.Success("success"),
         checking(1),
@@ -51,6 +53,14 @@ def test_no_update_of_their_own_is_called_where_everything_is_as_usual(
         behaviours.StatusQueue("queue", [S], S),
         behaviours.SuccessEveryN("every", 1),
         behaviours.WaitForBlackboardVariableValue("wait", ComparisonExpression("x", 1, operator.eq)),
+        behaviours.CheckBlackboardVariableExists("exists", "x.real"),
+        behaviours.CompareBlackboardVariables("two", "x", "y", operator.lt),
+        behaviours.CheckBlackboardVariableValues(
+            "all", [ComparisonExpression(key, 1, operator.ge) for key in ("x", "y.real")], operator.and_
+        ),
+        behaviours.SetBlackboardVariable("set", "pose.at", 7, True),
+        behaviours.BlackboardToStatus("status", "pose.status"),
+        behaviours.UnsetBlackboardVariable("unset", "y"),
     ]
     root = composites.Sequence("all", True, kids)
     plan = Plan(root)
@@ -61,6 +71,8 @@ def test_no_update_of_their_own_is_called_where_everything_is_as_usual(
     plan.tick()
     assert root.status is S
     assert not said
+    assert board.pose.at == 7
+    assert not board.exists("y")
     assert kids[1].feedback_message == "'x' comparison succeeded [v: 1][e: 1]"
 
 
@@ -168,3 +180,59 @@ def test_nothing_is_compared_twice_when_a_trace_ends(board: Client) -> None:
     plan.tick()
     assert looked == [1, 1]
     assert root.status is R
+
+
+class Looked:
+    """A value that counts how often it is looked into, and has nothing there at times."""
+
+    def __init__(self) -> None:
+        self.looks, self.lacking = 0, False
+
+    def __str__(self) -> str:
+        return "looked"
+
+    @property
+    def at(self) -> Any:
+        self.looks += 1
+        if self.lacking:
+            raise AttributeError("at")
+        return Status.SUCCESS if self.looks % 2 else 3
+
+
+NESTED: dict[str, Callable[[], Any]] = {
+    "exists": lambda: behaviours.CheckBlackboardVariableExists("leaf", "x.at"),
+    "waits": lambda: behaviours.WaitForBlackboardVariable("leaf", "x.at"),
+    "status": lambda: behaviours.BlackboardToStatus("leaf", "x.at"),
+    "sets": lambda: behaviours.SetBlackboardVariable("leaf", "x.at", 5, True),
+    "compares": lambda: behaviours.CompareBlackboardVariables("leaf", "x", "y", operator.is_),
+    "unsets": lambda: behaviours.UnsetBlackboardVariable("leaf", "x"),
+    "checks": lambda: behaviours.CheckBlackboardVariableValues(
+        "leaf", [ComparisonExpression(v, 3, operator.eq) for v in ("x.at", "y")], operator.or_, "results"
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", NESTED)
+def test_what_is_nested_is_looked_at_as_often_and_ends_alike(board: Client, kind: str) -> None:
+    theirs, ours = NESTED[kind](), NESTED[kind]()
+    plan, rng = hot(ours), random.Random(kind)
+    for _ in range(60):
+        value, other, lacking = rng.random() < 0.8, rng.choice([None, 1, 3]), rng.random() < 0.3
+        looks = rng.randint(0, 1)
+        ends = []
+        for leaf, tick in ((theirs, theirs.tick_once), (ours, plan.tick)):
+            Blackboard.storage.clear()
+            looked = Looked()
+            looked.looks, looked.lacking = looks, lacking
+            if value:
+                Blackboard.storage["/x"] = looked
+            if other is not None:
+                Blackboard.storage["/y"] = other
+            error = ""
+            try:
+                tick()
+            except (KeyError, TypeError) as raised:
+                error = f"{type(raised).__name__}: {raised}"
+            stored = {key: str(kept) for key, kept in Blackboard.storage.items()}
+            ends.append((leaf.status, leaf.feedback_message, looked.looks, error, stored))
+        assert ends[0] == ends[1]
