@@ -22,6 +22,7 @@ from grip_bt.values import (
     Pose,
     RgbdFrame,
     Trajectory,
+    WayPoint,
 )
 
 CAMERA = CameraInfo(
@@ -98,4 +99,5 @@ _VALUES: dict[str, Callable[[], Any]] = {
     "Pose": lambda: _AT,
     "RgbdFrame": empty_table,
     "Trajectory": _trajectory,
+    "WayPoint": lambda: WayPoint(_AT),
 }

@@ -17,7 +17,7 @@ from grip_bt.errors import listing, nearest
 
 VALUES = (
     *("CameraInfo", "DepthImage", "Failure", "Grasp", "Image", "JointState", "PathConstraint", "Plan"),
-    *("PointCloud", "Pose", "RgbdFrame", "Trajectory"),
+    *("PointCloud", "Pose", "RgbdFrame", "Trajectory", "WayPoint"),
 )
 """Class names of `grip_bt.values`."""
 BUILTINS = ("bool", "int", "float", "str", "bytes")

@@ -55,7 +55,10 @@ class ThroughLeaf(ArmLeaf):
         if len(radii) != len(goals) - 1:
             raise PathInvalidError(_mismatch(radii, goals))
         straight = self.params["straight"]
-        return [WayPoint(goal, radius, straight) for goal, radius in zip(goals, [*radii, 0.0], strict=True)]
+        return [
+            goal if isinstance(goal, WayPoint) else WayPoint(goal, radius, straight)
+            for goal, radius in zip(goals, [*radii, 0.0], strict=True)
+        ]
 
 
 class PlanThrough(ThroughLeaf):

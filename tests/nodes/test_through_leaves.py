@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import pytest
 
+from grip_bt.catalog import Catalog
 from grip_bt.commanders.fake import FakeArm, OnClock
 from grip_bt.errors import NoIkError, PathInvalidError, UnknownNameError
+from grip_bt.graph import loads
 from grip_bt.runtime.clock import ManualClock
+from grip_bt.validation import validate
 from grip_bt.values import Pose, WayPoint
 
 OFFSETS = [[0.1, 0.0, 0.0], [0.1, 0.1, 0.0], [0.0, 0.1, 0.0]]
@@ -52,10 +58,10 @@ def test_offsets_are_way_points_from_where_the_hand_is_with_one_radius_for_the_i
 def test_bound_way_points_have_radii_of_their_own_and_may_be_states_and_joints(world):
     arm = cell(world).context._arm
     there = arm.grasp_pose().moved([0.2, 0, 0])
-    points = ["home", arm.state(), there]
+    points = ["home", arm.state(), WayPoint(there, 0.2, straight=False)]
     leaf = world.leaf("arm/plan_through", way_points=points, radii=[0.1, 0.0], straight=False)
     assert end_of(world, leaf) == ("success", None)
-    assert [point.radius for point in arm.asked] == [0.1, 0.0, 0.0]
+    assert [point.radius for point in arm.asked] == [0.1, 0.0, 0.2]
     assert not any(point.straight for point in arm.asked)
     assert world.data["plan"].trajectory.positions[-1][:3] == pytest.approx(there.position)
     assert arm.grasp_pose().position == pytest.approx([0.3, -0.4, 0.5])  # nothing has moved
@@ -98,3 +104,17 @@ def test_an_unknown_state_among_the_way_points_is_named(world):
         arm.plan_through([WayPoint("hoem")])
     with pytest.raises(ValueError, match="at least one"):
         arm.plan_through([])
+
+
+def test_what_the_page_shows_is_right(world):
+    page = (Path(__file__).parents[2] / "docs" / "motion.md").read_text()
+    section = page.split("## Way points and blends")[1].split("\n## ")[0]
+    (task,), (code,) = (re.findall(rf"```{language}\n(.*?)```", section, re.DOTALL) for language in ("yaml", "python"))
+    assert validate(loads(task), Catalog.builtin()).issues == ()
+    names = {}
+    exec(compile(code, "docs/motion.md", "exec"), names)
+    arm = cell(world).context._arm
+    with pytest.raises(UnknownNameError, match="look"):
+        names["over_the_wall"](arm, Pose(), Pose())
+    arm.teach("look")
+    assert names["over_the_wall"](arm, Pose(), Pose([1.0, 0, 0])).trajectory.positions[-1][0] == pytest.approx(1.0)
