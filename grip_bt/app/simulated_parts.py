@@ -49,6 +49,7 @@ def open_robot(
     except ImportError as error:
         raise MissingPartError(f"the simulator ({error})", "pip install 'grip-bt[sim]', or make demo") from None
 
+    progress("starting", "the simulator and the planner")
     description = project.description()
     planner = stack.enter_context(PlanningProcess(description))  # builds its model while the simulator starts
     spec = replace(table_world(seed), robot=project.robot_source)

@@ -125,7 +125,7 @@ def _run_here(args: argparse.Namespace, options: RunOptions) -> int:
     from grip_bt.runtime import serve_control
     from grip_bt.runtime.control import result_facts
 
-    with open_session(args.task, options, progress=tell_progress if args.control else progress) as session:
+    with open_session(args.task, options, progress=_silent if args.json and not args.control else progress) as session:
         stop_on_signals(session.runner)
         if args.control:
             result = serve_control(session.runner, sys.stdin, sys.stdout)
@@ -148,7 +148,8 @@ def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> tu
             run_id.append(event["run"])
             started.append(event)
         if event["event"] == "progress":
-            (tell_progress if args.control else progress)(event["part"], event["detail"])
+            if args.control or not args.json:
+                progress(event["part"], event["detail"])
         elif args.control and event["event"] != "failed":
             _print_line(json.dumps(event), supervisor.stop)
         elif prompt is not None:
@@ -247,14 +248,12 @@ def _tell(end: Mapping[str, Any], as_json: bool) -> None:
         print(f"{sentence(end)}; {took}{ticks}run {end['run']}")
 
 
+def _silent(part: str, detail: str) -> None:
+    """Say nothing."""
+
+
 def progress(part: str, detail: str) -> None:
-    """Say that a part came up, where somebody watches."""
-    if sys.stderr.isatty():
-        tell_progress(part, detail)
-
-
-def tell_progress(part: str, detail: str) -> None:
-    """Say that a part came up."""
+    """Say that a part starts, or came up: it may take a while."""
     print(f"  {part:<11} {detail}", file=sys.stderr, flush=True)
 
 

@@ -1,0 +1,57 @@
+"""`grip run` says on stderr what starts and what came up, unless the result is for a program."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from grip_bt.cli.__main__ import main
+
+GRIP = """\
+grip: 1
+robot: panda_allegro
+world: table
+arms: {right: {group: arm, hand: hand}}
+hands: {hand: {group: hand}}
+"""
+LOOK = "grip: 1\nname: look\ndata: {left: Any}\nroot: {node: scene/snapshot, out: {snapshot: left}}\n"
+NAMED = """\
+grip: 1
+name: named
+data: {number: {type: int, value: 7}}
+root: {node: messages/put, with: {store: notes, name: seven}, in: {value: number}}
+"""
+
+
+@pytest.mark.parametrize("way", [(), ("--in-process",)])
+def test_what_came_up_is_said_on_stderr_unless_the_result_is_json(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], way: tuple[str, ...]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("grip.yaml").write_text("grip: 1\n")
+    Path("named.yaml").write_text(NAMED)
+    assert main(["run", "named.yaml", *way]) == 0
+    said = capfd.readouterr()
+    assert said.err == "  messages    0 by name, 0 of them kept by an earlier run\n"
+    assert said.out.startswith("success")
+    assert main(["run", "named.yaml", "--json", *way]) == 0
+    said = capfd.readouterr()
+    assert said.err == ""
+    assert json.loads(said.out)["status"] == "success"
+
+
+@pytest.mark.slow
+@pytest.mark.sim
+def test_that_the_simulator_starts_is_said_before_it_is_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("sapien")
+    monkeypatch.chdir(tmp_path)
+    Path("grip.yaml").write_text(GRIP)
+    Path("look.yaml").write_text(LOOK)
+    assert main(["run", "look.yaml", "--in-process"]) == 0
+    first, *others = [line.split()[0] for line in capfd.readouterr().err.splitlines() if line.startswith("  ")]
+    assert first == "starting"
+    assert others == ["simulator", "planner"]
