@@ -84,6 +84,7 @@ def test_a_blended_way_keeps_to_its_balls_its_lines_and_its_limits_and_does_not_
     assert np.all(trajectory.positions >= limits.lower)
     assert np.all(trajectory.positions <= limits.upper)
     assert np.all(np.abs(trajectory.velocities) <= limits.velocity + 1e-6)
+    assert np.all(np.abs(trajectory.accelerations) <= limits.acceleration + 1e-6)
     assert speeds(plan)[[0, -1]] == pytest.approx([0.0, 0.0], abs=1e-6)
     assert ways[-1] == pytest.approx(goals[-1].position, abs=1e-3)
 
