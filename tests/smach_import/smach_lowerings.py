@@ -6,6 +6,8 @@ import time
 from collections import defaultdict
 from zlib import crc32
 
+from smach_sources import LAST
+
 from grip_bt import smach_compat
 from grip_bt.app.project import find_project
 from grip_bt.compilers import to_machine, to_tree
@@ -57,6 +59,7 @@ def fresh(file, preempt_at, request):
     legacy.TRACE.clear()
     legacy.ENDED.clear()
     legacy.WAITING.clear()
+    legacy.MADE.clear()
     legacy.WORLD.update(activations=0, preempt_at=tuple(preempt_at), request=request)
     return legacy
 
@@ -96,6 +99,11 @@ def run_form(path, file, form, preempt_at=(), pace=0, before=0):
             activation = leaf._activation
             if leaf.state is not state and _has_returned(legacy, leaf.state) and activation is not None:
                 _await(activation.returned, "a state never returned")
+        by_path = {leaf.state.path: leaf for leaf in leaves}
+        for last in _lasts_before(state, {path: leaf.state for path, leaf in by_path.items()}):
+            if last.endswith(f"/{LAST}"):
+                branch = by_path[last].enclosing[-1]
+                _await(lambda branch=branch: not branch.runs(), "a branch never ended")
         runner.request_preempt()
         _await_arrival(runner, leaves)
 
@@ -158,11 +166,14 @@ def run_compat(file, preempt_at=(), before=0):
     smach_compat.set_loggers(quiet, quiet, quiet, quiet)
 
     def request(state):
-        around = _concurrence(machine, state.path)
+        around, place = _concurrence(machine, state.path)
         if around is None:
             return machine.request_preempt()
+        for last in _lasts_before(state, legacy.MADE):
+            label = last[len(place) :].split("/")[1]
+            _await(lambda label=label: around._child_outcomes[label] is not None, "a branch never ended")
         for label, sibling in around.get_children().items():
-            if sibling is not state and _has_returned(legacy, sibling):
+            if sibling is not state and hasattr(sibling, "path") and _has_returned(legacy, sibling):
                 _await(lambda label=label: around._child_outcomes[label] is not None, "a child never ended")
         before = around._woken
         machine.request_preempt()
@@ -183,12 +194,23 @@ def run_compat(file, preempt_at=(), before=0):
     return outcome, [list(row) for row in legacy.TRACE]
 
 
+def _lasts_before(state, states):
+    """Yield the last states of the branches before that of a state."""
+    after = state.after
+    while after is not None:
+        yield after
+        after = states[after].after
+
+
 def _concurrence(machine, path):
-    """Return the Concurrence that a state is a child of."""
+    """Return the Concurrence that a state is in, and its path."""
     *above, _ = path.strip("/").split("/")
-    for label in above:
+    found, place = (machine if isinstance(machine, smach_compat.Concurrence) else None), ""
+    for number, label in enumerate(above):
         machine = machine[label]
-    return machine if isinstance(machine, smach_compat.Concurrence) else None
+        if isinstance(machine, smach_compat.Concurrence):
+            found, place = machine, "".join(f"/{each}" for each in above[: number + 1])
+    return found, place
 
 
 class Draw:

@@ -33,8 +33,10 @@ def imported_exactly(case, folder):
 def test_what_is_imported_exactly_does_what_upstream_did(case, tmp_path):
     path = imported_exactly(case, tmp_path)
     for target in ("bt", "sm") if path is not None and case["result"][0] == "out" else ():
-        trace = load_legacy(tmp_path / "legacy.py").TRACE
+        legacy = load_legacy(tmp_path / "legacy.py")
+        trace = legacy.TRACE
         trace.clear()
+        legacy.ENDED.clear()
         outcome, _, _ = run_task(path, target)
         assert outcome == case["result"][1]
         rows = json.loads(json.dumps(trace))
