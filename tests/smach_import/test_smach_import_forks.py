@@ -87,7 +87,8 @@ def _between_turns(path, form, events, trace):
     return found
 
 
-@pytest.mark.parametrize("form", FORMS)
+# Not as threads: there a state may end before or after the request reaches a sibling, and a fork may see the other.
+@pytest.mark.parametrize("form", [form for form in FORMS if form != "machine"])
 def test_a_preempted_machine_that_is_forked_ends_as_it_did(form, tmp_path):
     forks = asked = 0
     for seed in range(FIRST, FIRST + MACHINES):
