@@ -162,6 +162,7 @@ def test_the_page_in_a_browser(folder: Path, script: str) -> None:
         "counterexample.mjs",
         "forms.mjs",
         "nested_flow.mjs",
+        "edit_while_paused.mjs",
     ],
 )
 def test_tasks_are_edited_in_a_browser(folder: Path, script: str) -> None:
@@ -251,8 +252,8 @@ def test_a_first_task_from_nothing_takes_eighty_actions_at_most(tmp_path: Path) 
     examples = Path(__file__).parents[2] / "examples" / "components" / "antipodal_grasps"
     home = tmp_path / "project" / "components" / "antipodal_grasps"
     shutil.copytree(examples / "interfaces", home / "interfaces")
-    for name in ("server.py", "proposer.py"):
-        shutil.copy(examples / name, home)
+    for source in examples.glob("*.py"):
+        shutil.copy(source, home)
     (tmp_path / "project" / "grip.yaml").write_text("grip: 1\n")
     (tmp_path / "project" / "tasks").mkdir()
     with editing(tmp_path / "project") as (_, url):

@@ -93,12 +93,16 @@ export function eventText(event: RunEvent): string {
       return "the run starts";
     case "run_resumed": {
       const back = Object.keys((data["restored"] as object | undefined) ?? {});
-      return `the run goes on in another process${back.length ? `; as before: ${back.join(", ")}` : ""}`;
+      const anew = Object.keys((data["anew"] as object | undefined) ?? {});
+      const parts = [back.length ? `; as before: ${back.join(", ")}` : "", anew.length ? `; anew: ${anew.join(", ")}` : ""];
+      return `the run goes on in another process${parts.join("")}`;
     }
     case "went_on":
       return WENT_ON[String(data["how"])] ?? `goes on: ${String(data["how"])}`;
     case "kept":
       return `its ${String(data["part"])} is kept for going on`;
+    case "preempt_requested":
+      return "is asked to come to an end";
     case "interrupted":
       return "is halted";
     case "zombie":

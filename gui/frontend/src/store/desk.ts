@@ -41,7 +41,9 @@ function heard(frame: ServerFrame): void {
       const isNews = greeted || !chosen || frame.session?.state !== "ended";
       greeted = true;
       const held = frame.session?.held?.path;
-      if (held !== undefined && usePage.getState().follow) usePage.getState().select(held);
+      // Who edits the task meanwhile isn't called away from it.
+      const looks = run.record !== null || id !== known;
+      if (held !== undefined && looks && usePage.getState().follow) usePage.getState().select(held);
       if (id && id !== known && id !== run.record?.id && isNews) void openRun(id);
       break;
     }

@@ -2,7 +2,7 @@
 import type { JSX } from "react";
 
 import { actionTitle, ACTIONS } from "../../store/actions";
-import { openTask } from "../../store/desk";
+import { chooseRun, openTask } from "../../store/desk";
 import { useDocument } from "../../store/document";
 import { redo, save, undo } from "../../store/editing";
 import { usePage, type ViewName } from "../../store/page";
@@ -49,6 +49,7 @@ export function EditBar(): JSX.Element {
         </>
       ) : (
         <>
+          <UnderWay />
           <button title={actionTitle("undo")} disabled={!history?.can_undo} onClick={() => void undo()}>
             Undo
           </button>
@@ -67,5 +68,21 @@ export function EditBar(): JSX.Element {
         </>
       )}
     </div>
+  );
+}
+
+/** That a run of this task is under way while the task is edited, and the way back to it. */
+function UnderWay(): JSX.Element | null {
+  const session = useRun((s) => s.session);
+  const path = useDocument((s) => s.document?.path);
+  const run = session?.run;
+  if (!run || session.state === "ended" || session.task !== path) return null;
+  return (
+    <>
+      <span className="hint" title="What is changed here counts for the next run.">
+        A run goes on with the text that it began with
+      </span>
+      <button onClick={() => void chooseRun(run)}>Show the run</button>
+    </>
   );
 }
