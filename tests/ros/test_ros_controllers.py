@@ -185,8 +185,9 @@ def heard(monkeypatch):
     from grip_bt.ros.controllers import JointStates, joint_states
     from grip_bt.ros.topic import Received
 
-    clock, reader = SimpleNamespace(now=1000.0), Reader()
-    monkeypatch.setattr(joint_states, "time", SimpleNamespace(monotonic=lambda: clock.now))
+    clock, reader = SimpleNamespace(now=1000.0, date=1.8e9), Reader()
+    clocks = SimpleNamespace(monotonic=lambda: clock.now, time=lambda: clock.date)
+    monkeypatch.setattr(joint_states, "time", clocks)
     states = JointStates(SimpleNamespace(reader=lambda *_: reader))
 
     def hear(position, stamp, now):
@@ -206,6 +207,17 @@ def test_what_was_measured_before_and_is_only_heard_now_is_not_the_end_of_a_moti
     hear(0.0, 50.5, 1001.1)  # measured half a second before, and waited
     assert not fresh.done()
     hear(0.7, 51.05, 1001.11)
+    assert fresh.result().position == pytest.approx([0.7])
+
+
+def test_where_every_message_waited_the_clock_that_both_share_tells_what_came_before(heard):
+    states, hear, clock = heard
+    hear(0.0, 5000.0, 1000.6)  # all that is known of it waited 0.6 s
+    clock.now, clock.date = 1001.0, 5001.0
+    fresh = states.fresh(["joint_a"])
+    hear(0.1, 5000.5, 1001.1)
+    assert not fresh.done()
+    hear(0.7, 5001.01, 1001.6)
     assert fresh.result().position == pytest.approx([0.7])
 
 

@@ -35,18 +35,24 @@ class _Joint:
     """The least that messages took lately, with what the publisher's clock is off [s]."""
     lag_since: float
 
-    def measured_after(self, time: float) -> bool:
+    def measured_after(self, time: float, date: float) -> bool:
         """Tell whether it was measured after a time of our steady clock, not only heard: messages may have waited.
 
-        The stamp counts on the publisher's own clock, whatever that is; where there is none, hearing it has to do.
+        The stamp counts on the publisher's own clock, whatever that is; where there is none, hearing it has to do. A
+        publisher whose clock seems to be ours has to have measured after the date of that time too: where every message
+        has waited so far, none tells how little it may take.
         """
-        return self.heard > time and (self.stamp == 0 or self.stamp + self.lag >= time)
+        if self.heard <= time:
+            return False
+        ours = abs(self.lag + date - time) < STALE
+        return self.stamp == 0 or (self.stamp + self.lag >= time and (not ours or self.stamp >= date))
 
 
 @dataclass(frozen=True)
 class _Wait:
     names: tuple[str, ...]
     after: float
+    date: float
     operation: Operation[JointState]
 
 
@@ -92,7 +98,7 @@ class JointStates:
 
     def fresh(self, names: Sequence[str]) -> Operation[JointState]:
         """Return the next state of joints that is measured from now on; end with SensorError when none comes."""
-        wait = _Wait(tuple(names), time.monotonic(), Operation())
+        wait = _Wait(tuple(names), time.monotonic(), time.time(), Operation())
         with self._lock:
             self._waits.append(wait)
         timer = threading.Timer(STALE, self._give_up, (wait,))
@@ -131,7 +137,7 @@ class JointStates:
                         now,
                         *self._lag(name, now, stamp),
                     )
-            ready = [w for w in self._waits if all(self._measured_after(n, w.after) for n in w.names)]
+            ready = [w for w in self._waits if all(self._answers(n, w) for n in w.names)]
             self._waits = [w for w in self._waits if w not in ready]
         for wait in ready:
             wait.operation.succeed(self.state(wait.names))
@@ -142,8 +148,8 @@ class JointStates:
             return now - stamp, now
         return before.lag, before.lag_since
 
-    def _measured_after(self, name: str, time: float) -> bool:
-        return name in self._joints and self._joints[name].measured_after(time)
+    def _answers(self, name: str, wait: _Wait) -> bool:
+        return name in self._joints and self._joints[name].measured_after(wait.after, wait.date)
 
     def _give_up(self, wait: _Wait) -> None:
         with self._lock:
