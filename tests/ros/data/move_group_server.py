@@ -284,7 +284,7 @@ servers = [
     ActionServer(node, t, name, function, cancel_callback=lambda _: CancelResponse.ACCEPT, callback_group=group)
     for t, name, function in ((MoveGroup, "move_action", move), (ExecuteTrajectory, "execute_trajectory", execute))
 ]
-publisher = node.create_publisher(JointStateMessage, "/joint_states", 10)
+publisher = node.create_publisher(JointStateMessage, "joint_states", 10)  # in its own namespace
 
 
 def publish():
