@@ -43,6 +43,7 @@ export function start(where: Partial<Pick<StartRun, "begin_at" | "run_to">> = {}
   const { task, session } = useRun.getState();
   if (session !== null && session.state !== "ended") return Promise.resolve();
   return controlling(async () => {
+    await sent;
     // An old run on display gives way to the task as it is now.
     if (useRun.getState().record !== null) await openTask(task.path);
     // What runs is the file: what was drawn is saved first, and a file that somebody else has changed asks.
@@ -101,11 +102,24 @@ export async function runFromHere(): Promise<void> {
 
 // --- breakpoints ---
 
+let sent: Promise<void> = Promise.resolve();
+
+/** Shown at once, so that the next change starts from it; sent one after another, so that the last one stays. */
 export function setBreakpoints(points: readonly Breakpoint[]): Promise<void> {
   const task = useRun.getState().task.path;
-  return controlling(async () => {
-    useRunning.getState().setDesk(await server.breakpoints({ task, breakpoints: [...points], page: PAGE }));
-  });
+  const { desk, setDesk } = useRunning.getState();
+  setDesk({ ...desk, breakpoints: { ...desk.breakpoints, [task]: [...points] } });
+  sent = sent.then(() =>
+    controlling(async () => {
+      try {
+        setDesk(await server.breakpoints({ task, breakpoints: [...points], page: PAGE }));
+      } catch (error) {
+        setDesk({ ...useRunning.getState().desk, breakpoints: desk.breakpoints });
+        throw error;
+      }
+    }),
+  );
+  return sent;
 }
 
 /** Set a breakpoint before a node, or clear all of it. */
