@@ -35,15 +35,9 @@ from .model import (
     Task,
     Timeout,
     Variable,
-    cases_of,
-    children_of,
-    expressions_of,
-    join,
-    outcomes_of,
-    walk,
-    with_refusal,
 )
 from .schema import schema
+from .walking import cases_of, children_of, expressions_of, join, outcomes_of, walk, with_refusal
 
 if TYPE_CHECKING:
     from .edit import Edited, History, apply, apply_to_document, command_of

@@ -11,7 +11,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from . import model
+from . import model, walking
 from .shape import CHILDREN, DECLARING, FREE, child_nodes, keys_of, model_of
 from .syntax import Entry, Mapping, Scalar, Value, entries_of, plain, tree_of
 from .writer import write
@@ -105,7 +105,7 @@ def _task_data(task: model.Task) -> dict[str, Any]:
     while todo:
         node, key, parent = todo.pop()
         parent[key] = mine = data_of(node, CHILDREN)
-        below = model.children_of(node)
+        below = walking.children_of(node)
         if not isinstance(node, model.Childless):
             children: dict[str, Any] = dict.fromkeys(below)
             mine["child" if hasattr(node, "child") else "children"] = children

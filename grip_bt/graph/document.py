@@ -9,6 +9,7 @@ from pathlib import Path
 
 from grip_bt.errors import DocumentError
 
+from .allocation import many_made
 from .migration import migrated, version_of
 from .model import FORMAT_VERSION, Task
 from .quick import quick_data
@@ -35,7 +36,8 @@ class Document:
     @cached_property
     def tree(self) -> Mapping:
         """The text's syntax, with places; parsed when somebody asks."""
-        tree = parse(self.text, self.source)
+        with many_made(self.text):
+            tree = parse(self.text, self.source)
         assert isinstance(tree, Mapping)
         return tree
 
@@ -104,16 +106,17 @@ def read_text(text: str, source: str = "") -> Document:
     Raises:
         DocumentError: it isn't a task.
     """
-    data = quick_data(text)
-    task = None if data is None else task_of(data)
-    if task is None:
-        # odd or wrong: with places, so that a fault is said where it is
-        tree = parse(text, source)
-        new = migrated(text, tree, source)
-        if new != text:
-            return Document(read_task(parse(new, source), source), new, source, version_of(tree) or 0)
-        task = read_task(tree, source)
-    return Document(task, text, source)
+    with many_made(text):
+        data = quick_data(text)
+        task = None if data is None else task_of(data)
+        if task is None:
+            # odd or wrong: with places, so that a fault is said where it is
+            tree = parse(text, source)
+            new = migrated(text, tree, source)
+            if new != text:
+                return Document(read_task(parse(new, source), source), new, source, version_of(tree) or 0)
+            task = read_task(tree, source)
+        return Document(task, text, source)
 
 
 def read_file(path: Path | str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from typing import Any
 
@@ -26,15 +27,42 @@ def fault_of(tree: Mapping, error: Any) -> Fault:
     elif error["type"] == "string_pattern_mismatch" and words[-1:] == ["behaviour"]:
         message = f"{error['input']!r} isn't an import path: write `package.module:Class`"
     elif error["type"] == "string_pattern_mismatch":
-        message = f"{error['input']!r} isn't a name: letters, digits, _, - and spaces, a letter or _ first"
+        message = mismatch(error["ctx"]["pattern"], error["input"])
+    elif error["type"] == "tuple_type" and isinstance(error["input"], str | int | float):
+        message = f"a list is wanted: write [{', '.join(str(error['input']).split())}], not {error['input']!r}"
     elif error["type"] == "union_tag_not_found":
         message = "a node is a mapping with `node:` or `kind:`"
     elif error["type"] in ("too_long", "too_short"):
         message = f"{path[-1]!r} takes {_amount(error)}, not {error['ctx']['actual_length']}"
-    elif not isinstance(error["input"], dict | list):
+    elif not isinstance(error["input"], dict | list) and repr(error["input"]) not in message:
         message += f", not {error['input']!r}"
     at = "/".join(words)
     return (f"{at}: {message}" if at else message, line, column)
+
+
+def mismatch(pattern: str, text: object) -> str:
+    """Return what is wrong with a text that has to match a pattern of ours, in words, with what could be written."""
+    if pattern.startswith("^(/"):
+        allowed = "words of letters, digits and _, each after a /"
+        return f"{text!r} isn't a whole ROS name: {allowed}, such as {_ros_name(text)}"
+    if "(srv|action|msg)" in pattern:
+        allowed = "package/srv/Name, package/action/Name or package/msg/Name"
+        return f"{text!r} isn't the name of an interface: {allowed}, such as std_srvs/srv/Trigger"
+    if pattern.startswith("^[a-z][a-z0-9_]*("):
+        return f"{text!r} isn't a path of fields: lower case names with dots between them, such as target.pose"
+    if pattern.startswith("^[a-z]"):
+        lower = "_".join(re.findall(r"[a-z0-9]+", re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", str(text)).lower()))
+        such = lower if lower[:1].isalpha() else "my_grasps"
+        return f"{text!r} isn't a name: lower case letters, digits and _, a letter first, such as {such}"
+    if pattern == r"^[A-Za-z_][A-Za-z0-9_]*$":
+        return f"{text!r} isn't a name: letters, digits and _, no digit first"
+    return f"{text!r} isn't a name: letters, digits, _, - and spaces, a letter or _ first"
+
+
+def _ros_name(text: object) -> str:
+    """Return the whole ROS name that somebody may have meant."""
+    words = [word for word in re.split(r"[^A-Za-z0-9_]+", str(text)) if word]
+    return "".join(f"/{'_' * word[0].isdigit()}{word}" for word in words) or "/camera/points"
 
 
 def _amount(error: Any) -> str:

@@ -13,7 +13,7 @@ root maps to the outcomes of the task.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BaseModel, Discriminator, Field, StringConstraints, Tag, field_validator, model_validator
@@ -63,7 +63,9 @@ class _Composite(_Container):
     exits: FrozenDict[str, str] = FrozenDict()
 
 
-class _Decorator(_Container):
+class Decorator(_Container):
+    """What has one child, and does something with its result."""
+
     child: FrozenDict[Name, Node] = Field(min_length=1, max_length=1)
     exits: FrozenDict[str, str] = FrozenDict()
 
@@ -124,28 +126,28 @@ class StateMachine(_Container):
     children: FrozenDict[Name, Node] = Field(min_length=1)
 
 
-class Retry(_Decorator):
+class Retry(Decorator):
     """The child again, at most `times` times in all, until it succeeds; one attempt a tick."""
 
     kind: Literal["retry"]
     times: int = Field(ge=1)
 
 
-class Repeat(_Decorator):
+class Repeat(Decorator):
     """The child again, `times` times in all or until it fails; without `times`, for ever. One attempt a tick."""
 
     kind: Literal["repeat"]
     times: int | None = Field(default=None, ge=1)
 
 
-class Timeout(_Decorator):
+class Timeout(Decorator):
     """Fails with the reason `time_out` when the child is still running after `seconds` of the run's clock."""
 
     kind: Literal["timeout"]
     seconds: float = Field(gt=0)
 
 
-class Guard(_Decorator):
+class Guard(Decorator):
     """Fails with the reason `guard` when `if` is false; looked at on every tick, before the child."""
 
     kind: Literal["guard"]
@@ -171,7 +173,7 @@ class Switch(_Composite):
     children: FrozenDict[Name, Node] = Field(min_length=1)
 
 
-class ForEach(_Decorator):
+class ForEach(Decorator):
     """The child once for each item of a list, one a tick, until it fails; an empty list runs nothing and succeeds."""
 
     kind: Literal["for_each"]
@@ -187,7 +189,7 @@ class ForEach(_Decorator):
         return self
 
 
-class Loop(_Decorator):
+class Loop(Decorator):
     """The child again and again, one pass a tick: while a condition holds, until it fails or an exit is taken.
 
     After `times` passes it fails with the reason `loop_limit`, unless the condition has become false.
@@ -199,7 +201,7 @@ class Loop(_Decorator):
     times: int | None = Field(default=None, ge=1)
 
 
-class Cooldown(_Decorator):
+class Cooldown(Decorator):
     """After the child has ended or was halted it isn't run for `seconds`: until then the container fails at once."""
 
     kind: Literal["cooldown"]
@@ -243,13 +245,13 @@ class Subtask(_Node):
     exits: ClassVar[FrozenDict[str, str]] = FrozenDict()
 
 
-class Invert(_Decorator):
+class Invert(Decorator):
     """Success becomes failure and failure becomes success."""
 
     kind: Literal["invert"]
 
 
-class Force(_Decorator):
+class Force(Decorator):
     """Ends with `as`, whatever the child ended with."""
 
     kind: Literal["force"]
@@ -335,69 +337,3 @@ class Task(Shape):
     def variables(self) -> Mapping[str, Variable | str]:
         """The variables of the whole task: inputs, outputs and data."""
         return {**self.outputs, **self.inputs, **self.data} if self.inputs or self.outputs else self.data
-
-
-def children_of(node: AnyNode) -> FrozenDict[str, AnyNode]:
-    """Return a node's children by name, in order; empty for a leaf."""
-    if isinstance(node, Leaf):
-        return FrozenDict()
-    if isinstance(node, _Decorator):
-        return node.child
-    return node.children
-
-
-def join(parent: str, name: str) -> str:
-    """Return the path of the child `name` of the node at `parent`.
-
-    The root of a task has the path `/`, that of a subtask at `attempt/fetch` has `attempt/fetch/`, and its children
-    `attempt/fetch/look`.
-    """
-    if parent == "/":
-        return name
-    return f"{parent}{name}" if parent.endswith("/") else f"{parent}/{name}"
-
-
-def walk(node: AnyNode, path: str = "/") -> Iterator[tuple[str, AnyNode]]:
-    """Yield every node below and including `node` with its path, parents first, in document order."""
-    stack = [(path, node)]
-    while stack:
-        path, node = stack.pop()
-        yield path, node
-        stack.extend((join(path, name), child) for name, child in reversed(children_of(node).items()))
-
-
-def outcomes_of(node: Container) -> dict[str, Meaning]:
-    """Return every outcome that a container can end with, and its meaning; those of a subtask stand in its own file."""
-    if isinstance(node, StateMachine):
-        return with_refusal(node, node.outcomes)
-    if isinstance(node, Subtask):
-        return with_refusal(node, node.meaning)
-    return {"success": "success", "failure": "failure", **node.outcomes}
-
-
-def with_refusal(node: AnyNode, outcomes: Mapping[str, Meaning]) -> dict[str, Meaning]:
-    """Return a node's outcomes and, where it has a precondition, the `failure` that it then may end with."""
-    refusal: dict[str, Meaning] = {"failure": "failure"} if node.precondition else {}
-    return {**outcomes, **{k: v for k, v in refusal.items() if k not in outcomes}}
-
-
-def expressions_of(node: AnyNode) -> Iterator[tuple[str, str]]:
-    """Yield the key and text of each expression of a node.
-
-    A `precondition` sees the variables around the node, the others its own too.
-    """
-    if node.precondition:
-        yield "precondition", node.precondition
-    if isinstance(node, Guard):
-        yield "if", node.if_
-    elif isinstance(node, Switch):
-        yield "on_value", node.on_value
-    elif isinstance(node, Loop) and node.while_:
-        yield "while", node.while_
-
-
-def cases_of(node: Switch) -> Iterator[tuple[str, Case]]:
-    """Yield each child of a switch with each literal for which it is taken, in order."""
-    for child, said in node.cases.items():
-        for literal in said if isinstance(said, list) else [said]:
-            yield child, literal

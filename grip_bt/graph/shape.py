@@ -137,7 +137,8 @@ def _key_faults(tree: Mapping) -> Iterator[Fault]:
         if shape is None:
             entry = node.entries["kind"]
             kind = plain(entry.value)
-            hint = nearest(str(kind), model.KINDS)
+            leaf = isinstance(kind, str) and "/" in kind  # as ids of the catalogue have, and no container has
+            hint = f"; a leaf is written `node: {kind}`" if leaf else nearest(str(kind), model.KINDS)
             allowed = listing(model.KINDS)
             yield (f"unknown kind {kind!r}{hint} (there are: {allowed})", entry.value.line, entry.value.column)
             continue

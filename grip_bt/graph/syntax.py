@@ -18,10 +18,10 @@ from .scalars import read_plain
 MAX_DEPTH = 120
 """Levels of mappings and lists in a file; a container of a task takes two."""
 LONGEST_KEY = 200
-MAX_CHARACTERS = 1_000_000
-"""Of a file; some 5,000 nodes with a comment each."""
-MAX_VALUES = 60_000
-"""Scalars, mappings and lists in a file, keys included."""
+MAX_CHARACTERS = 1_250_000
+"""Of a file; some 10,000 nodes with a comment each."""
+MAX_VALUES = 100_000
+"""Scalars, mappings and lists in a file, keys included; 10,000 nodes with a parameter each take 80,000."""
 PATIENCE = 100_000
 """Characters of a text that is read by the slow parser, which is exact about odd spellings; larger ones are refused."""
 PATIENT_VALUES = 15_000
@@ -145,8 +145,13 @@ def _first_odd(text: str) -> re.Match[str] | None:
     return None
 
 
-def parse(text: str, source: str = "") -> Value:
+def parse(text: str, source: str = "", *, lists: bool = False) -> Value:
     """Read one YAML document.
+
+    Args:
+        text: the document.
+        source: what errors call it.
+        lists: whether a list is expected too; where it isn't, one is read slowly, if only to be refused.
 
     Raises:
         DocumentError: it isn't one, or it uses what tasks don't need.
@@ -154,7 +159,7 @@ def parse(text: str, source: str = "") -> Value:
     if len(text) > MAX_CHARACTERS:
         raise DocumentError(f"larger than {MAX_CHARACTERS} characters", source)
     if is_usual(text):
-        root = _quickly(text, source)
+        root = _quickly(text, source, lists)
         if root is not None:
             return root
     elif len(text) > PATIENCE:
@@ -162,7 +167,7 @@ def parse(text: str, source: str = "") -> Value:
     return _patiently(text, source)
 
 
-def _quickly(text: str, source: str = "") -> Value | None:
+def _quickly(text: str, source: str = "", lists: bool = False) -> Value | None:
     """Read by libyaml; None where the patient way is needed, if only to say what is wrong.
 
     Raises:
@@ -188,7 +193,8 @@ def _quickly(text: str, source: str = "") -> Value | None:
             return None
         marked = hasattr(error, "problem_mark")
         raise (_syntax_error(error, source) if marked else _unreadable(error, text, source)) from None
-    return builder.root if isinstance(builder.root, Mapping) or large else None
+    expected = (Mapping, Listing) if lists else Mapping
+    return builder.root if isinstance(builder.root, expected) or large else None
 
 
 def _too_odd(text: str, source: str) -> DocumentError:

@@ -13,6 +13,7 @@ import time
 import traceback
 from pathlib import Path
 
+from machine import is_within
 from mutations import mutant
 
 from grip_bt.catalog import Catalog
@@ -22,6 +23,8 @@ from grip_bt.validation import validate
 
 SECONDS = 1.0
 """CPU time that reading and checking a file may take."""
+HANG = 20.0
+"""After so much of it a file is given up."""
 MEGABYTES = 200
 """How large the whole process may become."""
 
@@ -43,14 +46,14 @@ def read_and_check(path, catalog):
 
 def told(path, catalog):
     begin = time.process_time()
-    signal.setitimer(signal.ITIMER_VIRTUAL, 3 * SECONDS)
+    signal.setitimer(signal.ITIMER_VIRTUAL, HANG)
     try:
         document, result = read_and_check(path, catalog)
         words = ""
     except GripError as error:
         document, result, words = None, "refused", str(error)
     except TooLongError:
-        return "too long", 3 * SECONDS, traceback.format_exc()[-2000:]
+        return "too long", HANG, traceback.format_exc()[-2000:]
     except BaseException as error:  # noqa: BLE001 - that nothing else is raised is the question
         signal.setitimer(signal.ITIMER_VIRTUAL, 0)
         return "broken", time.process_time() - begin, traceback.format_exc()[-2000:] or repr(error)
@@ -81,7 +84,7 @@ def main(folder, first, count):
         except BaseException:  # noqa: BLE001 - as above
             result, seconds, words = "broken", 0.0, traceback.format_exc()[-2000:]
         megabytes = peak()
-        if result in ("valid", "invalid", "refused") and seconds > SECONDS:
+        if result in ("valid", "invalid", "refused") and not is_within(seconds, SECONDS):
             result = "too long"
         if megabytes > MEGABYTES:
             result = "too large"

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from random import Random
 
 HEAD = "grip: 1\nname: a\n"
-BIG = 990_000
+BIG = 1_240_000
 """Characters of the largest files; a few more than a task may have are among them."""
 TOKENS = (
     "grip: 1", "kind: sequence", "children:", "child:", "node: a/b", "on:", "in:", "{", "}", "[", "]", ": ", ", ", "- ",
@@ -202,9 +202,9 @@ def _bomb(random: Random, base: str) -> bytes:
 
 def _large(random: Random, base: str) -> bytes:
     """As large as a file may be, or a little larger; right, wrong at the end, or oddly spelled."""
-    size = random.choice((50_000, 99_000, 400_000, BIG, 1_000_001, 4_000_001))
+    size = random.choice((50_000, 99_000, 400_000, 600_000, BIG, 1_250_001, 4_000_001))
     leaf = "    n{}: {{node: a/b, in: {{a: b}}, doc: something to read}}\n"
-    match random.randrange(9):
+    match random.randrange(10):
         case 0:
             text = HEAD + "doc: " + "x" * size + "\nroot: {node: a/b}\n"
         case 1:
@@ -217,6 +217,9 @@ def _large(random: Random, base: str) -> bytes:
             text = HEAD + "root: {node: a/b, precondition: '" + "1 + " * (size // 4) + "1'}\n"
         case 5:
             text = HEAD + "root:\n  kind: sequence\n  children:\n" + "# c\n" * (size // 4) + "    a: {node: a/b}\n"
+        case 6:
+            text = HEAD + "root:\n  kind: sequence\n  children:\n"
+            text += "".join(f"    n{n}: {{node: a/b{n}, with: {{c{n}: 1}}}}\n" for n in range(size // 38))
         case _:
             text = HEAD + "root:\n  kind: sequence\n  children:\n"
             text += "".join(leaf.format(n) for n in range(size // 58))

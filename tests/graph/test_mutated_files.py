@@ -15,9 +15,11 @@ import pytest
 from mutations import KINDS, mutant
 from ruamel.yaml import YAML
 
+from grip_bt.catalog import Catalog
 from grip_bt.errors import DocumentError
 from grip_bt.graph import Task, dumps, read_text
 from grip_bt.graph.syntax import MAX_VALUES, PATIENCE
+from grip_bt.validation import validate
 
 FILES = int(os.environ.get("GRIP_FUZZ_FILES", "200"))
 FIRST = int(os.environ.get("GRIP_FUZZ_SEED", "0"))
@@ -40,7 +42,9 @@ def folder(tmp_path_factory):
 
 def test_every_mutated_file_gives_a_task_or_a_typed_error_in_time(folder):
     command = [sys.executable, str(Path(__file__).with_name("mutated_worker.py")), str(folder), str(FIRST), str(FILES)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60 + FILES)
+    paths = os.pathsep.join([str(REPO / "tests"), os.environ.get("PYTHONPATH", "")])
+    env = {**os.environ, "PYTHONPATH": paths}
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600 + FILES, env=env)
     facts = [json.loads(line) for line in done.stdout.splitlines()]
     wrong = [fact for fact in facts if fact["result"] not in ("valid", "invalid", "refused")]
     assert not wrong, wrong[:3]
@@ -64,12 +68,51 @@ def test_a_seed_gives_one_file():
         ("#" + " c" * PATIENCE + "\nx-a:\tb\n", r":4:5: a tab is read only in files of up to 100000 characters"),
         ("#" + " c" * PATIENCE + "\nx-a: [\n", r":\d+:1: not valid YAML: .*did not find expected ',' or ']'"),
         ("#" + " c" * PATIENCE + "\nx-a: *b\n", r":4:6: the alias \*b"),
-        ("#" + " c" * 600_000 + "\n", "larger than 1000000 characters"),
+        ("#" + " c" * 700_000 + "\n", "larger than 1250000 characters"),
     ],
 )
 def test_what_is_too_large_for_the_slow_parser_is_refused_with_its_place(text, words):
     with pytest.raises(DocumentError, match=words):
         read_text(f"{HEAD}{text}root: {{node: a/b}}\n", "t.yaml")
+
+
+def tasks_of_10_000(per_node):
+    """Return the text of a task of 9,901 leaves in a sequence, each as `per_node` says."""
+    return f"{HEAD}root:\n  kind: sequence\n  children:\n" + "".join(per_node(n) for n in range(9_901))
+
+
+def test_10_000_nodes_with_a_parameter_and_a_comment_each_are_read_and_found_right():
+    text = tasks_of_10_000(
+        lambda n: f"    # what step {n} is for\n    s{n}: {{node: flow/wait, with: {{seconds: {n}}}}}\n"
+    )
+    document = read_text(text, "t.yaml")
+    assert validate(document.task, Catalog.builtin(), document).issues == ()
+    assert document.position("s9900", ("with", "seconds")) == (2 + 3 + 2 * 9_901, 37)
+
+
+def test_what_is_wrong_in_the_last_of_10_000_nodes_is_said_with_its_place():
+    text = tasks_of_10_000(lambda n: f"    s{n}: {{{'node' if n < 9_900 else 'nod'}: flow/wait}}\n")
+    with pytest.raises(DocumentError, match=rf"t.yaml:{2 + 3 + 9_901}:12: [\s\S]*'nod'"):
+        read_text(text, "t.yaml")
+
+
+def test_10_000_different_unknown_nodes_are_all_named():
+    document = read_text(tasks_of_10_000(lambda n: f"    s{n}: {{node: flow/wai{n}}}\n"), "t.yaml")
+    issues = validate(document.task, Catalog.builtin(), document).issues
+    assert [issue.line for issue in issues] == [2 + 3 + 1 + n for n in range(9_901)]
+    assert {issue.code for issue in issues} == {"unknown-node"}
+    assert "did you mean 'flow/wait'" in issues[0].message
+
+
+def test_the_search_for_garbage_is_on_again_after_a_large_file(monkeypatch):
+    import gc
+
+    seen = []
+    monkeypatch.setattr("grip_bt.graph.document.quick_data", lambda text: seen.append(gc.isenabled()))
+    with pytest.raises(DocumentError):
+        read_text(tasks_of_10_000(lambda n: "    s: [\n"), "t.yaml")
+    assert seen == [False]
+    assert gc.isenabled()
 
 
 def test_a_type_longer_than_any_is_refused_at_once():

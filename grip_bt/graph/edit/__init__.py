@@ -1,6 +1,6 @@
 """Edits of a task as values: applied to a task or to its text, each with an exact inverse, kept in a history."""
 
-from .applied import Applied, apply, title_of
+from .applied import Applied, apply
 from .commands import (
     Add,
     AnyCommand,
@@ -8,6 +8,7 @@ from .commands import (
     ChangeKind,
     Clip,
     Command,
+    Comment,
     Connect,
     Convert,
     Declare,
@@ -35,8 +36,10 @@ from .documents import Edited, apply_to_document
 from .history import History, Moment
 from .history_file import history_path, load_history, save_history
 from .pasting import clip_of
+from .remarks import comment_of
 from .rewriting import rewrite
 from .steps import path_after
+from .titles import title_of
 
 __all__ = [
     "Add",
@@ -46,6 +49,7 @@ __all__ = [
     "ChangeKind",
     "Clip",
     "Command",
+    "Comment",
     "Connect",
     "Convert",
     "Declare",
@@ -73,6 +77,7 @@ __all__ = [
     "apply",
     "apply_to_document",
     "clip_of",
+    "comment_of",
     "command_of",
     "history_path",
     "load_history",

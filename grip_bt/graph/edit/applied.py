@@ -16,7 +16,9 @@ from .kinds import change_kind
 from .nodes import add, move, remove, rename
 from .outcomes import rename_outcome
 from .pasting import paste
+from .remarks import comment
 from .steps import Step, path_after
+from .titles import title_of
 from .unwrapping import unwrap
 from .variables import declare, rename_variable, undeclare
 from .wrapping import wrap
@@ -38,6 +40,7 @@ _PLANS: dict[type[Any], Callable[[Editing, Any], None]] = {
     c.Rename: rename,
     c.Set: set_key,
     c.Unset: unset_key,
+    c.Comment: comment,
     c.Connect: connect,
     c.Disconnect: disconnect,
     c.Wrap: wrap,
@@ -104,11 +107,3 @@ def _apply(task: Task, command: c.AnyCommand, title: str) -> Applied:
 
 def _about(command: Any) -> str:
     return str(getattr(command, "path", "") or getattr(command, "parent", "") or (getattr(command, "paths", ("",))[0]))
-
-
-def title_of(command: c.AnyCommand) -> str:
-    """Return a command in a few words, for a history."""
-    if isinstance(command, c.Group | c.Patch):
-        return command.title or "edit"
-    about = _about(command) or "task"
-    return f"{command.do.replace('_', ' ')} {about}"

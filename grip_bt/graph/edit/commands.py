@@ -113,6 +113,15 @@ class Unset(_Command):
     key: tuple[str, ...] = Field(min_length=1)
 
 
+class Comment(_Command):
+    """A node has another comment in its file; in place of the lines right above it and of the end of its first line."""
+
+    do: Literal["comment"] = "comment"
+    path: str
+    text: str
+    """Its lines without `#`; empty for none."""
+
+
 class Connect(_Command):
     """An outcome of a node leads to `target`.
 
@@ -317,7 +326,7 @@ class Patch(_Command):
 
 
 AnyCommand = (
-    Add | Paste | Remove | Move | Rename | Set | Unset | Connect | Disconnect | Wrap | Unwrap | ChangeKind
+    Add | Paste | Remove | Move | Rename | Set | Unset | Comment | Connect | Disconnect | Wrap | Unwrap | ChangeKind
     | Convert | Extract | Inline | Bind | Unbind | SetMeaning | Declare | Undeclare | RenameVariable | RenameOutcome
     | Group | Patch
 )  # fmt: skip

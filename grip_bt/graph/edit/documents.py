@@ -12,7 +12,7 @@ from ..model import Task
 from .alike import alike, said_alike
 from .applied import apply
 from .commands import AnyCommand, Patch, Restore, Splice
-from .steps import Assign, Put, Step, path_after
+from .steps import Assign, Put, Remark, Step, path_after
 from .text import Text
 
 
@@ -82,6 +82,8 @@ def _restored(text: str, restore: Restore) -> str:
 
 
 def _with_source(step: Step, source: str | None) -> Step:
+    if source is not None and isinstance(step, Remark):
+        return step.model_copy(update={"text": source})
     if source is not None and isinstance(step, Put | Assign):
         return step.model_copy(update={"source": source})
     return step

@@ -6,8 +6,9 @@ from typing import Any
 
 from grip_bt.errors import EditError, listing, nearest
 
-from ..model import AnyNode, StateMachine, Task, children_of, join, walk
+from ..model import AnyNode, StateMachine, Task
 from ..shape import CHILDREN
+from ..walking import children_of, join, walk
 from .draft import Draft
 from .steps import Assign, Drop, Place, Put, Rekey, Shift, Step
 

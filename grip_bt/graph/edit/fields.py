@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from grip_bt.errors import EditError, listing, nearest
 
-from ..model import AnyNode, StateMachine, children_of, outcomes_of
+from ..model import AnyNode, StateMachine
 from ..shape import CHILDREN, FREE, keys_of
+from ..walking import children_of, outcomes_of
 from .commands import Bind, Connect, Disconnect, Set, SetMeaning, Unbind, Unset
 from .editing import Editing, kind_of
 from .steps import Place

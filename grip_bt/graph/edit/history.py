@@ -12,9 +12,9 @@ from dataclasses import dataclass, field, replace
 from grip_bt.errors import EditError
 
 from ..document import Document
-from .applied import title_of
 from .commands import AnyCommand, Patch
 from .documents import Edited, apply_to_document
+from .titles import title_of
 
 
 @dataclass(frozen=True)

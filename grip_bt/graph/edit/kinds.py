@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from grip_bt.errors import EditError, listing, nearest
 
-from ..model import KINDS, AnyNode, Fallback, Force, Invert, Sequence, StateMachine, children_of
+from ..model import KINDS, AnyNode, Fallback, Force, Invert, Sequence, StateMachine
 from ..shape import CHILDREN, FREE, keys_of, model_of_kind
+from ..walking import children_of
 from .commands import ChangeKind
 from .editing import Editing, holds_nodes, kind_of, slot
 

@@ -7,7 +7,8 @@ from typing import Any
 
 from grip_bt.errors import EditError, listing, nearest
 
-from ..model import AnyNode, Leaf, StateMachine, Subtask, Task, outcomes_of
+from ..model import AnyNode, Leaf, StateMachine, Subtask, Task
+from ..walking import outcomes_of
 from .commands import RenameOutcome
 from .draft import deep
 from .editing import Editing, kind_of

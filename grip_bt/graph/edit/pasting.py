@@ -6,7 +6,8 @@ from collections.abc import Iterator, Mapping
 from itertools import count
 from typing import Any
 
-from ..model import AnyNode, StateMachine, Task, children_of, outcomes_of
+from ..model import AnyNode, StateMachine, Task
+from ..walking import children_of, outcomes_of
 from .commands import Clip, Paste, RenameVariable
 from .draft import deep
 from .editing import Editing, expect_free, expect_room, slot

@@ -8,7 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from ..model import AnyNode, StateMachine, children_of
+from ..model import AnyNode, StateMachine
+from ..walking import children_of
 from .draft import deep
 from .editing import Editing, slot
 from .steps import Assign, Place

@@ -1,4 +1,4 @@
-"""The five things that an edit can do to a task file, and where; every command is a list of them.
+"""The six things that an edit can do to a task file, and where; every command is a list of them.
 
 A place is the keys on the way to a mapping of the file: `("root", "children", "look", "in")`; in a list the keys are
 `0`, `1` ... (its entries are renamed within and assigned, not put, dropped or shifted). The same steps are
@@ -12,8 +12,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from ..model import join
 from ..shape import CHILDREN
+from ..walking import join
 
 Place = tuple[str, ...]
 
@@ -74,7 +74,17 @@ class Shift(_Step):
     """Position in `to`, counted without the entry itself; None: at the end."""
 
 
-Step = Annotated[Put | Drop | Rekey | Assign | Shift, Field(discriminator="step")]
+class Remark(_Step):
+    """The entry `key` of the mapping at `at` has another comment; nothing of what the task does changes."""
+
+    step: Literal["remark"] = "remark"
+    at: Place
+    key: str
+    text: str
+    """Its lines without `#`; empty for none."""
+
+
+Step = Annotated[Put | Drop | Rekey | Assign | Shift | Remark, Field(discriminator="step")]
 
 
 def is_record(at: Place) -> bool:

@@ -19,7 +19,8 @@ from ..syntax import Entry, Listing, Mapping, Scalar, Value, entries_of, parse, 
 from ..writer import WIDTH, in_braces, write
 from .commands import Splice
 from .regions import content_end, dedented, indented, is_tidy, line_end, line_start, region_end, region_start
-from .steps import Assign, Drop, Place, Put, Rekey, Step, is_record, path_of
+from .remarks import found_at, lines_of_comment
+from .steps import Assign, Drop, Place, Put, Rekey, Remark, Step, is_record, path_of
 
 _FIRST = "this text is spelled in a way that can't be changed in place; bring it into form with `grip fmt`, then edit"
 
@@ -53,6 +54,8 @@ class Text:
         if isinstance(step, Assign):
             return self._assign(step)
         self.flush()
+        if isinstance(step, Remark):
+            return self._remark(step)
         if isinstance(step, Put):
             self._put(step.at, step.key, step.value, step.index, step.source)
             return None
@@ -196,6 +199,28 @@ class Text:
             lines = lines_of(step.key, step.value, is_node, beside if beside.startswith("#") else "")
         self._splice(begin, end, self._joined(indented(lines, entry.column), end))
         return taken
+
+    # --- comments --------------------------------------------------------------------------------------------------
+
+    def _remark(self, step: Remark) -> str:
+        lines = lines_of_comment("/".join(step.at), step.text)
+        if not lines and not is_tidy(self.text, self._mapping(step.at)):
+            return ""
+        self._make_tidy(step.at)
+        if not is_tidy(self.text, self._mapping(step.at)):
+            raise EditError("/".join(step.at), _FIRST)
+        found = found_at(self.text, self._mapping(step.at), step.key)
+        if found.text == step.text:
+            return found.text
+        column = self._entry(step.at, step.key).column
+        if found.beside and not found.above and len(lines) == 1:
+            self._splice(*found.beside, lines[0])
+            return found.text
+        if found.beside:
+            begin, end = found.beside
+            self._splice(len(self.text[:begin].rstrip(" ")), end, "")
+        self._splice(found.begin, found.end, "".join(line + self._newline for line in indented(lines, column)))
+        return found.text
 
     # --- taking out and putting in ---------------------------------------------------------------------------------
 

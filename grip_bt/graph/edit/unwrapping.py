@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from grip_bt.errors import EditError, listing
 
-from ..model import AnyNode, StateMachine, Task, children_of
+from ..model import AnyNode, StateMachine, Task
+from ..walking import children_of
 from .commands import Unwrap
 from .editing import Editing, slot
 from .kinds import edges_of

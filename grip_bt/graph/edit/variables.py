@@ -10,8 +10,9 @@ from typing import Any
 from grip_bt.errors import EditError, ExpressionError, listing, nearest
 
 from ..expression import parse_expression
-from ..model import AnyNode, children_of, expressions_of, join
+from ..model import AnyNode
 from ..shape import DECLARING
+from ..walking import children_of, expressions_of, join
 from .commands import Declare, RenameVariable, Undeclare
 from .draft import deep
 from .editing import Editing

@@ -6,7 +6,8 @@ from typing import Any
 
 from grip_bt.errors import EditError, listing
 
-from ..model import AnyNode, Leaf, Meaning, StateMachine, Subtask, Task, children_of, outcomes_of
+from ..model import AnyNode, Leaf, Meaning, StateMachine, Subtask, Task
+from ..walking import children_of, outcomes_of
 from .commands import Wrap
 from .editing import Editing, expect_free, slot
 from .kinds import STANDARD, chain, expect_kind, holds_nodes_of_kind, slot_of_kind

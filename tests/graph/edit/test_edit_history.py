@@ -67,7 +67,7 @@ def test_a_command_after_an_undo_begins_a_branch_and_the_old_one_stays():
     assert [(m.number, m.parent, m.title) for m in history.moments] == [
         (0, None, "opened"),
         (1, 0, "remove a"),
-        (2, 0, "rename d"),
+        (2, 0, "rename d to g"),
     ]
     history.go(1)
     assert "# one" not in history.document.text

@@ -84,7 +84,7 @@ def test_a_history_lies_beside_its_task_and_goes_on_in_another_process(tmp_path)
     history.undo()
     save_history(history, path)
     again = load_history(path, history.document)
-    assert [m.title for m in again.moments] == ["opened", "rename a", "set x"]
+    assert [m.title for m in again.moments] == ["opened", "rename a to x", "set speed of x to inf"]
     again.redo()
     assert again.document.task.root.children["x"].with_["speed"] == float("inf")
     again.go(0)

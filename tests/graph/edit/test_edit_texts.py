@@ -17,7 +17,7 @@ unhurried = settings(
 )
 randoms = st.randoms(use_true_random=False)
 KEEPING = ("add", "rename", "connect", "bind", "declare", "rename_variable")
-LOCAL = ("set", "unset", "bind", "unbind", "add", "set_meaning", "declare", "undeclare")
+LOCAL = ("set", "unset", "bind", "unbind", "add", "set_meaning", "declare", "undeclare", "comment")
 
 
 def edited(data, task, random, kinds=None):
