@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from grip_bt.errors import GripError, UnknownNameError
+from grip_bt.errors import UnknownNameError
 from grip_bt.ports import Executor, HandPort
 from grip_bt.values import JointState, Pose
 
+from .named_parts import TAUGHT, common_states, faults_of_fields, field_of
 from .project import ArmConfig, Project
 from .resources import Resources
 
@@ -20,9 +21,6 @@ if TYPE_CHECKING:
     from grip_bt.commanders.planning.requests import PlanningSettings
     from grip_bt.commanders.robots import RobotDescription
     from grip_bt.commanders.worker import PlanningService
-
-TAUGHT = "taught.yaml"
-"""File of a project in which taught states and poses are kept."""
 
 
 def open_commanders(
@@ -71,7 +69,7 @@ def open_commanders(
         )
         for name, hand in file.hands.items()
     }
-    executors = {**executors, **joined_executors(project, description, executors)}
+    executors = {**executors, **joined_executors(project, executors)}
     hand_of = {name: _hand_of(name, arm, file.hands) for name, arm in file.arms.items()}
     groups = {name: arm.group for name, arm in file.arms.items()} | {
         name: hand.group for name, hand in file.hands.items()
@@ -110,30 +108,27 @@ def open_commanders(
             file.arms[arm].group,
             taught,
             partial(_elsewhere, states, (arm, hand)),
-            _common_states(file.arms[arm], file.arms, description),
+            common_states(file.arms[arm], file.arms, description),
         )
         for arm, hand in hand_of.items()
     }
     resources.scene = scene
 
 
-def settings_of(arm: ArmConfig, robot: RobotDescription, seed: int) -> PlanningSettings:
+def settings_of(arm: ArmConfig, robot: RobotDescription, seed: int, where: str = "grip.yaml: arms") -> PlanningSettings:
     """Return how an arm is planned for: its fields in `grip.yaml`, else what the robot's files say, else defaults.
 
     Raises:
-        UnknownNameError: there is no such solver; a wrong planner is told when it is asked.
+        UnknownNameError: there is no such solver or planner.
     """
-    from grip_bt.commanders.ik import SOLVERS
     from grip_bt.commanders.planning.requests import PlanningSettings
 
-    def field(name: str) -> Any:
-        preferred = robot.preferences.get(arm.group, {}).get(name)
-        if name in arm.model_fields_set or preferred is None or preferred.value is None:
-            return getattr(arm, name)
-        return preferred.value
+    for fault in faults_of_fields(arm, robot, where):
+        raise fault
 
-    if field("kinematics") not in SOLVERS:
-        raise UnknownNameError("kinematics solver", field("kinematics"), SOLVERS, "grip.yaml: arms")
+    def field(name: str) -> Any:
+        return field_of(arm, robot, name)
+
     planner = field("planner")
     configured = robot.preferences.get(arm.group, {}).get("planner")
     parameters = {} if configured is None else configured.parameters.get(planner, {})
@@ -150,30 +145,15 @@ def settings_of(arm: ArmConfig, robot: RobotDescription, seed: int) -> PlanningS
     )
 
 
-def joined_executors(
-    project: Project, description: RobotDescription, executors: Mapping[str, Executor]
-) -> dict[str, Executor]:
-    """Return an executor for each arm that joins others.
-
-    Raises:
-        UnknownNameError: it joins an arm that isn't there.
-        GripError: its group doesn't hold just the joints of these.
-    """
+def joined_executors(project: Project, executors: Mapping[str, Executor]) -> dict[str, Executor]:
+    """Return an executor for each arm that joins others, all of which are right as `check_arms` says."""
     from grip_bt.commanders.together import JoinedExecutor
 
-    joined: dict[str, Executor] = {}
-    for name, arm in project.file.arms.items():
-        if not arm.arms:
-            continue
-        where = f"grip.yaml: arms/{name}/arms"
-        for part in arm.arms:
-            if part not in project.file.arms or part == name:
-                raise UnknownNameError("arm", part, set(project.file.arms) - {name}, where)
-        joints = {j for part in arm.arms for j in description.group(project.file.arms[part].group)}
-        if set(description.group(arm.group)) != joints:
-            raise GripError(f"{where}: the group {arm.group!r} holds other joints than {', '.join(arm.arms)} together")
-        joined[name] = JoinedExecutor(*(executors[part] for part in arm.arms))
-    return joined
+    return {
+        name: JoinedExecutor(*(executors[part] for part in arm.arms))
+        for name, arm in project.file.arms.items()
+        if arm.arms
+    }
 
 
 def _arm_group_of(hand: str, arms: Mapping[str, ArmConfig]) -> str:
@@ -205,19 +185,6 @@ def _elsewhere(states: Mapping[str, Callable[[], JointState]], own: tuple[str, s
             taken |= set(state.names)
             found.append(state)
     return found
-
-
-def _common_states(arm: ArmConfig, arms: Mapping[str, ArmConfig], robot: RobotDescription) -> dict[str, JointState]:
-    """Return the states that all arms which an arm joins have by the same name, such as `home`."""
-    parts = [robot.named_states.get(arms[name].group, {}) for name in arm.arms]
-    names = set.intersection(*(set(part) for part in parts)) if parts else set()
-    return {
-        name: JointState(
-            tuple(j for part in parts for j in part[name].names),
-            np.concatenate([part[name].position for part in parts]),
-        )
-        for name in sorted(names)
-    }
 
 
 def _hand_of(name: str, arm: ArmConfig, hands: Mapping[str, object]) -> str:

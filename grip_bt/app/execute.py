@@ -96,7 +96,7 @@ def check_task(path: str | Path, text: str | None = None) -> tuple[Project, Docu
     return project, document, report
 
 
-def _check_inputs(document: Document, given: Mapping[str, Any]) -> None:
+def check_inputs(document: Document, given: Mapping[str, Any]) -> None:
     """Refuse a run of a task that isn't given what it needs.
 
     Raises:
@@ -137,7 +137,7 @@ def open_session(
     """
     go_on = GoOn(**options.go_on) if options.go_on is not None else None
     project, document, report = check_task(path, None if go_on is None else _text_of(go_on, path, options.journal))
-    _check_inputs(document, options.data)
+    check_inputs(document, options.data)
     catalog = project.catalog()
     compile_task = to_machine if options.target == "sm" else to_tree
     task, factory = document.task, None

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import Any
-
-import numpy as np
+from typing import TYPE_CHECKING, Any
 
 from grip_bt.catalog.component_file import load_component
 from grip_bt.catalog.manifest import Manifest
@@ -14,32 +12,32 @@ from grip_bt.commanders.fake import FakeArm, FakeCamera, FakeComponent, FakeHand
 from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.scene import PlanningScene
 from grip_bt.commanders.taught import Taught
-from grip_bt.errors import ExpectedError, GripError, InvalidRobotError, UnknownNameError
-from grip_bt.values import JointState, Pose
+from grip_bt.errors import ExpectedError, UnknownNameError
+from grip_bt.values import Pose
 
+from .fake_joints import HandFacts, arm_states, description_of, hand_facts
 from .fake_state import FakeState
 from .fake_values import CAMERA, GRASP, empty_table, value_of
 from .frame_parts import robot_frames
 from .project import Project
 from .resources import Resources
 
+if TYPE_CHECKING:
+    from grip_bt.commanders.robots import RobotDescription
+
 
 def open_robot(project: Project, resources: Resources) -> None:
     """Put a fake of every arm, hand and camera of the project into `resources`."""
     file = project.file
-    known = _state_names(project)
+    robot = description_of(project)
     fakes = resources.fakes = resources.fakes or FakeState()
     taught = fakes.taught
-    arms = {
-        name: FakeArm(name, states=_arm_states(known.get(arm.group, ())), taught=taught)
-        for name, arm in file.arms.items()
-    }
+    arms = {name: _arm(name, robot, arm.group, taught) for name, arm in file.arms.items()}
     hands = {arm.hand: arms[name] for name, arm in file.arms.items() if arm.hand is not None}
     resources.arms, resources.pausable = arms, list(arms.values())
-    ports = {name: _fingers() for name in file.hands}
-    resources.hands = {
-        name: _hand(name, ports[name], taught, known.get(hand.group, ())) for name, hand in file.hands.items()
-    }
+    facts = {name: hand_facts(robot, hand.group) for name, hand in file.hands.items()}
+    ports = {name: _fingers(each) for name, each in facts.items()}
+    resources.hands = {name: _hand(name, ports[name], taught, facts[name]) for name in file.hands}
     fakes.arms, fakes.hands = arms, ports
     resources.cameras = {name: FakeCamera(CAMERA, [empty_table()]) for name, s in file.sensors.items() if s.camera}
     resources.scene = PlanningScene(
@@ -108,45 +106,22 @@ def _replies(manifest: Manifest, outcomes: int) -> list[dict[str, Any]]:
     return [{**fields, "outcome": number} for number in range(outcomes)]
 
 
-def _state_names(project: Project) -> dict[str, tuple[str, ...]]:
-    """Return group -> names of its states, as far as the robot's description can be had here.
-
-    Raises:
-        InvalidRobotError: its files are wrong.
-    """
-    try:
-        return {group: tuple(states) for group, states in project.description().named_states.items()}
-    except InvalidRobotError:
-        raise
-    except (GripError, ImportError):
-        return {}  # a task can be tried before there is a robot, or what describes it
+def _arm(name: str, robot: RobotDescription | None, group: str, taught: Taught) -> FakeArm:
+    own, states = arm_states(robot, group)
+    return FakeArm(name, states=states, taught=taught, own=own)
 
 
-def _arm_states(names: Iterable[str]) -> dict[str, JointState]:
-    """Return a place of its own for each state but `home`, 5 cm above one another: fakes know no kinematics."""
-    states = {}
-    for number, name in enumerate(name for name in names if name != "home"):
-        states[name] = FakeArm(home=Pose((0.3, -0.4, 0.55 + 0.05 * number))).state()
-    return states
+def _fingers(facts: HandFacts) -> FakeHand:
+    opened, closed = facts.postures["open"], facts.postures["closed"]
+    return FakeHand(opened, thing=facts.thing, forces=facts.forces, closed=closed)
 
 
-_FINGERS = ("finger", "thumb")
-
-
-def _fingers() -> FakeHand:
-    thing = JointState(_FINGERS, np.full(2, 0.6))
-    return FakeHand(JointState(_FINGERS, np.zeros(2)), thing=thing, forces={"thumb": 2.0})
-
-
-def _hand(name: str, port: FakeHand, taught: Taught, known: Iterable[str] = ()) -> HandCommander:
-    postures = {posture: JointState(_FINGERS, np.full(2, angle)) for posture, angle in (("open", 0.0), ("closed", 1.0))}
-    for posture in known:
-        postures.setdefault(posture, JointState(_FINGERS, np.full(2, 0.5)))
+def _hand(name: str, port: FakeHand, taught: Taught, facts: HandFacts) -> HandCommander:
     return HandCommander(
         name,
         port,
-        postures,
-        fingers={j: (j,) for j in _FINGERS},
+        facts.postures,
+        fingers=facts.fingers,
         taught=taught,
         reach=lambda targets, posture, frame: posture,  # a fake has no geometry: it is there already
     )

@@ -8,11 +8,8 @@ from contextlib import ExitStack
 from grip_bt.messages import LocalMessages, MessageLibrary, load, save
 from grip_bt.runtime.value_codec import decode, encode
 
-from .project import Project
+from .project import ARCHIVE, MESSAGES, Project
 from .resources import Progress, Resources
-
-ARCHIVE = "messages.values.sqlite"
-FOLDER = "messages"
 
 
 def open_messages(
@@ -34,7 +31,7 @@ def open_messages(
     if project.file.message_server and server:
         _open_server(resources, stack, progress)
         return
-    folder = project.folder / FOLDER
+    folder = project.folder / MESSAGES
     library = MessageLibrary(folder if folder.is_dir() else None)
     file = project.state_folder / ARCHIVE
     kept = load(lambda name: library.store(name, make=True), file, decode) if file.is_file() else 0

@@ -13,8 +13,9 @@ from grip_bt.compilers.leaves import LeafFactory, implementation_of
 from grip_bt.compilers.resolve import Part, resolve
 from grip_bt.errors import DocumentError, UnknownNameError
 from grip_bt.graph.frozen import FrozenDict
-from grip_bt.graph.model import AnyNode, Leaf, Task, children_of, join
+from grip_bt.graph.model import AnyNode, Leaf, Task
 from grip_bt.graph.settings_file import read_model
+from grip_bt.graph.walking import children_of, join
 from grip_bt.nodes.mock import MockLeaf, MockStep
 from grip_bt.runtime.breakpoints import node_path
 
@@ -58,6 +59,11 @@ def read_mocks(file: Path | None, given: Sequence[str] = ()) -> dict[str, list[d
         if not found or not node.strip() or not script.strip():
             raise DocumentError(f"{text!r} isn't NODE=SCRIPT, such as attempt/grasp=failure.no_ik,success", "--mock")
         scripts[node] = script
+    return scripted(scripts)
+
+
+def scripted(scripts: Mapping[str, Script]) -> dict[str, list[dict[str, Any]]]:
+    """Return node -> steps, as JSON data, of scripts."""
     return {node_path(node): [step.model_dump() for step in _steps(script)] for node, script in scripts.items()}
 
 

@@ -1,8 +1,8 @@
 """What a run's robot and scene did, for drawing it: positions of joints, ten times a second while they change.
 
 It lies beside the journal, in `motion/RUN.jsonl`, one object a line: first `parts` (part -> its joints), then whatever
-has changed at the time `t` of the run's clock [s]: `q` (part -> positions [rad or m]), `scene` (all objects). It is no
-part of the journal: it is thinned out, and nothing is decided by it.
+has changed at the time `t` of the run's clock [s]: `q` (part -> positions [rad or m]), `scene` (all objects), `bodies`
+(new ones, see `motion_bodies`). It is no part of the journal: it is thinned out, and nothing is decided by it.
 """
 
 from __future__ import annotations
@@ -18,7 +18,9 @@ import numpy as np
 
 from grip_bt.errors import GripError
 from grip_bt.values import Pose
-from grip_bt.values.solids import Box, Cylinder, Solid, Sphere
+from grip_bt.values.solids import Box, CellMap, Cylinder, Mesh, Solid, Sphere
+
+from .motion_bodies import Bodies
 
 if TYPE_CHECKING:
     from grip_bt.ports import Arm, Clock, Hand
@@ -77,6 +79,7 @@ def _record(resources: Resources, clock: Clock, file: Path, over: threading.Even
             out.write(json.dumps({"parts": {name: list(state.names) for name, state in states.items()}}) + "\n")
             told: dict[str, Any] = {}
             scene: Any = None
+            bodies = Bodies()
             while True:
                 last = over.is_set()
                 line: dict[str, Any] = {}
@@ -88,7 +91,9 @@ def _record(resources: Resources, clock: Clock, file: Path, over: threading.Even
                     line["q"] = {name: np.round(position, 4).tolist() for name, position in moved.items()}
                 now = resources.scene.snapshot() if resources.scene is not None else None
                 if now is not None and now is not scene:
-                    scene, line["scene"] = now, _objects(now.objects)
+                    scene, line["scene"] = now, _objects(now.objects, bodies)
+                    if new := bodies.new():
+                        line["bodies"] = new
                 if line:
                     out.write(json.dumps({"t": round(clock.now(), 3), **line}, separators=(",", ":")) + "\n")
                     out.flush()
@@ -101,14 +106,19 @@ def _changed(now: Any, before: Any) -> bool:
     return before is None or len(now) != len(before) or bool(np.abs(now - before).max(initial=0.0) > MOVED)
 
 
-def _objects(objects: Mapping[str, Any]) -> dict[str, Any]:
+def _objects(objects: Mapping[str, Any], bodies: Bodies) -> dict[str, Any]:
     return {
-        name: {**_shape(item.shape), "at": _place(item.pose, item.shape), "hand": item.hand, "fixed": item.fixed}
+        name: {
+            **_shape(item.shape, bodies),
+            "at": _place(item.pose, item.shape),
+            "hand": item.hand,
+            "fixed": item.fixed,
+        }
         for name, item in objects.items()
     }
 
 
-def _shape(shape: Solid) -> dict[str, Any]:
+def _shape(shape: Solid, bodies: Bodies) -> dict[str, Any]:
     match shape:
         case Box():
             return {"kind": "box", "size": _rounded(shape.size)}
@@ -116,11 +126,14 @@ def _shape(shape: Solid) -> dict[str, Any]:
             return {"kind": "cylinder", "size": _rounded((shape.radius, shape.height))}
         case Sphere():
             return {"kind": "sphere", "size": _rounded((shape.radius,))}
-    return {"kind": "box", "size": _rounded(shape.extents())}  # a mesh or a map of cells as the box around it
+        case Mesh() | CellMap():
+            return bodies.shape(shape)
 
 
 def _place(pose: Pose, shape: Solid) -> list[float]:
-    """Return x y z [m], then the quaternion w x y z, of the middle of a shape."""
+    """Return x y z [m], then the quaternion w x y z, of a shape's middle; of a mesh's and of cells' origin."""
+    if isinstance(shape, Mesh | CellMap):
+        return _rounded((*pose.position, *pose.quaternion))
     middle = pose.position + pose.rotation() @ np.asarray(shape.centre())
     return _rounded((*middle, *pose.quaternion))
 

@@ -6,16 +6,23 @@ import shutil
 import sys
 from collections.abc import Collection
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from pydantic import ValidationError
 
-from grip_bt.catalog.component_file import FILE_NAME
+from grip_bt.catalog.component_file import FILE_NAME, ComponentFile
 from grip_bt.catalog.interface_spec import InterfaceSpec
-from grip_bt.codegen.component_text import OutcomesNeededError, component_text, parse_outcomes
+from grip_bt.codegen.component_text import OutcomesNeededError, component_text, parse_outcomes, suggested_name
+from grip_bt.codegen.contract import check_contract
 from grip_bt.errors import DocumentError, GripError
+from grip_bt.graph.faults import document_error, fault_of
+from grip_bt.graph.settings_file import check_model
+from grip_bt.graph.syntax import Mapping, parse
 
 from .project import find_project
+
+_NOTHING = Mapping({}, 1, 1)
 
 
 @dataclass(frozen=True)
@@ -43,6 +50,8 @@ def from_file(path: Path) -> Wish:
     """
     from grip_bt.ros.interfaces import read_interface
 
+    if not path.is_file():
+        raise DocumentError("there is no such file", str(path))
     package = path.resolve().parent.parent
     if not (package / "package.xml").is_file():
         where = f"<package>/{path.suffix[1:]}/{path.name}, beside a package.xml"
@@ -72,7 +81,7 @@ def from_graph(name: str, within: float, interfaces: Path | None = None) -> Wish
 
     Raises:
         UnknownNameError: nothing of that name runs.
-        DocumentError: its type isn't known here; it says what to do.
+        GripError: its type isn't known here; it says what to do.
     """
     from grip_bt.ros.graph import find_served
     from grip_bt.ros.interfaces import read_interface
@@ -86,8 +95,8 @@ def from_graph(name: str, within: float, interfaces: Path | None = None) -> Wish
     try:
         return Wish(read_interface(served.type), served.name)
     except DocumentError as error:
-        reason = f"{served.name} is of type {served.type}, which isn't known here ({error.message})"
-        raise DocumentError(f"{reason}; give the folder of its interface package: --interfaces FOLDER") from None
+        advice = "give the folder of its interface package: --interfaces FOLDER"
+        raise GripError(f"{served.name} is of type {served.type}, but {error.message}; {advice}") from None
 
 
 def make_component(wish: Wish, folder: Path, outcomes: str | None, failures: Collection[str] = ()) -> Path:
@@ -101,9 +110,12 @@ def make_component(wish: Wish, folder: Path, outcomes: str | None, failures: Col
 
     Raises:
         OutcomesNeededError: nobody said how it can end.
+        ContractError: the interface and the outcomes don't fit; nothing is written.
         GripError: the folder has a component file already, or something doesn't fit.
     """
-    server = wish.server or "/" + _snake(wish.interface.name)
+    from grip_bt.ros.interfaces.source import fields_within
+
+    server = wish.server or "/" + suggested_name(wish.interface)
     name = wish.name or server.strip("/").replace("/", "_").lower()
     home = folder / name
     if (home / FILE_NAME).exists():
@@ -113,15 +125,32 @@ def make_component(wish: Wish, folder: Path, outcomes: str | None, failures: Col
     chosen = {"received": "true"} if outcomes is None else parse_outcomes(outcomes)
     try:
         text = component_text(wish.interface, name, server, chosen, failures)
+        component, faults = check_model(parse(text), ComponentFile)
+        if component is None:
+            raise document_error(faults, FILE_NAME)
+        check_contract(component, wish.interface, partial(fields_within, wish.package and wish.package.parent))
     except ValidationError as error:
-        first = error.errors()[0]
-        where = "/".join(map(str, first["loc"])) or "the component"
-        raise GripError(f"{where}: {first['msg'].removeprefix('Value error, ')}") from None
+        raise GripError(fault_of(_NOTHING, error.errors()[0])[0]) from None
     home.mkdir(parents=True, exist_ok=True)
-    if wish.package is not None and not (home / "interfaces" / wish.package.name).exists():
-        shutil.copytree(wish.package, home / "interfaces" / wish.package.name)
+    for package in _with_needed(wish.package):
+        if not (home / "interfaces" / package.name).exists():
+            shutil.copytree(package, home / "interfaces" / package.name)
     (home / FILE_NAME).write_text(text, encoding="utf-8")
     return home
+
+
+def _with_needed(folder: Path | None) -> list[Path]:
+    """Return a package's folder, and those beside it that it needs, directly or not."""
+    from grip_bt.ros.interfaces import read_package
+
+    found: dict[str, Path] = {}
+    todo = [] if folder is None else [folder]
+    while todo:
+        package = read_package(todo.pop())
+        found[package.name] = package.folder
+        beside = (package.folder.parent / name for name in package.depends - found.keys())
+        todo += [home for home in beside if (home / "package.xml").is_file()]
+    return list(found.values())
 
 
 def components_folder(start: Path) -> Path:
@@ -136,7 +165,3 @@ def _ask(interface: InterfaceSpec) -> str:
         raise needed
     said = input(f"{needed}\noutcomes [{needed.suggestion}]: ").strip()
     return said or needed.suggestion
-
-
-def _snake(name: str) -> str:
-    return "".join(f"_{c.lower()}" if c.isupper() and i else c.lower() for i, c in enumerate(name))

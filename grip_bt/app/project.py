@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -14,14 +15,17 @@ from grip_bt.catalog.process_config import ProcessConfig
 from grip_bt.catalog.sensor_config import SensorConfig
 from grip_bt.catalog.sensors import sensor_manifest
 from grip_bt.commanders.description.config import RobotConfig
-from grip_bt.errors import NotWritableError
+from grip_bt.errors import DocumentError, NotWritableError
 from grip_bt.graph.settings_file import read_model
 
 if TYPE_CHECKING:
+    from grip_bt.catalog.equipment import Equipment
     from grip_bt.commanders.robots import RobotDescription
     from grip_bt.commanders.scene import SceneObject
 
 FILE_NAME = "grip.yaml"
+MESSAGES, ARCHIVE = "messages", "messages.values.sqlite"
+"""Folder of named messages; what runs have kept of them, in the folder of the project's state."""
 Key = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]
 
 
@@ -127,7 +131,30 @@ class Project:
                 manifests += find_manifests(self.folder / folder)
         if self.file.nodes is not None:
             manifests += find_python_nodes(self.folder / self.file.nodes)
-        return Catalog.builtin().with_manifests(manifests).with_tasks(TaskFolder(self.folder))
+        whole = Catalog.builtin().with_manifests(manifests).with_tasks(TaskFolder(self.folder))
+        return whole.with_named(self.message_names).with_equipment(self.equipment)
+
+    def equipment(self) -> Equipment:
+        """Return what its arms, hands and nodes have, by name, as far as its files tell."""
+        from .equipment import equipment_of
+
+        return equipment_of(self)
+
+    def message_names(self) -> Mapping[str, set[str]] | None:
+        """Return store -> names of the messages that a run begins with; None where a server or nobody knows."""
+        from grip_bt.messages import MessageLibrary, names
+
+        if self.file.message_server:
+            return None
+        folder = self.folder / MESSAGES
+        try:
+            stores = MessageLibrary(folder if folder.is_dir() else None).stores()
+        except DocumentError:
+            return None  # a run says what is wrong with the file
+        found = {name: set(store.names()) for name, store in stores.items()}
+        for store, kept in names(self.folder / ".grip" / ARCHIVE).items():
+            found.setdefault(store, set()).update(kept)
+        return found
 
     @property
     def robot_source(self) -> str:

@@ -7,7 +7,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from grip_bt.errors import UnknownNameError
+from grip_bt.errors import DocumentError, UnknownNameError
 from grip_bt.ports import Arm, Camera, Clock, Component, Hand, Messages, Pausable, Ros, Scene, Sensor
 
 from .own_needs import ROBOT, parts_asked_for
@@ -90,10 +90,10 @@ def open_resources(
     with ExitStack() as stack:
         resources, asked = Resources(), parts_asked_for(own)
         needs_robot = bool(asked & ROBOT) or any(_needs_robot(project, node) for node in needs)
-        if needs_robot and project.file.robot is not None:
-            if robot == "fake":
-                fake_parts.open_robot(project, resources)
-            elif robot == "sim":
+        if needs_robot and robot == "fake":
+            fake_parts.open_robot(project, resources)
+        elif needs_robot and project.file.robot is not None:
+            if robot == "sim":
                 simulated_parts.open_robot(project, resources, seed, pace, stack, progress, hold)
             elif robot == "ros":
                 from . import ros_robot_parts
@@ -101,6 +101,8 @@ def open_resources(
                 ros_robot_parts.open_robot(project, resources, seed, stack, progress)
             else:
                 raise UnknownNameError("robot", robot, ("sim", "fake", "ros"))
+        elif any(node.partition("/")[0] in _MOVING_NODES for node in needs):
+            raise DocumentError(_NO_ROBOT, str(project.folder / "grip.yaml"))
         names = sorted(node.partition("/")[2] for node in needs if node.startswith("component/"))
         if names and robot == "fake":
             fake_parts.open_components(project, names, resources)
@@ -121,6 +123,8 @@ def open_resources(
 
 
 _ROBOT_NODES = ("arm", "hand", "grasp", "scene", "perception")
+_MOVING_NODES = ("arm", "hand", "scene")
+_NO_ROBOT = "there is no `robot:`, and the task needs one: name one (`grip robot list`), or try it with --robot fake"
 
 
 def _sensors(needs: Collection[str]) -> list[str]:

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Collection
+import time
+from collections.abc import Callable, Collection
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 from grip_bt.catalog.component_file import Start, load_component
-from grip_bt.errors import GripError, ServerLostError
+from grip_bt.errors import ServerLostError
 
 from .domain import own_domain
-from .frame_parts import robot_frames
+from .frame_parts import provide_frames, robot_frames
 from .project import Project
 from .resources import Progress, Resources
 
@@ -48,39 +49,42 @@ def open_ros(
     from grip_bt.ros.components import start_components
     from grip_bt.ros.door import RosDoor
     from grip_bt.ros.frames import mounted_frames
-    from grip_bt.ros.sensors import close_sensors, open_sensors
+    from grip_bt.ros.sensors import TopicSensor, close_sensors, open_sensors
     from grip_bt.ros.tf import Transforms
 
-    if "ros/lookup_transform" in needs:
-        _provide_frames(progress)
+    if "ros/lookup_transform" in needs or any(project.file.sensors[name].given_in for name in sensors):
+        provide_frames(progress)
     domain = _domain(project, names, sensors, needs, stack)
     poses, _ = mounted_frames(project.file.sensors)
     frames = robot_frames(project).with_poses(poses)
     folder = project.file.components or "components"
-    components = start_components(project.folder, names, domain, folder, frames)
+
+    def begun(package: str) -> None:
+        progress("interfaces", f"{package} is built now, once for all runs; this takes some seconds")
+
+    components = start_components(project.folder, names, domain, folder, frames, begun)
     stack.callback(components.close)
     resources.components = {name: components.client(name) for name in names}
-    door = RosDoor(components.bus, Transforms(components.bus, frames))
+    now = _take_time(components.bus, resources, stack) if project.file.simulated_time else time.time
+    door = RosDoor(components.bus, Transforms(components.bus, frames), now)
     resources.ros = door
-    if project.file.simulated_time:
-        _take_time(components.bus, resources, stack)
     built = (
         f"interfaces built in {components.build_seconds:.1f} s" if components.build_seconds else "interfaces in cache"
     )
     for name in names:
         process = components.process(name)
-        where = f"process {process.pid}" if process is not None else "already running"
-        progress("component", f"{name}: ROS 2 server in {where}, ready after {components.ready_seconds:.1f} s; {built}")
+        where = f"ROS 2 server in process {process.pid}" if process is not None else "ROS 2 server already running"
+        progress("component", f"{name}: {where}, ready after {components.ready_seconds:.1f} s; {built}")
     opened = open_sensors({name: project.file.sensors[name] for name in sensors}, door, project.folder, domain)
     stack.callback(lambda: close_sensors(opened))
     resources.sensors = opened
-    for name in sensors:
+    for name, sensor in opened.items():
         topics = ", ".join(topic.topic for topic in project.file.sensors[name].topics.values())
-        progress("sensor", f"{name}: {topics}")
+        progress("sensor", f"{name}: {topics}" if isinstance(sensor, TopicSensor) else f"{name}: {sensor.reason}")
 
 
-def _take_time(bus: Bus, resources: Resources, stack: ExitStack) -> None:
-    """Have the run's clock follow `/clock`.
+def _take_time(bus: Bus, resources: Resources, stack: ExitStack) -> Callable[[], float]:
+    """Have the run's clock follow `/clock`, and return it.
 
     Raises:
         ServerLostError: nobody publishes it.
@@ -92,6 +96,7 @@ def _take_time(bus: Bus, resources: Resources, stack: ExitStack) -> None:
         reason = f"nobody published the simulated time within {TIME_STARTS:.0f} s; start the simulator"
         raise ServerLostError(f"/clock: {reason}, or take `simulated_time` out of grip.yaml", server="/clock")
     resources.clock = clock
+    return clock.now
 
 
 def _domain(
@@ -111,17 +116,6 @@ def _domain(
 def _users_domain() -> int | None:
     chosen = os.environ.get("ROS_DOMAIN_ID")
     return int(chosen) if chosen else None
-
-
-def _provide_frames(progress: Progress) -> None:
-    """Have the messages of TF, built where they aren't installed; without them only fixed frames are known."""
-    from grip_bt.ros.definitions import provide
-
-    try:
-        built = provide("tf2_msgs")
-        progress("frames", f"tf2_msgs, built in {built[0]}" if built else "tf2_msgs, as installed")
-    except GripError as error:
-        progress("frames", f"only those that never move: {error}")
 
 
 def _starts(start: Start | None) -> bool:

@@ -5,16 +5,20 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from contextlib import ExitStack
+from functools import partial
 from typing import TYPE_CHECKING
 
 from grip_bt.catalog.controller_config import ControllerConfig, RosRobotConfig
-from grip_bt.errors import GripError, MissingPartError, UnknownNameError
-from grip_bt.ports import Executor, HandPort
+from grip_bt.errors import GripError, MissingPartError, SensorError, UnknownNameError
+from grip_bt.ports import Camera, Executor, HandPort
 
 from .commander_parts import open_commanders
+from .frame_parts import provide_frames, robot_frames
+from .named_parts import check_arms
 from .planner_parts import planners_in_force, with_move_group
 from .project import Project
 from .resources import Progress, Resources
+from .waiting import told_when_slow
 
 if TYPE_CHECKING:
     from grip_bt.ros.bus import Bus
@@ -38,10 +42,10 @@ def open_robot(project: Project, resources: Resources, seed: int, stack: ExitSta
         SwitchError: a controller can't be made active.
     """
     try:
-        from grip_bt.commanders.held import HeldExecutor, HeldHand
+        from grip_bt.commanders.held import HeldHand, held
         from grip_bt.commanders.worker import PlanningProcess
         from grip_bt.ros.bus import Bus
-        from grip_bt.ros.controllers import ControllerManager, JointStates
+        from grip_bt.ros.controllers import JointStates
     except ImportError as error:
         raise MissingPartError(f"planning or ROS ({error})", "pip install 'grip-bt[motion,ros]'") from None
     file = project.file
@@ -59,26 +63,90 @@ def open_robot(project: Project, resources: Resources, seed: int, stack: ExitSta
         if name not in settings.controllers:
             raise UnknownNameError("controller of", name, settings.controllers, "grip.yaml: ros/controllers")
     description = project.description()
+    check_arms(project, description)
     process = stack.enter_context(PlanningProcess(description))
     chosen = os.environ.get("ROS_DOMAIN_ID")
     bus = stack.enter_context(Bus("grip_robot", domain_id=int(chosen) if chosen else None))
     planner = with_move_group(project, description, process, stack, bus)
-    states = JointStates(bus, settings.joint_states)
+    states = JointStates(bus, settings.joint_states, settings.stale)
     joints = {n: _joints(settings.controllers[n], description.group(group)) for n, group in groups.items()}
-    wanted = [c.name for c in settings.controllers.values() if c.name is not None]
-    if wanted:
-        others = [other for c in settings.controllers.values() for other in c.instead_of]
-        ControllerManager(bus, settings.controller_manager, settings.ready).ensure_active(wanted, others)
-        progress("controllers", f"active: {', '.join(wanted)}")
-    states.wait_for([joint for names in joints.values() for joint in names], settings.ready)
-    progress("robot", f"{sum(map(len, joints.values()))} joints measured on {settings.joint_states}")
-    executors = {name: HeldExecutor(_executor(settings, name, bus, joints[name], states)) for name in alone}
+    measured = [joint for names in joints.values() for joint in names]
+    _wait_for_controllers(settings, bus, states, measured, progress)
+    progress("robot", f"{len(measured)} joints measured on {settings.joint_states}")
+    executors = {name: held(_executor(settings, name, bus, joints[name], states)) for name in alone}
     ports = {name: HeldHand(_hand(settings, name, bus, joints[name], states)) for name in file.hands}
     resources.pausable = [*executors.values(), *ports.values()]
     open_commanders(project, resources, description, planner, executors, ports, {}, seed)
+    resources.cameras = _cameras(project, settings, bus, progress)
     if not process.wait_until_ready():
         raise GripError("the planning process doesn't come up; run `grip doctor`")
     progress("planner", f"process {process.pid}: {planners_in_force(project, description)}")
+
+
+def _cameras(project: Project, settings: RosRobotConfig, bus: Bus, progress: Progress) -> dict[str, Camera]:
+    """Return the cameras of sensors that say `camera`; one that isn't named under `ros` says so when it is asked."""
+    from grip_bt.ros.camera import RosCamera, UnnamedCamera
+    from grip_bt.ros.door import RosDoor
+    from grip_bt.ros.frames import mounted_frames
+    from grip_bt.ros.tf import Transforms
+
+    sensors = [name for name, sensor in project.file.sensors.items() if sensor.camera is not None]
+    for name in settings.cameras:
+        if name not in sensors:
+            raise UnknownNameError("sensor with a `camera`", name, sensors, "grip.yaml: ros/cameras")
+    poses, _ = mounted_frames(settings.cameras)
+    if any(camera.mount is None for camera in settings.cameras.values()):
+        provide_frames(progress)
+    door = RosDoor(bus, Transforms(bus, robot_frames(project).with_poses(poses)))
+    for name, topics in settings.cameras.items():
+        progress("camera", f"{name}: {topics.image}, {topics.depth}, {topics.info}")
+    return {
+        name: RosCamera(name, settings.cameras[name], door) if name in settings.cameras else UnnamedCamera(name)
+        for name in sensors
+    }
+
+
+def _wait_for_controllers(
+    settings: RosRobotConfig, bus: Bus, states: JointStates, joints: Sequence[str], progress: Progress
+) -> None:
+    """Block until the named controllers are active and every joint is measured; what takes its time is told."""
+    from grip_bt.ros.controllers import ControllerManager
+
+    _provide_interfaces(settings, progress)
+    most = f"waiting for it, at most {settings.ready:g} s"
+    wanted = [c.name for c in settings.controllers.values() if c.name is not None]
+    if wanted:
+        others = [other for c in settings.controllers.values() for other in c.instead_of]
+        manager = settings.controller_manager
+        with told_when_slow(progress, "controllers", lambda: f"{manager} hasn't answered yet; {most}"):
+            ControllerManager(bus, manager, settings.ready).ensure_active(wanted, others)
+        progress("controllers", f"active: {', '.join(wanted)}")
+
+    def missing() -> str:
+        try:
+            states.state(joints)
+        except SensorError as error:
+            return f"{error.message}; {most}"
+        return f"all joints are measured on {settings.joint_states}"
+
+    with told_when_slow(progress, "robot", missing):
+        states.wait_for(joints, settings.ready)
+
+
+def _provide_interfaces(settings: RosRobotConfig, progress: Progress) -> None:
+    """Have the messages of controllers, built where they aren't installed: once, and that takes its time."""
+    from grip_bt.ros.definitions import provide
+
+    controllers = settings.controllers.values()
+    needed = {
+        "controller_manager_msgs": any(c.name is not None for c in controllers),
+        "control_msgs": any(c.trajectory is not None or c.gripper is not None for c in controllers),
+        "moveit_msgs": any(c.move_group is not None for c in controllers),
+    }
+    for package in (name for name, is_needed in needed.items() if is_needed):
+        words = f"{package} is being built, once; up to a minute"
+        with told_when_slow(progress, "interfaces", partial(str, words)):
+            provide(package)
 
 
 def _joints(controller: ControllerConfig, group: Sequence[str]) -> tuple[str, ...]:
@@ -86,18 +154,20 @@ def _joints(controller: ControllerConfig, group: Sequence[str]) -> tuple[str, ..
 
 
 def _executor(settings: RosRobotConfig, name: str, bus: Bus, joints: Sequence[str], states: JointStates) -> Executor:
-    from grip_bt.ros.controllers import StreamedExecutor, TrajectoryExecutor
+    from grip_bt.ros.controllers import StreamedExecutor, TopicExecutor, TrajectoryExecutor
 
     controller = settings.controllers[name]
     if controller.trajectory is not None:
         return TrajectoryExecutor(bus, controller.trajectory, joints, states, wait=settings.ready)
+    if controller.topic is not None:
+        return TopicExecutor(bus, controller.topic, joints, states)
     if controller.move_group is not None:
         from grip_bt.ros.moveit import MoveGroupExecutor
 
         return MoveGroupExecutor(bus, controller.move_group, joints, states, settings.ready)
     if controller.positions is not None:
         return StreamedExecutor(bus, controller.positions, joints, states)
-    ways = "`trajectory`, `positions` or `move_group`"
+    ways = "`trajectory`, `topic`, `positions` or `move_group`"
     raise GripError(f"grip.yaml: ros/controllers/{name}: an arm isn't a gripper; say {ways}")
 
 

@@ -9,6 +9,7 @@ from grip_bt.errors import GripError, MissingPartError, UnknownNameError
 from grip_bt.values import Pose
 
 from .commander_parts import open_commanders
+from .named_parts import check_arms
 from .planner_parts import planners_in_force, with_move_group
 from .project import Project
 from .resources import Progress, Resources
@@ -51,6 +52,7 @@ def open_robot(
 
     progress("starting", "the simulator and the planner")
     description = project.description()
+    check_arms(project, description)
     planner = stack.enter_context(PlanningProcess(description))  # builds its model while the simulator starts
     spec = replace(table_world(seed), robot=project.robot_source)
     simulation = stack.enter_context(start_simulation(spec, pace, hold))

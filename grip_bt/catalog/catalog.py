@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
 
 from grip_bt.errors import DocumentError, UnknownNameError
 
+from .equipment import Equipment
 from .manifest import Manifest
 from .reader import read_manifests
 from .subtasks import NoTaskFiles, TaskFiles
+from .types import Type
 
 _BUILTIN = Path(__file__).parent / "builtin"
 
@@ -24,6 +26,8 @@ class Catalog:
 
     Attributes:
         tasks: likewise.
+        named: returns store -> names of the messages that are there before a run; None where nobody can know.
+        equipment: returns what the project's arms, hands and nodes have; None where nobody can know.
 
     Raises:
         DocumentError: two manifests have the same id.
@@ -31,6 +35,8 @@ class Catalog:
 
     def __init__(self, manifests: Iterable[Manifest] = (), tasks: TaskFiles | None = None):
         self.tasks: TaskFiles = NoTaskFiles() if tasks is None else tasks
+        self.named: Callable[[], Mapping[str, Collection[str]] | None] = lambda: None
+        self.equipment: Callable[[], Equipment | None] = lambda: None
         self._manifests: dict[str, Manifest] = {}
         for manifest in manifests:
             if manifest.id in self._manifests:
@@ -64,6 +70,16 @@ class Catalog:
         """Return the ids, sorted."""
         return tuple(sorted(self._manifests))
 
+    def makers_of(self, type_: Type) -> tuple[str, ...]:
+        """Return the ids of nodes that give a value of a type; first what makes one, then what needs the least."""
+        found = []
+        for manifest in self:
+            if any(port.type == type_.name for port in manifest.outputs.values()):
+                needed = sum(port.required for port in manifest.inputs.values())
+                fails = "failure" in manifest.outcomes.values()
+                found.append((not manifest.id.endswith("/make"), needed, fails, len(manifest.outputs), manifest.id))
+        return tuple(id for *_, id in sorted(found))
+
     def with_manifests(self, more: Iterable[Manifest]) -> Catalog:
         """Return a catalogue with more nodes; one of `more` replaces the node of the same id (a mock, for instance).
 
@@ -71,13 +87,27 @@ class Catalog:
             DocumentError: two of `more` have the same id.
         """
         made = Catalog(more, self.tasks)
-        made._manifests = {**self._manifests, **made._manifests}
-        return made
+        return self._shared(made, {**self._manifests, **made._manifests})
 
     def with_tasks(self, tasks: TaskFiles) -> Catalog:
         """Return a catalogue with the same nodes that looks for the files of subtasks in `tasks`."""
-        made = Catalog((), tasks)
-        made._manifests = self._manifests
+        return self._shared(Catalog((), tasks), self._manifests)
+
+    def with_named(self, named: Callable[[], Mapping[str, Collection[str]] | None]) -> Catalog:
+        """Return a catalogue with the same nodes that knows the names of messages, or where to look for them."""
+        made = self._shared(Catalog((), self.tasks), self._manifests)
+        made.named = named
+        return made
+
+    def with_equipment(self, equipment: Callable[[], Equipment | None]) -> Catalog:
+        """Return a catalogue with the same nodes that knows the parts of a project, or where to look for them."""
+        made = self._shared(Catalog((), self.tasks), self._manifests)
+        made.equipment = equipment
+        return made
+
+    def _shared(self, made: Catalog, manifests: dict[str, Manifest]) -> Catalog:
+        """Give another catalogue these nodes, and what this one knows of the project."""
+        made._manifests, made.named, made.equipment = manifests, self.named, self.equipment
         return made
 
     def __contains__(self, id: object) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, model_validator
@@ -76,6 +77,9 @@ class Start(Part):
         if len(ways) != 1:
             said = " and ".join(ways) or "none of them"
             raise ValueError(f"say one of `command`, `package` with `executable`, `launch`; here: {said}")
+        for word in self.command:
+            if re.fullmatch(r"\{[A-Za-z_]+\}", word) and word != "{python}":
+                raise ValueError(f"command: {word} isn't known; `{{python}}` is the Python that runs GRIP")
         if (self.executable is not None or (self.package is not None and self.launch is None)) and not (
             self.package and self.executable
         ):

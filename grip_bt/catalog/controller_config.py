@@ -9,19 +9,22 @@ from pydantic import Field, StringConstraints, field_validator, model_validator
 from grip_bt.graph.frozen import FrozenDict
 
 from .component_parts import Part
+from .sensor_config import Mount
 
 RosName = Annotated[str, StringConstraints(pattern=r"^(/[A-Za-z_][A-Za-z0-9_]*)+$")]
 MOVE_GROUP = "move_group"
 """What an arm's `planner` says when MoveIt plans for it."""
-WAYS = ("trajectory", "positions", "move_group", "gripper")
+WAYS = ("trajectory", "topic", "positions", "move_group", "gripper")
 """How a controller may be reached."""
 
 
 class ControllerConfig(Part):
-    """The controller of one arm or hand; exactly one of `trajectory`, `positions`, `move_group` and `gripper`."""
+    """The controller of one arm or hand; exactly one of the five ways to reach it."""
 
     trajectory: RosName | None = None
     """Action of a joint trajectory controller, such as `/arm_controller/follow_joint_trajectory`."""
+    topic: RosName | None = None
+    """Topic of a joint trajectory controller, such as `/arm_controller/joint_trajectory`, for want of its action."""
     positions: RosName | None = None
     """Topic of a joint group position controller, such as `/arm_position_controller/commands`."""
     move_group: RosName | None = None
@@ -63,6 +66,23 @@ class MoveGroupConfig(Part):
     """How long move_group may take to be there [s]."""
 
 
+class CameraTopics(Part):
+    """The topics of an RGB-D camera: what a sensor that says `camera` is on a real robot."""
+
+    image: RosName
+    """Colour, such as `/camera/color/image_raw`."""
+    depth: RosName
+    """Depth in the view of the colour camera, such as `/camera/aligned_depth_to_color/image_raw`."""
+    info: RosName
+    """Geometry of the colour camera, such as `/camera/color/camera_info`."""
+    mount: Mount | None = None
+    """Where its optical frame is; without it, TF says so."""
+    timeout: float = Field(default=5.0, gt=0)
+    """How long one capture may take [s]."""
+    slop: float = Field(default=0.05, gt=0)
+    """How far the messages of one capture may be apart by their stamps [s]."""
+
+
 class RosRobotConfig(Part):
     """The robot of `grip run --robot ros`."""
 
@@ -71,10 +91,14 @@ class RosRobotConfig(Part):
     controller_manager: RosName = "/controller_manager"
     controllers: FrozenDict[str, ControllerConfig] = FrozenDict()
     """Arm or hand of the project -> its controller."""
+    cameras: FrozenDict[str, CameraTopics] = FrozenDict()
+    """Sensor of the project that says `camera` -> the topics of that camera."""
     move_group: MoveGroupConfig = MoveGroupConfig()
     """MoveIt, where an arm says `planner: move_group`."""
     ready: float = Field(default=10.0, gt=0)
     """How long the robot may take to be there [s]."""
+    stale: float = Field(default=1.0, gt=0)
+    """A joint that wasn't heard of for so long [s] isn't known any more, and a motion that needs it ends."""
 
     @field_validator("controllers")
     @classmethod

@@ -9,6 +9,8 @@ from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 from grip_bt.graph.frozen import FrozenDict
 from grip_bt.graph.model import Meaning, Name
 
+from .equipment import Names
+
 NodeId = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*(/[A-Za-z0-9_]+)+$")]
 
 
@@ -22,6 +24,8 @@ class Parameter(_Face):
     type: str
     doc: str = ""
     default: Any = None
+    names: Names | None = None
+    """What of the project it names, so that names that aren't there are told before a run."""
 
     @property
     def required(self) -> bool:

@@ -27,7 +27,7 @@ def read_manifests(path: Path | str) -> list[Manifest]:
         DocumentError: a manifest is wrong, with the place of the first fault and a list of the others.
     """
     source = str(path)
-    tree = parse(read_file(path), source)
+    tree = parse(read_file(path), source, lists=True)
     if isinstance(tree, Listing):
         trees = [entry.value for entry in tree.entries]
     else:

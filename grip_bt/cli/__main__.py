@@ -15,6 +15,7 @@ from importlib import import_module
 from grip_bt import __version__
 from grip_bt.errors import GripError, NodeError
 
+from .extras import missing_extra
 from .parser import Parser
 
 VERBS = (
@@ -29,9 +30,11 @@ VERBS = (
     "component",
     "interfaces",
     "launch",
+    "sim",
     "messages",
     "edit",
     "runs",
+    "bench",
     "replay",
     "capsule",
     "robot",
@@ -66,6 +69,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return NODE_ERROR
     except GripError as error:
         print(error if getattr(error, "issues", None) else f"grip: {error}", file=sys.stderr)
+        return INVALID
+    except ModuleNotFoundError as error:
+        missing = missing_extra(error)
+        if missing is None:
+            raise
+        print(f"grip: {missing}", file=sys.stderr)
         return INVALID
     except BrokenPipeError:
         # The reader went away (`grip ... | head`): nothing more can be said, and nothing is wrong.

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import re
 import shlex
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from grip_bt.errors import GripError
+from grip_bt.errors import GripError, listing, nearest
 
 NODE_FOLDER = "node"
 
@@ -78,24 +79,52 @@ def run_add(args: argparse.Namespace) -> int:
 def _folder(what: str, args: argparse.Namespace) -> Path:
     """Return the folder of a component that is there, or make one from an interface."""
     path = Path(what)
-    if path.is_dir() or (path.suffix[1:] not in ("srv", "action", "msg") and what.count("/") != 2):
+    if path.is_dir():
+        return path
+    if path.suffix[1:] not in ("srv", "action", "msg") and (path.exists() or not _names_a_type(what)):
+        _check_folder(path, args.project)
         return path
     from grip_bt.app.new_component import from_file, from_type
 
     return _made(from_file(path) if path.suffix else from_type(what), args)
 
 
+def _names_a_type(what: str) -> bool:
+    """Tell whether words look like the name of a type, in full or as people shorten it: `std_srvs/Trigger`."""
+    return re.fullmatch(r"[a-z][a-z0-9_]*/(\w+/)?[A-Z]\w*", what) is not None or what.count("/") == 2
+
+
+def _check_folder(path: Path, project: Path) -> None:
+    """Check that there is a component in a folder.
+
+    Raises:
+        GripError: there is none; it names the nearest one of the project.
+    """
+    from grip_bt.app.new_component import components_folder
+    from grip_bt.catalog.component_file import FILE_NAME
+
+    if path.exists():
+        return
+    home = components_folder(project)
+    known = [file.parent.name for file in sorted(home.glob(f"*/{FILE_NAME}"))]
+    hint, there_are = nearest(path.name, known), listing(known)
+    raise GripError(
+        f"{path}: there is no such folder{hint} (in {home} there are: {there_are}); give a component's folder, an "
+        "interface file, or a type such as std_srvs/srv/Trigger"
+    )
+
+
 def _made(wish: Any, args: argparse.Namespace) -> Path:
     from dataclasses import replace
 
     from grip_bt.app.new_component import components_folder, make_component
+    from grip_bt.catalog.component_file import load_component
 
     wish = replace(wish, name=args.name, server=args.server or wish.server)
     failures = [label for label in args.failure.split(",") if label]
     folder = make_component(wish, components_folder(args.project), args.outcomes, failures)
-    print(
-        f"{folder / 'component.yaml'}: {wish.interface.type_name}, served as {args.server or wish.server or 'its name'}"
-    )
+    served = load_component(folder).server
+    print(f"{folder / 'component.yaml'}: {wish.interface.type_name}, served as {served}")
     return folder
 
 
@@ -122,23 +151,28 @@ def check(folders: Sequence[Path]) -> int:
 
 
 def run_list(args: argparse.Namespace) -> int:
-    """Print each component with its service, outcomes and whether its node is up to date."""
+    """Print each component with its service, outcomes and whether its node is up to date; 1 when one is broken."""
     from grip_bt.app.project import find_project
     from grip_bt.catalog.component_file import load_component
     from grip_bt.codegen import outdated
-    from grip_bt.ros.components import find_components
 
     project = find_project(args.project)
-    folder = project.folder / (project.file.components or "components")
-    found = find_components(folder)
+    found = project.component_folders()
     if not found:
-        print(f"no components in {folder}; `grip component new NAME` makes one", file=sys.stderr)
-    for name, home in found.items():
-        component = load_component(home)
-        stale = outdated(home / NODE_FOLDER, rendered(home))
-        state = "node is not up to date" if stale else "node up to date"
-        print(f"{name:<24} {component.interface}  {component.server}  {', '.join(component.outcomes)}  ({state})")
-    return 0
+        where = project.folder / (project.file.components or "components")
+        print(f"no components in {where}; `grip component new NAME` makes one", file=sys.stderr)
+    broken = False
+    for folder, home in found.items():
+        try:
+            component = load_component(home)
+            stale = outdated(home / NODE_FOLDER, rendered(home))
+        except GripError as error:
+            broken = True
+            print(f"{folder:<24} can't be read: {error}", file=sys.stderr)
+            continue
+        state, outcomes = "node is not up to date" if stale else "node up to date", ", ".join(component.outcomes)
+        print(f"{component.name:<24} {component.interface}  {component.server}  {outcomes}  ({state})")
+    return int(broken)
 
 
 def run_test(args: argparse.Namespace) -> int:
@@ -172,14 +206,16 @@ def rendered(folder: Path) -> dict[str, str]:
     Raises:
         DocumentError, ContractError: see `grip_bt.codegen.render`.
     """
+    from functools import partial
+
     from grip_bt.catalog.component_file import load_component
     from grip_bt.codegen import render
     from grip_bt.ros.interfaces import read_interface
-    from grip_bt.ros.interfaces.source import interface_file
+    from grip_bt.ros.interfaces.source import fields_within, interface_file
 
-    component = load_component(folder)
-    own = interface_file(folder / "interfaces", component.interface)
-    return render(component, read_interface(own or component.interface))
+    component, packages = load_component(folder), folder / "interfaces"
+    own = interface_file(packages, component.interface)
+    return render(component, read_interface(own or component.interface), partial(fields_within, packages))
 
 
 def _seconds(seconds: float) -> str:

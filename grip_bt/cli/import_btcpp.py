@@ -49,9 +49,9 @@ def run(args: argparse.Namespace) -> int:
 
 def _report(imported: ImportedFile, origin: str) -> str:
     """Return what became of a file, in words."""
-    from grip_bt.graph import model
+    from grip_bt.graph import model, walking
 
-    nodes = [node for _, node in model.walk(imported.task.root)]
+    nodes = [node for _, node in walking.walk(imported.task.root)]
     known = sorted({n.node for n in nodes if isinstance(n, model.Leaf)} - {m.id for m in imported.manifests})
     lines = [
         f"{origin}: imported whole, as {imported.task.name!r}: {len(nodes)} nodes,"

@@ -33,6 +33,7 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--project", type=Path, default=Path(), help="project folder (default: here)")
     parser.add_argument("--follow", action="store_true", help="print what the processes print")
     parser.add_argument("--check", action="store_true", help="start nothing; print what would be run")
+    parser.add_argument("--show-args", action="store_true", help="start nothing; print the arguments of a launch file")
     parser.add_argument("--own", action="store_true", help="read the file ourselves, also where `ros2 launch` is")
     parser.add_argument("--write", type=Path, metavar="FILE", help="write the project as a ROS 2 launch file (.xml)")
     parser.add_argument("--json", action="store_true", help="with --check: one JSON list")
@@ -43,6 +44,8 @@ def run(args: argparse.Namespace) -> int:
     """Run until all have ended, a required one has failed, or we are told to stop."""
     if args.write is not None:
         return _write(args)
+    if args.show_args:
+        return _show_arguments(args.what)
     project, members, events = _members(args)
     if args.check:
         _print_members(members, args.json)
@@ -50,6 +53,21 @@ def run(args: argparse.Namespace) -> int:
     if not members and not events:
         raise GripError(_nothing_to_launch(args.project))
     return _supervise(members, events, project.state_folder / "logs" / "launch", args.follow)
+
+
+def _show_arguments(what: Sequence[str]) -> int:
+    from grip_bt.ros.launch import read_arguments
+
+    if len(what) != 1:
+        raise GripError("--show-args: name one launch file")
+    arguments = read_arguments(Path(what[0]))
+    for argument in arguments:
+        default = "needed" if argument.default is None else f"default {argument.default!r}"
+        choices = f", one of {', '.join(argument.choices)}" if argument.choices else ""
+        print(f"{argument.name}: {default}{choices}{f'; {argument.doc}' if argument.doc else ''}")
+    if not arguments:
+        print("it declares no arguments")
+    return 0
 
 
 def _nothing_to_launch(place: Path) -> str:

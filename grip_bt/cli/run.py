@@ -81,8 +81,24 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--seed", type=int, default=0, action=Given, help="of the simulated world (default: 0)")
     parser.add_argument(
-        "--pace", type=float, action=Given, metavar="X", help="simulated seconds a second (default: as fast as it goes)"
+        "--pace",
+        type=_pace,
+        action=Given,
+        metavar="X",
+        help="simulated seconds a second (default: as fast as it goes)",
     )
+
+
+def _pace(word: str) -> float:
+    try:
+        pace = float(word)
+    except ValueError:
+        pace = math.nan
+    if not 0 < pace < math.inf:
+        raise argparse.ArgumentTypeError(
+            f"{word!r} isn't a number above 0; leave it out for as fast as the simulation goes"
+        )
+    return pace
 
 
 def options_of(args: argparse.Namespace) -> RunOptions:
@@ -241,7 +257,8 @@ def sentence(end: Mapping[str, Any]) -> str:
 def _tell(end: Mapping[str, Any], as_json: bool) -> None:
     if as_json:
         keys = ("run", "status", "outcome", "code", "message", "duration", "ticks", "zombies")
-        print(json.dumps({key: end.get(key) for key in keys}))
+        said = {"truth": end["truth"]} if "truth" in end else {}
+        print(json.dumps({**{key: end.get(key) for key in keys}, **said}))
     else:
         took = f"{end['duration']:.1f} s, " if end.get("duration") is not None else ""
         ticks = f"{end['ticks']} ticks, " if end.get("ticks") is not None else ""

@@ -30,7 +30,7 @@ def add_parser(subparsers: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Teach, or list."""
-    from grip_bt.app.commander_parts import TAUGHT
+    from grip_bt.app.named_parts import TAUGHT
     from grip_bt.app.project import find_project
     from grip_bt.app.resources import open_resources
 

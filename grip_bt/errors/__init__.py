@@ -68,6 +68,7 @@ from .ros import (
     UnfitServerError,
 )
 from .runs import (
+    CampaignError,
     DivergedError,
     HungError,
     LivelockError,
@@ -84,6 +85,7 @@ from .validation import (
 __all__ = [
     "BadFileError",
     "BadReplyError",
+    "CampaignError",
     "CanceledError",
     "ConstraintBrokenError",
     "ContractError",

@@ -4,12 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from difflib import get_close_matches
+from functools import lru_cache
 from typing import Any
 
 
 def nearest(word: str, allowed: Iterable[str]) -> str:
     """Return ``"; did you mean 'x'?"`` for the closest allowed word, or an empty string."""
-    close = get_close_matches(word, list(allowed), n=1, cutoff=0.6)
+    return _nearest(word, tuple(allowed))
+
+
+@lru_cache(maxsize=1024)
+def _nearest(word: str, allowed: tuple[str, ...]) -> str:
+    """As above, kept: one wrong name in each of 10,000 nodes is looked for once."""
+    close = get_close_matches(word, allowed, n=1, cutoff=0.6)
     return f"; did you mean {close[0]!r}?" if close else ""
 
 
@@ -60,9 +67,8 @@ class UnknownNameError(GripError):
     def __init__(self, kind: str, name: str, allowed: Iterable[str], where: str = ""):
         self.kind, self.name, self.allowed, self.where = kind, name, tuple(sorted(allowed)), where
         at = f"{where}: " if where else ""
-        super().__init__(
-            f"{at}unknown {kind} {name!r}{nearest(name, self.allowed)} (there are: {listing(self.allowed)})"
-        )
+        unknown = f"unknown {kind} {name!r}{nearest(name, self.allowed)}" if name else f"which {kind}? None is named"
+        super().__init__(f"{at}{unknown} (there are: {listing(self.allowed)})")
 
 
 class MissingPartError(GripError):

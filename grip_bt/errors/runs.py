@@ -55,3 +55,15 @@ class ResumeError(GripError):
 
 class SimulatorLostError(GripError):
     """The simulator's process ended, so that nothing can be measured or moved any more."""
+
+
+class CampaignError(GripError):
+    """A campaign can't be run as it is written, or its results can't be gone on with.
+
+    Attributes:
+        source: its file.
+    """
+
+    def __init__(self, source: str, message: str):
+        self.source = source
+        super().__init__(f"{source}: {message}")

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from grip_bt.catalog import Catalog
 from grip_bt.graph import Task
+from grip_bt.graph.allocation import many_made
 from grip_bt.graph.document import Document
 
 from .codes import SEVERITY
 from .dataflow import check_dataflow
 from .issue import Issue, Report, Severity, ordered
 from .possible import Possible
+from .rules.equipment import check_equipment
 from .rules.expressions import check_expressions
+from .rules.messages import check_messages
 from .rules.names import check_names
+from .rules.numbers import check_numbers
 from .rules.outcomes import check_outcomes
 from .rules.parallel import check_parallel
 from .rules.reach import check_reach
@@ -34,7 +38,8 @@ def validate(task: Task, catalog: Catalog, document: Document | None = None) -> 
     Returns:
         All issues, in the order of the text.
     """
-    return ordered(_checked(task, catalog, document, None).issues)
+    with many_made(document.text if document else ""):
+        return ordered(_checked(task, catalog, document, None).issues)
 
 
 def survey_of(task: Task, catalog: Catalog) -> Survey:
@@ -53,6 +58,9 @@ def _checked(task: Task, catalog: Catalog, document: Document | None, subtasks: 
     survey = Survey(task, catalog, document, known)
     possible = Possible(survey)
     check_names(survey)
+    check_numbers(survey)
+    check_messages(survey)
+    check_equipment(survey)
     check_subtasks(survey)
     check_variables(survey)
     check_expressions(survey)

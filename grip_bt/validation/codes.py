@@ -20,6 +20,7 @@ _ERRORS = (
     "undeclared-variable",
     "wrong-variable-type",
     "wrong-initial-value",
+    "not-a-number",
     "bad-expression",
     "wrong-expression-type",
     "read-before-write",
@@ -37,6 +38,15 @@ _ERRORS = (
 )
 _WARNINGS = (
     "unknown-code",
+    "unknown-message",
+    "unknown-arm",
+    "unknown-hand",
+    "unknown-state",
+    "unknown-finger",
+    "unknown-link",
+    "unfit-project",
+    "missing-package",
+    "infinite-number",
     "impossible-outcome",
     "unused-outcome",
     "never-read",

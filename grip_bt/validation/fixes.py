@@ -29,6 +29,8 @@ from grip_bt.graph.edit import (
 )
 
 from .issue import Issue
+from .rules.equipment import names_for
+from .rules.messages import known_messages
 from .survey import Declared, Spot, Survey
 
 MOST = 4
@@ -149,6 +151,25 @@ def _binding(survey: Survey, spot: Spot | None, issue: Issue) -> _Found:
         yield f"Unbind {name}", Unbind(path=issue.path, side=side, port=name)
 
 
+def _message(survey: Survey, spot: Spot | None, issue: Issue) -> _Found:
+    """Correct the name of a message to the nearest ones of its store."""
+    if spot is not None and isinstance(spot.node, Leaf):
+        there = (known_messages(survey) or {}).get(str(spot.node.with_.get("store")), ())
+        for name in _near(str(spot.node.with_.get("name")), sorted(there)):
+            yield f"Read {name}", Set(path=issue.path, key=("with", "name"), value=name)
+
+
+def _named_part(survey: Survey, spot: Spot | None, issue: Issue) -> _Found:
+    """Correct the name of an arm, a hand, a state and so on to the nearest ones, or to the only one."""
+    if spot is None or not isinstance(spot.node, Leaf) or len(issue.key) != 2:
+        return
+    name = str(issue.key[1])
+    known, said = names_for(survey.catalog.equipment(), spot, name), spot.node.with_.get(name)
+    if isinstance(said, str):
+        for other in _near(said, known) or (list(known) if len(known) == 1 else []):
+            yield f"Write {other}", Set(path=issue.path, key=("with", name), value=other)
+
+
 def _unused_variable(survey: Survey, spot: Spot | None, issue: Issue) -> _Found:
     """Take out a variable that nobody reads, with the bindings of those who write it."""
     name = str(issue.key[-1])
@@ -251,6 +272,8 @@ _FINDERS: dict[str, Callable[[Survey, Spot | None, Issue], _Found]] = {
     "shadowed-variable": _shadow,
     "unknown-outcome": _edge,
     "unknown-code": _edge,
+    "unknown-message": _message,
+    **dict.fromkeys(("unknown-arm", "unknown-hand", "unknown-state", "unknown-link"), _named_part),
     "unknown-target": _edge,
     "missing-target": _missing_target,
     "unknown-child": _child,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from math import isfinite, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -38,30 +39,30 @@ class Pose(ComparesArrays):
         def __init__(self, position: ArrayLike = ..., quaternion: ArrayLike = ..., frame: str = "world") -> None: ...
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "position", frozen_array(self.position, (3,), "position"))
-        q = np.array(frozen_array(self.quaternion, (4,), "quaternion"))
-        norm = float(np.linalg.norm(q))
-        if not np.isfinite(norm) or norm < 1e-9 or not np.all(np.isfinite(self.position)):
-            raise ValueError(f"a pose needs finite numbers and a non-zero quaternion, not {self.position}, {q}")
-        object.__setattr__(self, "quaternion", frozen_array(q / norm, (4,), "quaternion"))
+        position = frozen_array(self.position, (3,), "position")
+        q = frozen_array(self.quaternion, (4,), "quaternion")
+        norm = sqrt(q.dot(q))
+        if not isfinite(norm) or norm < 1e-9 or not all(map(isfinite, position.tolist())):
+            raise ValueError(f"a pose needs finite numbers and a non-zero quaternion, not {position}, {q}")
+        q = q / norm
+        q.setflags(write=False)
+        object.__setattr__(self, "position", position)
+        object.__setattr__(self, "quaternion", q)
 
     @classmethod
     def from_matrix(cls, matrix: ArrayLike, frame: str = "world") -> Pose:
         """Make a pose from a homogeneous matrix of shape (4, 4) (Shepperd's method)."""
         m = np.asarray(matrix, dtype=float)
-        r = m[:3, :3]
-        k = np.array(
-            [
-                1 + r[0, 0] + r[1, 1] + r[2, 2],
-                1 + r[0, 0] - r[1, 1] - r[2, 2],
-                1 - r[0, 0] + r[1, 1] - r[2, 2],
-                1 - r[0, 0] - r[1, 1] + r[2, 2],
-            ]
-        )
-        i = int(np.argmax(k))
-        s = 2 * np.sqrt(k[i])
-        wx, wy, wz = r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]
-        xy, xz, yz = r[0, 1] + r[1, 0], r[0, 2] + r[2, 0], r[1, 2] + r[2, 1]
+        (r00, r01, r02, _), (r10, r11, r12, _), (r20, r21, r22, _) = m[
+            :3
+        ].tolist()  # its floats are quicker than numpy's
+        k = [1 + r00 + r11 + r22, 1 + r00 - r11 - r22, 1 - r00 + r11 - r22, 1 - r00 - r11 + r22]
+        if not all(map(isfinite, k)):
+            raise ValueError(f"a pose needs finite numbers, not {m.tolist()}")
+        i = max(range(4), key=k.__getitem__)
+        s = 2 * sqrt(k[i])
+        wx, wy, wz = r21 - r12, r02 - r20, r10 - r01
+        xy, xz, yz = r01 + r10, r02 + r20, r12 + r21
         rows = (
             [s * s / 4, wx, wy, wz],
             [wx, s * s / 4, xy, xz],
@@ -72,7 +73,7 @@ class Pose(ComparesArrays):
 
     def rotation(self) -> NDArray[np.float64]:
         """Return the rotation matrix, shape (3, 3)."""
-        w, x, y, z = self.quaternion
+        w, x, y, z = self.quaternion.tolist()
         return np.array(
             [
                 [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],

@@ -40,7 +40,7 @@ def test_a_server_that_dies_in_a_call_fails_the_call_at_once(run):
     result = result_of(done)
     assert result["outcome"] == "unanswered"
     assert result["code"] == "server_lost"
-    assert result["duration"] < 10
+    assert result["duration"] < 100, "much less than the call's time-out"
 
 
 def test_an_outcome_out_of_range_is_a_bad_reply(run):

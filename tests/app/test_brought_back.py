@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ import pytest
 
 from grip_bt.app.replay import find_run
 from grip_bt.cli.__main__ import main
+from grip_bt.commanders.robots import build_robot
 from grip_bt.runtime import JournalReader
 
 TASK = """\
@@ -52,18 +54,23 @@ hands: {hand: {group: hand}}
 
 def grip(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "grip_bt.cli", *words]
-    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=300, stdin=subprocess.DEVNULL)
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=600, stdin=subprocess.DEVNULL)
 
 
 def kill_once(folder: Path, there: str, *words: str) -> str:
-    """Start a run, kill it when the journal has the event `there` (path:event), and return its id."""
+    """Start a run, kill it when the journal has the event `there` (path:event), and return its id.
+
+    Raises:
+        ChildProcessError: it has ended before.
+    """
     command = [sys.executable, "-m", "grip_bt.cli", "run", *words]
     process = subprocess.Popen(command, cwd=folder, stdout=subprocess.DEVNULL, start_new_session=True)
     path, _, kind = there.rpartition(":")
-    journal, deadline = folder / ".grip" / "runs.sqlite", time.monotonic() + 120
+    journal, deadline = folder / ".grip" / "runs.sqlite", time.monotonic() + 600
     while True:
         assert time.monotonic() < deadline, f"it didn't come to {there}"
-        assert process.poll() is None, "it ended too early"
+        if process.poll() is not None:
+            raise ChildProcessError("it ended too early")
         if journal.is_file():
             try:
                 with JournalReader(journal) as reader:
@@ -78,15 +85,25 @@ def kill_once(folder: Path, there: str, *words: str) -> str:
     return run
 
 
+def killed_while_it_waits(home: Path, target: str) -> tuple[Path, str]:
+    """Return the folder and the id of a run that was killed in its wait, which is longer on a busy machine."""
+    for seconds in (3.0, 30.0, 120.0):
+        folder = home / f"{seconds:g}"
+        folder.mkdir()
+        (folder / "grip.yaml").write_text(GRIP)
+        (folder / "kept.yaml").write_text(TASK.replace("WAIT", str(seconds)))
+        with suppress(ChildProcessError):
+            return folder, kill_once(folder, "wait:enter", "kept.yaml", "--robot", "fake", "--as", target)
+    raise AssertionError("no run could be killed before it ended")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("target", ["bt", "sm"])
 def test_scene_and_messages_come_back_without_a_question(tmp_path: Path, target: str) -> None:
-    (tmp_path / "grip.yaml").write_text(GRIP)
-    (tmp_path / "kept.yaml").write_text(TASK.replace("WAIT", "3.0"))
-    run = kill_once(tmp_path, "wait:enter", "kept.yaml", "--robot", "fake", "--as", target)
-    done = grip("run", "--resume", run, "--json", cwd=tmp_path)
+    folder, run = killed_while_it_waits(tmp_path, target)
+    done = grip("run", "--resume", run, "--json", cwd=folder)
     assert done.returncode == 0, done.stdout + done.stderr
-    with JournalReader(tmp_path / ".grip" / "runs.sqlite") as reader:
+    with JournalReader(folder / ".grip" / "runs.sqlite") as reader:
         events = reader.events(run)
         assert reader.value(reader.variables(run)["found"]) == 7
         left = reader.value(reader.variables(run)["left"])
@@ -181,9 +198,11 @@ def test_a_fake_robot_is_where_it_was_without_a_question(tmp_path: Path) -> None
     (resumed,) = (e for e in events if e.event == "run_resumed")
     assert "fakes" in resumed.data["restored"]
     went, on, back = (kept[path]["arms"]["right"] for path in ("go", "on", "back"))
-    assert np.allclose(on - went, [0, 0.1, 0.1, 0, 0, 0], atol=1e-3), "it went on from where it was"
+    assert np.allclose((on - went)[-6:], [0, 0.1, 0.1, 0, 0, 0], atol=1e-3), "it went on from where it was"
     assert np.allclose(back, went), "and back to what was taught before"
-    assert np.allclose(kept["back"]["hands"]["hand"], 1.0)
+    assert np.allclose(
+        kept["back"]["hands"]["hand"], build_robot("panda_allegro").named_state("hand", "closed").position
+    )
 
 
 def test_fakes_are_put_back_to_where_they_were() -> None:

@@ -196,5 +196,5 @@ def test_a_capsule_lights_its_nodes_in_a_browser_without_a_network(capsule):
     if not (E2E / "node_modules" / "playwright-core").is_dir():
         pytest.skip("NOT RUN: the browser driver isn't installed; npm ci in gui/e2e")
     command = ["node", str(E2E / "capsule.mjs"), capsule[0].as_uri()]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stdout + done.stderr

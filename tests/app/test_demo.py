@@ -48,7 +48,7 @@ root:
 
 @pytest.mark.parametrize("form", ["bt", "sm"])
 def test_the_demo_clears_the_table_in_both_forms(form):
-    done = grip("demo", "reactive", "--seed", "3", "--as", form, "--json", domain=7, timeout=280)
+    done = grip("demo", "reactive", "--seed", "3", "--as", form, "--json", domain=7, timeout=600)
     assert done.returncode == 0, done.stdout + done.stderr
     summary = json.loads(done.stdout.splitlines()[-1])
     assert summary["placed"] == summary["objects"] == 3
@@ -69,7 +69,7 @@ def project(tmp_path):
 
 
 def test_an_object_out_of_reach_is_a_failure_with_its_reason(project: Path):
-    done = grip("run", str(project / "tasks" / "far.yaml"), "--json", timeout=120)
+    done = grip("run", str(project / "tasks" / "far.yaml"), "--json", timeout=600)
     assert done.returncode == 3, done.stderr
     result = result_of(done)
     assert result["code"] == "no_grasp"

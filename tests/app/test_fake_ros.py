@@ -70,15 +70,15 @@ def test_it_loads_no_rclpy(project):
         assert run("look.yaml", robot="fake").outcome == "success"
         assert "rclpy" not in sys.modules
     """)
-    subprocess.run([sys.executable, "-c", code], cwd=project, check=True, timeout=120)
+    subprocess.run([sys.executable, "-c", code], cwd=project, check=True, timeout=600)
 
 
 def test_what_a_sensor_gives_is_said_from_the_command_line(project):
     command = [sys.executable, "-m", "grip_bt.cli", "run", "look.yaml", "--robot", "fake"]
-    done = subprocess.run(command, cwd=project, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(command, cwd=project, capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stderr
     mocked = [*command, "--mock", "see=failure.no_data"]
-    done = subprocess.run(mocked, cwd=project, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(mocked, cwd=project, capture_output=True, text=True, timeout=600)
     assert done.returncode == 3, done.stderr
     assert "no_data" in done.stdout + done.stderr
 

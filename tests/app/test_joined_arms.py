@@ -8,7 +8,7 @@ import pytest
 from smally_project import robot_files
 
 from grip_bt.app import RunOptions, find_project, open_session
-from grip_bt.app.commander_parts import joined_executors
+from grip_bt.app.named_parts import check_arms
 from grip_bt.cli.__main__ import main
 from grip_bt.errors import GripError
 
@@ -84,4 +84,4 @@ def test_a_joined_arm_of_wrong_parts_is_refused(folder, wrong, words):
     file.write_text(file.read_text().replace("arms: [left, right]", wrong))
     project = find_project(folder / "both.yaml")
     with pytest.raises(GripError, match=words):
-        joined_executors(project, project.description(), {})
+        check_arms(project, project.description())

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import json
 import threading
+from base64 import b64decode
 from pathlib import Path
 
+import numpy as np
+
+from grip_bt.app.motion_bodies import MOST_CELLS, Bodies, few_cells
 from grip_bt.app.motion_record import KEPT, motion_file, recorded_motion
 from grip_bt.app.resources import Resources
 from grip_bt.commanders.fake import FakeArm
@@ -13,6 +17,7 @@ from grip_bt.commanders.scene import PlanningScene
 from grip_bt.errors import SimulatorLostError
 from grip_bt.runtime import WallClock
 from grip_bt.values import JointState, Pose
+from grip_bt.values.solids import CellMap, Mesh
 
 
 class Turning:
@@ -36,7 +41,7 @@ def test_positions_and_the_scene_are_told_as_they_change_and_once_more_at_the_en
     arm = Turning()
     scene = PlanningScene({"palm": lambda: Pose((0, 0, 0))}, {"crate": ((0.2, 0.2, 0.1), Pose((0.5, 0.0, 0.05)))})
     with recorded_motion(Resources(arms={"right": arm}, scene=scene), WallClock(), tmp_path / "runs.sqlite", "one"):
-        assert arm.asked.wait(20)
+        assert arm.asked.wait(120)
         scene.set_box("cup", (0.1, 0.1, 0.2), Pose((0.3, 0.0, 0.1)))
     header, first, *rest = lines(motion_file(tmp_path / "runs.sqlite", "one"))
     assert header == {"parts": {"right": ["shoulder"]}}
@@ -75,3 +80,58 @@ def test_records_of_the_latest_runs_are_kept(tmp_path: Path) -> None:
         with recorded_motion(Resources(arms={"right": FakeArm("right")}), WallClock(), tmp_path / "j", f"run{number}"):
             pass
     assert len(list((tmp_path / "motion").glob("*.jsonl"))) <= KEPT + 1
+
+
+CORNERS = np.array([[x, y, z] for x in (0, 0.2) for y in (0, 0.1) for z in (0, 0.4)])
+
+
+def decoded(body: dict[str, str]) -> tuple[np.ndarray, np.ndarray]:
+    points = np.frombuffer(b64decode(body["points"]), "<f4").reshape(-1, 3)
+    return points, np.frombuffer(b64decode(body["triangles"]), "<u4").reshape(-1, 3)
+
+
+def test_meshes_and_cells_are_told_as_they_look_and_each_once(tmp_path: Path) -> None:
+    arm = Turning()
+    scene = PlanningScene({"palm": lambda: Pose((0, 0, 0))}, {})
+    seen = CellMap(np.array([[0, 0, 0], [1, 0, 0], [5, 5, 5]]), 0.02)
+    scene.put("seen", seen, Pose((0.1, 0.2, 0.3)))
+    scene.put("wedge", Mesh(CORNERS), Pose((0.5, 0.0, 0.0)))
+    with recorded_motion(Resources(arms={"right": arm}, scene=scene), WallClock(), tmp_path / "runs.sqlite", "one"):
+        assert arm.asked.wait(120)
+        scene.put("second", Mesh(CORNERS), Pose((0.8, 0.0, 0.0)))
+    _, *rest = lines(motion_file(tmp_path / "runs.sqlite", "one"))
+    bodies = {name: body for line in rest for name, body in line.get("bodies", {}).items()}
+    assert sum(len(line.get("bodies", {})) for line in rest) == len(bodies) == 2
+    last = [line["scene"] for line in rest if "scene" in line][-1]
+    assert last["second"]["body"] == last["wedge"]["body"] != last["seen"]["body"]
+    assert (last["seen"]["kind"], last["seen"]["size"]) == ("cells", [0.02])
+    assert last["seen"]["at"][:3] == [0.1, 0.2, 0.3]
+    middles, none = decoded(bodies[last["seen"]["body"]])
+    assert np.allclose(middles, seen.middles(), atol=1e-6)
+    assert len(none) == 0
+    points, triangles = decoded(bodies[last["wedge"]["body"]])
+    assert last["wedge"]["at"][:3] == [0.5, 0.0, 0.0]
+    assert abs(volume(points, triangles) - 0.2 * 0.1 * 0.4) < 1e-6
+
+
+def volume(points: np.ndarray, triangles: np.ndarray) -> float:
+    """Return what a convex surface encloses: the tetrahedra from its middle to its triangles."""
+    a, b, c = (points[triangles[:, corner]].astype(float) - points.mean(axis=0) for corner in range(3))
+    return float(np.abs(np.einsum("ij,ij->i", a, np.cross(b, c))).sum() / 6)
+
+
+def test_a_hull_with_a_margin_is_drawn_as_thick_as_it_is() -> None:
+    bodies = Bodies()
+    bodies.shape(Mesh(CORNERS, margin=0.01))
+    ((points, _),) = (decoded(body) for body in bodies.new().values())
+    assert np.allclose(np.ptp(points, axis=0), [0.22, 0.12, 0.42], atol=1e-6)
+    assert bodies.new() == {}
+
+
+def test_a_large_map_is_covered_by_few_larger_cells() -> None:
+    rng = np.random.default_rng(3)
+    fine = CellMap(rng.integers(-60, 60, (30_000, 3)), 0.01)
+    few = few_cells(fine)
+    assert len(few.cells) <= MOST_CELLS
+    covering = {tuple(cell) for cell in few.cells.tolist()}
+    assert all(tuple(cell) in covering for cell in np.floor(fine.middles() / few.resolution).astype(int).tolist())

@@ -32,7 +32,7 @@ class Asked:
 def asked(request_of, planner):
     """Return who was asked, of our own planner and of one that is called `theirs`."""
     own, theirs = Asked(), Asked()
-    situation = Situation("arm", START, SceneSnapshot(), "", PlanningSettings(planner=planner))
+    situation = Situation("arm", START, SceneSnapshot(), "", PlanningSettings(planner=planner, time_limit=60.0))
     request = request_of(situation)
     PlannerByName(own, {"theirs": theirs}).submit(request)
     assert own.requests + theirs.requests == [request]

@@ -71,7 +71,7 @@ def test_an_exported_file_takes_the_inputs_of_its_task_as_arguments(tmp_path):
     (tmp_path / "count_to.py").write_text(export(load(task), project_catalog(task), tmp_path))
     command = [sys.executable, "count_to.py"]
     for arguments, said in ((["limit=4", "start=2"], "done"), (["limit=400"], "too_far")):
-        done = subprocess.run([*command, *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=120)
+        done = subprocess.run([*command, *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=600)
         assert done.stdout.splitlines()[-1] == said, done.stderr
 
 
@@ -81,7 +81,7 @@ def test_an_exported_file_runs_as_a_program_with_the_projects_subtasks(tmp_path)
         (tmp_path / file).write_text("grip: 1\n" if file == "grip.yaml" else (EXAMPLES / file).read_text())
     task = tmp_path / "tasks" / "count_up.yaml"
     (tmp_path / "count_up.py").write_text(export(load(task), project_catalog(task), tmp_path))
-    done = subprocess.run([sys.executable, "count_up.py"], cwd=tmp_path, capture_output=True, text=True, timeout=120)
+    done = subprocess.run([sys.executable, "count_up.py"], cwd=tmp_path, capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines()[-1] == "success"
 

@@ -26,7 +26,7 @@ outcomes: [fine, poor]
 meaning: {{poor: failure}}
 ports: {{input: {{type: int}}, returned_object: {{type: int}}}}
 start: {{command: ["{{python}}", server.py]}}
-timeouts: {{call: 20, ready: 6}}
+timeouts: {{call: 120, ready: {ready}}}
 """
 SERVER = """import os
 import rclpy
@@ -80,7 +80,7 @@ def make_trial_project(folder: Path) -> Path:
         (interface / "srv").mkdir(parents=True)
         (interface / "package.xml").write_text(PACKAGE)
         (interface / "srv" / "Ask.srv").write_text(SRV)
-        (part / "component.yaml").write_text(COMPONENT.format(name=name))
+        (part / "component.yaml").write_text(COMPONENT.format(name=name, ready=10 if name == "never_comes" else 120))
         server = NEVER_COMES if name == "never_comes" else SERVER.format(name=name, body=BODIES[name])
         (part / "server.py").write_text(server)
         (folder / "tasks" / f"{name}.yaml").write_text(TASK.format(name=name))
@@ -89,7 +89,7 @@ def make_trial_project(folder: Path) -> Path:
     return folder
 
 
-def grip(*arguments: str, domain: int = 0, timeout: float = 90) -> subprocess.CompletedProcess[str]:
+def grip(*arguments: str, domain: int = 0, timeout: float = 600) -> subprocess.CompletedProcess[str]:
     """Run the command and return what it said."""
     env = {**os.environ, "ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
     command = [sys.executable, "-m", "grip_bt.cli", *arguments]

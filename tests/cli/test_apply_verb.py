@@ -77,3 +77,12 @@ def test_a_file_that_is_there_is_not_written_over(task, tmp_path, capsys):
     assert "part.yaml" in capsys.readouterr().err
     assert (tmp_path / "tasks" / "part.yaml").read_text() == "mine"
     assert task.read_text() == TASK
+
+
+def test_a_comment_is_written_and_taken_back(task, tmp_path):
+    inverse = tmp_path / "back.json"
+    command = {"do": "comment", "path": "first", "text": "at once\nand only once"}
+    assert main(["apply", str(task), json.dumps(command), "--inverse", str(inverse)]) == 0
+    assert task.read_text() == TASK.replace("    first:", "    # at once\n    # and only once\n    first:")
+    assert main(["apply", str(task), inverse.read_text()]) == 0
+    assert task.read_text() == TASK

@@ -45,7 +45,7 @@ def grip(tmp_path):
     def call(*arguments):
         command = [sys.executable, "-m", "grip_bt.cli.__main__", *map(str, arguments)]
         environment = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
-        return subprocess.run(command, capture_output=True, text=True, timeout=100, cwd=tmp_path, env=environment)
+        return subprocess.run(command, capture_output=True, text=True, timeout=600, cwd=tmp_path, env=environment)
 
     return call
 

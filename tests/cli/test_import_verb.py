@@ -11,7 +11,7 @@ DATA = Path(__file__).parents[1] / "smach_import" / "data"
 
 def grip(*arguments):
     command = [sys.executable, "-m", "grip_bt.cli.__main__", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=200)
+    return subprocess.run(command, capture_output=True, text=True, timeout=600)
 
 
 @pytest.fixture

@@ -62,6 +62,11 @@ def test_a_ready_made_robot_is_ok_and_shown_with_groups_limits_states_solvers_an
     assert "BiTRRT" in shown
 
 
+def test_the_analytic_solver_is_not_offered_to_an_arm_of_seven_joints(capsys):
+    assert main(["robot", "show", "xarm7"]) == 0
+    assert "solvers: damped_least_squares, trac_ik\n" in capsys.readouterr().out
+
+
 def test_show_as_json_and_of_a_wrong_robot(bad, capsys):
     assert main(["robot", "show", "panda", "--json"]) == 0
     shown = json.loads(capsys.readouterr().out)

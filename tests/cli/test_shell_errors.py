@@ -115,3 +115,11 @@ def test_what_only_looks_leaves_nothing_in_a_folder(words, tmp_path, monkeypatch
     monkeypatch.chdir(tmp_path)
     main(words)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("pace", ["0", "-1", "nan", "inf", "fast"])
+def test_a_pace_that_is_none_is_a_usage_error(project, capsys, pace):
+    with pytest.raises(SystemExit) as ended:
+        main(["run", "task.yaml", f"--pace={pace}"])
+    assert ended.value.code == 2
+    assert f"'{pace}' isn't a number above 0; leave it out" in capsys.readouterr().err

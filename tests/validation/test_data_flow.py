@@ -26,7 +26,7 @@ from grip_bt.graph import (
     Timeout,
     children_of,
 )
-from grip_bt.graph.model import join
+from grip_bt.graph.walking import join
 from grip_bt.validation import validate
 
 NODE = Manifest(

@@ -12,7 +12,7 @@ FIXED = (
     "unknown-node", "unknown-parameter", "unknown-input", "unknown-output", "missing-input", "undeclared-variable",
     "wrong-variable-type", "never-read", "shadowed-variable", "unknown-outcome", "unknown-code", "unknown-target",
     "missing-target", "unknown-child", "impossible-outcome", "unreachable-node", "misplaced-on", "unused-outcome",
-    "parallel-writes", "parallel-read-write",
+    "parallel-writes", "parallel-read-write", "unknown-message",
 )  # fmt: skip
 
 

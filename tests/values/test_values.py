@@ -113,3 +113,21 @@ def test_depth_and_camera_must_agree_in_size():
 def test_a_cloud_refuses_colours_of_another_length():
     with pytest.raises(ValueError, match="colors has shape"):
         PointCloud(np.zeros((2, 3)), np.zeros((3, 3)))
+
+
+@pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("place", [(0, 0), (1, 1), (2, 2), (0, 3), (2, 3)])
+def test_a_matrix_that_is_not_finite_makes_no_pose(place, wrong):
+    matrix = np.eye(4)
+    matrix[place] = wrong
+    with pytest.raises(ValueError, match="finite"):
+        Pose.from_matrix(matrix)
+
+
+def test_a_pose_of_a_matrix_is_exact_to_the_last_bit_where_it_can_be():
+    for turned in (np.eye(3), np.diag([1, -1, -1]), np.diag([-1, 1, -1]), np.diag([-1, -1, 1])):
+        matrix = np.eye(4)
+        matrix[:3, :3], matrix[:3, 3] = turned, (0.1, -2.0, 3e300)
+        pose = Pose.from_matrix(matrix)
+        assert np.array_equal(pose.rotation(), turned)
+        assert np.array_equal(pose.position, matrix[:3, 3])

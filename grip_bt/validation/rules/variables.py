@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from grip_bt.catalog import InputPort, OutputPort, check_value, is_assignable, parse_type
+from grip_bt.catalog import InputPort, OutputPort, Type, check_value, is_assignable, parse_type
 from grip_bt.errors import listing, nearest
 from grip_bt.graph import ForEach, Leaf, Subtask, Variable
 
 from ..known import Known
 from ..survey import Declared, Spot, Survey
-from ..wording import take_hint
+from ..wording import has_literals, made_by, take_hint
 
 _PORTED = (Leaf, Subtask)
 
@@ -90,8 +90,16 @@ def _declaration(survey: Survey, declared: Declared) -> None:
                 (*where, "value"),
                 "wrong-initial-value",
                 f"the initial value of {declared.name!r} {reason}",
-                f"give a literal of type {type_}, or leave `value` out and write the variable first",
+                _instead(survey, type_),
             )
+
+
+def _instead(survey: Survey, type_: Type) -> str:
+    """Return what to do in place of a wrong initial value: values that YAML can't write are made by nodes."""
+    written = "leave `value` out and write the variable first"
+    if has_literals(type_):
+        return f"give a literal of type {type_}, or {written}"
+    return f"no literal is a {type_.name}: {written}{made_by(survey.catalog, type_)}"
 
 
 def _shadowed(survey: Survey) -> None:

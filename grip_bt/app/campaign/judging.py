@@ -1,0 +1,123 @@
+"""What is known of a trial, and what a campaign makes of it: success, and measures."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from typing import Any, get_args
+
+from grip_bt.app.execute import check_inputs, check_task
+from grip_bt.app.mocks import apply_mocks, scripted
+from grip_bt.compilers.resolve import resolve
+from grip_bt.errors import CampaignError, EvaluationError, ExpressionError, nearest
+from grip_bt.graph.evaluation import condition_of, value_of
+from grip_bt.graph.expression import parse_expression
+from grip_bt.runtime import JournalReader
+from grip_sim.referee import Status
+
+from .file import Campaign
+
+STATES: tuple[str, ...] = get_args(Status)
+"""What a referee may say of an object."""
+KNOWN = ("status", "outcome", "code", "duration", "wall", "objects", *STATES)
+"""What is known of every trial; the referee's numbers are None where there is none."""
+
+
+def check(campaign: Campaign) -> None:
+    """Find what is wrong before anything runs: tasks, inputs, mocks, counted nodes, names in expressions.
+
+    Raises:
+        DocumentError, InvalidTaskError: a task is wrong.
+        CampaignError: the campaign speaks of what its tasks don't have.
+    """
+    said, where = campaign.file, str(campaign.path)
+    for name in said.count:
+        if name in KNOWN:
+            raise CampaignError(where, f"{name!r} is known of every trial already; choose another name")
+    for variant, settings in said.variants.items():
+        project, document, _ = check_task(campaign.task(variant))
+        check_inputs(document, settings.set)
+        apply_mocks(document.task, project.catalog(), scripted(settings.mocks))
+        paths = [part.path for part in resolve(document.task, project.catalog()).root.walk()]
+        for name, path in said.count.items():
+            if path not in paths:
+                text = f"count/{name}: {variant!r} has no node {path!r}{nearest(path, paths)}"
+                raise CampaignError(where, text)
+        variables = {*document.task.inputs, *document.task.variables}
+        unknown = [given for given in settings.set if given not in variables]
+        if unknown:
+            raise CampaignError(
+                where, f"{variant}/set: the task has no variable {unknown[0]!r}{nearest(unknown[0], variables)}"
+            )
+        names = {*KNOWN, *said.count, *variables}
+        for place, text in (("success", said.success), *((f"measure/{k}", v) for k, v in said.measure.items())):
+            _check_expression(where, place, text, names)
+
+
+def _check_expression(where: str, place: str, text: str, names: set[str]) -> None:
+    try:
+        parsed = parse_expression(text)
+    except ExpressionError as error:
+        raise CampaignError(where, f"{place}: {error}") from error
+    for name in parsed.names:
+        if name not in names:
+            known = ", ".join((*KNOWN, "the names below `count`", "the task's variables"))
+            raise CampaignError(
+                where, f"{place}: nothing is known of {name!r}{nearest(name, names)} (there are: {known})"
+            )
+
+
+def judged(
+    campaign: Campaign, end: Mapping[str, Any], wall: float, started: Mapping[str, Any] | None
+) -> dict[str, Any]:
+    """Return what came of a trial, as JSON data.
+
+    Args:
+        campaign: of the trial.
+        end: the event `ended`.
+        wall: how long it took in all [s].
+        started: the event `started`; None when it didn't begin.
+
+    Returns:
+        status, outcome, code, message, duration, wall, run; `truth` (object -> the referee's word) or None; `counts`,
+        `measures`, `success`, and `unclear`: what couldn't be computed, with the reason.
+    """
+    truth = end.get("truth")
+    row: dict[str, Any] = {key: end.get(key) for key in ("status", "outcome", "code", "message", "duration")}
+    row |= {"wall": round(wall, 3), "run": started["run"] if started else None, "truth": truth}
+    counts, variables = _looked_up(campaign, started)
+    states = Counter((truth or {}).values())
+    seen = {state: states[state] if truth is not None else None for state in STATES}
+    facts = {**variables, **seen, **counts, **{key: row.get(key) for key in ("status", "outcome", "code", "duration")}}
+    facts |= {"wall": row["wall"], "objects": len(truth) if truth is not None else None}
+    unclear: dict[str, str] = {}
+    row |= {"counts": counts, "measures": {}}
+    for name, text in campaign.file.measure.items():
+        row["measures"][name] = _computed(text, facts, unclear, name, value_of)
+    row["success"] = bool(_computed(campaign.file.success, facts, unclear, "success", condition_of))
+    return {**row, "unclear": unclear}
+
+
+def _looked_up(campaign: Campaign, started: Mapping[str, Any] | None) -> tuple[dict[str, int], dict[str, Any]]:
+    """Return how often counted nodes began, and the last values of the task's variables."""
+    counts = dict.fromkeys(campaign.file.count, 0)
+    if started is None:
+        return counts, {}
+    with JournalReader(started["journal"]) as reader:
+        begun = Counter(event.path for event in reader.iterate(started["run"]) if event.event == "enter")
+        variables = {name: reader.value(event) for name, event in reader.variables(started["run"]).items()}
+    return {name: begun[path] for name, path in campaign.file.count.items()}, variables
+
+
+def _computed(text: str, facts: Mapping[str, Any], unclear: dict[str, str], name: str, compile_: Any) -> Any:
+    parsed = parse_expression(text)
+    missing = [each for each in parsed.names if each not in facts]
+    if missing:
+        unclear[name] = f"{missing[0]} was never written"
+        return None
+    try:
+        value = compile_(parsed, {each: (lambda each=each: facts[each]) for each in parsed.names})()
+    except EvaluationError as error:
+        unclear[name] = str(error)
+        return None
+    return value if isinstance(value, bool | int | float | str | None) else str(value)

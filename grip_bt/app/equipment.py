@@ -1,0 +1,147 @@
+"""What a project's robot, sensors and components have, for the check of its tasks: read from files alone."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING
+
+from grip_bt.catalog.equipment import UNFIT, Equipment, Equipped, Trouble
+from grip_bt.errors import DocumentError, GripError, MissingPartError, UnknownNameError
+
+from .named_parts import TAUGHT, common_states, faults_of_arm, faults_of_hand
+from .needed_packages import components_in_need, packages_here, sensors_in_need
+
+if TYPE_CHECKING:
+    from grip_bt.commanders.description.reading import Stamps
+    from grip_bt.commanders.robots import RobotDescription
+    from grip_bt.commanders.taught import Taught
+
+    from .needed_packages import PackagesHere
+    from .project import Project
+
+_robots: dict[tuple[str, str], tuple[Stamps, RobotDescription | GripError | None]] = {}
+"""Folder and `robot:` of a project -> the files that were read, as they were, and what came of it."""
+
+
+def equipment_of(project: Project) -> Equipment:
+    """Return what a project has, as far as its files tell."""
+    found, troubles, file = _robot(project), tuple[Trouble, ...](), project.file
+    if isinstance(found, GripError):
+        troubles = (_trouble(found, "`grip robot check` lists all that is wrong with it"),)
+    robot = None if isinstance(found, GripError) else found
+    links, packages = _links(robot), packages_here(project)
+    nodes = {**_sensors(project, links, packages), **components_in_need(project, packages)}
+    if file.robot is None and not file.arms and not file.hands:
+        return Equipment(nodes=nodes, packages=packages)  # a task can be drawn before there is a robot
+    taught = None if robot is None else _taught(project)
+    arms, hands = _arms(project, robot, taught, troubles), _hands(project, robot, taught, links, troubles)
+    return Equipment(arms, hands, nodes, packages)
+
+
+def _robot(project: Project) -> RobotDescription | GripError | None:
+    """Return the robot, or what is wrong with it; None where there is none, or its models aren't installed."""
+    from grip_bt.commanders.description.reading import as_they_were, noting_files, stamps_of
+
+    if project.file.robot is None:
+        return None
+    key = str(project.folder), repr(project.file.robot)
+    stamps, known = _robots.get(key, ((), None))
+    if key in _robots and as_they_were(stamps):
+        return known
+    found: RobotDescription | GripError | None
+    with noting_files() as files:
+        try:
+            found = project.description()
+        except (MissingPartError, ImportError):
+            found = None  # a task can be drawn where the robot isn't installed
+        except GripError as error:
+            found = error
+    _robots[key] = stamps_of(files), found
+    return found
+
+
+def _arms(
+    project: Project, robot: RobotDescription | None, taught: Taught | None, troubles: tuple[Trouble, ...]
+) -> dict[str, Equipped]:
+    found = {}
+    for name, arm in project.file.arms.items():
+        known: dict[str, Iterable[str]] = {}
+        if robot is not None and taught is not None and arm.group in robot.groups:
+            states = {**robot.named_states.get(arm.group, {}), **common_states(arm, project.file.arms, robot)}
+            known["state"] = {**states, **taught.states(name)}
+        faults = () if robot is None else faults_of_arm(project, name, robot)
+        found[name] = _equipped(known, [*troubles, *map(_trouble, faults), *_uncontrolled(project, name, arm.arms)])
+    return found
+
+
+def _hands(
+    project: Project,
+    robot: RobotDescription | None,
+    taught: Taught | None,
+    links: list[str],
+    troubles: tuple[Trouble, ...],
+) -> dict[str, Equipped]:
+    from grip_bt.commanders.robot_links import joints_of_fingers, links_of_groups
+
+    found = {}
+    for name, hand in project.file.hands.items():
+        known: dict[str, Iterable[str]] = {}
+        if robot is not None and taught is not None and hand.group in robot.groups:
+            fingers = joints_of_fingers(robot, hand.group)
+            known["posture"] = {**robot.named_states.get(hand.group, {}), **taught.states(name)}
+            known["finger"] = fingers
+            known["tip"] = [*fingers, *links_of_groups(robot, {name: hand.group})[name]]
+            known["link"] = [*links, *_frames(robot)]
+        faults = () if robot is None else faults_of_hand(project, name, robot)
+        found[name] = _equipped(known, [*troubles, *map(_trouble, faults), *_uncontrolled(project, name)])
+    return found
+
+
+def _uncontrolled(project: Project, name: str, joined: tuple[str, ...] = ()) -> list[Trouble]:
+    """Return that a real robot's arm or hand has no controller; one that joins others moves by theirs."""
+    ros = project.file.ros
+    if ros is None or joined or name in ros.controllers:
+        return []
+    return [_trouble(UnknownNameError("controller of", name, ros.controllers, "grip.yaml: ros/controllers"))]
+
+
+def _sensors(project: Project, links: Iterable[str], packages: PackagesHere | None) -> dict[str, tuple[Trouble, ...]]:
+    """Return what is wrong with the sensors: a mount on no link of the robot, and packages that aren't installed."""
+    found = sensors_in_need(project, packages)
+    cameras = {} if project.file.ros is None else project.file.ros.cameras
+    for name, sensor in project.file.sensors.items():
+        mounts = {
+            f"sensors/{name}": sensor.mount,
+            f"ros/cameras/{name}": cameras[name].mount if name in cameras else None,
+        }
+        for where, mount in mounts.items():
+            if mount is not None and links and mount.on not in ("world", *links):
+                error = UnknownNameError("link", mount.on, ("world", *links), f"grip.yaml: {where}/mount/on")
+                found[f"sensor/{name}"] += (_trouble(error),)
+    return found
+
+
+def _taught(project: Project) -> Taught:
+    from grip_bt.commanders.taught import Taught
+
+    try:
+        return Taught(project.folder / TAUGHT)
+    except DocumentError:
+        return Taught()  # a run says what is wrong with the file
+
+
+def _links(robot: RobotDescription | None) -> list[str]:
+    return [] if robot is None else [link.get("name", "") for link in ET.fromstring(robot.urdf).iter("link")]
+
+
+def _frames(robot: RobotDescription) -> list[str]:
+    return ["grasp", *(f"grasp/{group}" for group in robot.grasp_frames)]
+
+
+def _equipped(known: Mapping[str, Iterable[str]], troubles: list[Trouble]) -> Equipped:
+    return Equipped({kind: tuple(dict.fromkeys(names)) for kind, names in known.items()}, tuple(troubles))
+
+
+def _trouble(error: GripError, fix: str = "") -> Trouble:
+    return Trouble(UNFIT, str(error).rstrip("."), fix)

@@ -1,0 +1,102 @@
+"""What a project's arms and hands name: whether the robot has it. Nothing is started, and no motion library loaded."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from grip_bt.catalog.controller_config import MOVE_GROUP
+from grip_bt.commanders.names import PLANNERS, SOLVERS
+from grip_bt.errors import GripError, UnknownNameError
+from grip_bt.values import JointState
+
+from .project import ArmConfig, Project
+
+if TYPE_CHECKING:
+    from grip_bt.commanders.robots import RobotDescription
+
+TAUGHT = "taught.yaml"
+"""File of a project in which taught states and poses are kept."""
+
+
+def check_arms(project: Project, description: RobotDescription) -> None:
+    """Verify what the project's arms and hands name, before anything is started for them.
+
+    Raises:
+        UnknownNameError: there is no such group, hand, planner, solver or arm; it lists those that there are.
+        GripError: an arm that joins others has a group of other joints than theirs.
+    """
+    for name in project.file.arms:
+        for fault in faults_of_arm(project, name, description):
+            raise fault
+    for name in project.file.hands:
+        for fault in faults_of_hand(project, name, description):
+            raise fault
+
+
+def faults_of_arm(project: Project, name: str, robot: RobotDescription) -> Iterator[GripError]:
+    """Yield what is wrong with what an arm names, all of it."""
+    arm, where = project.file.arms[name], f"grip.yaml: arms/{name}"
+    if arm.group not in robot.groups:
+        yield _no_group(robot, arm.group, where)
+    if arm.hand is not None and arm.hand not in project.file.hands:
+        yield UnknownNameError("hand", arm.hand, project.file.hands, f"{where}/hand")
+    yield from faults_of_fields(arm, robot, where)
+    yield from _faults_of_parts(project, name, arm, robot)
+
+
+def faults_of_hand(project: Project, name: str, robot: RobotDescription) -> Iterator[GripError]:
+    """Yield what is wrong with what a hand names."""
+    group = project.file.hands[name].group
+    if group not in robot.groups:
+        yield _no_group(robot, group, f"grip.yaml: hands/{name}")
+
+
+def faults_of_fields(arm: ArmConfig, robot: RobotDescription, where: str) -> Iterator[UnknownNameError]:
+    """Yield which of an arm's solver and planner, its own or those that the robot's files prefer, aren't there."""
+    solver, planner = field_of(arm, robot, "kinematics"), field_of(arm, robot, "planner")
+    if solver not in SOLVERS:
+        yield UnknownNameError("kinematics solver", solver, SOLVERS, where)
+    if planner not in PLANNERS and planner != MOVE_GROUP:
+        yield UnknownNameError("planner", planner, (*PLANNERS, MOVE_GROUP), where)
+
+
+def field_of(arm: ArmConfig, robot: RobotDescription, name: str) -> Any:
+    """Return a field of an arm: as `grip.yaml` says, else as the robot's files prefer, else its default."""
+    preferred = robot.preferences.get(arm.group, {}).get(name)
+    if name in arm.model_fields_set or preferred is None or preferred.value is None:
+        return getattr(arm, name)
+    return preferred.value
+
+
+def common_states(arm: ArmConfig, arms: Mapping[str, ArmConfig], robot: RobotDescription) -> dict[str, JointState]:
+    """Return the states that all arms which an arm joins have by the same name, such as `home`."""
+    parts = [robot.named_states.get(arms[name].group, {}) for name in arm.arms if name in arms]
+    names = set.intersection(*(set(part) for part in parts)) if parts else set()
+    return {
+        name: JointState(
+            tuple(j for part in parts for j in part[name].names),
+            np.concatenate([part[name].position for part in parts]),
+        )
+        for name in sorted(names)
+    }
+
+
+def _faults_of_parts(project: Project, name: str, arm: ArmConfig, robot: RobotDescription) -> Iterator[GripError]:
+    """Yield what is wrong with the arms that an arm joins."""
+    where, arms = f"grip.yaml: arms/{name}/arms", project.file.arms
+    strange = [part for part in arm.arms if part not in arms or part == name]
+    for part in strange:
+        yield UnknownNameError("arm", part, set(arms) - {name}, where)
+    groups = [arm.group, *(arms[part].group for part in arm.arms if part not in strange)]
+    if not arm.arms or strange or any(group not in robot.groups for group in groups):
+        return
+    joints = {joint for group in groups[1:] for joint in robot.group(group)}
+    if set(robot.group(arm.group)) != joints:
+        yield GripError(f"{where}: the group {arm.group!r} holds other joints than {', '.join(arm.arms)} together")
+
+
+def _no_group(robot: RobotDescription, group: str, where: str) -> UnknownNameError:
+    return UnknownNameError("group", group, robot.groups, f"{where}/group, robot {robot.name}")

@@ -1,0 +1,128 @@
+"""`grip bench`: a campaign of trials, several at once; and what came of it."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import signal
+import sys
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:  # the verbs are listed without loading what they run
+    from grip_bt.app.campaign import Campaign, Results
+
+STOPPED = 130
+
+
+def add_parser(subparsers: Any) -> None:
+    """Add the verb."""
+    parser = subparsers.add_parser(
+        "bench",
+        help="run a campaign: tasks on many seeds; compare them",
+        usage="grip bench CAMPAIGN [--workers N] [--resume] [-o FILE]\n"
+        "       grip bench report RESULTS [--json | --csv]",
+    )
+    parser.add_argument("what", nargs="+", metavar="CAMPAIGN", help="the campaign's file; or `report` and its results")
+    parser.add_argument("--workers", type=_count, default=1, metavar="N", help="trials at a time (default: 1)")
+    parser.add_argument("--resume", action="store_true", help="keep the trials that are there, and run the others")
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help="results (default: .grip/campaigns/NAME.jsonl of the project)"
+    )
+    form = parser.add_mutually_exclusive_group()
+    form.add_argument("--json", action="store_true", help="print the summary as one JSON object")
+    form.add_argument("--csv", action="store_true", help="print a line a trial")
+    parser.set_defaults(run=run, parser=parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run a campaign, or print a report; 0 when every trial was run, whatever came of it."""
+    if args.what[0] == "report":
+        if len(args.what) != 2:
+            args.parser.error("report needs the file of results: grip bench report .grip/campaigns/NAME.jsonl")
+        from grip_bt.app.campaign import read
+
+        _print(read(Path(args.what[1])), args)
+        return 0
+    if len(args.what) != 1:
+        args.parser.error("one campaign at a time: grip bench CAMPAIGN")
+    return _run(Path(args.what[0]), args)
+
+
+def _run(path: Path, args: argparse.Namespace) -> int:
+    from grip_bt.app import find_project
+    from grip_bt.app.campaign import Trials, begin, check, head_of, read_campaign
+
+    campaign = read_campaign(path)
+    check(campaign)
+    first = next(iter(campaign.file.variants))
+    folder = find_project(campaign.task(first)).state_folder
+    file = args.output or folder / "campaigns" / f"{campaign.name}.jsonl"
+    results = begin(file, head_of(campaign), args.resume)
+    left = [trial for trial in campaign.trials() if trial not in results.done]
+    quiet = args.json or args.csv
+    _say(quiet, _opening(campaign, results, len(left), args.workers))
+    began, total = time.monotonic(), len(results.done) + len(left)
+
+    def ended(row: Mapping[str, Any]) -> None:
+        results.add(row)
+        _say(quiet, _line(row, len(results.rows), total))
+
+    trials = Trials(campaign, file.with_suffix(".sqlite"), ended)
+    stopped: list[int] = []
+
+    def stop(number: int, _: Any) -> None:
+        stopped.append(number)
+        trials.stop()
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, stop)
+    trials.run(left, args.workers)
+    _say(quiet, f"\n{time.monotonic() - began:.0f} s; results in {file}\n")
+    if results.rows:
+        _print(results, args)
+    if stopped:
+        _say(quiet, f"\nstopped: {total - len(results.rows)} of {total} trials are left; --resume runs them")
+        return STOPPED
+    return 0
+
+
+def _opening(campaign: Campaign, results: Results, left: int, workers: int) -> str:
+    kept = f", {len(results.rows)} are there" if results.rows else ""
+    ways = len(campaign.file.variants)
+    return (
+        f"{campaign.name}: {ways} variant{'s' if ways > 1 else ''} on {len(campaign.seeds)} seeds{kept}; "
+        f"{left} trials to run, {workers} at a time"
+    )
+
+
+def _line(row: Mapping[str, Any], number: int, total: int) -> str:
+    from grip_bt.app.campaign.report import reason
+
+    how = "success" if row["success"] else reason(row)
+    return f"  {number:>{len(str(total))}}/{total}  {row['variant']}, seed {row['seed']}: {how}; {row['wall']:.1f} s"
+
+
+def _print(results: Results, args: argparse.Namespace) -> None:
+    from grip_bt.app.campaign import as_csv, as_text, summary
+
+    if args.json:
+        print(json.dumps(summary(results)))
+    elif args.csv:
+        print(as_csv(results), end="")
+    else:
+        print(as_text(results))
+
+
+def _say(quiet: bool, text: str) -> None:
+    if not quiet:
+        print(text, file=sys.stderr, flush=True)
+
+
+def _count(text: str) -> int:
+    value = int(text)
+    if value < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} isn't a number of trials, 1 or more")
+    return value

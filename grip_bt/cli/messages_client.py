@@ -1,0 +1,202 @@
+"""What `grip messages` asks of a server that runs."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import queue
+import sys
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager, suppress
+from typing import TYPE_CHECKING, Any
+
+from grip_bt.errors import GripError, NoEntryError, ServerLostError, ServerTimeOutError
+
+if TYPE_CHECKING:
+    from grip_bt.operation import Operation
+    from grip_bt.ros.managers import RosMessages
+
+WAIT = 15.0
+"""How long a server may take to answer [s]."""
+SILENT = 2.0
+"""After how long somebody who waits is told what for [s]."""
+
+
+def run_list(args: argparse.Namespace) -> int:
+    """Print one line for each message."""
+    from grip_bt.ros.managers.text import entry_rows
+
+    with _server() as server:
+        if args.store:
+            _done(server.names(args.store))  # tells which stores there are
+        answer = _done(server.listing())
+    rows = [row for row in entry_rows(answer) if args.store in ("", row["store"])]
+    if args.json:
+        print(json.dumps(rows, indent=2))
+        return 0
+    for row in rows:
+        when = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(row["time"]))
+        print(f"{row['store']:<14} {row['name']:<24} {row['type']:<36} {when}  {row['provenance']}")
+    waiting = {s: n for s, n in zip(answer.stores, answer.queued, strict=True) if n and args.store in ("", s)}
+    for store, count in waiting.items():
+        print(f"{store:<14} {count} in the queue")
+    if not rows and not waiting:
+        print("no messages; `grip messages add STORE NAME VALUE` adds one", file=sys.stderr)
+    return 0
+
+
+def run_show(args: argparse.Namespace) -> int:
+    """Print one message, or take the oldest of a queue."""
+    from grip_bt.messages.written import plain_of, text_of
+    from grip_bt.ros.managers.text import text_of_message
+    from grip_bt.ros.types import type_name
+
+    with _server() as server:
+        entry = _done(server.message(args.store, args.name))
+    if args.json:
+        about = {"store": args.store, "name": entry.name, "time": entry.time, "provenance": entry.provenance}
+        print(json.dumps({**about, "type": type_name(type(entry.value)), "message": plain_of(entry.value)}))
+    else:
+        said = text_of(entry.value) if args.message else text_of_message(args.store, entry.value)
+        print(said.rstrip() or f"# a {type_name(type(entry.value))}, too big to be written")
+    return 0
+
+
+def run_add(args: argparse.Namespace) -> int:
+    """Add a message, or push it."""
+    with _server() as server:
+        value = _value(server, args)
+        _done(server.put(args.store, args.name, value, args.by or "grip messages"))
+    return 0
+
+
+def run_delete(args: argparse.Namespace) -> int:
+    """Remove one message."""
+    with _server() as server:
+        _done(server.delete(args.store, args.name))
+    return 0
+
+
+def run_reset(args: argparse.Namespace) -> int:
+    """Empty a store or all, and have the files read."""
+    with _server() as server:
+        _done(server.reset(args.store))
+    return 0
+
+
+def run_save(args: argparse.Namespace) -> int:
+    """Have everything kept."""
+    with _server() as server:
+        count = _done(server.save())
+    print(f"{count} messages are kept over restarts of the server")
+    return 0
+
+
+def run_watch(args: argparse.Namespace) -> int:
+    """Print changes as they come."""
+    changes: queue.SimpleQueue[tuple[str, str, str, Any]] = queue.SimpleQueue()
+    printed = 0
+    with _server() as server, suppress(KeyboardInterrupt):
+        _done(server.names(args.store) if args.store else server.listing())  # that there is one, and such a store
+        stop = server.watch(lambda *change: changes.put(change))
+        print("watching /grip/messages/changes; Ctrl-C ends it", file=sys.stderr, flush=True)
+        while not args.count or printed < args.count:
+            store, kind, name, value = changes.get()
+            if args.store in ("", store):
+                print(_change(store, kind, name, value, args.json), flush=True)
+                printed += 1
+        stop()
+    return 0
+
+
+def _change(store: str, kind: str, name: str, value: Any, as_json: bool) -> str:
+    from grip_bt.ros.managers.text import plain_of_entry
+
+    if as_json:
+        message = None if value is None else plain_of_entry(store, value)
+        return json.dumps({"store": store, "change": kind, "name": name, "message": message})
+    words = "" if value is None else " ".join(str(value).split())
+    return f"{store:<14} {kind:<8} {name:<24} {words[:100]}{'...' if len(words) > 100 else ''}".rstrip()
+
+
+def _value(server: RosMessages, args: argparse.Namespace) -> Any:
+    """Return the one value that the command line says.
+
+    Raises:
+        GripError: it says none, or more than one.
+    """
+    from grip_bt.graph.document import read_file
+    from grip_bt.ros.managers.text import value_from_text
+
+    given = [way for way in (args.value, args.file, args.topic) if way is not None]
+    if len(given) != 1:
+        several = "one way only" if given else "the value is missing"
+        raise GripError(f"{several}: say YAML, `-` (the standard input), `--file FILE` or `--topic TOPIC`")
+    if args.topic is not None:
+        return server.next_of(args.topic, args.type, args.within)
+    if args.file is not None:
+        text, source = read_file(args.file), str(args.file)
+    else:
+        text, source = (sys.stdin.read() if args.value == "-" else args.value), "value"
+    type_ = args.type or _type_of(server, args.store)
+    return value_from_text(args.store, source, text, type_, _States(server))
+
+
+def _type_of(server: RosMessages, store: str) -> str:
+    """Return the type of a store's messages, as far as it has some."""
+    answer = _done(server.listing())
+    return next((entry.type for entry in answer.entries if entry.store == store), "")
+
+
+class _States(Mapping[str, Any]):
+    """The server's joint states, asked for when a trajectory names them."""
+
+    def __init__(self, server: RosMessages):
+        self._server = server
+
+    def __getitem__(self, name: str) -> Any:
+        try:
+            return _done(self._server.get("joint_states", name)).value
+        except NoEntryError:
+            raise KeyError(name) from None
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(_done(self._server.names("joint_states")))
+
+    def __len__(self) -> int:
+        return len(list(iter(self)))
+
+
+@contextmanager
+def _server() -> Iterator[RosMessages]:
+    """Give a client of the server.
+
+    Raises:
+        ServerLostError: there is none; it says how to start one.
+    """
+    from grip_bt.ros.bus import Bus
+    from grip_bt.ros.managers import RosMessages
+
+    with Bus("grip_messages_client") as bus:
+        with told_of_building():
+            messages = RosMessages(bus)
+        try:
+            yield messages
+        except ServerLostError as error:
+            advice = "start one: `grip messages serve` in the project's folder, with the same ROS_DOMAIN_ID"
+            raise ServerLostError(f"{error}; {advice}") from error
+
+
+def told_of_building() -> AbstractContextManager[None]:
+    """Say that the interfaces are being built, where that takes its time: once on a machine."""
+    from grip_bt.app.waiting import told_when_slow
+
+    words = "grip: building the interfaces of messages, once; this takes a while ..."
+    return told_when_slow(lambda _, said: print(said, file=sys.stderr, flush=True), "messages", lambda: words, SILENT)
+
+
+def _done(operation: Operation[Any]) -> Any:
+    if not operation.wait(WAIT):
+        raise ServerTimeOutError(f"the server of messages gives no answer within {WAIT:.0f} s")
+    return operation.result()

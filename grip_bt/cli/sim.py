@@ -1,0 +1,81 @@
+"""`grip sim`: a simulated world as a ROS 2 robot."""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import threading
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from grip_bt.errors import GripError
+
+if TYPE_CHECKING:
+    from grip_bt.app.sim_node import Served
+
+STOPPED, SIMULATOR_ENDED = 0, 4
+
+
+def add_parser(subparsers: Any) -> None:
+    """Add the verb."""
+    parser = subparsers.add_parser("sim", help="the simulator as a ROS 2 robot: joints, controllers, cameras")
+    parser.add_argument("world", nargs="?", default="table", help="which world (default: table)")
+    parser.add_argument("--project", type=Path, default=Path(), metavar="DIR", help="whose robot (default: here)")
+    parser.add_argument("--seed", type=int, default=0, help="of the world (default: 0)")
+    parser.add_argument("--pace", type=_positive, default=1.0, metavar="X", help="simulated seconds a second")
+    parser.add_argument(
+        "--camera-rate", type=_positive, default=2.0, metavar="HZ", help="frames a second, while somebody listens"
+    )
+    parser.add_argument(
+        "--room", type=Path, metavar="FILE", help="write what stands in the world, as a .scene file for planners"
+    )
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Serve the world until Ctrl-C; then say where its objects are."""
+    from grip_bt.app import find_project
+    from grip_bt.app.sim_node import serve_world
+
+    from .run import progress
+
+    over = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: over.set())
+    project = find_project(args.project)
+    with serve_world(project, args.world, args.seed, args.pace, progress, args.camera_rate) as served:
+        if args.room is not None:
+            args.room.write_text(served.room)
+        print(_settings(served, args.room), flush=True)
+        while not over.wait(0.5):
+            try:
+                served.simulation.referee.fingerprint()
+            except GripError as error:
+                print(f"grip: {error}")
+                return SIMULATOR_ENDED
+        for name, truth in served.simulation.referee.truth().items():
+            print(f"{name}: {truth.status}")
+    return STOPPED
+
+
+def _settings(served: Served, room: Path | None) -> str:
+    """Return what `grip.yaml` says to reach it."""
+    lines = ["", "serving; Ctrl-C ends it. For `grip run TASK --robot ros`, grip.yaml says:", ""]
+    if room is not None:
+        lines.append(f"scene: {room}")
+    lines += ["ros:", f"  joint_states: {served.joints}", "  controllers:"]
+    lines += [f"    {name}: {{trajectory: {action}}}" for name, action in served.controllers.items()]
+    if served.cameras:
+        lines.append("  cameras:")
+    for name, topics in served.cameras.items():
+        lines += [f"    {name}:", *(f"      {part}: {topics[part]}" for part in ("image", "depth", "info"))]
+        mount = ", ".join(f"{key}: {value}" for key, value in served.mounts[name].items())
+        lines.append(f"      mount: {{{mount}}}")
+    return "\n".join([*lines, ""])
+
+
+def _positive(text: str) -> float:
+    value = float(text)
+    if not 0 < value < 1e6:
+        raise argparse.ArgumentTypeError(f"{text!r} isn't a number more than 0")
+    return value

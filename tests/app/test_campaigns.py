@@ -1,0 +1,289 @@
+"""Campaigns: every variant on every seed, results that survive, and statistics that are right."""
+
+import itertools
+import json
+import math
+import signal
+import subprocess
+import sys
+import time
+from collections import Counter
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from machine import slowness
+
+from grip_bt.app.campaign import as_csv, as_text, begin, check, head_of, read, read_campaign, summary
+from grip_bt.app.campaign.results import Results
+from grip_bt.cli.__main__ import main
+from grip_bt.errors import CampaignError, DocumentError, InvalidTaskError
+
+TASK = """grip: 1
+name: count
+inputs: {limit: {type: int, value: 3}}
+data: {reached: {type: int, value: 0}}
+root:
+  kind: sequence
+  children:
+    count:
+      kind: loop
+      times: 10
+      while: reached < limit
+      child:
+        add: {node: flow/compute, with: {expression: a + 1}, in: {a: reached}, out: {value: reached}}
+    say: {node: flow/log, with: {message: counted to}, in: {value: reached}}
+"""
+CAMPAIGN = """campaign: 1
+doc: Who counts best.
+task: tasks/count.yaml
+robot: fake
+seeds: {first: 5, count: 2}
+success: status == 'success' and reached >= 3
+count: {steps: count/add}
+measure: {left: limit - reached, far: reached > 3}
+variants:
+  tree: {}
+  machine: {as: sm, set: {limit: 4}}
+  short: {set: {limit: 2}}
+  broken: {mocks: {count: failure.no_ik}}
+"""
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    for name, text in {"grip.yaml": "grip: 1\n", "tasks/count.yaml": TASK, "campaigns/who.yaml": CAMPAIGN}.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text)
+    return tmp_path
+
+
+def bench(project: Path, *more: str) -> int:
+    return main(["bench", str(project / "campaigns/who.yaml"), *more])
+
+
+@pytest.mark.slow
+def test_each_variant_meets_each_seed_and_the_summary_says_what_came_of_it(project, capsys):
+    assert bench(project, "--workers", "2", "--json") == 0
+    said = json.loads(capsys.readouterr().out)
+    rows = read(project / ".grip/campaigns/who.jsonl").rows
+    assert Counter((row["variant"], row["seed"]) for row in rows) == Counter(
+        itertools.product(("tree", "machine", "short", "broken"), (5, 6))
+    )
+    good = {name: one["successes"] for name, one in said["variants"].items()}
+    assert good == {"tree": 2, "machine": 2, "short": 0, "broken": 0}
+    assert said["variants"]["machine"]["measures"]["steps"] == {"of": 2, "median": 4, "least": 4, "most": 4}
+    assert said["variants"]["machine"]["measures"]["far"] == {"of": 2, "true": 2}
+    assert said["variants"]["broken"]["failures"] == {"failure.no_ik": 2}
+    assert said["variants"]["short"]["failures"] == {"ended as success, but the campaign's condition is false": 2}
+    assert said["compared"]["broken"] == {"seeds": 2, "only_this": 0, "only_first": 2, "p": 0.5}
+    # each run can be looked at: it is in the journal beside the results
+    assert main(["runs", rows[0]["run"], "--journal", str(project / ".grip/campaigns/who.sqlite"), "--timing"]) == 0
+    assert "count/add" in capsys.readouterr().out
+
+    assert main(["bench", "report", str(project / ".grip/campaigns/who.jsonl")]) == 0
+    text = capsys.readouterr().out
+    assert "| tree    | 2 of 2 (100%) |" in text
+    assert "2x failure.no_ik" in text
+    assert main(["bench", "report", str(project / ".grip/campaigns/who.jsonl"), "--csv"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].startswith("variant,seed,success,status,outcome,code")
+    assert len(lines) == 9
+
+
+@pytest.mark.slow
+def test_a_campaign_is_gone_on_with_and_never_mixed_or_overwritten(project, capsys):
+    file = project / "campaigns/who.yaml"
+    file.write_text(CAMPAIGN[: CAMPAIGN.index("  machine")].replace("count: 2", "count: 1"))
+    assert bench(project) == 0
+    results = project / ".grip/campaigns/who.jsonl"
+    before = results.read_text()
+    assert bench(project) == 1
+    assert "there are results already: --resume goes on with them" in capsys.readouterr().err
+    assert results.read_text() == before
+
+    results.write_text(before + '{"variant": "tree", "se')  # the machine was switched off in the middle of a line
+    file.write_text(CAMPAIGN[: CAMPAIGN.index("  short")])
+    assert bench(project, "--resume") == 0
+    said = capsys.readouterr().err
+    assert "1 are there; 3 trials to run" in said
+    assert results.read_text().startswith(before)
+    assert len(read(results).rows) == 4
+
+    file.write_text(file.read_text().replace("tree: {}", "tree: {set: {limit: 9}}"))
+    assert bench(project, "--resume") == 1
+    assert "'tree' isn't what it was when these trials ran (changed: set)" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_a_stopped_campaign_keeps_what_has_ended(project):
+    (project / "campaigns/who.yaml").write_text(
+        "campaign: 1\nrobot: fake\ntask: tasks/count.yaml\nseeds: {count: 40}\n"
+    )
+    command = [sys.executable, "-m", "grip_bt.cli", "bench", "campaigns/who.yaml"]
+    process = subprocess.Popen(command, cwd=project, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    results, deadline = project / ".grip/campaigns/who.jsonl", time.monotonic() + 600
+    while not (results.exists() and len(results.read_text().splitlines()) > 2) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=600)
+    assert process.returncode == 130, err
+    assert "--resume runs them" in err
+    rows = read(results).rows
+    assert 2 <= len(rows) < 40
+    assert all(row["status"] == "success" for row in rows)
+    assert f"{len(rows)} of {len(rows)} (100%)" in out
+
+
+@pytest.mark.slow
+def test_a_trial_that_takes_too_long_or_crashes_is_a_row_and_the_others_go_on(project):
+    (project / "nodes").mkdir()
+    (project / "nodes/own.py").write_text(
+        "import os\nimport grip_bt\n\n\n"
+        '@grip_bt.leaf("own/die")\ndef die() -> None:\n    """End the process."""\n    os._exit(9)\n'
+    )
+    for name, node in {"die": "{node: own/die}", "wait": "{node: flow/wait, with: {seconds: 500.0}}"}.items():
+        text = f"grip: 1\nname: {name}\nroot:\n  kind: sequence\n  children:\n    it: {node}\n"
+        (project / f"tasks/{name}.yaml").write_text(text)
+    (project / "campaigns/who.yaml").write_text(
+        f"campaign: 1\nrobot: fake\nseeds: [0]\ntimeout: {15 * slowness(time.monotonic):.0f}\nvariants:\n"
+        "  wait: {task: tasks/wait.yaml}\n  die: {task: tasks/die.yaml}\n  count: {task: tasks/count.yaml}\n"
+    )
+    assert bench(project, "--workers", "3") == 0
+    rows = {row["variant"]: row for row in read(project / ".grip/campaigns/who.jsonl").rows}
+    assert {name: row["status"] for name, row in rows.items()} == {
+        "wait": "timed_out",
+        "die": "error",
+        "count": "success",
+    }
+    assert "it: the run's process ended with exit status 9" in rows["die"]["message"]
+
+
+@pytest.mark.sim
+def test_the_referee_counts_and_not_what_the_task_says(project, capsys):
+    """A task that only looks ends as a success; nothing lies in the crate."""
+    world = "grip: 1\nrobot: panda_allegro\nworld: table\nsensors: {overhead: {camera: overhead}}\n"
+    (project / "grip.yaml").write_text(world)
+    (project / "tasks/count.yaml").write_text(
+        "grip: 1\nname: look\nroot:\n  kind: sequence\n  children:\n    look: {node: sensor/overhead}\n"
+    )
+    (project / "campaigns/who.yaml").write_text(
+        "campaign: 1\ntask: tasks/count.yaml\nseeds: [3]\nsuccess: status == 'success' and placed == objects\n"
+        "measure: {placed: placed, standing: standing}\n"
+    )
+    assert bench(project) == 0
+    (row,) = read(project / ".grip/campaigns/who.jsonl").rows
+    assert row["status"] == "success"
+    assert not row["success"]
+    assert set(row["truth"].values()) == {"standing"}
+    assert row["measures"] == {"placed": 0, "standing": len(row["truth"])}
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (("task: tasks/count.yaml\n", "task: tasks/cuont.yaml\n"), "there is no task 'tasks/cuont.yaml' (looked in"),
+        (("reached >= 3", "raeched >= 3"), "success: nothing is known of 'raeched'; did you mean 'reached'?"),
+        (("reached >= 3", "__import__('os')"), "success: "),
+        (("{steps: count/add}", "{steps: count/ad}"), "count/steps: 'tree' has no node 'count/ad'; did you mean"),
+        (("{steps: count/add}", "{wall: count/add}"), "'wall' is known of every trial already"),
+        (("{limit: 2}", "{limti: 2}"), "short/set: the task has no variable 'limti'; did you mean 'limit'?"),
+        (("{first: 5, count: 2}", "[1, 2, 1]"), "seeds that are there twice: 1"),
+        (("{first: 5, count: 2}", "[]"), "`seeds` is empty"),
+        (("task: tasks/count.yaml\n", ""), "no task for tree, machine, short, broken"),
+        ((CAMPAIGN[CAMPAIGN.index("task:") :], ""), "nothing to run: give `task`, or `variants` with a `task` each"),
+        (("campaign: 1", "campaign: 2"), "campaign"),
+        (("robot: fake", "robto: fake"), "unknown key 'robto' in the file; did you mean 'robot'?"),
+    ],
+)
+def test_what_is_wrong_is_said_before_anything_runs(project, capsys, change, words):
+    file = project / "campaigns/who.yaml"
+    assert change[0] in CAMPAIGN
+    file.write_text(CAMPAIGN.replace(*change))
+    assert bench(project) == 1
+    assert words in capsys.readouterr().err
+    assert not (project / ".grip/campaigns").exists()
+
+
+def test_a_wrong_task_or_mock_is_said_too(project):
+    (project / "tasks/count.yaml").write_text(TASK.replace("flow/log", "flow/lgo"))
+    with pytest.raises(InvalidTaskError, match="flow/lgo"):
+        check(read_campaign(project / "campaigns/who.yaml"))
+    (project / "tasks/count.yaml").write_text(TASK.replace("{type: int, value: 3}", "int"))
+    with pytest.raises(InvalidTaskError, match="--set limit"):
+        check(read_campaign(project / "campaigns/who.yaml"))
+    with pytest.raises(DocumentError):
+        read_campaign(project / "campaigns/nothing.yaml")
+
+
+def test_results_that_are_none_are_refused(project, capsys, tmp_path):
+    for text in ("", "hello\n", '{"campaign": 7}\n', "[]\n"):
+        (tmp_path / "r.jsonl").write_text(text)
+        assert main(["bench", "report", str(tmp_path / "r.jsonl")]) == 1
+        assert "campaign" in capsys.readouterr().err
+    assert main(["bench", "report", str(tmp_path / "gone.jsonl")]) == 1
+    with pytest.raises(SystemExit):
+        main(["bench", "report"])
+    assert "report needs the file of results" in capsys.readouterr().err
+
+
+def test_a_place_that_cannot_be_written_is_named(project, capsys):
+    assert bench(project, "-o", "/proc/results.jsonl") == 1
+    assert "-o" in capsys.readouterr().err
+
+
+# --- statistics ---
+
+
+def row(variant: str, seed: int, success: bool, **more) -> dict:
+    told = {"status": "success" if success else "failure", "outcome": "success" if success else "failure", "code": None}
+    known = {"message": "", "duration": 1.0, "wall": 2.0, "run": None, "truth": None, "counts": {}, "measures": {}}
+    return {"variant": variant, "seed": seed, "success": success, **told, **known, "unclear": {}, **more}
+
+
+def wilson(good: int, n: int, z: float = 1.959963984540054) -> tuple[float, float]:
+    p = good / n
+    middle = (p + z * z / (2 * n)) / (1 + z * z / n)
+    half = z * math.sqrt(p * (1 - p) / n + z * z / (4 * n * n)) / (1 + z * z / n)
+    return max(0.0, middle - half), min(1.0, middle + half)
+
+
+@settings(deadline=None)
+@given(st.lists(st.tuples(st.booleans(), st.booleans()), min_size=1, max_size=60))
+def test_rates_have_wilsons_interval_and_pairs_mcnemars_exact_test(pairs):
+    head = {"name": "x", "variants": {"a": {}, "b": {}}}
+    rows = [r for seed, (a, b) in enumerate(pairs) for r in (row("a", seed, a), row("b", seed, b))]
+    said = summary(Results(Path("x"), head, rows))
+    for index, name in enumerate("ab"):
+        good = sum(pair[index] for pair in pairs)
+        assert said["variants"][name]["successes"] == good
+        assert said["variants"][name]["interval"] == pytest.approx(wilson(good, len(pairs)), abs=1e-4)
+    only_a, only_b = sum(a and not b for a, b in pairs), sum(b and not a for a, b in pairs)
+    n, k = only_a + only_b, min(only_a, only_b)
+    p = min(1.0, 2 * sum(math.comb(n, i) for i in range(k + 1)) / 2**n) if n else 1.0
+    assert said["compared"]["b"]["p"] == pytest.approx(p, abs=1e-4)
+    assert as_csv(Results(Path("x"), head, rows)).count("\n") == len(rows) + 1
+    assert as_text(Results(Path("x"), head, rows)).startswith("# x")
+
+
+def test_only_common_seeds_are_compared():
+    head = {"name": "x", "variants": {"a": {}, "b": {}, "never_run": {}}}
+    rows = [row("a", 1, True), row("a", 2, True), row("b", 2, False), row("b", 3, False)]
+    said = summary(Results(Path("x"), head, rows))
+    assert said["compared"] == {"b": {"seeds": 1, "only_this": 0, "only_first": 1, "p": 1.0}}
+    assert list(said["variants"]) == ["a", "b"]
+
+
+def test_the_settings_of_a_variant_are_in_the_results(project, tmp_path):
+    campaign = read_campaign(project / "campaigns/who.yaml")
+    begin(tmp_path / "r.jsonl", head_of(campaign), resume=False)
+    kept = read(tmp_path / "r.jsonl").head["variants"]
+    assert kept["machine"]["as"] == "sm"
+    assert kept["tree"]["task"] == TASK
+    with pytest.raises(CampaignError, match="results already"):
+        begin(tmp_path / "r.jsonl", head_of(campaign), resume=False)
+
+
+def test_the_examples_campaign_fits_its_task():
+    check(read_campaign(Path(__file__).parents[2] / "examples/campaigns/two_forms.yaml"))
