@@ -9,19 +9,8 @@ from grip_bt.catalog.component_file import ComponentFile
 from grip_bt.catalog.interface_spec import FieldSpec, InterfaceSpec
 from grip_bt.errors import GripError
 
-from .contract import INPUT, OUTCOME, RETURNED
-
-VALUES = {
-    "geometry_msgs/msg/PoseStamped": "Pose",
-    "geometry_msgs/msg/Pose": "Pose",
-    "geometry_msgs/msg/TransformStamped": "Pose",
-    "sensor_msgs/msg/PointCloud2": "PointCloud",
-    "sensor_msgs/msg/Image": "Image",
-    "sensor_msgs/msg/CameraInfo": "CameraInfo",
-    "sensor_msgs/msg/JointState": "JointState",
-    "trajectory_msgs/msg/JointTrajectory": "Trajectory",
-}
-"""Messages that have a value of GRIP's own."""
+from .contract import keeps_contract, suggested_outcomes
+from .port_fit import VALUE_OF
 
 
 class OutcomesNeededError(GripError):
@@ -36,22 +25,9 @@ class OutcomesNeededError(GripError):
         super().__init__(f"{interface.type_name}: {what}; for instance: --outcomes {self.suggestion!r}")
 
 
-def keeps_contract(interface: InterfaceSpec) -> bool:
-    """Tell whether the three fields are there."""
-    response = {f.name: f for f in interface.response}
-    has_input = any(f.name == INPUT for f in interface.request)
-    return has_input and RETURNED in response and OUTCOME in response and response[OUTCOME].is_integer
-
-
-def suggested_outcomes(interface: InterfaceSpec) -> str:
-    """Return outcomes that would be possible, as `--outcomes` takes them."""
-    if keeps_contract(interface):
-        return "done,failed"
-    flag = next((f for f in interface.response if f.type == "bool" and not f.array), None)
-    if flag is not None:
-        return f"done: {flag.name}; failed: not {flag.name}"
-    several = next((f for f in interface.response if f.array), None)
-    return f"found: len({several.name}) > 0; none: true" if several is not None else "done: true"
+def suggested_name(interface: InterfaceSpec) -> str:
+    """Return a component's name made from its interface's: `plan_grasp` of PlanGrasp, `http_grasp` of HTTPGrasp."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", interface.name).lower()
 
 
 def parse_outcomes(text: str) -> int | list[str] | dict[str, str]:
@@ -112,7 +88,7 @@ def component_text(
 
 
 def _port(field: FieldSpec) -> str:
-    value = VALUES.get(field.type, "")
+    value = VALUE_OF.get(field.type, "")
     return f"list[{value}]" if value and field.array else value
 
 

@@ -14,21 +14,30 @@ from grip_bt.catalog.types import parse_type
 from grip_bt.errors import ContractError, listing, nearest
 from grip_bt.graph.expression import parse_expression
 
+from .port_fit import FieldsOf, misfits
+
 INPUT, OUTCOME, RETURNED = "input", "outcome", "returned_object"
 
 
-def check_contract(component: ComponentFile, interface: InterfaceSpec) -> None:
+def check_contract(
+    component: ComponentFile, interface: InterfaceSpec, fields_of: FieldsOf = lambda message: None
+) -> None:
     """Check that an interface keeps the contract and that a component file fits it.
+
+    Args:
+        component: what is declared.
+        interface: what it speaks.
+        fields_of: the fields of a message, for ports that are deep in one.
 
     Raises:
         ContractError: with everything that is wrong: which field, what was found, what is needed.
     """
-    problems = list(_problems(component, interface))
+    problems = list(_problems(component, interface, fields_of))
     if problems:
         raise ContractError(f"component {component.name}: {interface.source or interface.type_name}", problems)
 
 
-def _problems(component: ComponentFile, interface: InterfaceSpec) -> Iterator[str]:
+def _problems(component: ComponentFile, interface: InterfaceSpec, fields_of: FieldsOf) -> Iterator[str]:
     if component.interface != interface.type_name:
         yield f"interface: the component file says {component.interface}, this is {interface.type_name}"
     if component.rules:
@@ -36,6 +45,9 @@ def _problems(component: ComponentFile, interface: InterfaceSpec) -> Iterator[st
     else:
         yield from _contract_problems(interface)
     yield from _port_problems(component, interface)
+    sending = component.kind != "msg" or component.use == "publish"
+    yield from misfits(component, interface.request, sending, fields_of)
+    yield from misfits(component, interface.response, False, fields_of)
     if component.meanings().get("failure") == "success":
         yield "meaning: the outcome 'failure' can't mean success; calls that fail end with it"
 
@@ -53,8 +65,8 @@ def _contract_problems(interface: InterfaceSpec) -> Iterator[str]:
         side = words.get("response", "response")
         yield f"{side}: the field {OUTCOME!r} is {outcome.spelling}; it must be one integer, such as int32"
     if missing and interface.response:
-        field = interface.response[0].name
-        yield f"(for an interface as it is, give outcomes by rule: `outcomes: {{found: '{field} ...'}}`)"
+        rules = ", ".join(f'{label}: "{rule}"' for label, rule in _suggested_rules(interface).items())
+        yield f"(for an interface as it is, give outcomes by rule, such as `outcomes: {{{rules}}}`)"
 
 
 def _rule_problems(component: ComponentFile, interface: InterfaceSpec) -> Iterator[str]:
@@ -99,6 +111,28 @@ def input_ports(component: ComponentFile, interface: InterfaceSpec) -> dict[str,
     if component.kind == "msg" and component.use == "receive":
         return {}
     return component.port_fields(f.name for f in interface.request)
+
+
+def keeps_contract(interface: InterfaceSpec) -> bool:
+    """Tell whether the three fields are there."""
+    response = {f.name: f for f in interface.response}
+    has_input = any(f.name == INPUT for f in interface.request)
+    return has_input and RETURNED in response and OUTCOME in response and response[OUTCOME].is_integer
+
+
+def suggested_outcomes(interface: InterfaceSpec) -> str:
+    """Return outcomes that would be possible, as `--outcomes` takes them."""
+    if keeps_contract(interface):
+        return "done,failed"
+    return "; ".join(f"{label}: {rule}" for label, rule in _suggested_rules(interface).items())
+
+
+def _suggested_rules(interface: InterfaceSpec) -> dict[str, str]:
+    flag = next((f for f in interface.response if f.type == "bool" and not f.array), None)
+    if flag is not None:
+        return {"done": flag.name, "failed": f"not {flag.name}"}
+    several = next((f for f in interface.response if f.array), None)
+    return {"found": f"len({several.name}) > 0", "none": "true"} if several is not None else {"done": "true"}
 
 
 def _named(fields: Sequence[FieldSpec], name: str) -> FieldSpec | None:

@@ -13,6 +13,7 @@ from grip_bt.graph.expression import parse_expression
 from .contract import check_contract
 from .face import class_name, face
 from .manifest_text import manifest_text
+from .port_fit import FieldsOf
 from .quoting import py
 from .trial import default_outcome
 
@@ -21,13 +22,15 @@ MARK = "Generated from component.yaml by `grip component add`"
 _HEADER = f"# {MARK}; edits here are lost when it runs again.\n"
 
 
-def render(component: ComponentFile, interface: InterfaceSpec) -> dict[str, str]:
-    """Return the files of a component's node package, by path in the package.
+def render(
+    component: ComponentFile, interface: InterfaceSpec, fields_of: FieldsOf = lambda message: None
+) -> dict[str, str]:
+    """Return the files of a component's node package, by path in the package; `fields_of` as for `check_contract`.
 
     Raises:
         ContractError: the interface doesn't keep the component contract.
     """
-    check_contract(component, interface)
+    check_contract(component, interface, fields_of)
     manifest = face(component, interface)
     meaning = {
         "words": _words(component),

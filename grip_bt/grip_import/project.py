@@ -59,14 +59,15 @@ def _project(found: Configuration) -> dict[str, Any]:
 
 def _arm(group: str, said: Mapping[str, Any], notes: list[Note]) -> dict[str, Any]:
     planner = str(said["planner_name"])
-    made = {"group": group, "planner": planner.removesuffix("kConfigDefault").removesuffix("ConfigDefault")}
+    planner = planner.removesuffix("kConfigDefault").removesuffix("ConfigDefault")
+    made: dict[str, Any] = {"group": group, "planner": planner}
     for key, name in (
         ("robot_speed_factor", "speed"),
         ("number_plan_attempt", "attempts"),
         ("planning_max_time", "planning_time"),
     ):
         value = said.get(key)
-        if type(value) in (int, float) and value > 0:
+        if isinstance(value, int | float) and not isinstance(value, bool) and value > 0:
             made[name] = int(value) if name == "attempts" else float(value)
         elif value is not None:
             notes.append(Note("missing", group, f"{key} is {value!r} and no number above 0; the usual is taken"))

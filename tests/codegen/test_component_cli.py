@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 
 from grip_bt.cli.__main__ import main
+from grip_bt.errors import DocumentError
+from grip_bt.ros.components import find_components
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "components" / "antipodal_grasps"
 
@@ -60,3 +62,54 @@ def test_an_interface_that_is_nowhere_is_named(component, capsys):
 def test_a_folder_that_is_no_component_is_named(tmp_path, capsys):
     assert main(["component", "add", str(tmp_path)]) == 1
     assert "component.yaml" in capsys.readouterr().err
+
+
+def package_of(folder: Path, name: str, files: dict[str, str], depends: str = "") -> Path:
+    (folder / name).mkdir(parents=True)
+    (folder / name / "package.xml").write_text(f"<package><name>{name}</name>{depends}</package>")
+    for path, text in files.items():
+        (folder / name / path).parent.mkdir(exist_ok=True)
+        (folder / name / path).write_text(text)
+    return folder / name
+
+
+@pytest.fixture
+def project(tmp_path):
+    (tmp_path / "grip.yaml").write_text("grip: 1\n")
+    return tmp_path
+
+
+def test_packages_beside_the_interface_that_it_needs_come_along(project, capsys):
+    package_of(project / "src", "lowest_msgs", {"msg/Item.msg": "float64 weight\n"})
+    package_of(project / "src", "base_msgs", {"msg/Box.msg": "lowest_msgs/Item item\n"}, "<depend>lowest_msgs</depend>")
+    package_of(project / "src", "other_msgs", {"msg/Other.msg": "float64 a\n"})
+    text = "base_msgs/Box input\n---\nint32 outcome\nbool returned_object\n"
+    mine = package_of(project / "src", "my_msgs", {"srv/HTTPFit.srv": text}, "<depend>base_msgs</depend>")
+    given = [str(mine / "srv" / "HTTPFit.srv"), "--outcomes", "fits,no", "--project", str(project)]
+    assert main(["component", "add", *given]) == 0
+    assert "my_msgs/srv/HTTPFit, served as /http_fit" in capsys.readouterr().out
+    interfaces = project / "components" / "http_fit" / "interfaces"
+    assert sorted(p.name for p in interfaces.iterdir()) == ["base_msgs", "lowest_msgs", "my_msgs"]
+
+
+def test_a_component_that_does_not_fit_is_told_and_nothing_of_it_is_left(project, capsys):
+    add = ["component", "add", "std_srvs/srv/Trigger", "--project", str(project), "--outcomes"]
+    assert main([*add, "done: succes"]) == 1
+    assert "the rule of 'done' reads 'succes'; did you mean 'success'?" in capsys.readouterr().err
+    assert not (project / "components").exists()
+    assert main([*add, "done: success; failed: not success"]) == 0
+
+
+def test_one_broken_component_does_not_hide_the_others(project, capsys):
+    add = ["component", "add", "std_srvs/srv/Trigger", "--project", str(project), "--outcomes", "done: success"]
+    assert main([*add, "--name", "a_first"]) == main([*add, "--name", "last"]) == 0
+    (project / "components" / "a_first" / "component.yaml").write_text("name: a_first\n")
+    capsys.readouterr()
+    assert main(["component", "list", str(project)]) == 1
+    told = capsys.readouterr()
+    assert told.out.startswith("last ")
+    assert "can't be read" in told.err
+    assert "the key 'interface' is missing" in told.err
+    assert list(find_components(project / "components", ["last"])) == ["last"]
+    with pytest.raises(DocumentError, match="'interface' is missing"):
+        find_components(project / "components", ["a_first"])

@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
@@ -17,7 +18,7 @@ from grip_bt.errors import GripError, ProjectExistsError
 
 def grip(*words: object, cwd: Path, **env: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "grip_bt.cli", *map(str, words)]
-    return subprocess.run(command, cwd=cwd, env=dict(os.environ, **env), capture_output=True, text=True, timeout=180)
+    return subprocess.run(command, cwd=cwd, env=dict(os.environ, **env), capture_output=True, text=True, timeout=600)
 
 
 @pytest.fixture
@@ -38,6 +39,21 @@ def test_nothing_of_the_template_is_left_in_the_files_and_the_node_is_up_to_date
     assert load_component(folder).interface == "best_view_2_interfaces/srv/BestView2"
     assert grip("component", "add", "--check", folder, cwd=project).returncode == 0
     assert (folder / ".gitignore").is_file()
+    packages = list(folder.rglob("package.xml"))
+    assert len(packages) == (2 if language == "cpp" else 1)
+    for file in packages:  # without it, colcon takes a package for one of ROS 1
+        assert ElementTree.parse(file).findtext("export/build_type") == "ament_cmake"
+
+
+def test_both_packages_of_the_cpp_repository_are_linked_into_the_workspace(tmp_path):
+    """Colcon looks for no package below another one."""
+    make_repository(tmp_path / "fast", "fast", "cpp")
+    command = next(line for line in (tmp_path / "fast" / "README.md").read_text().splitlines() if "ln -s" in line)
+    subprocess.run(
+        ["bash", "-ec", command], cwd=tmp_path / "fast", env=os.environ | {"HOME": str(tmp_path)}, check=True
+    )
+    linked = {folder.name for folder in (tmp_path / "ws" / "src").iterdir() if (folder / "package.xml").is_file()}
+    assert linked == {"fast", "fast_interfaces"}
 
 
 def test_the_python_repository_passes_its_own_tests(tmp_path):

@@ -102,7 +102,7 @@ def test_an_output_that_a_node_does_not_have_is_an_error_before_anything_runs(tm
     """The first dropped what was written there, and succeeded (B8)."""
     text = TASK.replace("VALUE", "1").replace("out: {value: said}", "out: {valu: said}")
     (tmp_path / "texts.yaml").write_text(text)
-    with pytest.raises(InvalidTaskError, match="valu"):
+    with pytest.raises(InvalidTaskError, match="has no output 'valu'; did you mean 'value'"):
         grip_bt.run(tmp_path / "texts.yaml", robot="fake")
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from grip_bt.compilers.behaviour_state import Refined, labels
 from grip_bt.compilers.resolve import Part
 from grip_bt.compilers.transitions import COUNT, chooses, counts, state_labels, table_of
-from grip_bt.graph import model
+from grip_bt.graph import model, walking
 from grip_bt.nodes.smach_asking import CONSTANT, MARK
 
 from ..standalone.layout import Code, Items, call
@@ -105,7 +105,7 @@ def _choice(plan: Plan, part: Part, needed: Refined, name: str) -> str:
         more["codes"] = [f"{outcome}.{code}" for outcome, code in sorted(failures)]
     if isinstance(part.node, model.Switch):
         cases: dict[str, list[object]] = {}
-        for child, literal in model.cases_of(part.node):
+        for child, literal in walking.cases_of(part.node):
             cases.setdefault(child, []).append(literal)
         default = {"default": part.node.default} if part.node.default else {}
         made = call("Choose.case", Code("run"), part.node.on_value, cases, **default, **more)
@@ -125,7 +125,7 @@ def _failures(needed: Refined) -> set[tuple[str, str]]:
 
 
 def _cased(node: model.Switch) -> set[str]:
-    return {*(child for child, _ in model.cases_of(node)), node.default}
+    return {*(child for child, _ in walking.cases_of(node)), node.default}
 
 
 def add(

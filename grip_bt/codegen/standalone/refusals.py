@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from grip_bt.errors import NotExpressibleError
-from grip_bt.graph import model
+from grip_bt.graph import model, walking
 
 TARGET = "a stand-alone py_trees file"
 _COMMON = {"doc", "precondition", "on", "x"}
@@ -36,7 +36,7 @@ def refuse_unknown(task: model.Task) -> None:
     Raises:
         NotExpressibleError: for the first one.
     """
-    for path, node in model.walk(task.root):
+    for path, node in walking.walk(task.root):
         kind = getattr(node, "kind", "leaf")
         known = _KNOWN.get(type(node))
         if known is None:
