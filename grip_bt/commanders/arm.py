@@ -124,18 +124,24 @@ class ArmCommander:
             raise UnknownNameError("freedom of a pose", free, FREE, where=f"arm {self._name!r}")
         goal = self._goal(goal)
         hints = () if isinstance(goal, JointState) else self._known_ways_to(goal)
-        return self._ask(PlanTo(self._situation(start), goal, hints, free, constraint))  # type: ignore[arg-type]
+        return self._ask(PlanTo(self._situation(start), goal, hints, free, constraint))
 
     def plan_straight(self, goals: Sequence[Pose], *, start: JointState | None = None) -> Operation[Plan]:
         """Plan straight lines of the grasp frame; see `ports.Arm`."""
         return self._ask(PlanStraight(self._situation(start), tuple(goals)))
 
-    def plan_through(self, way_points: Sequence[WayPoint], *, start: JointState | None = None) -> Operation[Plan]:
+    def plan_through(
+        self,
+        way_points: Sequence[WayPoint],
+        *,
+        start: JointState | None = None,
+        constraint: PathConstraint | None = None,
+    ) -> Operation[Plan]:
         """Plan one motion through way points; see `ports.Arm`."""
         named = tuple(replace(point, goal=self._goal(point.goal)) for point in way_points)
         if not named:
             raise ValueError("a motion through way points has at least one of them")
-        return self._ask(PlanThrough(self._situation(start), named))
+        return self._ask(PlanThrough(self._situation(start), named, constraint))
 
     def plan_along(self, trajectory: Trajectory) -> Operation[Plan]:
         """Check a trajectory that was made elsewhere and make a plan of it; see `ports.Arm`."""

@@ -16,8 +16,10 @@ from numpy.typing import NDArray
 
 from grip_bt.errors import CanceledError, ExecutionAbortedError, ExpectedError
 from grip_bt.operation import Operation
-from grip_bt.ports import Executor, HandPort
+from grip_bt.ports import Executor, HandPort, Steerable
 from grip_bt.values import JointState, Trajectory
+
+from .steering import spliced
 
 J = TypeVar("J")
 RAMP = 0.5
@@ -85,7 +87,7 @@ class _Motion(Generic[J]):
         self.job = job
         self.whole: Operation[JointState] = Operation()
         self.part: Operation[JointState] | None = None
-        self.held = False
+        self.held = self.parted = False
         self.began = self.passed = 0.0
 
 
@@ -99,7 +101,7 @@ class _Parts(Generic[J]):
 
     def __init__(self, do: Callable[[J], Operation[JointState]], rest: Callable[[J, float], J]):
         self._do, self._rest = do, rest
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()  # a part that ends while it is changed is heard of in the middle of that
         self._paused = False
         self._motion: _Motion[J] | None = None
 
@@ -136,6 +138,25 @@ class _Parts(Generic[J]):
         if motion is not None and ready:
             self._go_on(motion)
 
+    def untouched(self) -> bool:
+        """Tell whether a motion is under way that never was held."""
+        with self._lock:
+            return self._untouched()
+
+    def amend(self, change: Callable[[J], J | None]) -> bool:
+        """Change the job of a motion that never was held; False, where `change` returns None, or there is none."""
+        with self._lock:
+            motion = self._motion
+            job = change(motion.job) if motion is not None and self._untouched() else None
+            if motion is None or job is None:
+                return False
+            motion.job = job
+            return True
+
+    def _untouched(self) -> bool:
+        motion = self._motion
+        return motion is not None and motion.part is not None and not motion.held and not motion.parted
+
     def _start(self, motion: _Motion[J]) -> None:
         with self._lock:
             if self._paused:
@@ -157,7 +178,7 @@ class _Parts(Generic[J]):
             part = motion.part
             if part is None or motion.held:
                 return
-            motion.held = True
+            motion.held = motion.parted = True
             motion.passed = time.monotonic() - motion.began
         part.cancel()
 
@@ -242,6 +263,35 @@ class HeldExecutor:
         except ExpectedError as error:
             raise ExecutionAbortedError(f"the motion was held, and {error.message}", cause=error.code) from None
         return rest_of(trajectory, measured, passed)
+
+
+class HeldSteerable(HeldExecutor):
+    """Implements `Steerable` besides, over an executor that does.
+
+    A motion that was held in its middle isn't changed any more; it goes on to its end.
+    """
+
+    def __init__(self, executor: Executor):
+        super().__init__(executor)
+        assert isinstance(executor, Steerable)
+        self._steerable: Steerable = executor
+
+    def passed(self) -> float | None:
+        """Return for how long the motion under way has been followed [s]; None where it can't be changed."""
+        return self._steerable.passed() if self._parts.untouched() else None
+
+    def amend(self, tail: Trajectory, at: float) -> bool:
+        """Go on with another trajectory from a moment on; see `grip_bt.ports.Steerable`."""
+        return self._parts.amend(lambda whole: spliced(whole, tail, at) if self._steerable.amend(tail, at) else None)
+
+    def expect(self, at: float | None) -> None:
+        """Tell that an amendment is likely."""
+        self._steerable.expect(at)
+
+
+def held(executor: Executor) -> HeldExecutor:
+    """Return an executor that can be held, and steered where `executor` can be."""
+    return HeldSteerable(executor) if isinstance(executor, Steerable) else HeldExecutor(executor)
 
 
 class HeldHand:

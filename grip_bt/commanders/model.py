@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
+from math import isfinite
 
 import numpy as np
 import pinocchio as pin
@@ -132,8 +133,8 @@ class RobotModel:
         """
         q = np.array(self._rest if base is None else base)
         for state in states:
-            for name, position in zip(state.names, state.position, strict=True):
-                if not np.isfinite(position):
+            for name, position in zip(state.names, state.position.tolist(), strict=True):
+                if not isfinite(position):
                     raise ValueError(f"the position of joint {name!r} is {position}")
                 q[self._columns[name]] = position
         for name, mimic in self.description.mimics.items():

@@ -140,7 +140,8 @@ def _corners(shape: pin.GeometryObject) -> NDArray[np.float64]:
         solid.computeLocalAABB()
         low, high = solid.aabb_local.min_, solid.aabb_local.max_
         points = np.array([(x, y, z) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
-    return points @ shape.placement.rotation.T + shape.placement.translation
+    placed: NDArray[np.float64] = points @ shape.placement.rotation.T + shape.placement.translation
+    return placed
 
 
 def _hull(points: NDArray[np.float64]) -> coal.ConvexBase:

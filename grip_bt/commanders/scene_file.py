@@ -18,7 +18,7 @@ Quaternions are x y z w there. The second line of the first object tells the for
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -93,7 +93,8 @@ class _Reader:
 
     def __init__(self, text: str, source: str):
         self._lines, self._source = text.splitlines(), source
-        self._row, self._words = 0, iter(())
+        self._row = 0
+        self._words: Iterator[str] = iter(())
         self._next_line()
 
     def is_new_form(self) -> bool:
@@ -151,7 +152,8 @@ class _Reader:
 
     def _next_line(self) -> None:
         words = self._lines[self._row].split() if self._row < len(self._lines) else []
-        self._row, self._words = self._row + 1, iter(words)
+        self._row += 1
+        self._words = iter(words)
 
 
 def _box(reader: _Reader) -> tuple[Solid, Pose]:

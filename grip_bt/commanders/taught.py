@@ -110,9 +110,12 @@ def _read(file: Path) -> dict[str, dict[str, _Entry]]:
 
     from grip_bt.graph.document import read_file
     from grip_bt.graph.faults import document_error, fault_of
+    from grip_bt.graph.syntax import Mapping as Entries
     from grip_bt.graph.syntax import parse, plain
 
     tree = parse(read_file(file), str(file))
+    if not isinstance(tree, Entries):
+        raise document_error([("a mapping of names to what was taught is expected", tree.line, tree.column)], str(file))
     try:
         return _File.model_validate(plain(tree)).root
     except ValidationError as error:

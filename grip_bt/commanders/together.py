@@ -35,10 +35,11 @@ class _All:
         self.whole: Operation[dict[Any, Any]] = Operation(on_cancel=self._cancel)
         self._parts: dict[Any, Operation[Any]] = {}
         self._lock = threading.Lock()
-        self._left, self._first = len(starts), []
+        self._left = len(starts)
+        self._first: list[BaseException] = []
         for name, start in starts.items():
             self._parts[name] = _started(start) if not self._first else Operation.failed(self._first[0])
-            self._parts[name].add_done_callback(lambda name=name: self._ended(self._parts[name]))
+            self._parts[name].add_done_callback(partial(self._ended, self._parts[name]))
         if not starts:
             self.whole.succeed({})
 

@@ -78,7 +78,7 @@ class PlanningProcess:
         """The process id of the present child."""
         return self._child.pid
 
-    def wait_until_ready(self, timeout: float = 60.0) -> bool:
+    def wait_until_ready(self, timeout: float = 300.0) -> bool:
         """Block until the child has built its model, at most `timeout` [s]; requests may be sent before.
 
         Returns:

@@ -25,6 +25,14 @@ class Component(Protocol):
 class Ros(Protocol):
     """What leaves ask of ROS directly: topics, frames and parameters, by name; message types as ROS spells them."""
 
+    def check(self, name: str, message: str = "") -> None:
+        """Check a name of the graph, and a message type that is going to be used, before anything moves.
+
+        Raises:
+            GripError: it can't be one; there is no such message, or its package isn't available.
+        """
+        ...
+
     def listen(self, topic: str, message: str) -> None:
         """Subscribe now, so that a later `recent` finds what came since."""
         ...

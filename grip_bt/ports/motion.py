@@ -120,7 +120,13 @@ class Arm(Protocol):
         """
         ...
 
-    def plan_through(self, way_points: Sequence[WayPoint], *, start: JointState | None = None) -> Operation[Plan]:
+    def plan_through(
+        self,
+        way_points: Sequence[WayPoint],
+        *,
+        start: JointState | None = None,
+        constraint: PathConstraint | None = None,
+    ) -> Operation[Plan]:
         """Plan one motion through way points, without a stop at inner ones that have a blend radius.
 
         A radius that doesn't fit is made smaller: a blend takes at most half of a segment, and one whose corner would
@@ -130,6 +136,7 @@ class Arm(Protocol):
         Args:
             way_points: one or more; see `values.WayPoint`.
             start: joint positions to begin from; the measured ones by default.
+            constraint: what the grasp frame keeps to on the whole way, corners included.
 
         Ends as `plan` and `plan_straight` do.
 

@@ -15,6 +15,8 @@ from grip_bt.commanders.scene import PlanningScene
 from grip_bt.values import Grasp, JointState, Pose
 
 CRATE = np.array([0.48, -0.40])
+PATIENCE = 60.0
+"""Time that a plan may take, also on a slow machine [s]."""
 
 AT_TABLES = ("panda_allegro", "ur5_allegro", "ur10_allegro")
 """Robots that the demo's world is made for."""
@@ -90,4 +92,4 @@ def side_grasps(thing: Thing, rng: np.random.Generator) -> list[Grasp]:
 
 def situation(model: RobotModel, scene, arm: JointState | None = None, hand: str = "open", seed: int = 0) -> Situation:
     start = joined(arm or named(model, "arm", "home"), named(model, "hand", hand))
-    return Situation("arm", start, scene, "right_hand", PlanningSettings(seed=seed))
+    return Situation("arm", start, scene, "right_hand", PlanningSettings(seed=seed, time_limit=PATIENCE))

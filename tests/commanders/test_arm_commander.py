@@ -42,7 +42,14 @@ class Rig:
         self.scene = room(self.model, hand=lambda: self.arm.grasp_pose())
         self.planner = PlansHere(self.model)
         self.arm = ArmCommander(
-            "right", self.model, self.planner, self.executor, self.scene, "right_hand", lambda: self.posture
+            "right",
+            self.model,
+            self.planner,
+            self.executor,
+            self.scene,
+            "right_hand",
+            lambda: self.posture,
+            PlanningSettings(time_limit=600.0),
         )
 
 
@@ -100,7 +107,7 @@ def test_each_plan_sees_the_scene_and_the_hand_as_they_are_when_it_is_asked(rig)
 
 def test_planning_settings_reach_the_planner():
     rig = Rig()
-    settings = PlanningSettings(planner="KPIECE1", speed=0.2, seed=4)
+    settings = PlanningSettings(planner="KPIECE1", speed=0.2, seed=4, time_limit=600.0)
     arm = ArmCommander(
         "a", rig.model, rig.planner, rig.executor, rig.scene, "right_hand", lambda: rig.posture, settings
     )

@@ -1,5 +1,7 @@
 """A check of a hand's hull first, and of motions all along, says the same as a check of everything."""
 
+from pathlib import Path
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -44,6 +46,25 @@ def everything_free(checker, q):
     touching = pin.computeCollisions(chain.model, chain.data, checker._geometry, data, q, True)
     assert touching == bool(checker.pairs(q))
     return not touching
+
+
+def cpu_times():
+    """CPU time of each of this process's threads [ns]."""
+    return {task.name: int((task / "schedstat").read_text().split()[0]) for task in Path("/proc/self/task").iterdir()}
+
+
+@pytest.mark.parametrize("cores", [1, 2])
+def test_a_large_batch_is_shared_evenly_by_as_many_threads_as_there_are_cores(chain, monkeypatch, cores):
+    """Told by how long each thread worked, since a loaded machine may give them one core in turns."""
+    monkeypatch.setattr("grip_bt.commanders.collision.os.cpu_count", lambda: cores)
+    checker, rows = CollisionChecker(chain, SceneSnapshot()), random_rows(chain, 4000, seed=1)
+    checker.free_each(rows[:100])  # threads are made when they are first needed
+    before = cpu_times()
+    checker.free_each(rows)
+    worked = sorted((spent - before.get(task, 0) for task, spent in cpu_times().items()), reverse=True)
+    shares = [time / sum(worked) for time in worked]
+    assert shares[cores - 1] > 0.5 / cores
+    assert sum(shares[:cores]) > 0.9
 
 
 def test_the_hull_first_gives_the_same_answers_as_all_pairs(chain, checker):

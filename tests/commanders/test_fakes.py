@@ -149,3 +149,45 @@ def test_a_component_replies_in_turn_after_its_delay():
         operations[2].result()
     with pytest.raises(ServerLostError):
         FakeComponent().call({}).result()
+
+
+def own_arm():
+    return FakeArm(own=JointState(("j1", "j2"), [0.1, 0.2]))
+
+
+def test_a_fake_arm_takes_goals_of_its_robots_own_joints_and_the_others_stay():
+    arm = own_arm()
+    before = arm.grasp_pose()
+    reached = arm.execute(arm.plan(JointState(("j2",), [1.2])).result()).result()
+    assert reached.as_mapping() == {**arm.state().as_mapping(), "j1": pytest.approx(0.1), "j2": pytest.approx(1.2)}
+    assert arm.grasp_pose().position == pytest.approx(before.position)
+    arm.execute(arm.plan(Pose((0.4, 0.1, 0.6))).result()).result()
+    assert arm.state().ordered(("j1", "j2")) == pytest.approx([0.1, 1.2])
+    arm.jog((0, 0, 0.1)).result()
+    assert arm.grasp_pose().position == pytest.approx([0.4, 0.1, 0.65])
+
+
+def test_a_fake_arm_follows_a_trajectory_of_its_robots_own_joints():
+    arm = own_arm()
+    arm.execute(arm.plan_along(Trajectory(("j1",), [0.0, 1.0], [[0.1], [0.5]])).result()).result()
+    assert arm.state().ordered(("j1", "j2")) == pytest.approx([0.5, 0.2])
+
+
+@pytest.mark.parametrize("what", ["goal", "start"])
+def test_a_joint_that_a_fake_arm_lacks_is_refused_with_those_that_it_has(what):
+    state = JointState(("j3",), [0.0])
+    with pytest.raises(UnknownNameError, match="j3.*there are: j1, j2, rx"):
+        own_arm().plan(**{"goal": "home", what: state})
+
+
+@pytest.mark.parametrize("closed", [[1.0, 0.5], [-1.0, 0.5], [-1.0, 0.0]])
+def test_a_fake_hand_closes_as_its_postures_say_until_it_touches(closed):
+    names, end = ("j1", "j2"), np.array(closed)
+    start, thing = JointState(names, [0.0, 0.0]), JointState(names, 0.6 * end)
+    hand = FakeHand(start, thing=thing, forces={"tip": 2.0}, closed=JointState(names, end))
+    assert hand.move(JointState(names, 0.5 * end), 1.0).result().position == pytest.approx(0.5 * end)
+    assert not hand.contacts()
+    assert hand.move(JointState(names, end), 1.0).result().position == pytest.approx(0.6 * end)
+    assert hand.contacts() == {"tip": 2.0}
+    assert hand.move(start, 1.0).result().position == pytest.approx([0.0, 0.0])
+    assert not hand.contacts()

@@ -1,20 +1,33 @@
-"""The parallel gripper that is written here: its sizes are arguments, and it sits on any arm."""
+"""Parallel grippers: the one that is written here, whose sizes are arguments, and the makers' with their linkages."""
 
 from __future__ import annotations
 
+import coal
 import numpy as np
 import pinocchio as pin
 import pytest
 
 from grip_bt.cli.__main__ import main
 from grip_bt.commanders.collision import CollisionChecker
+from grip_bt.commanders.description import packages
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.load import inspect_robot, load_robot
 from grip_bt.commanders.model import RobotModel
+from grip_bt.commanders.robots import build_robot
 from grip_bt.commanders.scene import PlanningScene
+from grip_bt.errors import MissingPartError
 from grip_bt.values import JointState
 
-ARMS = ("ur3_gripper", "ur5_gripper", "ur10_gripper", "xarm7_gripper")
+WAYS = {
+    "ur3_gripper": 0.138,
+    "ur5_gripper": 0.138,
+    "ur10_gripper": 0.138,
+    "xarm7_gripper": 0.172,
+    "ur3_robotiq": 0.14,
+    "ur5_robotiq": 0.14,
+    "ur10_robotiq": 0.14,
+}
+"""Arm with a gripper -> how far in front of the flange grasps are [m]."""
 
 
 def placed(model, link, state):
@@ -22,13 +35,13 @@ def placed(model, link, state):
     return model.data.oMf[model.model.getFrameId(link)].copy()
 
 
-@pytest.mark.parametrize("name", ["parallel_gripper", *ARMS])
+@pytest.mark.parametrize("name", ["parallel_gripper", "xarm_gripper", "robotiq_2f_85", *WAYS])
 def test_nothing_is_wrong_with_it(name, capsys):
     assert main(["robot", "check", name]) == 0
     assert capsys.readouterr().out.strip() == f"{name}: ok"
 
 
-@pytest.mark.parametrize("name", ARMS)
+@pytest.mark.parametrize("name", WAYS)
 def test_an_arm_with_it_is_free_at_home_and_knows_where_grasps_are(name):
     robot = load_robot(name)
     model = RobotModel(robot)
@@ -37,7 +50,7 @@ def test_an_arm_with_it_is_free_at_home_and_knows_where_grasps_are(name):
     assert not CollisionChecker(chain, PlanningScene({}).snapshot(), "hand").pairs(home.ordered(chain.joints))
     flange = robot.end_effectors[0].parent_link
     way = placed(model, flange, home).actInv(model.grasp_pose(home, group="arm").position)
-    assert way == pytest.approx([0, 0, 0.138], abs=1e-6), "0.138 m in front of the flange"
+    assert way == pytest.approx([0, 0, WAYS[name]], abs=1e-6)
 
 
 def test_its_sizes_are_arguments():
@@ -63,6 +76,39 @@ def test_its_fingers_part_and_meet():
     assert gap(0.0425) == pytest.approx(0.085)
 
 
+def middle_and_gap(model, state, links):
+    """Return the middle between two links' shapes in the grasp frame, and the gap between them [m]."""
+    placed(model, links[0], state)
+    shapes, palm = model.geometry, pin.SE3(model.grasp_pose(state).matrix())
+    data = shapes.createData()
+    pin.updateGeometryPlacements(model.model, model.data, shapes, data)
+    found, frames = coal.DistanceResult(), model.model.frames
+    ids = [next(k for k, g in enumerate(shapes.geometryObjects) if frames[g.parentFrame].name == n) for n in links]
+    places = [coal.Transform3s(data.oMg[k].rotation, data.oMg[k].translation) for k in ids]
+    one, other = (shapes.geometryObjects[k].geometry for k in ids)
+    gap = coal.distance(one, places[0], other, places[1], coal.DistanceRequest(), found)
+    middle = (found.getNearestPoint1() + found.getNearestPoint2()) / 2
+    return palm.actInv(middle), gap
+
+
+@pytest.mark.parametrize(
+    ("name", "links", "stroke"),
+    [
+        ("xarm_gripper", ("left_finger", "right_finger"), 0.089),
+        ("robotiq_2f_85", ("left_inner_finger_pad", "right_inner_finger_pad"), 0.086),
+    ],
+)
+def test_the_linkages_of_the_makers_grippers_bring_their_fingers_together_at_the_grasp_frame(name, links, stroke):
+    robot = load_robot(name)
+    model = RobotModel(robot)
+    _, opened = middle_and_gap(model, robot.named_state("hand", "open"), links)
+    middle, closed = middle_and_gap(model, robot.named_state("hand", "closed"), links)
+    assert opened == pytest.approx(stroke, abs=0.001)
+    assert 0 < closed < 0.003
+    assert middle[:2] == pytest.approx([0, 0], abs=0.02)
+    assert -0.045 < middle[2] < 0.015, "along the pads, not behind them"
+
+
 def test_an_argument_that_it_does_not_have_is_told():
     found = inspect_robot(RobotConfig(ready="parallel_gripper", arguments={"strok": 0.1})).findings
     assert any("strok" in finding.message for finding in found)
@@ -73,3 +119,45 @@ def test_a_robot_without_arguments_says_so(name):
     (found,) = inspect_robot(RobotConfig(ready=name, arguments={"stroke": 0.1})).findings
     assert found.severity == "error"
     assert "takes no arguments" in found.message
+
+
+@pytest.mark.parametrize(
+    ("name", "package", "extra"),
+    [
+        ("xarm_gripper", "gym_xarm", "grippers"),
+        ("xarm7_gripper", "gym_xarm", "grippers"),
+        ("robotiq_2f_85", "airo_models", "grippers"),
+        ("ur5_robotiq", "airo_models", "grippers"),
+        ("shadow_right", "robopianist", "shadow"),
+    ],
+)
+def test_a_robot_whose_models_are_not_installed_is_missed_with_what_to_install(name, package, extra, without, capsys):
+    without(package)
+    assert main(["robot", "check", name]) == 1
+    said = capsys.readouterr()
+    assert said.err.count("\n") == 1
+    assert f"{package!r}" in said.err
+    assert f"To mend it: pip install 'grip-bt[{extra}]'" in said.err
+    with pytest.raises(MissingPartError, match=rf"robot {name!r}, in the package {package!r}"):
+        load_robot(name)
+
+
+def test_the_other_robots_and_the_list_do_without_these_models(without, capsys):
+    without("airo_models", "gym_xarm", "robopianist")
+    for name in ("parallel_gripper", "xarm7", "ur5_gripper", "panda_allegro"):
+        assert main(["robot", "check", name]) == 0
+    assert main(["robot", "list"]) == 0
+    assert {"xarm7_gripper", "ur5_robotiq", "shadow_left"} <= set(capsys.readouterr().out.split())
+
+
+@pytest.fixture
+def without(monkeypatch):
+    """Return a function after whose call packages aren't found; what was built before is forgotten, and after."""
+
+    def hide(*hidden):
+        found = packages._installed
+        monkeypatch.setattr(packages, "_PLACES", (lambda name: None if name in hidden else found(name),))
+        build_robot.cache_clear()
+
+    yield hide
+    build_robot.cache_clear()

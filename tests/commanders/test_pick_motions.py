@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from machine import is_within
 from table_top import CRATE, named, place_things, robot_model, room, side_grasps, situation
 
 from grip_bt.commanders.planning.motions import answer
@@ -98,7 +99,7 @@ def test_in_every_one_of_30_scenes_something_can_be_taken_and_put_into_the_crate
 @pytest.mark.slow
 @pytest.mark.parametrize("step", ["choose", "go", "approach", "lift", "show", "place"])
 def test_the_median_of_each_step_is_below_two_seconds_of_cpu(outcomes, step):
-    assert np.median([outcome.seconds[step] for outcome in outcomes if step in outcome.seconds]) < 2.0
+    assert is_within(np.median([outcome.seconds[step] for outcome in outcomes if step in outcome.seconds]), 2.0)
 
 
 @pytest.mark.slow

@@ -90,7 +90,7 @@ def test_a_pose_goal_is_reached_and_hints_come_first(chosen):
 @pytest.mark.parametrize("planner", ["RRTConnect", "KPIECE1", "LBKPIECE1", "BITstar", "PRM"])
 def test_planners_are_chosen_by_name(chosen, planner):
     model, scene, *_ = table()
-    start = with_settings(situation(model, scene.snapshot()), planner=planner, time_limit=20.0)
+    start = with_settings(situation(model, scene.snapshot()), planner=planner, time_limit=600.0)
     plan = answer(model, PlanTo(start, chosen.at_pre_grasp), never)
     assert plan.planner == planner
     assert_free(model, scene.snapshot(), plan.trajectory)

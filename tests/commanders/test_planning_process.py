@@ -10,10 +10,12 @@ import time
 
 import numpy as np
 import pytest
+from machine import is_within
 from table_top import named, place_things, robot_model, room, side_grasps, situation
 
 from grip_bt.commanders import worker
 from grip_bt.commanders.collision import CollisionChecker
+from grip_bt.commanders.planning.free import planners
 from grip_bt.commanders.planning.motions import answer
 from grip_bt.commanders.planning.requests import ChooseGrasp, PlanTo
 from grip_bt.commanders.worker import PlanningProcess
@@ -31,11 +33,11 @@ def planner():
 def reachable_request(seed=0):
     model = robot_model()
     home = named(model, "arm", "home")
-    goal = JointState(home.names, home.position + [0.6, 0.1, 0.0, 0.0, 0.2, 0.0, 0.0])
+    goal = JointState(home.names, home.position + [0.6 - 0.1 * seed, 0.1, 0.0, 0.0, 0.2, 0.0, 0.0])
     return PlanTo(situation(model, room(model).snapshot(), seed=seed), goal)
 
 
-def endless_request():
+def endless_request(planner="RRTConnect"):
     """Start and goal are free, but the forearm is threaded through a frame that the hand doesn't fit through."""
     model = robot_model()
     scene, home = room(model), named(model, "arm", "home")
@@ -50,7 +52,8 @@ def endless_request():
         offset = np.array([x, y, 0.0]) * (opening + edge / 2) + [0.0, 0.04, 0.0]
         scene.set_box(f"frame_{k}", size, Pose(middle.apply([offset])[0], middle.quaternion))
     begin = situation(model, scene.snapshot())
-    begin = dataclasses.replace(begin, settings=dataclasses.replace(begin.settings, time_limit=60.0))
+    settings = dataclasses.replace(begin.settings, time_limit=600.0, planner=planner)
+    begin = dataclasses.replace(begin, settings=settings)
     checker = CollisionChecker(chain, scene.snapshot(), "right_hand")
     assert checker.free(home.position)
     rng, limits = np.random.default_rng(0), model.limits("arm")
@@ -59,7 +62,7 @@ def endless_request():
     return PlanTo(begin, JointState(home.names, goal))
 
 
-def ended(operation, within=60.0):
+def ended(operation, within=120.0):
     assert operation.wait(within)
     return operation
 
@@ -120,21 +123,39 @@ def test_cancelling_ends_a_plan_within_50_ms(planner):
             operation.result()
         if taken[-1] < 0.05:
             break
-    assert min(taken) < 0.05
+    assert is_within(min(taken), 0.05, time.monotonic)
     ended(planner.submit(reachable_request())).result()
 
 
-def test_a_plan_ends_itself_when_it_is_cancelled_and_its_process_goes_on(planner, monkeypatch):
-    monkeypatch.setattr("grip_bt.commanders.worker.CANCEL_GRACE", 30.0)  # nothing but the search itself may end it
+@pytest.mark.parametrize("search", ["RRTConnect", "PRM"])
+def test_a_plan_ends_itself_when_it_is_cancelled_and_its_process_goes_on(planner, monkeypatch, search):
+    monkeypatch.setattr("grip_bt.commanders.worker.CANCEL_GRACE", 300.0)  # nothing but the search itself may end it
     assert planner.wait_until_ready()
     pid = planner.pid
-    operation = planner.submit(endless_request())
+    operation = planner.submit(endless_request(search))
     assert not operation.wait(0.5), "the request was to be endless"
     operation.cancel()
     with pytest.raises(CanceledError):
-        ended(operation, within=20.0).result()
+        ended(operation).result()
     ended(planner.submit(reachable_request())).result()
     assert planner.pid == pid
+
+
+@pytest.mark.parametrize("search", planners())
+def test_no_search_looks_at_anything_once_it_is_cancelled(search, monkeypatch):
+    """Between two questions of its own a search may make thousands of checks; each of them ends it."""
+    made, asked = [], []
+
+    def canceled():
+        asked.append(len(made))
+        return len(asked) > 40
+
+    for name in ("free", "all_free"):
+        check = getattr(CollisionChecker, name)
+        monkeypatch.setattr(CollisionChecker, name, lambda *a, check=check: made.append(1) or check(*a))
+    with pytest.raises(CanceledError):
+        answer(robot_model(), endless_request(search), canceled)
+    assert len(made) - asked[40] <= 1
 
 
 def test_a_request_that_ignores_its_cancellation_costs_the_process_not_the_caller(planner, monkeypatch):
@@ -143,7 +164,7 @@ def test_a_request_that_ignores_its_cancellation_costs_the_process_not_the_calle
     operation = planner.submit(reachable_request())
     operation.cancel()
     with pytest.raises(CanceledError):
-        ended(operation, within=5.0).result()
+        ended(operation).result()
     ended(planner.submit(reachable_request())).result()
     assert planner.pid != pid
 
@@ -153,11 +174,11 @@ def test_a_queued_request_can_be_cancelled_without_harm_to_the_one_under_way(pla
     pid = planner.pid
     queued.cancel()
     with pytest.raises(CanceledError):
-        ended(queued, within=5.0).result()
+        ended(queued).result()
     assert not under_way.done()
     assert planner.pid == pid
     under_way.cancel()
-    ended(under_way, within=5.0)
+    ended(under_way)
 
 
 def test_a_request_survives_the_death_of_the_process(planner):
@@ -183,7 +204,7 @@ def test_a_request_that_kills_two_processes_is_given_up(planner):
     ended(planner.submit(reachable_request())).result()
 
 
-def wait_until(condition, seconds=30.0):
+def wait_until(condition, seconds=120.0):
     end = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < end
@@ -196,7 +217,7 @@ def test_a_process_that_cannot_start_is_reported_not_started_for_ever(monkeypatc
         assert not process.wait_until_ready()
         operation = process.submit(reachable_request())
         with pytest.raises(PlannerLostError):
-            ended(operation, within=5.0).result()
+            ended(operation).result()
     assert "no_such_module" in capfd.readouterr().err
 
 
@@ -231,10 +252,10 @@ def test_callers_on_several_threads_get_their_own_answers(planner):
     for thread in threads:
         thread.start()
     for thread in threads:
-        thread.join(60)
-    assert {s: t for s, t in results.items()} == {
-        s: answer(robot_model(), reachable_request(s), lambda: False).trajectory for s in range(4)
-    }
+        thread.join(120)
+    own = {s: answer(robot_model(), reachable_request(s), lambda: False).trajectory for s in range(4)}
+    assert results == own
+    assert len({trajectory.positions[-1, 0] for trajectory in own.values()}) == 4, "else a mix-up wouldn't be seen"
 
 
 PARENT = """

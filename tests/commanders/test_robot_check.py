@@ -35,7 +35,11 @@ URDF_FAULTS = [
     ),
     (('joint="slide_left"', 'joint="slide_lefd"'), "unknown-joint", "mimics 'slide_lefd'.*'slide_left'"),
     (('joint="slide_left"', 'joint="slide_right"'), "cycle", "mimics, in the end, itself"),
-    (('<parent link="base"/>', '<parent link="l6"/>'), "cycle", "is part of a loop of joints"),
+    (
+        ('<parent link="base"/>', '<parent link="l6"/>'),
+        "cycle",
+        "in a loop: l1 -> l2 -> l3 -> l4 -> l5 -> l6 -> l1",
+    ),
     (('<child link="l5"/>', '<child link="l4"/>'), "two-parents", "link 'l4' hangs on two joints"),
     (('<child link="l5"/>', '<child link="l4"/>'), "two-roots", "these links hang on nothing: base, l5"),
 ]

@@ -1,7 +1,9 @@
 import numpy as np
 import pytest
+import yaml
 from robot_files import JOINTS, SRDF, description_package, moveit_package, urdf
 
+from grip_bt.app.project import ProjectFile
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.load import inspect_robot, load_robot
 from grip_bt.commanders.description.packages import Packages
@@ -49,6 +51,17 @@ def test_the_robot_rests_in_its_named_states_and_the_grasp_frame_is_where_hand_c
     assert model.description.at_rest["j3"] == 1.0
 
 
+@pytest.mark.parametrize(("ros", "tool"), [(1, "catkin"), (2, "ament_cmake")])
+def test_the_layout_is_that_of_the_packages_build_tool_even_without_launch_files(tmp_path, ros, tool):
+    description_package(tmp_path)
+    folder = moveit_package(tmp_path, ros)
+    for file in [*folder.glob("launch/*"), *folder.glob("config/fake_controllers.yaml")]:
+        file.unlink()
+    (folder / "package.xml").write_text(f"<package><name>p</name><buildtool_depend>{tool}</buildtool_depend></package>")
+    (package,) = inspect_robot(RobotConfig(moveit=str(folder)), tmp_path).packages
+    assert package.layout == f"ROS {ros}"
+
+
 @pytest.mark.parametrize("ros", [1, 2])
 def test_a_moveit_package_of_either_layout_makes_a_robot(tmp_path, ros):
     description_package(tmp_path)
@@ -73,6 +86,20 @@ def test_a_moveit_package_of_either_layout_makes_a_robot(tmp_path, ros):
         assert robot.at_rest["j2"] == 0.7
 
 
+def test_what_becomes_of_a_moveit_packages_sensors_is_said_with_what_to_declare(tmp_path):
+    description_package(tmp_path)
+    (found,) = [
+        f for f in read_package(moveit_package(tmp_path, 2), Packages()).findings if f.code == "sensor-not-read"
+    ]
+    assert found.severity == "warning"
+    assert "plans don't avoid what camera sees by themselves" in found.message
+    assert "`scene/add_cloud`" in found.message
+    declared = yaml.safe_load(found.message.split("`")[1])
+    file = ProjectFile.model_validate({"grip": 1, **declared})
+    assert file.sensors["camera"].topics["seen"].topic == "/camera/points"
+    assert file.sensors["camera"].given_in == "world"
+
+
 def test_a_moveit_package_says_what_it_lacks_and_what_it_cannot_be_read_in(tmp_path):
     description_package(tmp_path)
     folder = moveit_package(tmp_path, 2)
@@ -81,6 +108,7 @@ def test_a_moveit_package_says_what_it_lacks_and_what_it_cannot_be_read_in(tmp_p
     (folder / "config" / "ompl_planning.yaml").write_text("a: [\n")
     found = read_package(folder, Packages()).findings
     assert {(f.severity, f.code) for f in found} == {
+        ("warning", "sensor-not-read"),
         ("warning", "missing-file"),
         ("error", "bad-file"),
         ("warning", "no-urdf"),

@@ -57,7 +57,7 @@ class Rig:
             self.scene,
             "right_hand",
             lambda: posture,
-            PlanningSettings(speed=speed),
+            PlanningSettings(speed=speed, time_limit=600.0),
         )
 
     def steer(self, seconds, ask):

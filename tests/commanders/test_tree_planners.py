@@ -52,7 +52,7 @@ def level_at(checker, *position, turn=0.0):
 
 def situation(model, checker, start, **settings):
     state = joined(JointState(checker.chain.joints, start), named(model, "hand", "open"))
-    return Situation("arm", state, SCENE, "hand", PlanningSettings(**{"time_limit": 60.0, **settings}))
+    return Situation("arm", state, SCENE, "hand", PlanningSettings(**{"time_limit": 600.0, **settings}))
 
 
 def pose(rotation, *position):
@@ -85,7 +85,7 @@ def test_bitrrt_comes_less_close_than_rrt_connect_and_repeats(checker):
     one, other = level_at(checker, 0.5, -0.3, 0.3), level_at(checker, 0.5, 0.3, 0.3)
 
     def mean_cost(planner, seed):
-        path = plan_free(checker, one, other, planner, seed, time.monotonic() + 20, lambda: False)
+        path = plan_free(checker, one, other, planner, seed, time.monotonic() + 600, lambda: False)
         fine = interpolated(path, 0.004)
         assert checker.all_free(fine)
         assert path[0] == pytest.approx(one)
@@ -114,7 +114,7 @@ def test_a_constrained_motion_keeps_the_hand_level_round_an_obstacle(model, chec
 def test_a_constrained_motion_stays_in_its_box(model, checker):
     box = PathConstraint(box=pose(np.eye(3), 0.4, 0.0, 0.4), size=(0.5, 0.9, 0.4))
     one, other = level_at(checker, 0.45, -0.3, 0.3), level_at(checker, 0.45, 0.3, 0.3)
-    begin = situation(model, checker, one, time_limit=60.0)
+    begin = situation(model, checker, one, time_limit=600.0)
     request = PlanTo(begin, JointState(checker.chain.joints, other), constraint=box)
     for q in answer(model, request, lambda: False).trajectory.positions:
         offset = checker.chain.grasp_pose(q).translation - [0.4, 0.0, 0.4]
@@ -130,9 +130,21 @@ def test_parameters_of_a_planner_change_its_search(model, checker, monkeypatch):
     longest = {}
     for size in (0.2, 1.0):
         given = {"range": size, "goal_bias": 0.05, "nonsense": 1.0}
-        path = plan_free(checker, one, other, "RRTConnect", 3, time.monotonic() + 60, lambda: False, parameters=given)
+        path = plan_free(checker, one, other, "RRTConnect", 3, time.monotonic() + 600, lambda: False, parameters=given)
         longest[size] = np.linalg.norm(np.diff(path, axis=0), axis=1).max()
     assert longest[0.2] <= 0.2 + 1e-6 < longest[1.0] <= 1.0 + 1e-6
+
+
+@pytest.mark.parametrize("given", [{}, {"range": 0.0}])
+def test_without_a_range_rrt_connect_grows_in_short_steps(checker, monkeypatch, given):
+    """0 is what MoveIt's files have for "the planner's own"."""
+    one, other = level_at(checker, 0.5, -0.3, 0.3), level_at(checker, 0.5, 0.3, 0.3)
+    monkeypatch.setattr("grip_bt.commanders.planning.free.shortened", lambda path, *_: path)
+    for seed in range(4):
+        path = plan_free(
+            checker, one, other, "RRTConnect", seed, time.monotonic() + 600, lambda: False, parameters=given
+        )
+        assert np.linalg.norm(np.diff(path, axis=0), axis=1).max() <= 0.25 * np.sqrt(7) + 1e-6
 
 
 @pytest.mark.parametrize("end", ["start", "goal"])

@@ -112,7 +112,9 @@ INWARD = {"left": [-np.pi / 2, 1.2, 0, 0, 0, 0], "right": [np.pi / 2, 1.2, 0, 0,
 
 def situation(model, carriers):
     start = at(model, "left")
-    return Situation("left_manipulator", start, SceneSnapshot({}, carriers=carriers), "left_hand", PlanningSettings())
+    return Situation(
+        "left_manipulator", start, SceneSnapshot({}, carriers=carriers), "left_hand", PlanningSettings(time_limit=600.0)
+    )
 
 
 def test_motions_that_meet_on_the_way_are_refused_with_when_and_what(model, carriers):
@@ -169,6 +171,7 @@ def arms(model, carriers):
             Scene(),
             f"{side}_hand",
             lambda: JointState((), ()),
+            PlanningSettings(time_limit=600.0),
             group=f"{side}_manipulator",
             others=lambda other=other: [executors[other].state()],
         )

@@ -8,12 +8,23 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from itertools import count
 from typing import Any
 
 import numpy as np
 import pytest
-from contract_rigs import ArmRig, ExecutorRig, HandRig, Patient
-from ros_rigs import controllers, streamed_executor, trajectory_executor
+from contract_rigs import PATIENT, ArmRig, ExecutorRig, HandRig, Patient
+from ros_arm_rigs import arm_of_controllers, arm_of_move_group, move_group, move_group_executor
+from ros_rigs import (
+    commanded_ros_hand,
+    controlled_hand,
+    controllers,
+    gripper,
+    joined_trajectory_executors,
+    streamed_executor,
+    topic_executor,
+    trajectory_executor,
+)
 from simulated_rigs import (
     commanded_simulated_arm,
     commanded_simulated_hand,
@@ -23,18 +34,23 @@ from simulated_rigs import (
 
 from grip_bt.commanders.fake import FakeArm, FakeExecutor, FakeHand, OnClock
 from grip_bt.commanders.hand import HandCommander
-from grip_bt.commanders.held import HeldExecutor, HeldHand
+from grip_bt.commanders.held import HeldHand, held
 from grip_bt.commanders.robots import build_robot
 from grip_bt.commanders.together import JoinedExecutor
+from grip_bt.errors import ExecutionAbortedError
 from grip_bt.runtime.clock import ManualClock
 from grip_bt.values import JointState, Pose
 
 
 @contextmanager
 def fake_executor() -> Iterator[ExecutorRig]:
-    clock = ManualClock()
-    start = JointState(("a", "b"), [0.1, -0.2])
-    yield ExecutorRig(FakeExecutor(start, OnClock(clock)), clock.advance, JointState(("a", "b"), [0.6, 0.1]))
+    clock, spoiled = ManualClock(), list[ExecutionAbortedError]()
+    start, goal = JointState(("a", "b"), [0.1, -0.2]), JointState(("a", "b"), [0.6, 0.1])
+    script = (spoiled.pop() if spoiled else None for _ in count())
+    executor = FakeExecutor(start, OnClock(clock), script)
+    yield ExecutorRig(
+        executor, clock.advance, goal, lambda: spoiled.append(ExecutionAbortedError("spoiled")), exact=True
+    )
 
 
 def _fingers() -> tuple[JointState, JointState, JointState]:
@@ -48,7 +64,7 @@ def fake_hand_port() -> Iterator[HandRig]:
     clock = ManualClock()
     opened, closed, thing = _fingers()
     port = FakeHand(opened, OnClock(clock))
-    yield HandRig(port, clock.advance, opened, closed, lambda: setattr(port, "thing", thing))
+    yield HandRig(port, clock.advance, opened, closed, lambda: setattr(port, "thing", thing), exact=True)
 
 
 @contextmanager
@@ -63,7 +79,7 @@ def fake_arm() -> Iterator[ArmRig]:
     clock = ManualClock()
     arm = FakeArm("right", Pose([0.3, -0.4, 0.5]), OnClock(clock))
     away = JointState(arm.state().names, [0.5, 0.0, 0.3, 0.0, 0.2, 0.1])
-    yield ArmRig(arm, clock.advance, away, np.array([0.0, 0.05, 0.1]))
+    yield ArmRig(arm, clock.advance, away, np.array([0.0, 0.05, 0.1]), exact=True)
 
 
 @contextmanager
@@ -81,16 +97,17 @@ def commanded_arm() -> Iterator[ArmRig]:
     scene = PlanningScene({"hand": lambda: model.grasp_pose(executor.state())})
     scene.set_box("table", (0.7, 1.2, 0.1), Pose([0.65, 0, -0.05]))
     with PlanningProcess(model.description) as planner:
-        arm = ArmCommander("right", model, Patient(planner), executor, scene, "hand", lambda: opened)
+        arm = ArmCommander("right", model, Patient(planner), executor, scene, "hand", lambda: opened, PATIENT)
         away = JointState(home.names, home.position + [0.5, 0, 0.3, 0, 0, 0.2, 0])
-        yield ArmRig(arm, clock.advance, away, np.array([0.0, 0.02, -0.1]))
+        yield ArmRig(arm, clock.advance, away, np.array([0.0, 0.02, -0.1]), exact=True)
 
 
 @contextmanager
 def held_executor() -> Iterator[ExecutorRig]:
     """An executor that can only be stopped, made one that can be held."""
     with fake_executor() as rig:
-        yield ExecutorRig(HeldExecutor(rig.port), rig.let_pass, rig.goal)
+        rig.port = held(rig.port)
+        yield rig
 
 
 @contextmanager
@@ -102,13 +119,22 @@ def held_hand_port() -> Iterator[HandRig]:
 @contextmanager
 def held_trajectory_executor(ros_robot: tuple[Any, Any]) -> Iterator[ExecutorRig]:
     with trajectory_executor(ros_robot) as rig:
-        yield ExecutorRig(HeldExecutor(rig.port), rig.let_pass, rig.goal)
+        rig.port = held(rig.port)
+        yield rig
 
 
 @contextmanager
 def held_streamed_executor(ros_robot: tuple[Any, Any]) -> Iterator[ExecutorRig]:
     with streamed_executor(ros_robot) as rig:
-        yield ExecutorRig(HeldExecutor(rig.port), rig.let_pass, rig.goal)
+        rig.port = held(rig.port)
+        yield rig
+
+
+@contextmanager
+def held_topic_executor(ros_robot: tuple[Any, Any]) -> Iterator[ExecutorRig]:
+    with topic_executor(ros_robot) as rig:
+        rig.port = held(rig.port)
+        yield rig
 
 
 @contextmanager
@@ -117,13 +143,20 @@ def joined_fake_executors() -> Iterator[ExecutorRig]:
     clock = ManualClock()
     schedule = OnClock(clock)
     parts = [FakeExecutor(JointState((name,), [at]), schedule) for name, at in (("a", 0.1), ("b", -0.2))]
-    yield ExecutorRig(JoinedExecutor(*parts), clock.advance, JointState(("a", "b"), [0.6, 0.1]))
+    yield ExecutorRig(JoinedExecutor(*parts), clock.advance, JointState(("a", "b"), [0.6, 0.1]), exact=True)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def ros_robot() -> Iterator[Any]:
-    """Return a bus and the joint states of one robot for all tests."""
+    """Return a bus and the joint states of one robot for all tests of a module."""
     with controllers() as made:
+        yield made
+
+
+@pytest.fixture(scope="module")
+def ros_move_group() -> Iterator[Any]:
+    """Return a bus and the joint states of one move_group for all tests of a module."""
+    with move_group() as made:
         yield made
 
 
@@ -132,8 +165,16 @@ MARKS = {
     "simulated": pytest.mark.sim,
     "ros_trajectory": ROS,
     "ros_stream": ROS,
+    "ros_topic": ROS,
     "ros_trajectory_held": ROS,
     "ros_stream_held": ROS,
+    "ros_topic_held": ROS,
+    "ros_joined": ROS,
+    "ros_gripper": ROS,
+    "ros_fingers": ROS,
+    "ros_hand": ROS,
+    "ros_controller": ROS,
+    "move_group": ROS,
 }
 EXECUTORS = {
     "fake": fake_executor,
@@ -142,16 +183,34 @@ EXECUTORS = {
     "simulated": simulated_executor,
     "ros_trajectory": trajectory_executor,
     "ros_stream": streamed_executor,
+    "ros_topic": topic_executor,
+    "ros_trajectory_held": held_trajectory_executor,
+    "ros_stream_held": held_streamed_executor,
+    "ros_joined": joined_trajectory_executors,
+    "move_group": move_group_executor,
 }
 PAUSABLE = {
     "fake": fake_executor,
     "held": held_executor,
     "ros_trajectory_held": held_trajectory_executor,
     "ros_stream_held": held_streamed_executor,
+    "ros_topic_held": held_topic_executor,
 }
-HAND_PORTS = {"fake": fake_hand_port, "held": held_hand_port, "simulated": simulated_hand_port}
-HANDS = {"fake": commanded_fake_hand, "simulated": commanded_simulated_hand}
-ARMS = {"fake": fake_arm, "commander": commanded_arm, "simulated": commanded_simulated_arm}
+HAND_PORTS = {
+    "fake": fake_hand_port,
+    "held": held_hand_port,
+    "simulated": simulated_hand_port,
+    "ros_gripper": gripper,
+    "ros_fingers": controlled_hand,
+}
+HANDS = {"fake": commanded_fake_hand, "simulated": commanded_simulated_hand, "ros_hand": commanded_ros_hand}
+ARMS = {
+    "fake": fake_arm,
+    "commander": commanded_arm,
+    "simulated": commanded_simulated_arm,
+    "ros_controller": arm_of_controllers,
+    "move_group": arm_of_move_group,
+}
 
 
 def _rigs(table: dict[str, Callable[[], Any]]) -> Any:

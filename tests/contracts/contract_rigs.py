@@ -6,14 +6,19 @@ A rig holds an adapter and the means to let its time pass: `wait(operation)` unt
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from patience import PATIENCE
 
+from grip_bt.commanders.planning.requests import PlanningSettings
 from grip_bt.operation import Operation
 from grip_bt.ports import Arm, Executor, Hand, HandPort
 from grip_bt.values import JointState
+
+PATIENT = PlanningSettings(time_limit=PATIENCE)
+"""A plan may take what a slow machine needs."""
 
 
 @dataclass
@@ -23,12 +28,14 @@ class Rig:
     Attributes:
         port: the adapter.
         let_pass: lets seconds pass.
+        exact: whether no time passes but by `let_pass`, so that nobody is ever late.
     """
 
     port: Any
     let_pass: Callable[[float], None]
+    exact: bool = field(default=False, kw_only=True)
 
-    def wait(self, operation: Operation[Any], at_most: float = 30.0) -> Operation[Any]:
+    def wait(self, operation: Operation[Any], at_most: float = PATIENCE) -> Operation[Any]:
         """Let time pass until the operation ends."""
         waited = 0.0
         while not operation.done() and waited < at_most:
@@ -43,6 +50,8 @@ class ExecutorRig(Rig):
     port: Executor
     goal: JointState
     """Joint positions that can be reached freely, half a radian or so away."""
+    spoil: Callable[[], None] | None = None
+    """Has the next motion towards `goal` be given up half-way; it may change the goal for that. None: nothing can."""
 
 
 @dataclass
@@ -52,6 +61,8 @@ class HandRig(Rig):
     closed: JointState
     offer: Callable[[], None]
     """Puts a thing between the fingers."""
+    slow_down: Callable[[], None] = lambda: None
+    """Makes motions slow where a duration doesn't, as with a gripper that has its own speed."""
 
 
 @dataclass
@@ -71,5 +82,5 @@ class Patient:
 
     def submit(self, request: Any) -> Operation[Any]:
         operation = self.service.submit(request)
-        assert operation.wait(60)
+        assert operation.wait(PATIENCE)
         return operation

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import numpy as np
-from contract_rigs import ArmRig, ExecutorRig, HandRig, Patient
+from contract_rigs import PATIENT, ArmRig, ExecutorRig, HandRig, Patient
+from patience import PATIENCE
 
 from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.robots import build_robot
@@ -41,7 +42,7 @@ def simulated_hand_port() -> Iterator[HandRig]:
         arm = simulation.executor("arm")
         home, way = arm.state(), np.linspace(0, 1, 41)[:, None]
         there = arm.execute(Trajectory(home.names, 2 * way[:, 0], home.position + (AT - home.position) * way))
-        assert there.wait(30)
+        assert there.wait(PATIENCE)
         there.result()
         hand = simulation.hand("hand")
         yield HandRig(hand, simulation.settle, opened, part, lambda: simulation.referee.move_object("thing", SPOT))
@@ -67,7 +68,7 @@ def commanded_simulated_arm() -> Iterator[ArmRig]:
         executor, hand = simulation.executor("arm"), simulation.hand("hand")
         boxes = {box.name: (box.size, Pose(box.centre)) for box in spec.boxes()}
         scene = PlanningScene({"hand": lambda: model.grasp_pose(executor.state())}, boxes)
-        arm = ArmCommander("right", model, Patient(planner), executor, scene, "hand", hand.state)
+        arm = ArmCommander("right", model, Patient(planner), executor, scene, "hand", hand.state, PATIENT)
         home = executor.state()
         away = JointState(home.names, home.position + [0.5, 0, 0.3, 0, 0, 0.2, 0])
         yield ArmRig(arm, simulation.settle, away, np.array([0.0, 0.02, -0.1]))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from on_the_way import SLOW, let_stand
 
 from grip_bt.errors import CanceledError
 from grip_bt.ports import HandPort
@@ -19,9 +20,7 @@ def test_it_satisfies_the_protocol(hand_port_rig):
 
 
 def test_free_fingers_reach_their_posture_and_touch_nothing(hand_port_rig):
-    operation = hand_port_rig.port.move(hand_port_rig.closed, 1.0)
-    assert not operation.done()
-    measured = hand_port_rig.wait(operation).result()
+    measured = hand_port_rig.wait(hand_port_rig.port.move(hand_port_rig.closed, 1.0)).result()
     assert measured.ordered(hand_port_rig.closed.names) == pytest.approx(hand_port_rig.closed.position, abs=0.1)
     assert not hand_port_rig.port.contacts()
 
@@ -40,19 +39,24 @@ def test_opening_lets_go(hand_port_rig):
     hand_port_rig.offer()
     hand_port_rig.wait(hand_port_rig.port.move(hand_port_rig.closed, 1.0))
     hand_port_rig.wait(hand_port_rig.port.move(hand_port_rig.open, 1.0))
-    hand_port_rig.let_pass(0.3)
+    let_stand(hand_port_rig)
     assert position(hand_port_rig) == pytest.approx(hand_port_rig.open.position, abs=0.1)
 
 
 @pytest.mark.parametrize("how", ["cancel", "stop"])
 def test_stopped_fingers_hold(hand_port_rig, how):
-    operation = hand_port_rig.port.move(hand_port_rig.closed, 1.0)
-    hand_port_rig.let_pass(0.4)
-    operation.cancel() if how == "cancel" else hand_port_rig.port.stop()
+    rig = hand_port_rig
+    rig.slow_down()
+    operation = rig.port.move(rig.closed, SLOW)
+    began = position(rig)
+    while np.abs(position(rig) - began).max() < 0.05:
+        assert not operation.done()
+        rig.let_pass(0.05)
+    operation.cancel() if how == "cancel" else rig.port.stop()
     with pytest.raises(CanceledError):
-        hand_port_rig.wait(operation).result()
-    hand_port_rig.let_pass(0.3)
-    held = position(hand_port_rig)
-    hand_port_rig.let_pass(0.5)
-    assert position(hand_port_rig) == pytest.approx(held, abs=0.05)
-    assert np.abs(held - hand_port_rig.closed.position).max() > 0.2
+        rig.wait(operation).result()
+    let_stand(rig)
+    held = position(rig)
+    rig.let_pass(0.5)
+    assert position(rig) == pytest.approx(held, abs=0.01)
+    assert np.abs(held - rig.closed.ordered(rig.open.names)).max() > 0.2

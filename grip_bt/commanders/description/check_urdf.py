@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -193,10 +193,26 @@ def _structure(robot: ET.Element, links: list[str], reporter: Reporter) -> Itera
         while at in above and depth <= DEEPEST:
             at, depth = above[at], depth + 1
         if depth > DEEPEST:
-            loop = "is part of a loop of joints, or hangs on one" if not roots or at in above else ""
-            yield reporter.error("cycle", f"link {link!r} {loop or f'hangs more than {DEEPEST} joints deep'}", robot)
+            deep = f"link {link!r} hangs more than {DEEPEST} joints deep"
+            yield reporter.error("cycle", _loop_above(at, above, links) or deep, robot)
             return
     yield from _mimic_loops(robot, reporter)
+
+
+def _loop_above(link: str, above: Mapping[str, str], links: Sequence[str]) -> str:
+    """Tell the loop that is met on the way up from a link; empty where it ends at a root."""
+    seen: list[str] = []
+    while link in above and link not in seen:
+        seen.append(link)
+        link = above[link]
+    if link not in above:
+        return ""
+    loop = seen[seen.index(link) :][::-1]
+    order = {name: k for k, name in enumerate(links)}
+    first = min(range(len(loop)), key=lambda k: order.get(loop[k], len(order)))
+    loop = [*loop[first:], *loop[: first + 1]]
+    shown = loop if len(loop) <= 8 else [*loop[:4], "...", *loop[-3:]]
+    return f"these links carry one another in a loop: {' -> '.join(shown)}; a robot is a tree, take out one joint"
 
 
 def _mimic_loops(robot: ET.Element, reporter: Reporter) -> Iterator[Finding]:

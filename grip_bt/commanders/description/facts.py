@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
 from ..moveit_package import MoveItPackage
 from ..moveit_package.settings import JointLimits
 from ..robots.description import RobotDescription
-from .tree import Tree
+from .tree import Joint, Tree
 
 
 def facts(robot: RobotDescription, packages: Sequence[MoveItPackage] = ()) -> dict[str, Any]:
@@ -45,7 +45,7 @@ def facts(robot: RobotDescription, packages: Sequence[MoveItPackage] = ()) -> di
             group: {name: state.as_mapping() for name, state in states.items()}
             for group, states in robot.named_states.items()
         },
-        "solvers": sorted(SOLVERS),
+        "solvers": sorted(name for name in SOLVERS if name != "analytic" or _has_six_turning(robot, joints)),
         "planners": sorted(planners()),
         "preferences": {
             group: {field: asdict(preference) for field, preference in fields.items()}
@@ -53,6 +53,12 @@ def facts(robot: RobotDescription, packages: Sequence[MoveItPackage] = ()) -> di
         },
         "moveit": [_package(package) for package in packages],
     }
+
+
+def _has_six_turning(robot: RobotDescription, joints: Mapping[str, Joint]) -> bool:
+    """Tell whether a group may be an arm for the analytic solver, which then looks at its axes."""
+    kinds = [[joints[name].type for name in mine] for mine in robot.groups.values()]
+    return any(len(mine) == 6 and set(mine) <= {"revolute", "continuous"} for mine in kinds)
 
 
 def _package(package: MoveItPackage) -> dict[str, Any]:

@@ -45,8 +45,8 @@ class Packages:
             if name and (folder.parent / name / "package.xml").is_file():
                 return folder.parent / name
         for place in _PLACES:
-            if (folder := place(name)) is not None:
-                return folder
+            if (found := place(name)) is not None:
+                return found
         known = ", ".join(sorted(self.given)) or "none"
         raise MissingPartError(
             f"package {name!r}",

@@ -11,6 +11,7 @@ from grip_bt.errors import DocumentError, UnknownNameError, nearest
 
 from ..moveit_package import MoveItPackage, read_package
 from ..moveit_package.settings import JointLimits
+from ..names import PLANNERS
 from ..robots.description import RobotDescription
 from .build import build
 from .check_srdf import check_srdf
@@ -96,9 +97,8 @@ class _Single:
         if self.moveit is None:
             return robot
         from ..moveit_package.preferences import preferences_of
-        from ..planning.free import planners
 
-        return replace(robot, preferences=preferences_of(self.moveit, robot.groups, planners()))
+        return replace(robot, preferences=preferences_of(self.moveit, robot.groups, PLANNERS))
 
     def _urdf(self) -> tuple[ET.Element, Path]:
         config = self.config

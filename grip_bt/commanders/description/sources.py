@@ -11,6 +11,7 @@ from grip_bt.graph.settings_file import check_model, read_model
 from grip_bt.graph.syntax import Mapping, parse, plain
 
 from .config import RobotConfig
+from .reading import note
 
 PROJECT = "grip.yaml"
 
@@ -37,6 +38,7 @@ def config_of(word: str, folder: Path) -> tuple[RobotConfig, Path]:
         return RobotConfig(moveit=str(path)), path.parent
     if path.is_dir():
         path = path / PROJECT
+    note(path)
     if not path.is_file():
         if "/" in word or path.suffix:
             raise DocumentError("there is no such file", str(path))

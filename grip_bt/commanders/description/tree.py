@@ -108,12 +108,16 @@ class Tree:
 def _joint(element: ET.Element) -> Joint:
     limit, mimic = element.find("limit"), element.find("mimic")
     values = dict(limit.attrib) if limit is not None else {}
+    lower, upper, velocity, effort = (float(values.get(name, "0")) for name in ("lower", "upper", "velocity", "effort"))
     return Joint(
         element.get("name", ""),
         element.get("type", ""),
         _link(element, "parent"),
         _link(element, "child"),
-        *(float(values.get(name, "0")) for name in ("lower", "upper", "velocity", "effort")),
+        lower,
+        upper,
+        velocity,
+        effort,
         None
         if mimic is None
         else Mimic(mimic.get("joint", ""), float(mimic.get("multiplier") or "1"), float(mimic.get("offset") or "0")),

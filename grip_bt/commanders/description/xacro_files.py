@@ -10,6 +10,7 @@ from pathlib import Path
 
 from grip_bt.errors import DocumentError
 
+from . import expansions
 from .packages import Packages
 from .xml import Element, parse_xml
 
@@ -32,10 +33,12 @@ def expand(path: Path, arguments: Mapping[str, object], packages: Packages) -> s
     if not path.is_file():
         raise DocumentError("there is no such file", str(path))
     request = {
-        "file": str(path),
+        "file": str(path.absolute()),
         "arguments": {name: _word(value) for name, value in arguments.items()},
         "packages": {name: str(folder) for name, folder in packages.given.items()},
     }
+    if (text := expansions.kept(request)) is not None:
+        return text
     try:
         done = subprocess.run(
             [sys.executable, "-m", MODULE], input=json.dumps(request), capture_output=True, text=True, timeout=TIME
@@ -47,6 +50,7 @@ def expand(path: Path, arguments: Mapping[str, object], packages: Packages) -> s
         raise DocumentError("xacro ended without a result: it took too much time or memory", str(path)) from None
     if "error" in reply:
         raise DocumentError(f"xacro: {reply['error']}", str(path))
+    expansions.keep(request, str(reply["text"]), reply["files"])
     return str(reply["text"])
 
 

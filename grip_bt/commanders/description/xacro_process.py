@@ -1,7 +1,8 @@
 """Expands one xacro file, in a process of its own: `python -m grip_bt.commanders.description.xacro_process`.
 
 A xacro file computes; one that never ends, or fills the memory, ends this process and nothing else. It reads a JSON
-object `{"file", "arguments", "packages"}` from stdin and writes `{"text"}` or `{"error"}` to stdout. `$(find NAME)`
+object `{"file", "arguments", "packages"}` from stdin and writes `{"text", "files"}` or `{"error"}` to stdout; `files`
+are those that it read. `$(find NAME)`
 looks where `package://` does; the xacro package itself would ask ROS.
 """
 
@@ -9,6 +10,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import os
 import resource
 import sys
 from pathlib import Path
@@ -29,7 +31,7 @@ def main() -> None:
     sys.stdout.write(json.dumps(reply))
 
 
-def _expanded(file: str, arguments: dict[str, str], packages: dict[str, str]) -> dict[str, str]:
+def _expanded(file: str, arguments: dict[str, str], packages: dict[str, str]) -> dict[str, str | list[str]]:
     import xacro
     from xacro import substitution_args
 
@@ -41,7 +43,8 @@ def _expanded(file: str, arguments: dict[str, str], packages: dict[str, str]) ->
     substitution_args._eval_find = lambda name: str(known.find(name))
     sys.setrecursionlimit(DEEPEST)
     try:
-        return {"text": xacro.process_file(file, mappings=arguments).toxml()}
+        text = xacro.process_file(file, mappings=arguments).toxml()
+        return {"text": text, "files": sorted({file, *map(os.path.abspath, xacro.all_includes)})}
     except GripError as error:
         return {"error": str(error)}
     except RecursionError:

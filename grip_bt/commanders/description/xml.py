@@ -12,6 +12,8 @@ from xml.parsers import expat
 
 from grip_bt.errors import DocumentError, listing
 
+from .reading import note
+
 DEEPEST = 200
 LARGEST = 64 * 1024 * 1024
 """Bytes; the largest robots have about one million."""
@@ -38,6 +40,7 @@ def read_xml(path: Path, root: str) -> Element:
     Raises:
         DocumentError: it isn't there, isn't well-formed, declares entities, or has another root.
     """
+    note(path)
     if not path.is_file():
         raise DocumentError("there is no such file", str(path))
     if path.stat().st_size > LARGEST:

@@ -12,18 +12,20 @@ import yaml
 
 from grip_bt.errors import DocumentError, nearest
 
+from .reading import note
+
 LARGEST = 4 * 1024 * 1024
 brief = reprlib.Repr().repr
 
 
-class _Loader(yaml.SafeLoader):
+class _Loader(yaml.SafeLoader):  # type: ignore[misc]  # PyYAML has no types
     pass
 
 
 def _turned(factor: float) -> Any:
     def construct(loader: yaml.SafeLoader, node: yaml.Node) -> float:
         try:
-            return float(loader.construct_scalar(node)) * factor  # type: ignore[arg-type]
+            return float(loader.construct_scalar(node)) * factor
         except (ValueError, TypeError):
             raise yaml.constructor.ConstructorError(
                 None, None, "an angle has to be a number", node.start_mark
@@ -42,6 +44,7 @@ def read_yaml(path: Path) -> dict[str, Any]:
     Raises:
         DocumentError: it isn't YAML, or isn't a mapping.
     """
+    note(path)
     if path.stat().st_size > LARGEST:
         raise DocumentError(f"it has more than {LARGEST // 2**20} MiB", str(path))
     try:

@@ -1,7 +1,8 @@
 """A fake arm: a gantry whose six joints are the position and the rotation vector of its grasp frame.
 
 It reaches every pose and knows no obstacle, so that tasks can be run without models; the rest of its behaviour is
-that of `ArmCommander`.
+that of `ArmCommander`. Joints of a robot, where it is told their names, go where joint goals say, but move no hand:
+that would take a model.
 """
 
 from __future__ import annotations
@@ -45,6 +46,7 @@ class FakeArm:
         script: verb (`plan`, `plan_straight`, `plan_through`, `plan_along`, `plan_step`, `choose_grasp`, `execute`) ->
             what becomes of each such request; `plan_step` is asked while the arm is steered.
         taught: what was taught before; nothing when None.
+        own: where the robot's own joints are at first; it has none when None.
     """
 
     def __init__(
@@ -55,9 +57,11 @@ class FakeArm:
         states: Mapping[str, JointState] | None = None,
         script: Mapping[str, Script] | None = None,
         taught: Taught | None = None,
+        own: JointState | None = None,
     ):
-        self._name = name
-        start = JointState(JOINTS, _joints_of(home or Pose([0.3, -0.4, 0.5])))
+        own = own or JointState((), ())
+        self._name, self._joints = name, (*own.names, *JOINTS)
+        start = JointState(self._joints, [*own.position, *_joints_of(home or Pose([0.3, -0.4, 0.5]))])
         self._states = {"home": start, **(states or {})}
         self._taught = taught if taught is not None else Taught()
         scripts = dict(script or {})
@@ -95,35 +99,49 @@ class FakeArm:
         """Plan a straight motion of the joints; only its ends are held to the constraint. See `ports.Arm`."""
         if free not in FREEDOMS:
             raise UnknownNameError("freedom of a pose", free, FREEDOMS, where=f"arm {self._name!r}")
-        end = self._end(goal)
-        begin = self.state().position if start is None else start.ordered(JOINTS)
-        for what, joints in (("start", begin), ("goal", end)):
-            if constraint is not None and not constraint.kept_by(_pose_of(joints)):
-                return Operation.failed(ConstraintBrokenError(f"the {what} breaks what the path must keep to"))
-        return self._planned("plan", [end], start)
+        begin = self._row(self.state().position, start)
+        end = self._end(goal, begin)
+        broken = _broken(constraint, {"start": begin, "goal": end})
+        return self._planned("plan", [end], begin) if broken is None else Operation.failed(broken)
 
     def plan_straight(self, goals: Sequence[Pose], *, start: JointState | None = None) -> Operation[Plan]:
         """Plan a motion through poses; see `ports.Arm`."""
-        return self._planned("plan_straight", [_joints_of(goal) for goal in goals], start)
+        begin = self._row(self.state().position, start)
+        return self._planned("plan_straight", [self._end(goal, begin) for goal in goals], begin)
 
-    def plan_through(self, way_points: Sequence[WayPoint], *, start: JointState | None = None) -> Operation[Plan]:
-        """Plan a motion that goes through the points themselves: fakes round no corners. See `ports.Arm`."""
+    def plan_through(
+        self,
+        way_points: Sequence[WayPoint],
+        *,
+        start: JointState | None = None,
+        constraint: PathConstraint | None = None,
+    ) -> Operation[Plan]:
+        """Plan a motion that goes through the points themselves, and only there keeps to the constraint.
+
+        Fakes round no corners. See `ports.Arm`.
+        """
         if not way_points:
             raise ValueError("a motion through way points has at least one of them")
-        ends = [self._end(point.goal) for point in way_points]
+        rows = [self._row(self.state().position, start)]
+        for point in way_points:
+            rows.append(self._end(point.goal, rows[-1]))
+        begin, *ends = rows
+        named = {"start": begin, **{f"way point {k}": end for k, end in enumerate(ends, 1)}}
+        if (broken := _broken(constraint, named)) is not None:
+            return Operation.failed(broken)
         none = (0.0,) * (len(ends) - 1)
-        planned = self._planned("plan_through", ends, start)
+        planned = self._planned("plan_through", ends, begin)
         return planned.then(lambda plan: Operation.finished(replace(plan, radii=none)))
 
     def plan_along(self, trajectory: Trajectory) -> Operation[Plan]:
         """Make a plan of a trajectory; fakes know no limits and no shapes. See `ports.Arm`."""
-        require_joints(trajectory.names, JOINTS, self._name)
+        require_joints(trajectory.names, self._joints, self._name)
         failure = next(self._scripts["plan_along"])
         if failure is not None:
             return Operation.failed(failure)
         rows = np.tile(self.state().position, (len(trajectory.times), 1))
-        rows[:, [JOINTS.index(name) for name in trajectory.names]] = trajectory.positions
-        return Operation.finished(Plan("gantry", Trajectory(JOINTS, trajectory.times, rows), "given"))
+        rows[:, [self._joints.index(name) for name in trajectory.names]] = trajectory.positions
+        return Operation.finished(Plan("gantry", Trajectory(self._joints, trajectory.times, rows), "given"))
 
     def check_together(self, plans: Sequence[Plan]) -> Operation[None]:
         """Find nothing in the way: fakes know no shapes."""
@@ -147,7 +165,7 @@ class FakeArm:
 
     def teach(self, name: str, *, pose: bool = False) -> JointState | Pose:
         """Remember where it is now, for this run; see `ports.Arm`."""
-        value = self.grasp_pose() if pose else JointState(JOINTS, self.state().position)
+        value = self.grasp_pose() if pose else JointState(self._joints, self.state().position)
         self._taught.put(self._name, name, value, self._states)
         return value
 
@@ -163,7 +181,7 @@ class FakeArm:
         """Have the joints where they were, when nothing is under way.
 
         Args:
-            position: of `JOINTS`, shape (6,).
+            position: of the robot's own joints, then of `JOINTS`.
 
         Raises:
             ValueError: it has another shape.
@@ -197,32 +215,40 @@ class FakeArm:
             return Operation.failed(failure)
 
         def wanted(q: NDArray[np.float64]) -> NDArray[np.float64]:
-            rates = (_joints_of(jogged(_pose_of(q), *twist, _MOMENT)[0]) - q) / _MOMENT
-            return rates / max(1.0, float(np.abs(rates).max()) / SPEED)
+            rates = (_joints_of(jogged(_pose_of(q), *twist, _MOMENT)[0]) - q[-len(JOINTS) :]) / _MOMENT
+            still = np.zeros(len(q) - len(rates))
+            return np.concatenate([still, rates / max(1.0, float(np.abs(rates).max()) / SPEED)])
 
-        step = steered(JOINTS, start.position, velocity_of(start, JOINTS), wanted, np.full(6, ACCELERATION), hold)
+        limits = np.full(len(self._joints), ACCELERATION)
+        step = steered(self._joints, start.position, velocity_of(start, self._joints), wanted, limits, hold)
         return Operation.finished(step)
 
-    def _end(self, goal: JointState | Pose | str) -> NDArray[np.float64]:
+    def _end(self, goal: JointState | Pose | str, begin: NDArray[np.float64]) -> NDArray[np.float64]:
         if isinstance(goal, str):
             states = self.named_states()
             if goal not in states:
                 raise UnknownNameError("named state", goal, states, where=f"arm {self._name!r}")
             goal = states[goal]
-        return _joints_of(goal) if isinstance(goal, Pose) else goal.ordered(JOINTS)
+        return self._row(begin, JointState(JOINTS, _joints_of(goal)) if isinstance(goal, Pose) else goal)
 
-    def _planned(self, verb: str, ends: list[NDArray[np.float64]], start: JointState | None) -> Operation[Plan]:
+    def _row(self, begin: NDArray[np.float64], state: JointState | None) -> NDArray[np.float64]:
+        """Return the positions of all joints, shape (n,); those that aren't named are where they were."""
+        row, named = np.array(begin), {} if state is None else state.as_mapping()
+        require_joints(tuple(named), self._joints, self._name)
+        row[[self._joints.index(name) for name in named]] = list(named.values())
+        return row
+
+    def _planned(self, verb: str, ends: Sequence[NDArray[np.float64]], begin: NDArray[np.float64]) -> Operation[Plan]:
         failure = next(self._scripts[verb])
         if failure is not None:
             return Operation.failed(failure)
-        rows = [self.state().position if start is None else start.ordered(JOINTS)]
-        times = [0.0]
+        rows, times = [begin], [0.0]
         for end in ends:
             span = float(np.abs(end - rows[-1]).max())
             if span > 0:
                 times.append(times[-1] + span / SPEED)
                 rows.append(end)
-        return Operation.finished(Plan("gantry", Trajectory(JOINTS, np.array(times), np.stack(rows)), "fake"))
+        return Operation.finished(Plan("gantry", Trajectory(self._joints, np.array(times), np.stack(rows)), "fake"))
 
 
 def _joints_of(pose: Pose) -> NDArray[np.float64]:
@@ -231,7 +257,16 @@ def _joints_of(pose: Pose) -> NDArray[np.float64]:
 
 
 def _pose_of(joints: NDArray[np.float64]) -> Pose:
-    vector = joints[3:]
+    *_, x, y, z, a, b, c = joints
+    vector = np.array([a, b, c])
     angle = float(np.linalg.norm(vector))
     axis = vector / angle if angle > 1e-12 else np.zeros(3)
-    return Pose(joints[:3], np.concatenate([[np.cos(angle / 2)], axis * np.sin(angle / 2)]))
+    return Pose((x, y, z), np.concatenate([[np.cos(angle / 2)], axis * np.sin(angle / 2)]))
+
+
+def _broken(constraint: PathConstraint | None, rows: Mapping[str, NDArray[np.float64]]) -> ConstraintBrokenError | None:
+    """Return the error for the first of some named rows of joints that breaks a constraint, or None."""
+    for what, joints in rows.items():
+        if constraint is not None and not constraint.kept_by(_pose_of(joints)):
+            return ConstraintBrokenError(f"the {what} breaks what the path must keep to")
+    return None

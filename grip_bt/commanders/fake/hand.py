@@ -31,10 +31,11 @@ class FakeHand:
     Args:
         start: where the fingers are at first.
         schedule: its time; at once when None.
-        thing: what is between the fingers: joint positions that they don't get past when flexing (larger is more
-            closed), or None.
+        thing: what is between the fingers: joint positions that they don't get past when closing, or None.
         forces: link -> force [N] while the fingers press on the thing.
         script: what becomes of each motion; an error ends it where it begins.
+        closed: where the joints are when the hand is closed, `start` being where it is open; when None, larger is more
+            closed.
     """
 
     def __init__(
@@ -44,8 +45,11 @@ class FakeHand:
         thing: JointState | None = None,
         forces: Mapping[str, float] | None = None,
         script: Script = (),
+        closed: JointState | None = None,
     ):
         self._schedule = schedule or AtOnce()
+        closing = np.ones(len(start.names)) if closed is None else closed.ordered(start.names) - start.position
+        self._flexes, self._extends = closing > 0, closing < 0
         self._names, self._position = start.names, np.array(start.position)
         self._motion: _Motion | None = None
         self._forces = dict(forces or {"fingertip": 5.0})
@@ -118,9 +122,13 @@ class FakeHand:
         return motion.start + (motion.goal - motion.start) * part
 
     def _blocked(self, position: NDArray[np.float64]) -> NDArray[np.float64]:
-        return position if self.thing is None else np.minimum(position, self.thing.ordered(self._names))
+        if self.thing is None:
+            return position
+        wall = self.thing.ordered(self._names)
+        past = (self._flexes & (position > wall)) | (self._extends & (position < wall))
+        return np.where(past, wall, position)
 
     def _pressing(self) -> NDArray[np.bool_]:
         free = self._free_position()
-        pressing: NDArray[np.bool_] = self._blocked(free) < free - 1e-6
+        pressing: NDArray[np.bool_] = np.abs(self._blocked(free) - free) > 1e-6
         return pressing

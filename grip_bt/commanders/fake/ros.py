@@ -25,6 +25,9 @@ class FakeRos:
         self._published: dict[str, Any] = {}
         self._parameters: dict[tuple[str, str], Any] = {}
 
+    def check(self, name: str, message: str = "") -> None:
+        """Take any name: a task is tried before its interfaces are built."""
+
     def listen(self, topic: str, message: str) -> None:
         """Nothing needs to be listened to."""
 

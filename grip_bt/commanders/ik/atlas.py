@@ -13,7 +13,6 @@ from collections import OrderedDict
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from ..model import Chain
 from .target import Target
@@ -33,6 +32,8 @@ class Atlas:
     """
 
     def __init__(self, chain: Chain):
+        from scipy.spatial import cKDTree  # half a second, which only who searches needs
+
         rng = np.random.default_rng(0)
         self._configurations = rng.uniform(chain.limits.lower, chain.limits.upper, (SIZE, len(chain.joints)))
         positions, rotations = np.empty((SIZE, 3)), np.empty((SIZE, 9))
@@ -57,7 +58,8 @@ class Atlas:
         else:
             key = np.concatenate([position, rotation["xyz".index(target.free)]])
         _, rows = self._trees[target.free].query(key, k=count)
-        return self._configurations[np.atleast_1d(rows)]
+        near: NDArray[np.float64] = self._configurations[np.atleast_1d(rows)]
+        return near
 
 
 _atlases: OrderedDict[bytes, Atlas] = OrderedDict()

@@ -9,10 +9,12 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from grip_bt.errors import UnknownNameError
-from grip_bt.ports.motion import FREEDOMS as FREE
-from grip_bt.ports.motion import Free
+from grip_bt.ports.motion import FREEDOMS, Free
 
 from ..model import Chain
+
+FREE = FREEDOMS
+__all__ = ["FREE", "Free", "Target"]
 
 
 @dataclass(frozen=True, slots=True)

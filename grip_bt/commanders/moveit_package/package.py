@@ -86,10 +86,15 @@ class _Reader:
     def package(self) -> MoveItPackage:
         assistant = self._assistant()
         urdf, arguments = self._urdf(assistant)
-        controllers = [c for path in self._controller_files() for c in self._read(settings.controllers, path, ())]
+        controllers: list[Controller] = []
+        for path in self._controller_files():
+            controllers += self._read(settings.controllers, path, tuple[Controller, ...]())
+        sensors = self._read_named(settings.sensors, "sensors_3d.yaml", tuple[Sensor, ...](), optional=True)
+        for sensor in sensors:
+            self._warn("sensor-not-read", _how_to_use(sensor))
         return MoveItPackage(
             self.folder,
-            self._layout(),
+            self._layout(assistant),
             urdf,
             arguments,
             self._srdf(assistant),
@@ -97,21 +102,26 @@ class _Reader:
             self._read_named(settings.kinematics, "kinematics.yaml", {}),
             self._read_named(settings.planners, "ompl_planning.yaml", {}),
             tuple({c.name: c for c in reversed(controllers)}.values())[::-1],
-            self._read_named(settings.sensors, "sensors_3d.yaml", (), optional=True),
+            sensors,
             self._read_named(settings.initial_positions, "initial_positions.yaml", {}, optional=True),
             self._read_named(settings.scaling, "joint_limits.yaml", {}, optional=True),
             tuple(self.findings),
         )
 
-    def _layout(self) -> str:
+    def _layout(self, assistant: Mapping[str, Any]) -> str:
+        """Tell by what the assistants write: ROS 1's has `URDF:` and catkin, ROS 2's `urdf:` and ament."""
+        manifest = self.folder / "package.xml"
+        built = manifest.read_text(errors="replace") if manifest.is_file() else ""
+        if "catkin" in built or "ament" in built:
+            return "ROS 1" if "catkin" in built and "ament" not in built else "ROS 2"
         ros1 = any((self.folder / "launch").glob("*.launch")) or (self.config / "fake_controllers.yaml").is_file()
-        return "ROS 1" if ros1 else "ROS 2"
+        return "ROS 1" if ros1 or "URDF" in assistant else "ROS 2"
 
     def _assistant(self) -> Mapping[str, Any]:
         path = self.folder / ASSISTANT
         if not path.is_file():
             return {}
-        data = self._read(read_yaml, path, {})
+        data = self._read(read_yaml, path, dict[str, Any]())
         entry = data.get("moveit_setup_assistant_config", {})
         return entry if isinstance(entry, dict) else {}
 
@@ -161,7 +171,7 @@ class _Reader:
             self._warn("missing-file", f"it has no config/{name}")
         return empty
 
-    def _read(self, read: Callable[[Path], Any], path: Path, empty: Any) -> Any:
+    def _read(self, read: Callable[[Path], Read], path: Path, empty: Read) -> Read:
         try:
             return read(path)
         except DocumentError as error:
@@ -174,3 +184,15 @@ class _Reader:
 
 def _files(folder: Path, *patterns: str) -> list[Path]:
     return [path for pattern in patterns for path in sorted(folder.glob(pattern))]
+
+
+def _how_to_use(sensor: settings.Sensor) -> str:
+    """Say what a sensor of MoveIt's octomap is here: nothing, until a task looks."""
+    kind = "DepthImage" if "DepthImage" in sensor.plugin else "PointCloud"
+    topics = f"{{seen: {{topic: {sensor.topic or '/TOPIC'}, type: {kind}}}}}"
+    declared = f"`sensors: {{{sensor.name}: {{topics: {topics}, given_in: world}}}}`"
+    return (
+        f"sensors_3d.yaml: plans don't avoid what {sensor.name} sees by themselves, as MoveIt's with its octomap do; "
+        f"declare it in grip.yaml ({declared}), and have a task give what `sensor/{sensor.name}` captures to "
+        "`scene/add_cloud`. An arm with `planner: move_group` still has MoveIt's octomap"
+    )

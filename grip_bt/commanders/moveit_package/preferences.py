@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from ..ik import SOLVERS
+from ..names import SOLVERS
 from ..robots.description import Preference
 from .package import MoveItPackage
 from .settings import PlannerChoice

@@ -10,6 +10,8 @@ from grip_bt.values import PathConstraint
 
 from ..model import Chain
 
+CONSTRAINT_SLACK = 0.02
+"""Between its points a path is rounded into a spline; that may leave a constraint by this much [rad, m]."""
 _DAMPING = 1e-6
 _ROUNDS = 20
 _MARGIN = 0.05

@@ -24,8 +24,14 @@ BITRRT = "BiTRRT"
 RESOLUTION = 0.02
 """No joint moves more than this [rad] between two checks while planning; the timed result is checked more finely."""
 _THREADED = frozenset({"PRM", "PRMstar"})
-"""These ask from a thread of their own whether to stop. It can't enter Python, since the search holds the lock, so they
-only get a time limit, and are cancelled by ending their process."""
+"""These ask from a thread of their own whether to stop. It can't enter Python, as the search holds the lock; they get
+a condition without Python, which the checks of states and motions end."""
+
+_STEP = 0.25
+"""RRTConnect's trees grow in steps of this [rad] times the root of the number of joints, unless `range` is given.
+
+OMPL's own range, a fifth of the space's diagonal, leads to longer ways and takes longer where it is hard.
+"""
 
 _PARAMETERS = {
     "range": "setRange",
@@ -121,11 +127,7 @@ def plan_free(
         return _shortened_without_cost(checker, motion_free, _found(path, planner, deadline, canceled), seed)
     if motion_free(start, goal):
         return np.stack([start, goal])
-    if planner in _THREADED:
-        until: object = max(0.01, deadline - time.monotonic())
-    else:
-        until = ob.PlannerTerminationCondition(over)
-    path = _solved(checker, motion_free, start, goal, planner, seed, until, parameters or {})
+    path = _solved(checker, motion_free, start, goal, planner, seed, _Ending(over, planner, deadline), parameters or {})
     return shortened(_found(path, planner, deadline, canceled), motion_free, np.random.default_rng(seed))
 
 
@@ -181,7 +183,7 @@ def _solved(
     goal: NDArray[np.float64],
     planner: str,
     seed: int,
-    until: object,
+    ending: _Ending,
     parameters: Mapping[str, float],
 ) -> Path | None:
     # Re-seeding after the first use is what makes requests independent of one another; OMPL logs an error about it.
@@ -190,18 +192,20 @@ def _solved(
     setup = og.SimpleSetup(_space(checker))
     information = setup.getSpaceInformation()
     dimension = len(start)
-    setup.setStateValidityChecker(lambda state: checker.free(_values(state, dimension)))
-    information.setMotionValidator(_MotionValidator(information, motion_free, dimension))
+    setup.setStateValidityChecker(lambda state: not ending.noticed() and checker.free(_values(state, dimension)))
+    information.setMotionValidator(_MotionValidator(information, motion_free, dimension, ending))
     space = setup.getStateSpace()
     setup.setStartAndGoalStates(_state(space, start), _state(space, goal))
     search = getattr(og, planner)(information)
-    for name in settable(planner) & set(parameters):
-        getattr(search, _PARAMETERS[name])(parameters[name])
+    given = {name: value for name, value in parameters.items() if value or name != "range"}  # 0: the usual one
+    for name, value in {**_usual(planner, dimension), **given}.items():
+        if name in settable(planner):
+            getattr(search, _PARAMETERS[name])(value)
     setup.setPlanner(search)
     objective = ob.PathLengthOptimizationObjective(information)
     objective.setCostThreshold(ob.Cost(1e9))  # optimising planners: the first path will do, it is shortened anyway
     setup.setOptimizationObjective(objective)
-    setup.solve(until)
+    setup.solve(ending.condition)
     if not setup.haveExactSolutionPath():
         return None
     path = setup.getSolutionPath()
@@ -210,14 +214,47 @@ def _solved(
     return np.stack(rows)
 
 
-class _MotionValidator(ob.MotionValidator):
+def _usual(planner: str, dimension: int) -> dict[str, float]:
+    """Return what a planner's parameters are where none are given, if that isn't OMPL's business."""
+    return {"range": _STEP * float(np.sqrt(dimension))} if planner == "RRTConnect" else {}
+
+
+class _Ending:
+    """When a search has to end: OMPL's condition, which it asks itself, and which every check that it makes can end.
+
+    Args:
+        over: whether it has to end.
+        planner: its name.
+        deadline: time on `time.monotonic` [s].
+    """
+
+    def __init__(self, over: Callable[[], bool], planner: str, deadline: float):
+        left = max(0.01, deadline - time.monotonic())
+        threaded = planner in _THREADED
+        self.condition = ob.timedPlannerTerminationCondition(left) if threaded else ob.PlannerTerminationCondition(over)
+        self._over, self._ended = over, False
+
+    def noticed(self) -> bool:
+        """Tell whether it has to end, and see to that.
+
+        Then no check is worth its time: some searches make thousands of them before they ask again.
+        """
+        if not self._ended and self._over():
+            self._ended = True
+            self.condition.terminate()
+        return self._ended
+
+
+class _MotionValidator(ob.MotionValidator):  # type: ignore[misc]  # OMPL has no types
     """OMPL's question about an edge, answered by one batched check."""
 
-    def __init__(self, information: ob.SpaceInformation, motion_free: MotionCheck, dimension: int):
+    def __init__(self, information: ob.SpaceInformation, motion_free: MotionCheck, dimension: int, ending: _Ending):
         super().__init__(information)
-        self.motion_free, self.dimension = motion_free, dimension
+        self.motion_free, self.dimension, self.ending = motion_free, dimension, ending
 
     def checkMotion(self, one: ob.State, other: ob.State, *_: object) -> bool:
+        if self.ending.noticed():
+            return False
         return self.motion_free(_values(one, self.dimension), _values(other, self.dimension))
 
 

@@ -7,32 +7,30 @@ from collections.abc import Callable
 from functools import partial
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from grip_bt.errors import (
     ConstraintBrokenError,
     ExpectedError,
-    NoIkError,
     NoPlanError,
     PathInvalidError,
     TimeOutError,
 )
 from grip_bt.values import Plan, Trajectory
-from grip_bt.values.pose import check_frame
 
 from ..collision import CollisionChecker, recent_checker
 from ..model import Chain, RobotModel
 from ..trajectory.timing import timed
 from .along import plan_along
-from .beginning import chain_and_checker, drawn_in, finely_free, free_start, refuse_collisions
+from .beginning import chain_and_checker, finely_free, free_start
 from .common import check_together
-from .constraints import kept
-from .free import RESOLUTION, plan_constrained, plan_free
+from .constraints import CONSTRAINT_SLACK, kept
+from .free import plan_constrained, plan_free
 from .goals import goals_of
 from .grasps import choose_grasp
+from .lines import plan_straight
 from .onward import plan_onward
-from .paths import Path, interpolated
+from .paths import Path
 from .requests import (
     CheckTogether,
     ChooseGrasp,
@@ -44,13 +42,10 @@ from .requests import (
     PlanTo,
     Request,
 )
-from .straight import BrokenLineError, straight_path
 from .through import plan_through
 
 SEARCH = 0.03
 """While a path is searched, no joint moves more than this [rad] between two checks; later attempts look closer."""
-CONSTRAINT_SLACK = 0.02
-"""Between its points a path is rounded into a spline; that may leave a constraint by this much [rad, m]."""
 
 
 def answer(model: RobotModel, request: Request, canceled: Callable[[], bool]) -> Plan | ChosenGrasp | None:
@@ -112,30 +107,6 @@ def plan_to(model: RobotModel, request: PlanTo, canceled: Callable[[], bool]) ->
         except (NoPlanError, TimeOutError, PathInvalidError) as error:
             failure = error
     raise failure
-
-
-def plan_straight(model: RobotModel, request: PlanStraight) -> Trajectory:
-    """Plan straight lines of the grasp frame.
-
-    Raises:
-        NoIkError: part of a line is out of reach; `data['fraction']` tells how far one gets.
-        PathInvalidError: a joint would jump, or something would be touched; `data['pairs']` names what.
-    """
-    situation = request.situation
-    chain, checker = chain_and_checker(model, situation, margin=0.0)
-    start = drawn_in(chain, situation)
-    path = start[None, :]
-    for k, pose in enumerate(request.poses):
-        check_frame(pose, "world")
-        try:
-            path = np.concatenate([path, straight_path(chain, path[-1], pin.SE3(pose.matrix()))[1:]])
-        except BrokenLineError as broken:
-            error = PathInvalidError if broken.jump else NoIkError
-            raise error(f"line {k + 1} of {len(request.poses)}: {broken}", fraction=broken.fraction) from broken
-    refuse_collisions(checker, interpolated(path, RESOLUTION))
-    free = partial(finely_free, checker)
-    settings = situation.settings
-    return timed(chain.joints, path, chain.limits, settings.speed, free, settings.acceleration, settings.timing)
 
 
 def _search(

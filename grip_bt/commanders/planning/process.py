@@ -18,19 +18,20 @@ import signal
 import struct
 import sys
 import threading
-from typing import Any, BinaryIO
+from functools import partial
+from typing import IO, Any
 
 _LENGTH = struct.Struct("<Q")
 
 
-def write_frame(stream: BinaryIO, message: tuple[Any, ...]) -> None:
+def write_frame(stream: IO[bytes], message: tuple[Any, ...]) -> None:
     """Write one message."""
     body = pickle.dumps(message, protocol=pickle.HIGHEST_PROTOCOL)
     stream.write(_LENGTH.pack(len(body)) + body)
     stream.flush()
 
 
-def read_frame(stream: BinaryIO) -> tuple[Any, ...] | None:
+def read_frame(stream: IO[bytes]) -> tuple[Any, ...] | None:
     """Return the next message, or None at the end of the stream."""
     head = stream.read(_LENGTH.size)
     if len(head) < _LENGTH.size:
@@ -46,7 +47,7 @@ def read_frame(stream: BinaryIO) -> tuple[Any, ...] | None:
 class Inbox:
     """Reads messages on a thread of its own, so that a cancellation is seen while a plan is being made."""
 
-    def __init__(self, stream: BinaryIO):
+    def __init__(self, stream: IO[bytes]):
         self.requests: queue.SimpleQueue[tuple[Any, ...]] = queue.SimpleQueue()
         self._stream = stream
         self._canceled: set[int] = set()
@@ -81,7 +82,7 @@ def main() -> None:
     while True:
         _, number, request = inbox.requests.get()
         try:
-            result = answer(model, request, lambda number=number: inbox.canceled(number))
+            result = answer(model, request, partial(inbox.canceled, number))
         except Exception as error:  # noqa: BLE001 - sent to the caller, who raises it
             write_frame(out, ("failed", number, _sendable(error)))
         else:

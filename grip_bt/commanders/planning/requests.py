@@ -105,10 +105,12 @@ class PlanThrough:
     Attributes:
         situation: where it begins.
         way_points: one or more, without names of states.
+        constraint: what the whole motion keeps to.
     """
 
     situation: Situation
     way_points: tuple[WayPoint, ...]
+    constraint: PathConstraint | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,6 +6,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from grip_bt.values import Pose
+from grip_bt.values.pose import check_frame
+
 from ..ik.damped_least_squares import solve_from
 from ..ik.target import Target
 from ..model import Chain
@@ -30,6 +33,16 @@ class BrokenLineError(ValueError):
     def __init__(self, fraction: float, jump: bool):
         self.fraction, self.jump = fraction, jump
         super().__init__(f"{'a joint jumps' if jump else 'out of reach'} after {fraction:.0%} of the line")
+
+
+def world_pose(pose: Pose) -> pin.SE3:
+    """Return a pose of the grasp frame as the chains have it.
+
+    Raises:
+        ValueError: it isn't given in world.
+    """
+    check_frame(pose, "world")
+    return pin.SE3(pose.matrix())
 
 
 def straight_path(chain: Chain, start: NDArray[np.float64], goal: pin.SE3) -> Path:
@@ -57,4 +70,25 @@ def straight_path(chain: Chain, start: NDArray[np.float64], goal: pin.SE3) -> Pa
         if q is None or np.abs(q - rows[-1]).max() > JUMP:
             raise BrokenLineError((k - 1) / steps, jump=q is not None)
         rows.append(q)
+    return np.stack(rows)
+
+
+def closer(chain: Chain, path: Path, times: int) -> Path:
+    """Return a straight path, shape (k, n), with `times` as many steps; the rows that it has stay.
+
+    Args:
+        chain: what moves.
+        path: of `straight_path`.
+        times: 1 or more.
+    """
+    rows = [path[0]]
+    for one, other in zip(path[:-1], path[1:], strict=True):
+        begin, end = chain.grasp_pose(one), chain.grasp_pose(other)
+        turn, way = pin.log3(begin.rotation.T @ end.rotation), end.translation - begin.translation
+        for k in range(1, times):
+            pose = pin.SE3(begin.rotation @ pin.exp3(turn * k / times), begin.translation + way * k / times)
+            guess = one + (other - one) * k / times
+            q = solve_from(chain, Target(pose), guess, iterations=30)
+            rows.append(guess if q is None else q)
+        rows.append(other)
     return np.stack(rows)

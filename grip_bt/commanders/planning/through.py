@@ -13,25 +13,29 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
-from grip_bt.errors import ExpectedError, NoIkError, NoPlanError, PathInvalidError, TimeOutError
-from grip_bt.values import JointState, Trajectory, WayPoint
-from grip_bt.values.pose import check_frame
+from grip_bt.errors import ConstraintBrokenError, ExpectedError, NoIkError, NoPlanError, PathInvalidError, TimeOutError
+from grip_bt.values import JointState, PathConstraint, Pose, Trajectory, WayPoint
 
 from ..collision import CollisionChecker
 from ..model import Chain, RobotModel
+from ..trajectory.joining import joined
 from ..trajectory.timing import timed
 from .beginning import chain_and_checker, finely_free, free_start, refuse_collisions
-from .blends import SMALLEST, Leg, corner, distinct, largest_radius, within, without_ends
-from .free import RESOLUTION, plan_free
+from .blends import OUTSIDE, SMALLEST, Leg, corner, distinct, largest_radius, within, without_ends
+from .constraints import CONSTRAINT_SLACK, kept
+from .free import RESOLUTION, plan_constrained, plan_free
 from .goals import goals_of
+from .lines import Ball, Lines, ends_of, finer_and_finer
 from .paths import Path, interpolated
 from .requests import PlanThrough, PlanTo
-from .straight import BrokenLineError, straight_path
+from .straight import BrokenLineError, closer, straight_path, world_pose
 
 _SHRUNK = (1.0, 0.5, 0.25, 0.125)
+ROUNDING = 1e-3
+"""Configurations on a line that keeps to a constraint may leave it by this, as they are solved numerically [rad, m]."""
+_ABOUT = 0.03
 
 
 def plan_through(
@@ -44,26 +48,56 @@ def plan_through(
         NoIkError: a pose or a part of a line is out of reach.
         NoPlanError, TimeOutError: no path around obstacles was found, or not in time.
         PathInvalidError: a joint would jump, or a straight segment touches something.
+        ConstraintBrokenError: the start, a way point or a straight segment breaks what the motion must keep to.
     """
     settings = request.situation.settings
     deadline = time.monotonic() + settings.time_limit
     chain, checker = chain_and_checker(model, request.situation, margin=0.0)
     start = free_start(chain, checker, request.situation)
+    if request.constraint is not None and not kept(request.constraint, chain, start[None, :]):
+        raise ConstraintBrokenError("the start breaks what the path must keep to; widen its tolerances or its box")
     searched = any(not point.straight for point in request.way_points)
     attempts = settings.attempts if searched else 1
     for attempt in range(attempts):
         segments = _segments(chain, checker, request, start, attempt, deadline, canceled)
         try:
-            parts, radii = rounded(chain, checker, segments, [point.radius for point in request.way_points[:-1]])
-            return _timed(chain, checker, parts, request), radii
+            return finer_and_finer(partial(_followed, chain, checker, request, segments))
         except PathInvalidError:
             if attempt == attempts - 1:
                 raise
     raise AssertionError("unreachable")
 
 
+def _followed(
+    chain: Chain, checker: CollisionChecker, request: PlanThrough, segments: list[Path], finer: int
+) -> tuple[Trajectory, tuple[float, ...]] | None:
+    """Round and time segments, lines of the hand so many times finer; None where the result is off them."""
+    lines = [point.straight and not isinstance(point.goal, JointState) for point in request.way_points]
+    paths = [closer(chain, s, finer) if line else s for s, line in zip(segments, lines, strict=True)]
+    asked = [point.radius for point in request.way_points[:-1]]
+    parts, radii = rounded(chain, checker, paths, asked, request.constraint)
+    trajectory = _timed(chain, checker, parts, request)
+    wanted = Lines(
+        [ends_of(chain, s) for s, line in zip(segments, lines, strict=True) if line],
+        [
+            *((chain.grasp_pose(s[-1]).translation, r + OUTSIDE) for s, r in zip(segments[:-1], radii, strict=True)),
+            *(ball for s, line in zip(segments, lines, strict=True) if not line for ball in _anywhere_about(chain, s)),
+        ],
+    )
+    return (trajectory, radii) if wanted.kept_by(chain, trajectory.positions) else None
+
+
+def _anywhere_about(chain: Chain, path: Path) -> list[Ball]:
+    """Return balls about where a segment leads that is no line of the hand: there, lines say nothing."""
+    return [(chain.grasp_pose(q).translation, _ABOUT) for q in interpolated(path, RESOLUTION)]
+
+
 def rounded(
-    chain: Chain, checker: CollisionChecker, segments: list[Path], radii: list[float]
+    chain: Chain,
+    checker: CollisionChecker,
+    segments: list[Path],
+    radii: list[float],
+    constraint: PathConstraint | None = None,
 ) -> tuple[list[Path], tuple[float, ...]]:
     """Round the corners between segments.
 
@@ -72,6 +106,7 @@ def rounded(
         checker: what it avoids.
         segments: paths, shape (k, n) each, that begin where the one before ends.
         radii: asked at each inner way point [m].
+        constraint: what corners keep to.
 
     Returns:
         Paths at whose ends the arm comes to rest, and the radii that fitted.
@@ -80,7 +115,7 @@ def rounded(
     fitted = []
     for k, asked in enumerate(radii):
         incoming, outgoing = Leg(chain, segments[k][::-1]), Leg(chain, segments[k + 1])
-        radius, rows = _fitting(chain, checker, incoming, outgoing, segments[k][-1], asked)
+        radius, rows = _fitting(chain, checker, incoming, outgoing, segments[k][-1], asked, constraint)
         fitted.append(radius)
         corners.append(rows)
         if rows is not None:
@@ -103,6 +138,7 @@ def _fitting(
     outgoing: Leg,
     point: NDArray[np.float64],
     asked: float,
+    constraint: PathConstraint | None,
 ) -> tuple[float, Path | None]:
     """Return the radius that fits at a way point [m] and the corner's rows; 0 and None where the arm has to stop."""
     largest = min(asked, largest_radius(incoming, outgoing))
@@ -111,7 +147,8 @@ def _fitting(
         if radius < SMALLEST:
             break
         rows = corner(incoming, outgoing, radius)
-        if within(chain, point, rows, radius) and finely_free(checker, interpolated(rows, RESOLUTION)):
+        keeping = constraint is None or kept(constraint, chain, rows, ROUNDING)
+        if keeping and within(chain, point, rows, radius) and finely_free(checker, interpolated(rows, RESOLUTION)):
             return radius, rows
     return 0.0, None
 
@@ -133,21 +170,31 @@ def _segments(
             segments.append(_line(chain, start, point, where))
         else:
             ask = replace(request.situation.settings, seed=request.situation.settings.seed + attempt)
-            to = PlanTo(replace(request.situation, settings=ask), point.goal)
+            to = PlanTo(replace(request.situation, settings=ask), point.goal, constraint=request.constraint)
             goals = goals_of(chain, checker, to, start)
             if point.straight:
                 segments.append(np.stack([start, goals[0]]))
             else:
                 search = partial(_search, checker, to, start, RESOLUTION / 2 ** min(attempt, 2), canceled)
                 segments.append(_first(search, goals, deadline))
+        if point.straight:
+            _refuse_leaving(request.constraint, chain, segments[-1], where)
         start = segments[-1][-1]
     return segments
 
 
+def _refuse_leaving(constraint: PathConstraint | None, chain: Chain, path: Path, where: str) -> None:
+    if constraint is not None and not kept(constraint, chain, interpolated(path, RESOLUTION), ROUNDING):
+        raise ConstraintBrokenError(
+            f"{where}: the straight way leaves what the motion must keep to; search it (`straight: false`), "
+            "or widen the tolerances or the box"
+        )
+
+
 def _line(chain: Chain, start: NDArray[np.float64], point: WayPoint, where: str) -> Path:
-    check_frame(point.goal, "world")  # type: ignore[arg-type]
+    assert isinstance(point.goal, Pose)
     try:
-        return straight_path(chain, start, pin.SE3(point.goal.matrix()))  # type: ignore[union-attr]
+        return straight_path(chain, start, world_pose(point.goal))
     except BrokenLineError as broken:
         error = PathInvalidError if broken.jump else NoIkError
         raise error(f"{where}: {broken}", fraction=broken.fraction) from broken
@@ -163,6 +210,8 @@ def _search(
     deadline: float,
 ) -> Path:
     settings = to.situation.settings
+    if to.constraint is not None:
+        return plan_constrained(checker, to.constraint, start, goal, settings.seed, deadline, canceled, resolution)
     return plan_free(
         checker,
         start,
@@ -190,7 +239,12 @@ def _first(search: Callable[..., Path], goals: list[NDArray[np.float64]], deadli
 
 def _timed(chain: Chain, checker: CollisionChecker, parts: list[Path], request: PlanThrough) -> Trajectory:
     """Time each part, from rest to rest, and join them."""
-    settings, free = request.situation.settings, partial(finely_free, checker)
+    settings, constraint = request.situation.settings, request.constraint
+
+    def free(positions: NDArray[np.float64]) -> bool:
+        keeping = constraint is None or kept(constraint, chain, positions, CONSTRAINT_SLACK)
+        return keeping and finely_free(checker, positions)
+
     for part in parts:
         refuse_collisions(checker, interpolated(part, RESOLUTION))
     pieces = [
@@ -198,17 +252,3 @@ def _timed(chain: Chain, checker: CollisionChecker, parts: list[Path], request: 
         for part in parts
     ]
     return joined(pieces)
-
-
-def joined(pieces: list[Trajectory]) -> Trajectory:
-    """Return trajectories of the same joints, each of which begins at rest where the one before ends, as one."""
-    first, *more = pieces
-    times, end = [first.times], first.duration
-    for piece in more:
-        times.append(piece.times[1:] + end)
-        end += piece.duration
-    rows = {
-        name: np.concatenate([getattr(first, name), *(getattr(piece, name)[1:] for piece in more)])
-        for name in ("positions", "velocities", "accelerations")
-    }
-    return Trajectory(first.names, np.concatenate(times), **rows)

@@ -11,7 +11,7 @@ from functools import cache, partial
 from pathlib import Path
 from types import MappingProxyType
 
-from grip_bt.errors import UnknownNameError
+from grip_bt.errors import InvalidRobotError, MissingPartError, UnknownNameError
 
 from .description import Drive, EndEffector, GraspFrame, Mimic, RobotDescription
 from .panda import panda_allegro
@@ -19,11 +19,23 @@ from .universal import ur5_allegro, ur10_allegro
 
 READY = Path(__file__).parent / "ready"
 
+EXTRAS: Mapping[str, str] = MappingProxyType(
+    {"airo_models": "grippers", "gym_xarm": "grippers", "robopianist": "shadow", "example-robot-data": "motion"}
+)
+"""Package with models of ready-made robots -> our extra that brings it."""
+
 
 def _from_file(name: str) -> RobotDescription:
     from ..description.load import load_robot
 
-    return load_robot(str(READY / f"{name}.yaml"))
+    try:
+        return load_robot(str(READY / f"{name}.yaml"))
+    except (InvalidRobotError, MissingPartError) as error:
+        for package, extra in EXTRAS.items():  # the file is ours and right: what lacks is what it speaks of
+            if f"package {package!r}" in str(error):
+                what = f"the model of the robot {name!r}, in the package {package!r},"
+                raise MissingPartError(what, f"pip install 'grip-bt[{extra}]'") from None
+        raise
 
 
 ROBOTS: Mapping[str, Callable[[], RobotDescription]] = MappingProxyType(

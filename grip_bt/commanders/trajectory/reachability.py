@@ -74,7 +74,8 @@ def _crossings(doubled: NDArray[np.float64], lines: _Lines) -> NDArray[np.float6
     pairs = np.divide(together, apart, out=np.full_like(apart, np.inf), where=apart > 0).min(axis=1)
     steep = slope - 1.0 / doubled[:, None]
     forwards = np.divide(height, steep, out=np.full_like(height, np.inf), where=steep > 0).min(axis=1)
-    return np.minimum(pairs, forwards)
+    least: NDArray[np.float64] = np.minimum(pairs, forwards)
+    return least
 
 
 def _controllable(doubled: NDArray[np.float64], lines: _Lines, ceiling: NDArray[np.float64]) -> list[float]:

@@ -111,7 +111,8 @@ def _grid(at: NDArray[np.float64]) -> NDArray[np.float64]:
     both = np.unique(np.concatenate([even, *fine]))
     apart = np.concatenate([[True], np.diff(both) > 1e-6])
     apart[-1] = True
-    return both[apart]
+    grid: NDArray[np.float64] = both[apart]
+    return grid
 
 
 class _Drive:
