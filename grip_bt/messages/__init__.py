@@ -7,7 +7,7 @@
 The same over ROS 2, for other processes and languages: `grip_bt.ros.managers`.
 """
 
-from .archive import ArchiveError, load, save
+from .archive import ArchiveError, load, names, save
 from .library import STANDARD, MessageLibrary
 from .local import LocalMessages
 from .original import read_joint_states, read_poses, read_trajectories
@@ -22,6 +22,7 @@ __all__ = [
     "MessageLibrary",
     "MessageStore",
     "load",
+    "names",
     "read_joint_states",
     "read_poses",
     "read_trajectories",

@@ -45,6 +45,18 @@ def save(stores: Mapping[str, MessageStore[Any]], file: Path, encode: Callable[[
     return len(rows)
 
 
+def names(file: Path) -> dict[str, set[str]]:
+    """Return store -> names of the entries in a file; none where there is no such file, or it can't be read."""
+    found: dict[str, set[str]] = {}
+    try:
+        with closing(sqlite3.connect(f"file:{file}?mode=ro", uri=True)) as connection:
+            for store, name in connection.execute("SELECT DISTINCT store, name FROM entry"):
+                found.setdefault(store, set()).add(name)
+    except sqlite3.Error:
+        return {}  # whoever loads it says what is wrong
+    return found
+
+
 def load(store_of: Callable[[str], MessageStore[Any]], file: Path, decode: Callable[[bytes], Any]) -> int:
     """Put the entries of a file into stores, in their order; return how many there are.
 

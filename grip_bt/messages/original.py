@@ -130,8 +130,8 @@ def _number(file: _File, entry: Entry) -> float:
 def _pose(file: _File, parts: Mapping[str, Entry], frame: str, name: str, at: Entry) -> Pose:
     unknown = [key for key in parts if key not in _POSE_KEYS]
     if unknown:
-        hint = nearest(unknown[0], _POSE_KEYS)
-        raise file.error(parts[unknown[0]], f"{name}: unknown key {unknown[0]!r}{hint} (a pose has: {_POSE_KEYS})")
+        hint, allowed = nearest(unknown[0], _POSE_KEYS), ", ".join(("reference_frame", *_POSE_KEYS))
+        raise file.error(parts[unknown[0]], f"{name}: unknown key {unknown[0]!r}{hint} (a pose has: {allowed})")
     for key in _POSE_KEYS:
         if key not in parts:
             raise file.error(at, f"{name}: the key {key!r} is missing")

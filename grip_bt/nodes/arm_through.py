@@ -11,7 +11,7 @@ from grip_bt.errors import PathInvalidError
 from grip_bt.operation import Operation
 from grip_bt.values import JointState, Plan, Pose, WayPoint
 
-from .arm import ArmLeaf
+from .arm import KeepingLeaf
 from .leaf import Status
 
 
@@ -23,7 +23,7 @@ class Passed:
     reached: JointState
 
 
-class ThroughLeaf(ArmLeaf):
+class ThroughLeaf(KeepingLeaf):
     """A leaf that is given way points, as offsets or bound."""
 
     def prepare(self) -> None:
@@ -66,7 +66,7 @@ class PlanThrough(ThroughLeaf):
 
     def start(self) -> Operation[Plan]:
         """Ask."""
-        return self.arm.plan_through(self.way_points(), start=self.read("start"))
+        return self.arm.plan_through(self.way_points(), start=self.read("start"), constraint=self.constraint())
 
     def finish(self, result: Plan) -> Status:
         """Hand the plan out, and its radii."""
@@ -78,7 +78,7 @@ class MoveThrough(ThroughLeaf):
 
     def start(self) -> Operation[Passed]:
         """Plan and follow."""
-        return self.arm.plan_through(self.way_points()).then(
+        return self.arm.plan_through(self.way_points(), constraint=self.constraint()).then(
             lambda plan: self.arm.execute(plan).then(lambda reached: Operation.finished(Passed(plan, reached)))
         )
 

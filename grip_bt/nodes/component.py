@@ -8,7 +8,7 @@ outcome whose rule holds over the reply's fields is the node's.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any, ClassVar, SupportsIndex
 
 from grip_bt.catalog.component_file import FEEDBACK
 from grip_bt.errors import BadReplyError, EvaluationError
@@ -93,7 +93,7 @@ class ComponentLeaf(OperationLeaf):
 
     def _label(self, reply: Mapping[str, Any]) -> str:
         number = reply.get("outcome")
-        if isinstance(number, bool) or not hasattr(number, "__index__"):
+        if isinstance(number, bool) or not isinstance(number, SupportsIndex):
             raise BadReplyError(f"the reply's `outcome` has to be a whole number, not {number!r}")
         index = number.__index__()
         if not 0 <= index < len(self._labels):
@@ -102,7 +102,8 @@ class ComponentLeaf(OperationLeaf):
                 f" {', '.join(self._labels)}",
                 outcome=index,
             )
-        return self._labels[index]
+        label: str = self._labels[index]
+        return label
 
 
 def shown(progress: Any) -> str:

@@ -137,7 +137,7 @@ class Retreat(ArmHandLeaf):
             scene.detach(name)
             scene.remove(name)
             below = Pose([*pose.position[:2], float(size[2]) / 2 + TABLE_GAP], pose.quaternion)
-            scene.set_box(free_name(scene, SEEN), size, below)
+            scene.set_box(free_name(scene, SEEN), size.tolist(), below)
         return self._step(-self.arm.grasp_pose().rotation()[:, 2] * self.params["distance"], errors)
 
     def _up(self, errors: list[ExpectedError]) -> Operation[object]:

@@ -57,3 +57,11 @@ class Close(HandLeaf):
     def finish(self, result: JointState) -> Status:
         """Hand out what was measured."""
         return self.end(reached=result)
+
+
+class ReadState(HandLeaf):
+    """Hand out the hand's measured joints."""
+
+    def update(self) -> Status:
+        """Measure."""
+        return self.end(state=self.hand.state())

@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any, ClassVar, TypeVar
 
 from py_trees.behaviour import Behaviour
-from py_trees.common import Status
+from py_trees.common import Status as Status
 
 from grip_bt.catalog.manifest import Manifest
 from grip_bt.errors import CanceledError, DataError, ExpectedError, NodeError

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from typing import TypeVar
+from typing import Generic, TypeVar
 
 from grip_bt.errors import CanceledError, ExpectedError, NoPlanError
 from grip_bt.operation import Operation
@@ -78,7 +78,7 @@ def first_of(attempts: Iterable[Callable[[], Operation[T]]]) -> Operation[T]:
     return _FirstOf(attempts).whole
 
 
-class _FirstOf:
+class _FirstOf(Generic[T]):
     def __init__(self, attempts: Iterable[Callable[[], Operation[T]]]):
         self.pending = iter(attempts)
         self.error: ExpectedError = NoPlanError("there was nothing to try")

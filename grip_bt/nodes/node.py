@@ -30,6 +30,8 @@ class Node(Behaviour):
         active: whether an activation is under way.
     """
 
+    status: Status
+    feedback_message: str
     path: str = ""
     meaning: Mapping[str, str] = {"success": "success", "failure": "failure"}
     outcome: str | None = None

@@ -32,7 +32,7 @@ def distances_to_box(points: ArrayLike, size: ArrayLike, pose: Pose) -> NDArray[
 
 def distance_to_box(point: ArrayLike, size: ArrayLike, pose: Pose) -> float:
     """Return the distance of a point from a box; 0 inside [m]."""
-    return float(distances_to_box([point], size, pose)[0])
+    return float(distances_to_box(np.atleast_2d(np.asarray(point, dtype=float)), size, pose)[0])
 
 
 def closing_point(grasp: Grasp) -> NDArray[np.float64]:
@@ -88,7 +88,7 @@ class Region:
     def contains(self, points: ArrayLike, margin: float = 0.0) -> NDArray[np.bool_]:
         """Tell which points, shape (n, 2 or 3), lie within the walls widened by `margin` [m]; shape (n,)."""
         xy = np.asarray(points, dtype=float)[:, :2]
-        inside: NDArray[np.bool_] = ((xy >= self.low - margin) & (xy <= self.high + margin)).all(axis=1)
+        inside: NDArray[np.bool_] = np.all((xy >= self.low - margin) & (xy <= self.high + margin), axis=1)
         return inside
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from grip_bt.errors import SensorError
 from grip_bt.operation import Operation
 from grip_bt.ports import Camera
@@ -61,7 +63,7 @@ class ImageDifference(OperationLeaf):
                 object_pixels=result.object_pixels,
             )
         vacated, appeared = result.vacated, result.appeared
-        measured = {"vacated": vacated, "appeared": appeared, "object_pixels": result.object_pixels}
+        measured: dict[str, Any] = {"vacated": vacated, "appeared": appeared, "object_pixels": result.object_pixels}
         outputs = {"fraction": vacated}
         if vacated < p["min_vacated"]:
             text = f"only {vacated:.0%} of the object's place is empty; {p['min_vacated']:.0%} are needed"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +40,7 @@ class Place(ArmHandLeaf):
 
     _object: str = ""
 
-    def start(self) -> Operation[object]:
+    def start(self) -> Operation[JointState]:
         """Find the candidates, go, let go, leave."""
         scene = self.context.scene()
         held = scene.attached(self.hand.name)
@@ -149,22 +150,22 @@ class Place(ArmHandLeaf):
         there = go(self.arm, spot.pre_grasp).then(lambda _: go_straight(self.arm, [spot.pose]))
         return there.then(lambda _: Operation.finished(spot))
 
-    def _release(self, spot: Grasp) -> Operation[object]:
+    def _release(self, spot: Grasp) -> Operation[JointState]:
         holding = self.hand.state()
 
-        def let_go(_: JointState) -> Operation[object]:
+        def let_go(_: JointState) -> Operation[JointState]:
             scene = self.context.scene()
             name = free_name(scene, PLACED)
             rename(scene, self._object, name)
             size, pose = scene.box(name)
             region = self._region()
             standing = region.floor + float(size[2]) / 2 + TABLE_GAP
-            scene.set_box(name, size, Pose([*pose.position[:2], standing], pose.quaternion))
+            scene.set_box(name, size.tolist(), Pose([*pose.position[:2], standing], pose.quaternion))
             return self._leave(spot, holding)
 
         return self.hand.open().then(let_go)
 
-    def _leave(self, spot: Grasp, holding: JointState) -> Operation[object]:
+    def _leave(self, spot: Grasp, holding: JointState) -> Operation[JointState]:
         """Go straight up; where that is blocked, a little back first; at last with the fingers half closed again.
 
         Open fingers may touch a wall, and nothing can be planned while they do.
@@ -175,10 +176,10 @@ class Place(ArmHandLeaf):
         back = -here.rotation()[:, 2]
         ways = [[here.moved(up)], *([here.moved(d * back), here.moved(d * back + up)] for d in (0.03, 0.08))]
 
-        def leave() -> Operation[object]:
-            return first_of((lambda way=way: go_straight(self.arm, way, scene, ignore)) for way in ways)
+        def leave() -> Operation[JointState]:
+            return first_of(partial(go_straight, self.arm, way, scene, ignore) for way in ways)
 
-        def leave_half_closed() -> Operation[object]:
+        def leave_half_closed() -> Operation[JointState]:
             return self.hand.open(_halfway(holding, self.hand.state())).then(lambda _: leave())
 
         return first_of([leave, leave_half_closed])
@@ -200,10 +201,10 @@ def _ease(hand: Pose, spot: NDArray[np.float64]) -> float:
 def _no_room(choice: Operation[Grasp]) -> Operation[Grasp]:
     """Say in terms of spots that no candidate is feasible."""
 
-    def translate(result: object) -> Operation[Grasp]:
+    def translate(result: Grasp | ExpectedError) -> Operation[Grasp]:
         if isinstance(result, NoGraspError):
             return Operation.failed(NoRoomError("no free spot is within reach: " + result.message, **result.data))
-        if isinstance(result, Exception):
+        if isinstance(result, ExpectedError):
             return Operation.failed(result)
         return Operation.finished(result)
 

@@ -6,7 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from grip_bt.errors import DataError
+from grip_bt.catalog import parse_type
+from grip_bt.errors import DataError, GripError
 from grip_bt.operation import Operation
 from grip_bt.values import Pose
 
@@ -15,6 +16,11 @@ from .leaf import OperationLeaf, Status
 
 class WaitForMessage(OperationLeaf):
     """Wait for the next message of a topic."""
+
+    def prepare(self) -> None:
+        """Check what is asked for."""
+        self.context.ros().check(self.params["topic"], self.params["type"])
+        _check_value(self.params["value"])
 
     def start(self) -> Operation[Any]:
         """Wait from now on."""
@@ -31,7 +37,8 @@ class LatestMessage(WaitForMessage):
     """Take the last message of a topic, when it is fresh enough, else wait for the next."""
 
     def prepare(self) -> None:
-        """Listen from the start of the run."""
+        """Check what is asked for, and listen from the start of the run."""
+        super().prepare()
         self.context.ros().listen(self.params["topic"], self.params["type"])
 
     def start(self) -> Operation[Any]:
@@ -42,6 +49,11 @@ class LatestMessage(WaitForMessage):
 
 class WaitForMessages(OperationLeaf):
     """Wait for a message of each of several topics, taken at one moment."""
+
+    def prepare(self) -> None:
+        """Check what is asked for."""
+        for topic, message in self.params["topics"].items():
+            self.context.ros().check(topic, message)
 
     def start(self) -> Operation[Mapping[str, Any]]:
         """Wait from now on."""
@@ -54,6 +66,10 @@ class WaitForMessages(OperationLeaf):
 
 class Publish(OperationLeaf):
     """Publish a value as a message."""
+
+    def prepare(self) -> None:
+        """Check what is to be published."""
+        self.context.ros().check(self.params["topic"], self.params["type"])
 
     def start(self) -> Operation[None]:
         """Publish when enough subscribers listen."""
@@ -80,6 +96,10 @@ class LookUpTransform(OperationLeaf):
 class GetParameter(OperationLeaf):
     """Read a parameter of a node."""
 
+    def prepare(self) -> None:
+        """Check the node's name."""
+        self.context.ros().check(self.params["node"])
+
     def start(self) -> Operation[Any]:
         """Ask the node."""
         return self.context.ros().get_parameter(self.params["node"], self.params["name"], self.params["timeout"])
@@ -92,7 +112,18 @@ class GetParameter(OperationLeaf):
 class SetParameter(OperationLeaf):
     """Set a parameter of a node."""
 
+    def prepare(self) -> None:
+        """Check the node's name."""
+        self.context.ros().check(self.params["node"])
+
     def start(self) -> Operation[None]:
         """Ask the node."""
         p = self.params
         return self.context.ros().set_parameter(p["node"], p["name"], self.read("value"), p["timeout"])
+
+
+def _check_value(type_: str) -> None:
+    try:
+        parse_type(type_)
+    except ValueError as error:
+        raise GripError(f"value: {error}") from None

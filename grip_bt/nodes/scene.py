@@ -39,7 +39,7 @@ class UpdateFromCloud(OperationLeaf):
         for name in [n for n in scene.names() if n.startswith(SEEN)]:
             scene.remove(name)
         for i, (size, pose) in enumerate(result):
-            scene.set_box(f"{SEEN}{i}", size, pose)
+            scene.set_box(f"{SEEN}{i}", size.tolist(), pose)
         return self.end(count=len(result))
 
     def _boxes(self, scene: Scene, points: NDArray[np.float32]) -> list[Box]:

@@ -120,7 +120,11 @@ class AddCloud(OperationLeaf):
         try:
             return CellMap.of_points(points, p["resolution"], p["min_points"])
         except ValueError as error:
-            raise SensorError(str(error)) from error
+            raise SensorError(
+                f"no cell of {p['resolution']:g} m holds {p['min_points']} of the {len(points)} points from "
+                f"{p['min_height']:g} m up: the cloud shows nothing there, or it is thinner than `resolution` and "
+                "`min_points` ask for"
+            ) from error
 
 
 class Load(OperationLeaf):

@@ -11,14 +11,15 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from action_msgs.srv import CancelGoal
-from rclpy.logging import LoggingSeverity, set_logger_level
 
 from grip_bt.errors import CanceledError, ServerLostError, UnfitServerError
 from grip_bt.operation import Operation
 
-from .action_wire import WireClient
+from .action_wire import ActionWire, new_goal_id, status_in
 from .client import pass_error
+from .futures import give_way, when_done
 from .goal import LIVE, AskCancel, AskResult, Command, Goal, GoalEnd, Patience, Phase, Send, Tell
+from .others import explained
 from .preflight import action_servers, check_action_servers
 from .server_check import GRACE, STALE, ServerCheck
 
@@ -38,9 +39,10 @@ class _Entry:
         self, machine: Goal, message: Any, operation: Operation[Any], on_feedback: Callable[[Any], None] | None
     ):
         self.machine, self.message, self.operation, self.on_feedback = machine, message, operation, on_feedback
+        self.on_accepted: Callable[[], None] | None = None
         self.began = time.monotonic()
         self.servers: frozenset[bytes] = frozenset()
-        self.handle: Any = None
+        self.goal_id = b""  # when it is sent
         self.status = 0  # what the server last published of it, 0 when nothing
         self.result: Any = None
         self.futures: list[Any] = []
@@ -52,12 +54,15 @@ class ActionClient:
     Attributes:
         type: the action's class.
         name: its full name.
+        limit: who limits the time of a goal, in words behind those of a time-out.
     """
+
+    limit = ""
 
     def __init__(self, bus: Bus, type_: Any, name: str, timeout: float, wait: float):
         self.type, self.name = type_, name
         self._bus, self._timeout, self._wait = bus, timeout, wait
-        self._client: Any = None
+        self._wire: ActionWire | None = None
         self._entries: list[_Entry] = []
         self._check = ServerCheck(
             lambda: action_servers(bus.node, name),
@@ -70,7 +75,7 @@ class ActionClient:
     @property
     def idle(self) -> bool:
         """Whether it was never connected to a server and nobody waits for one; such a client may be replaced."""
-        return self._client is None and not self._entries
+        return self._wire is None and not self._entries
 
     @property
     def waiting(self) -> bool:
@@ -91,6 +96,7 @@ class ActionClient:
         wait: float | None = None,
         on_feedback: Callable[[Any], None] | None = None,
         cancel_within: float = CANCEL,
+        on_accepted: Callable[[], None] | None = None,
     ) -> Operation[GoalEnd]:
         """Send a goal; the result says how it ended: `succeeded`, `aborted` or `canceled`, with the result message.
 
@@ -106,9 +112,10 @@ class ActionClient:
             on_feedback: called on the bus's thread with each feedback message; the last one is the operation's
                 `progress`. What a server sends just before the result is often lost.
             cancel_within: how long the server may take to end the goal after a cancel [s].
+            on_accepted: called on the bus's thread when the server has answered that it takes the goal.
         """
         limit = timeout if timeout is not None else self._timeout
-        return self._begin(goal, limit, self._wait if wait is None else wait, on_feedback, cancel_within)
+        return self._begin(goal, limit, self._wait if wait is None else wait, on_feedback, cancel_within, on_accepted)
 
     def wait_ready(self, timeout: float) -> Operation[None]:
         """End when there is a server that fits; with ServerLostError after `timeout` [s]."""
@@ -140,13 +147,15 @@ class ActionClient:
         wait: float,
         on_feedback: Callable[[Any], None] | None,
         cancel_within: float,
+        on_accepted: Callable[[], None] | None = None,
     ) -> Operation[Any]:
         def cancel() -> None:
             self._bus.post(lambda: self._do(entry, entry.machine.cancel(time.monotonic())))
 
         operation: Operation[Any] = Operation(on_cancel=cancel)
-        patience = Patience(wait, timeout, cancel_within, GRACE if self._supervised else 0.0)
+        patience = Patience(wait, timeout, cancel_within, GRACE if self._supervised else 0.0, self.limit)
         entry = _Entry(Goal(self.name, patience, time.monotonic()), message, operation, on_feedback)
+        entry.on_accepted = on_accepted
         posted = self._bus.post(lambda: self._submit(entry))
         posted.add_done_callback(lambda: pass_error(posted, operation))
         return operation
@@ -205,11 +214,9 @@ class ActionClient:
                     self._do(entry, entry.machine.server_fits(now))
 
     def _connected(self) -> bool:
-        if self._client is None:
-            self._client = WireClient(self._bus.node, self.type, self.name, self._statuses)
-            # It warns of a second server at every answer to a goal that was given up here.
-            set_logger_level(f"{self._bus.node.get_logger().name}.action_client", LoggingSeverity.ERROR)
-        return bool(self._client.server_is_ready())
+        if self._wire is None:
+            self._wire = ActionWire(self._bus.node, self.type, self.name, self._progressed, self._statuses)
+        return self._wire.server_is_ready()
 
     def _do(self, entry: _Entry, commands: list[Command]) -> None:
         """Carry out what the machine of a goal says; forget the goal when it is over."""
@@ -220,16 +227,16 @@ class ActionClient:
                 case AskResult():
                     if entry.result is not None:
                         entry.result.cancel()  # that request, or its answer, was dropped on the way
-                    entry.result = entry.handle.get_result_async()
+                    entry.result = self._connection.ask_result(entry.goal_id)
                     self._later(entry, entry.result, self._resulted)
                 case AskCancel():
-                    self._later(entry, entry.handle.cancel_goal_async(), self._cancel_answered)
+                    self._later(entry, self._connection.ask_cancel(entry.goal_id), self._cancel_answered)
                 case Tell(end):
                     entry.on_feedback = None
                     if isinstance(end, GoalEnd):
                         entry.operation.succeed(end)
                     else:
-                        entry.operation.fail(end)
+                        entry.operation.fail(explained(end, self._bus.node, self.type))
         if entry.machine.phase is Phase.OVER:
             self._drop(entry)
 
@@ -239,20 +246,17 @@ class ActionClient:
             for future in entry.futures:
                 future.cancel()  # which takes it out of rclpy's lists; nobody else would, and they would grow for ever
             entry.futures.clear()
-            if entry.handle is not None:
-                self._client.forget(entry.handle)
+
+    @property
+    def _connection(self) -> ActionWire:
+        """The connection of goals that were sent; it was made before them."""
+        assert self._wire is not None
+        return self._wire
 
     def _send(self, entry: _Entry) -> None:
-        def feedback(message: Any) -> None:
-            if entry.machine.phase in LIVE:
-                entry.operation.report(message.feedback)
-                if entry.on_feedback is not None:
-                    entry.on_feedback(message.feedback)
-
-        entry.servers, entry.handle = self._check.servers, self._client.new_goal()
-        goal_id = entry.handle.goal_id
+        entry.servers, entry.goal_id = self._check.servers, new_goal_id()
         try:
-            future = self._client.send_goal_async(entry.message, feedback_callback=feedback, goal_uuid=goal_id)
+            future = self._connection.send_goal(entry.goal_id, entry.message)
         except Exception as error:  # noqa: BLE001 - rclpy's own errors and TypeErrors of a wrong goal
             self._do(entry, entry.machine.send_failed(error))
             return
@@ -273,15 +277,19 @@ class ActionClient:
             else:
                 then(entry, future.result())
 
-        future.add_done_callback(ended)
+        when_done(future, ended)
 
-    def _goal_answered(self, entry: _Entry, handle: Any) -> None:
+    def _goal_answered(self, entry: _Entry, response: Any) -> None:
         now = time.monotonic()
-        self._do(entry, entry.machine.accepted(now) if handle.accepted else entry.machine.rejected())
+        if response.accepted and entry.on_accepted is not None:
+            entry.on_accepted()
+        self._do(entry, entry.machine.accepted(now) if response.accepted else entry.machine.rejected())
         self._advance(now)
 
     def _resulted(self, entry: _Entry, response: Any) -> None:
         self._do(entry, entry.machine.result(response.status, response.result))
+        if not self._entries:  # with more under way, their answers come first
+            give_way()
 
     def _cancel_answered(self, entry: _Entry, response: Any) -> None:
         # Its return code is 0 also for a goal that the server refused to cancel; the list is what counts. "Terminated"
@@ -293,10 +301,17 @@ class ActionClient:
         self._do(entry, entry.machine.cancel_answered(stops, known, now))
         self._advance(now)
 
-    def _statuses(self, statuses: dict[bytes, int]) -> None:
+    def _progressed(self, goal_id: bytes, feedback: Any) -> None:
+        entry = next((e for e in self._entries if e.goal_id == goal_id), None)
+        if entry is not None and entry.machine.phase in LIVE:
+            entry.operation.report(feedback)
+            if entry.on_feedback is not None:
+                entry.on_feedback(feedback)
+
+    def _statuses(self, listed: bytes) -> None:
         """Hear of goals from the server, also of such whose acceptance was lost."""
-        for entry in list(self._entries):
-            status = statuses.get(bytes(entry.handle.goal_id.uuid)) if entry.handle is not None else None
+        for entry in [e for e in self._entries if e.goal_id]:
+            status = status_in(listed, entry.goal_id)
             if status:
                 entry.status = status
                 if entry.machine.phase in (Phase.SENT, Phase.LOOSE_SENT):

@@ -17,7 +17,7 @@ from grip_bt.catalog.component_parts import UNITS, PortType
 from grip_bt.values import JointState, PointCloud, Pose
 
 from .convert import from_message, to_message
-from .fields import ConversionError, FieldType, check_field
+from .fields import WHOLE, ConversionError, FieldType, check_field
 from .frames import ROOT, FrameError, FrameTree, frame_of, transformed
 
 _LENGTHS, _ANGLES = ("m", "cm", "mm", "in"), ("rad", "deg")
@@ -77,6 +77,7 @@ class Adapter:
             value = self._into(value, port.frame)
         if port.unit is not None:
             value = scaled(value, 1.0 / UNITS[port.unit], port.unit)
+            value = nearest_whole(value) if kind.base in WHOLE else value
         if isinstance(value, Pose) and kind.array:
             return _numbers_from_pose(value, port)
         return value
@@ -126,6 +127,13 @@ def scaled(value: Any, factor: float, unit: str) -> Any:
     if isinstance(value, (list, tuple)):
         return [scaled(item, factor, unit) for item in value]
     raise ConversionError("", f"a {type(value).__name__} has nothing in {unit}")
+
+
+def nearest_whole(value: Any) -> Any:
+    """Return numbers as the whole ones nearest to them: 12.3 mm is 12 for a component that counts millimetres."""
+    if isinstance(value, (list, tuple)):
+        return [nearest_whole(item) for item in value]
+    return np.rint(value).astype(np.int64) if isinstance(value, np.ndarray) else round(value)
 
 
 def _field_type(cls: Any, path: str) -> FieldType:

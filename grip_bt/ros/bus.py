@@ -38,7 +38,7 @@ from .client import ServiceClient
 from .environment import require
 from .shared_memory import sweep
 from .topic import TopicReader, TopicWriter
-from .types import load_type, type_name
+from .types import check_name, load_type, type_name
 
 T = TypeVar("T")
 C = TypeVar("C", ServiceClient, ActionClient, TopicReader, TopicWriter)
@@ -98,7 +98,7 @@ class Bus:
 
         Raises:
             UnknownNameError, MissingPartError: there is no such type.
-            GripError: a client of the name exists with another type.
+            GripError: a client of the name exists with another type, or ROS knows no such names.
         """
         return self._client(ServiceClient, interface, name, timeout, wait)
 
@@ -113,7 +113,7 @@ class Bus:
 
         Raises:
             UnknownNameError, MissingPartError: there is no such type.
-            GripError: a client of the name exists with another type.
+            GripError: a client of the name exists with another type, or ROS knows no such names.
         """
         return self._client(ActionClient, interface, name, timeout, wait)
 
@@ -129,6 +129,7 @@ class Bus:
         return self._client(TopicWriter, interface, name, timeout, 0.0)
 
     def _client(self, kind: type[C], interface: str | Any, name: str, timeout: float, wait: float) -> C:
+        check_name(name)
         type_ = load_type(interface) if isinstance(interface, str) and interface else interface or None
         with self._lock:
             client = self._clients.get((kind, name))

@@ -19,6 +19,8 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 from grip_bt.errors import CanceledError, ServerLostError, ServerTimeOutError, UnfitServerError
 from grip_bt.operation import Operation
 
+from .futures import give_way, when_done
+from .others import explained
 from .preflight import check_servers, servers_of
 from .server_check import GRACE, STALE, ServerCheck
 
@@ -27,7 +29,7 @@ if TYPE_CHECKING:
 
 IN_FLIGHT = 8
 """Requests under way at once: a server keeps the last 10, and what it drops is lost without a word."""
-_QOS = QoSProfile(
+SERVICE_QOS = QoSProfile(
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.VOLATILE,
     history=HistoryPolicy.KEEP_LAST,
@@ -55,7 +57,10 @@ class ServiceClient:
     Attributes:
         type: the service's class.
         name: its full name.
+        limit: who limits the time of a call, in words behind those of a time-out.
     """
+
+    limit = ""
 
     def __init__(self, bus: Bus, type_: Any, name: str, timeout: float, wait: float):
         self.type, self.name = type_, name
@@ -218,11 +223,12 @@ class ServiceClient:
                 self._send(call)
             elif not ready and now > call.wait_until:
                 waited = call.wait_until - call.started
-                self._finish(call, self._lost(f"no server within {waited:.1f} s"))
+                absent = self._lost(f"no server within {waited:.1f} s", waited=waited)
+                self._finish(call, explained(absent, self._bus.node, self.type))
 
     def _connected(self) -> bool:
         if self._client is None:
-            self._client = self._bus.node.create_client(self.type, self.name, qos_profile=_QOS)
+            self._client = self._bus.node.create_client(self.type, self.name, qos_profile=SERVICE_QOS)
         return bool(self._client.service_is_ready())
 
     def _send(self, call: _Call) -> None:
@@ -240,7 +246,7 @@ class ServiceClient:
             self._take_out(call)
             call.operation.fail(error)
             return
-        call.future.add_done_callback(lambda future: self._answered(call, future))
+        when_done(call.future, lambda future: self._answered(call, future))
         if call.operation.done():  # it was ended from the bus's thread before there was a request to forget
             self._client.remove_pending_request(call.future)
 
@@ -262,6 +268,8 @@ class ServiceClient:
             call.operation.succeed(future.result())
         if self._waiting:
             self._advance(time.monotonic())
+        elif not self._sent:  # with more under way, their answers come first
+            give_way()
 
     def _finish(self, call: _Call, error: Exception | None) -> None:
         """End a call that got no answer; a request under way is forgotten, else rclpy keeps it for ever."""
@@ -274,12 +282,13 @@ class ServiceClient:
         else:
             call.operation.fail(error)
 
-    def _lost(self, reason: str) -> ServerLostError:
-        return ServerLostError(f"{self.name}: {reason}", server=self.name)
+    def _lost(self, reason: str, **data: float) -> ServerLostError:
+        return ServerLostError(f"{self.name}: {reason}", server=self.name, **data)
 
     def _timed_out(self, call: _Call, now: float) -> ServerTimeOutError:
         state = "no answer" if call.future is not None else "not sent"
-        return ServerTimeOutError(f"{self.name}: {state} after {now - call.started:.1f} s", server=self.name)
+        said = f"{self.name}: {state} after {now - call.started:.1f} s{self.limit}"
+        return ServerTimeOutError(said, server=self.name)
 
 
 def pass_error(posted: Operation[None], operation: Operation[Any]) -> None:

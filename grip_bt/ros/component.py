@@ -81,7 +81,7 @@ class RosComponent:
         if end.status == "canceled":
             raise CanceledError(f"component {self.file.name}: the goal was canceled")
         if end.status == "aborted":
-            fields = {f: getattr(end.result, f) for f in field_types(type(end.result))}
+            fields = {f: getattr(end.result, f) for f in field_types(end.result.__class__)}
             plain = {f: v for f, v in fields.items() if isinstance(v, (bool, int, float, str)) and v}
             said = f" ({', '.join(f'{f}: {v}' for f, v in plain.items())})" if plain else ""
             raise GoalAbortedError(f"component {self.file.name}: the server gave the goal up{said}", result=plain)
@@ -114,6 +114,8 @@ class RosComponent:
         if not 0 <= number < len(self._meaning):
             names = ", ".join(f"{i} {name}" for i, (name, _) in enumerate(self._meaning))
             raise BadReplyError(
-                f"component {self.file.name}: outcome {number} isn't one of the declared ones ({names})", outcome=number
+                f"component {self.file.name}: outcome {number} isn't one of the declared ones ({names}); name it in "
+                "component.yaml, or mend the server",
+                outcome=number,
             )
         return number, self._meaning[number][1]

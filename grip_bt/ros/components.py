@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,11 +12,12 @@ from grip_bt.errors import DocumentError, ServerLostError, UnknownNameError
 from grip_bt.ports import Component
 
 from .action import ActionClient
+from .advice import advice
 from .bus import Bus
 from .client import ServiceClient
 from .component import Client, RosComponent
 from .frames import FrameTree
-from .interfaces import build_interfaces
+from .interfaces import Built, build_interfaces
 from .overlay import activate
 from .process import Process, child_environment
 from .starting import command_of, uses_our_python
@@ -79,9 +80,12 @@ class Components:
                 operation.result()
             except ServerLostError as error:
                 process = self._running[name].process
-                tail = process.log_tail() if process is not None and process.alive else ""
-                said = f"; its log ({process.log}) ends with:\n{tail}" if process and tail else ""
-                raise type(error)(f"component {name}: {error.message}{said}", **error.data) from None
+                alive = process is not None and process.alive
+                tail = process.log_tail() if process is not None else ""
+                file = self._running[name].component.file
+                todo = advice(file, error, alive, tail)
+                said = f"; its log ({process.log}) ends with:\n{tail}" if process and alive and tail else ""
+                raise type(error)(f"component {name}: {error.message}{todo}{said}", **error.data) from None
         self.ready_seconds = time.monotonic() - started
 
     def close(self) -> None:
@@ -100,18 +104,25 @@ class Components:
         self.close()
 
 
-def find_components(folder: Path) -> dict[str, Path]:
-    """Return the folder of each component below `folder`, by name.
+def find_components(folder: Path, wanted: Iterable[str]) -> dict[str, Path]:
+    """Return the folder of each component below `folder`, by name; a broken one that isn't wanted is left out.
 
     Raises:
-        DocumentError: a component file is wrong, or two have one name.
+        DocumentError: two have one name, or a component file is wrong, which may be that of one that is wanted.
     """
     found: dict[str, Path] = {}
+    broken = None
     for file in sorted(folder.glob(f"*/{FILE_NAME}")):
-        name = load_component(file).name
+        try:
+            name = load_component(file).name
+        except DocumentError as error:
+            broken = broken or error
+            continue
         if name in found:
             raise DocumentError(f"the component {name!r} is also in {found[name]}", str(file))
         found[name] = file.parent
+    if broken is not None and set(wanted) - found.keys():
+        raise broken
     return found
 
 
@@ -121,6 +132,7 @@ def start_components(
     domain_id: int | None = None,
     folder: Path | str = "components",
     frames: FrameTree | None = None,
+    begun: Callable[[str], None] = lambda package: None,
 ) -> Components:
     """Start the named components of a project and wait until their servers answer.
 
@@ -133,25 +145,27 @@ def start_components(
         domain_id: the DDS domain of us and of what we start; ROS_DOMAIN_ID, else 0, by default.
         folder: where the components are, in the project or anywhere.
         frames: where frames are, for ports that are given in one.
+        begun: told the name of each interface package that has to be built, before that.
 
     Raises:
         UnknownNameError: a component isn't there.
-        DocumentError, MissingPartError, InterfaceBuildError: its files are wrong, or its interfaces can't be built.
+        DocumentError, MissingPartError, InterfaceBuildError: its files are wrong, or its interfaces can't be built, or
+            two components bring different packages of one name.
         ServerLostError: a server didn't come; it says why, with the end of its log.
     """
     project = Path(project_folder).resolve()
-    folders = find_components(project / folder)
     wanted = list(dict.fromkeys(names))
+    folders = find_components(project / folder, wanted)
     for name in wanted:
         if name not in folders:
             raise UnknownNameError("component", name, folders, str(project / folder))
     files = {name: load_component(folders[name]) for name in wanted}
     started = time.monotonic()
-    overlays, built = {}, False
-    for name in wanted:
-        overlays[name], fresh = _build(folders[name], project)
-        built |= fresh
-    seconds = time.monotonic() - started if built else 0.0
+    built = {name: _build(folders[name], project, begun) for name in wanted}
+    _check_one_definition(built, folders)
+    overlays = {name: [b.prefix for b in packages] for name, packages in built.items()}
+    fresh = any(not b.cached for packages in built.values() for b in packages)
+    seconds = time.monotonic() - started if fresh else 0.0
     for prefix in dict.fromkeys(p for prefixes in overlays.values() for p in prefixes):
         activate(prefix)
     bus = Bus(domain_id=domain_id)
@@ -169,14 +183,32 @@ def start_components(
 
 def component_overlays(folder: Path, project: Path) -> list[Path]:
     """Build the interfaces of one component, and return their prefixes; none when it brings no interfaces."""
-    return _build(folder, project)[0]
+    return [b.prefix for b in _build(folder, project, lambda package: None)]
 
 
-def _build(folder: Path, project: Path) -> tuple[list[Path], bool]:
+def _build(folder: Path, project: Path, begun: Callable[[str], None]) -> list[Built]:
     if not (folder / INTERFACES).is_dir():
-        return [], False
-    built = build_interfaces(folder / INTERFACES, project / ".grip" / "interfaces")
-    return [b.prefix for b in built], any(not b.cached for b in built)
+        return []
+    return build_interfaces(folder / INTERFACES, project / ".grip" / "interfaces", begun=begun)
+
+
+def _check_one_definition(built: Mapping[str, Sequence[Built]], folders: Mapping[str, Path]) -> None:
+    """Check that components which bring a package of one name bring the same: one process can't hold two of them.
+
+    Raises:
+        DocumentError: two differ.
+    """
+    first: dict[str, tuple[str, Path]] = {}
+    for name, packages in built.items():
+        for package in packages:
+            other, prefix = first.setdefault(package.package, (name, package.prefix))
+            if prefix != package.prefix:
+                where = str(folders[name] / INTERFACES)
+                raise DocumentError(
+                    f"the package {package.package!r}, or one that it needs, differs from that of the component "
+                    f"{other!r} ({folders[other] / INTERFACES}); a run can use only one: make both the same",
+                    where,
+                )
 
 
 def _start(
@@ -204,10 +236,11 @@ def _start(
 def _client(bus: Bus, file: ComponentFile) -> Client:
     """Return the client of what a component serves."""
     limit, ready = file.timeouts.call, file.timeouts.ready
-    if file.kind == "action":
-        return bus.action(file.interface, file.server, timeout=limit, wait=ready)
-    if file.kind == "srv":
-        return bus.service(file.interface, file.server, timeout=limit, wait=ready)
+    if file.kind in ("action", "srv"):
+        serve = bus.action if file.kind == "action" else bus.service
+        client = serve(file.interface, file.server, timeout=limit, wait=ready)
+        client.limit = f" (`timeouts: {{call: {limit:g}}}` in component.yaml of {file.name})"
+        return client
     if file.use == "publish":
         return bus.writer(file.interface, file.server, timeout=ready)
     reader = bus.reader(file.interface, file.server, timeout=limit)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 import types
 import typing
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
 from typing import Any, get_args, get_origin
 
@@ -128,25 +128,24 @@ def _field(kind: Any, value: Any) -> Any:
         return to_message(value, cls)
     if isinstance(value, (str, Mapping)) or not isinstance(value, Sequence):
         raise ConversionError("", f"a list of {kind.base} expected, got {_describe(value)}")
-    items = []
-    for index, item in enumerate(value):
-        try:
-            items.append(to_message(item, cls))
-        except ConversionError as error:
-            raise error.below(f"[{index}]") from None
-    return items
+    return _each(value, lambda item: to_message(item, cls))
 
 
 def _elements(message: Any, wanted: Any) -> list[Any]:
     if isinstance(message, str) or not hasattr(message, "__len__"):
         raise ConversionError("", f"a sequence expected, got {_describe(message)}")
-    items = []
-    for index, item in enumerate(message):
+    return _each(message, lambda item: from_message(item, wanted))
+
+
+def _each(items: Iterable[Any], turn: Callable[[Any], Any]) -> list[Any]:
+    """Turn each item, and say which one can't be turned."""
+    turned = []
+    for index, item in enumerate(items):
         try:
-            items.append(from_message(item, wanted))
+            turned.append(turn(item))
         except ConversionError as error:
             raise error.below(f"[{index}]") from None
-    return items
+    return turned
 
 
 def _builtin(message: Any, wanted: type) -> Any:
@@ -170,7 +169,7 @@ def _dataclass(message: Any, cls: Any) -> Any:
         raise ConversionError("", f"{_describe(message)} can't be made a {cls.__name__}")
     found = {}
     for field in dataclasses.fields(cls):
-        if field.name in field_types(type(message)):
+        if field.name in field_types(message.__class__):
             try:
                 found[field.name] = from_message(getattr(message, field.name), _hints(cls)[field.name])
             except ConversionError as error:

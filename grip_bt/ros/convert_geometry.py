@@ -94,8 +94,8 @@ def joints_from_message(message: JointStateMessage) -> JointState:
     )
 
 
-def trajectory_to_message(trajectory: Trajectory) -> JointTrajectory:
-    """Convert a trajectory."""
+def trajectory_to_message(trajectory: Trajectory, ahead: float = 0.0) -> JointTrajectory:
+    """Convert a trajectory, whose first point is due `ahead` [s] after its beginning."""
 
     def row(values: Any, k: int) -> list[float]:
         return [] if values is None else values[k].tolist()
@@ -105,7 +105,7 @@ def trajectory_to_message(trajectory: Trajectory) -> JointTrajectory:
             positions=row(trajectory.positions, k),
             velocities=row(trajectory.velocities, k),
             accelerations=row(trajectory.accelerations, k),
-            time_from_start=Duration(**_split(float(time))),
+            time_from_start=Duration(**_split(float(time) + ahead)),
         )
         for k, time in enumerate(trajectory.times)
     ]

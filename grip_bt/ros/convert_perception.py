@@ -28,11 +28,13 @@ def cloud_to_message(cloud: PointCloud) -> PointCloud2:
     step = 4 * len(names)
     data = array.array("B", bytes(1)) * (n * step)  # written in place: a second copy of a big cloud costs a millisecond
     table = np.frombuffer(data, "<f4").reshape(n, len(names))
-    for column in range(3):  # six times quicker than all at once: numpy's inner loop is over points, not over 3
-        table[:, column] = cloud.points[:, column]
-    if cloud.colors is not None:
+    if cloud.colors is None:
+        table[:] = cloud.points
+    else:
+        for column in range(3):  # six times quicker than all at once: numpy's inner loop is over points, not over 3
+            table[:, column] = cloud.points[:, column]
         table.view("<u4")[:, 3] = _packed(cloud.colors)
-    return PointCloud2(
+    message = PointCloud2(
         header=header(cloud.frame, cloud.time),
         height=1,
         width=n,
@@ -42,9 +44,10 @@ def cloud_to_message(cloud: PointCloud) -> PointCloud2:
         is_bigendian=False,
         point_step=step,
         row_step=step * n,
-        data=data,
         is_dense=bool(np.isfinite(cloud.points).all()),
     )
+    message.data = data  # not by the constructor: that copies it
+    return message
 
 
 def cloud_from_message(message: PointCloud2) -> PointCloud:
@@ -73,15 +76,16 @@ def cloud_from_message(message: PointCloud2) -> PointCloud:
 def image_to_message(image: Image) -> ImageMessage:
     """Convert a colour image to `rgb8`."""
     rows, columns, _ = image.pixels.shape
-    return ImageMessage(
+    message = ImageMessage(
         header=header(image.frame, image.time),
         height=rows,
         width=columns,
         encoding="rgb8",
         is_bigendian=0,
         step=3 * columns,
-        data=_bytes(image.pixels),
     )
+    message.data = _bytes(image.pixels)
+    return message
 
 
 def image_from_message(message: ImageMessage) -> Image:
@@ -102,15 +106,16 @@ def image_from_message(message: ImageMessage) -> Image:
 def depth_to_message(depth: DepthImage) -> ImageMessage:
     """Convert a depth image to `32FC1` [m]; the camera's geometry goes by `camera_to_message`."""
     rows, columns = depth.depth.shape
-    return ImageMessage(
+    message = ImageMessage(
         header=header(depth.info.pose.frame, depth.time),
         height=rows,
         width=columns,
         encoding="32FC1",
         is_bigendian=0,
         step=4 * columns,
-        data=_bytes(depth.depth.astype("<f4", copy=False)),
     )
+    message.data = _bytes(depth.depth.astype("<f4", copy=False))
+    return message
 
 
 def depth_from_message(message: ImageMessage, info: CameraInfo) -> DepthImage:
@@ -169,7 +174,8 @@ def _unpacked(packed: NDArray[np.uint32]) -> NDArray[np.uint8]:
     if not len(packed):
         return np.zeros((0, 3), np.uint8)
     pixels = np.ascontiguousarray(packed, "<u4").view(np.uint8).reshape(1, -1, 4)
-    return cv2.cvtColor(pixels, cv2.COLOR_BGRA2RGB)[0]
+    colors: NDArray[np.uint8] = cv2.cvtColor(pixels, cv2.COLOR_BGRA2RGB)[0]
+    return colors
 
 
 def _coordinates(message: PointCloud2, fields: dict[str, Any]) -> NDArray[Any]:
@@ -212,5 +218,5 @@ def _bytes(values: NDArray[Any]) -> array.array[int]:
     """Return the memory of an array as the one type of sequence that messages take without a look at each element."""
     data = array.array("B")
     if values.size:
-        data.frombytes(memoryview(np.ascontiguousarray(values)).cast("B"))
+        data.frombytes(memoryview(np.ascontiguousarray(values).data).cast("B"))
     return data

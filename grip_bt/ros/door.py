@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Mapping
+import time
+from collections.abc import Callable, Mapping
 from typing import Any
 
-from grip_bt.errors import BadReplyError, ExpectedError, ServerTimeOutError
+from grip_bt.errors import BadReplyError, ExpectedError
 from grip_bt.operation import Operation
 from grip_bt.values import Pose
 
 from .bus import Bus
 from .convert import from_message, to_message
-from .convert_geometry import seconds
 from .fields import ConversionError
-from .synchronise import Synchroniser
+from .gathering import Gathering
 from .tf import Transforms
-from .topic import Received
-from .types import load_type
+from .types import check_name, load_message, load_type
 
 ANSWER = 2.0
 """How long a node may take to answer about a parameter once it is there [s]."""
@@ -38,10 +36,17 @@ class RosDoor:
     Args:
         bus: the connection to ROS.
         transforms: where frames are.
+        now: the time of the clock that stamps messages [s]; the wall's by default.
     """
 
-    def __init__(self, bus: Bus, transforms: Transforms | None = None):
-        self.bus, self.transforms = bus, transforms or Transforms(bus)
+    def __init__(self, bus: Bus, transforms: Transforms | None = None, now: Callable[[], float] = time.time):
+        self.bus, self.transforms, self._now = bus, transforms or Transforms(bus), now
+
+    def check(self, name: str, message: str = "") -> None:
+        """Check a name of the graph, and that a message type is there; see `ports.Ros`."""
+        check_name(name)
+        if message:
+            load_message(message)
 
     def listen(self, topic: str, message: str) -> None:
         """Subscribe now, so that a later `recent` finds what came since."""
@@ -56,40 +61,8 @@ class RosDoor:
         return self.bus.reader(message, topic).recent(max_age, timeout).then(lambda m: _as(topic, m, value))
 
     def together(self, topics: Mapping[str, str], slop: float, timeout: float) -> Operation[Mapping[str, Any]]:
-        """Wait for a message of each topic, stamped at most `slop` [s] apart; stamped now where there is no header."""
-        matcher = Synchroniser(topics, slop)
-        whole: Operation[Mapping[str, Any]] = Operation()
-        lock = threading.Lock()
-
-        def heard(topic: str, received: Received) -> None:
-            if whole.done():
-                return
-            header = getattr(received.message, "header", None)
-            stamp = seconds(header.stamp) if header is not None else received.time
-            with lock:
-                found = matcher.add(topic, stamp, received.message)
-            if found is not None:
-                whole.succeed(found)
-
-        def end() -> None:
-            text = f"no set of messages within {timeout:.1f} s: {matcher.describe()}"
-            whole.fail(ServerTimeOutError(text, topics=list(topics)))
-
-        listeners = {t: (lambda received, t=t: heard(t, received)) for t in topics}
-        readers = {t: self.bus.reader(m, t) for t, m in topics.items()}
-        for topic, reader in readers.items():
-            reader.listen(listeners[topic])
-        timer = threading.Timer(timeout, end)
-        timer.daemon = True
-        timer.start()
-
-        def clean() -> None:
-            timer.cancel()
-            for topic, reader in readers.items():
-                reader.ignore(listeners[topic])
-
-        whole.add_done_callback(clean)
-        return whole
+        """Wait for a message of each topic, taken from now on and at most `slop` [s] apart; see `Gathering`."""
+        return Gathering(self.bus, topics, slop, timeout, self._now).begin()
 
     def publish(self, topic: str, message: str, value: Any, subscribers: int, timeout: float) -> Operation[None]:
         """Publish a value when at least `subscribers` listen; BadRequestError when it doesn't fit the message."""

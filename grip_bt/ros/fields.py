@@ -16,6 +16,8 @@ from .types import load_type, type_name
 
 _CODES = {"float": "f", "double": "d", "int8": "b", "uint8": "B", "int16": "h", "uint16": "H"}
 _CODES |= {"int32": "i", "uint32": "I", "int64": "q", "uint64": "Q"}
+WHOLE = frozenset(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64))
+"""Types of whole numbers, as messages spell them."""
 _ARRAY = re.compile(r"^(?:sequence<(?P<item>.+?)(?:, (?P<bound>\d+))?>|(?P<fixed>.+?)\[(?P<size>\d+)\])$")
 
 
@@ -128,7 +130,7 @@ def _sequence(kind: FieldType, value: Any) -> Any:
         flat = np.ascontiguousarray(wanted, dtype=code).reshape(-1)
         if code not in "fd" and not np.array_equal(flat, wanted.reshape(-1)):
             raise OverflowError("an element is out of range")
-        result.frombytes(memoryview(flat).cast("B") if flat.size else b"")
+        result.frombytes(memoryview(flat.data).cast("B") if flat.size else b"")
     return result
 
 

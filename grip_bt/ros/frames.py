@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from grip_bt.catalog.controller_config import CameraTopics
 from grip_bt.catalog.sensor_config import Mount, SensorConfig
 from grip_bt.errors import ExpectedError, UnknownNameError
 from grip_bt.values import Grasp, PointCloud, Pose
@@ -92,7 +93,7 @@ class FrameTree:
         return name, pose
 
 
-def mounted_frames(sensors: Mapping[str, SensorConfig]) -> tuple[dict[str, Pose], dict[str, str]]:
+def mounted_frames(sensors: Mapping[str, SensorConfig | CameraTopics]) -> tuple[dict[str, Pose], dict[str, str]]:
     """Return the frames of sensors in what they are mounted on, and, by sensor, why some of them can't be used."""
     poses, broken = {}, {}
     for name, config in sensors.items():
@@ -149,4 +150,4 @@ def _origin(joint: ET.Element, parent: str) -> Pose:
 
 
 def _mount_pose(mount: Mount) -> Pose:
-    return Pose(mount.position, mount.quaternion, mount.on)  # type: ignore[arg-type]
+    return Pose(mount.position, mount.quaternion, mount.on)

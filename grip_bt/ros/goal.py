@@ -61,12 +61,14 @@ class Patience:
         result: for the result, in all; `math.inf` for ever.
         cancel: for the end, after a cancel.
         gone: before a server that isn't seen any more is lost.
+        limit: who says how long the result may take, in words behind those of a time-out.
     """
 
     server: float = 5.0
     result: float = 30.0
     cancel: float = 3.0
     gone: float = 0.0
+    limit: str = ""
 
 
 @dataclass(frozen=True)
@@ -268,7 +270,8 @@ class Goal:
         """Time has passed."""
         if self.phase is Phase.WAITING:
             if now >= self._began + self.patience.server:
-                return self._tell(self._lost(f"no server within {self.patience.server:.1f} s"), Phase.OVER)
+                waited = self.patience.server
+                return self._tell(self._lost(f"no server within {waited:.1f} s", waited=waited), Phase.OVER)
             if now >= self._began + self.patience.result:
                 return self._tell(self._timed_out("the goal wasn't sent", now), Phase.OVER)
             return []
@@ -325,11 +328,12 @@ class Goal:
         self._asked = now
         return [AskCancel()]
 
-    def _lost(self, reason: str) -> ServerLostError:
-        return ServerLostError(f"{self.name}: {reason}", server=self.name)
+    def _lost(self, reason: str, **data: float) -> ServerLostError:
+        return ServerLostError(f"{self.name}: {reason}", server=self.name, **data)
 
     def _canceled(self, reason: str) -> CanceledError:
         return CanceledError(f"{self.name}: {reason}", server=self.name)
 
     def _timed_out(self, what: str, now: float) -> ServerTimeOutError:
-        return ServerTimeOutError(f"{self.name}: {what} after {now - self._began:.1f} s", server=self.name)
+        said = f"{self.name}: {what} after {now - self._began:.1f} s{self.patience.limit}"
+        return ServerTimeOutError(said, server=self.name)

@@ -6,15 +6,14 @@ import time
 from dataclasses import dataclass
 from typing import Any, Literal
 
-import rclpy.action
+from rclpy.action.graph import get_action_names_and_types
 from rclpy.node import Node
 
 from grip_bt.errors import GripError, UnknownNameError
 
 from .bus import Bus
+from .others import hidden
 
-_HIDDEN = ("/_action/", "/describe_parameters", "/get_parameter_types", "/get_parameters", "/list_parameters")
-_HIDDEN += ("/set_parameters", "/set_parameters_atomically", "/get_type_description", "/rosout", "/parameter_events")
 SETTLE = 0.1
 """What was found is all there when nothing new was seen for so long [s]: of a server's parts, some are seen before
 others."""
@@ -54,10 +53,10 @@ def everything(node: Node) -> list[Served]:
         TwoTypesError: a service or an action has two types.
     """
     found: list[Served] = []
-    for name, types in rclpy.action.get_action_names_and_types(node):
+    for name, types in get_action_names_and_types(node):
         found.append(Served(name, "action", _one(name, types), _nodes(node, f"{name}/_action/send_goal")))
     for name, types in node.get_service_names_and_types():
-        if not _hidden(name):
+        if not hidden(name):
             found.append(Served(name, "srv", _one(name, types), _nodes(node, name)))
     found += [Served(name, "msg", types[0]) for name, types, _ in topics(node)]
     return sorted(found, key=lambda served: (served.kind, served.name))
@@ -66,7 +65,7 @@ def everything(node: Node) -> list[Served]:
 def topics(node: Node) -> list[tuple[str, list[str], int]]:
     """Return the topics that somebody publishes, by name: name, types, number of publishers; on the bus's thread."""
     seen = ((name, types, node.count_publishers(name)) for name, types in node.get_topic_names_and_types())
-    return sorted((name, types, count) for name, types, count in seen if count and not _hidden(name))
+    return sorted((name, types, count) for name, types, count in seen if count and not hidden(name))
 
 
 def find_served(name: str, within: float = 5.0, domain_id: int | None = None) -> Served:
@@ -123,10 +122,6 @@ def _one(name: str, types: list[str]) -> str:
     if len(types) > 1:
         raise TwoTypesError(name, types)
     return types[0]
-
-
-def _hidden(name: str) -> bool:
-    return any(part in name if part.startswith("/_") else name.endswith(part) for part in _HIDDEN)
 
 
 def _nodes(node: Node, service: str) -> tuple[str, ...]:

@@ -101,7 +101,10 @@ def _check_endpoint(service: Any, name: str, endpoint: Any, part: str) -> None:
         )
     if part and endpoint.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT:
         what = "a service" if kind == "srv" else "an action"
-        raise UnfitServerError(f"{name}: {_node(endpoint)} is best-effort; {what} must be reliable", server=name)
+        raise UnfitServerError(
+            f"{name}: {_node(endpoint)} is best-effort; {what} must be reliable, which is ROS's default",
+            server=name,
+        )
 
 
 @cache

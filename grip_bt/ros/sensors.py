@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from grip_bt.catalog.sensor_config import SensorConfig
-from grip_bt.errors import BadReplyError, GripError, SensorError
+from grip_bt.errors import BadReplyError, CanceledError, GripError, SensorError
 from grip_bt.operation import Operation
 from grip_bt.values import CameraInfo
 
@@ -22,8 +22,37 @@ from .process import Process, child_environment
 from .starting import command_of
 from .steps import Steps, walk
 
+T = TypeVar("T")
 FRAME_WAIT = 0.5
 """How long the transforms of a message's time may come after it [s]."""
+
+
+def taken(
+    door: RosDoor,
+    topics: Mapping[str, str],
+    slop: float,
+    timeout: float,
+    made: Callable[[Mapping[str, Any]], Steps[T]],
+) -> Steps[T]:
+    """Take messages together until something can be made of them, at most for a time.
+
+    Args:
+        door: the connection to ROS.
+        topics: topic -> its message's type.
+        slop: how far their stamps may be apart [s].
+        timeout: in all [s].
+        made: makes it; with FrameError messages that come later are tried, since TF may be heard of only since then.
+    """
+    left = timeout
+    deadline = time.monotonic() + left
+    while True:
+        messages = yield door.together(topics, slop, left)
+        try:
+            return (yield from made(messages))
+        except FrameError:
+            left = deadline - time.monotonic()
+            if left < FRAME_WAIT:
+                raise
 
 
 class TopicSensor:
@@ -40,40 +69,44 @@ class TopicSensor:
         self.name, self.config, self.process = name, config, process
         self._door = door
         self._messages = {topic.topic: topic.message_type() for topic in config.topics.values()}
+        self._captures: set[Operation[Mapping[str, Any]]] = set()
         for topic, message in self._messages.items():
             door.listen(topic, message)
         if config.given_in is not None:
             door.transforms.listen()
+        if process is not None:
+            process.when_ended(self._driver_ended)
 
     def capture(self) -> Operation[Mapping[str, Any]]:
         """Take one value of each output, from one moment that lies after this call.
 
-        Ends with ServerTimeOutError after the sensor's time, SensorError when its driver died or what it sent can't be
+        Ends with ServerTimeOutError after the sensor's time, SensorError when its driver dies or what it sent can't be
         used, FrameError when a value can't be brought into the frame that is asked for.
         """
+        capture = walk(self._captured())
+        self._captures.add(capture)
+        capture.add_done_callback(lambda: self._captures.discard(capture))
         if self.process is not None and not self.process.alive:
-            return Operation.failed(SensorError(f"sensor {self.name}: {self.process.describe_end()}"))
-        return walk(self._captured())
+            self._driver_ended()
+        return capture
+
+    def _driver_ended(self) -> None:
+        """End the captures under way: nothing will come any more."""
+        for capture in list(self._captures):
+            capture.cancel()
 
     def _captured(self) -> Steps[Mapping[str, Any]]:
-        """Take messages until one set can be brought into the frame that is asked for, at most the sensor's time."""
-        left = self.config.timeout
-        deadline = time.monotonic() + left
-        while True:
-            messages = yield self._take(left)
-            try:
-                return (yield from self._values(messages))
-            except FrameError:  # of the first pictures: TF may be heard of only since then
-                left = deadline - time.monotonic()
-                if left < FRAME_WAIT:
-                    raise
+        """Take what is asked for, or say how the driver ended."""
+        try:
+            return (yield from self._taken())
+        except CanceledError:
+            if self.process is None or self.process.alive:
+                raise
+            raise SensorError(f"sensor {self.name}: {self.process.describe_end()}") from None
 
-    def _take(self, timeout: float) -> Operation[Mapping[str, Any]]:
-        if len(self._messages) == 1:
-            ((topic, message),) = self._messages.items()
-            one = self._door.next(topic, message, "Any", timeout)
-            return one.then(lambda found: Operation.finished({topic: found}))
-        return self._door.together(self._messages, self.config.slop, timeout)
+    def _taken(self) -> Steps[Mapping[str, Any]]:
+        """Take messages until one set can be brought into the frame that is asked for, at most the sensor's time."""
+        return (yield from taken(self._door, self._messages, self.config.slop, self.config.timeout, self._values))
 
     def _values(self, messages: Mapping[str, Any]) -> Steps[Mapping[str, Any]]:
         found = {}

@@ -9,7 +9,7 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 
 
-class SmachNode(Node):  # type: ignore[misc]  # rclpy has no types
+class SmachNode(Node):
     """A node of the user's, for the user's own publishers, timers and so on; states don't need it.
 
     Args:

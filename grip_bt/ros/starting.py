@@ -7,8 +7,9 @@ import sys
 from pathlib import Path
 
 from grip_bt.catalog.component_parts import Start
+from grip_bt.errors import listing, nearest
 
-from .packages import executable_of, launch_file_of
+from .packages import PackageError, executable_of, launch_file_of
 
 
 def command_of(start: Start, folder: Path) -> list[str]:
@@ -22,11 +23,20 @@ def command_of(start: Start, folder: Path) -> list[str]:
         PackageError: the package, its program or its launch file isn't here.
     """
     if start.launch is not None:
-        file = launch_file_of(start.package, start.launch) if start.package else folder / start.launch
+        file = launch_file_of(start.package, start.launch) if start.package else _beside(folder, start.launch)
         return launch_command(file, {name: text_of(value) for name, value in start.arguments.items()})
     if start.executable is not None:
         return [str(executable_of(str(start.package), start.executable)), *start.args]
     return [word.replace("{python}", sys.executable) for word in start.command]
+
+
+def _beside(folder: Path, name: str) -> Path:
+    file = folder / name
+    if file.is_file():
+        return file
+    known = [path.relative_to(folder).as_posix() for path in sorted(folder.glob("**/*launch*")) if path.is_file()]
+    has = listing(known)
+    raise PackageError(f"there is no launch file {name!r} in {folder}{nearest(name, known)} (there are: {has})")
 
 
 def launch_command(file: Path, arguments: dict[str, str]) -> list[str]:

@@ -41,10 +41,13 @@ class Synchroniser:
             return None
         return {name: entry[1] for name, entry in nearest.items()}
 
+    def silent(self) -> list[str]:
+        """Return the topics on which nothing came."""
+        return [topic for topic, kept in self._kept.items() if not kept]
+
     def describe(self) -> str:
         """Say what came so far, for the error of a wait that ends in vain."""
-        silent = [topic for topic, kept in self._kept.items() if not kept]
-        if silent:
+        if silent := self.silent():
             return f"nothing came on {', '.join(silent)}"
         last = {topic: kept[-1][0] for topic, kept in self._kept.items()}
         apart = max(last.values()) - min(last.values())

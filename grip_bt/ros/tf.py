@@ -10,6 +10,7 @@ from __future__ import annotations
 import threading
 import time
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from grip_bt.errors import CanceledError, MissingPartError, UnknownNameError
@@ -21,6 +22,7 @@ from .convert_geometry import pose_from_transform_stamped, seconds
 from .frames import FrameError, FrameTree
 from .history import FrameHistory
 from .tf2_buffer import Tf2Buffer
+from .topic import Received
 from .types import load_type
 
 MESSAGE = "tf2_msgs/msg/TFMessage"
@@ -67,7 +69,7 @@ class Transforms:
             self.listening = True
             for topic in TOPICS:
                 fixed = topic.endswith("static")
-                self._bus.reader(type_, topic).listen(lambda received, fixed=fixed: self._hear(received.message, fixed))
+                self._bus.reader(type_, topic).listen(partial(self._received, fixed))
         return True
 
     def lookup(self, target: str, source: str, timeout: float, at: float | None = None) -> Operation[Pose]:
@@ -126,6 +128,9 @@ class Transforms:
         """Return all frames as they are now."""
         with self._lock:
             return self._fixed.with_poses({**self._static, **self._moving.latest(time.monotonic() - STALE)})
+
+    def _received(self, fixed: bool, received: Received) -> None:
+        self._hear(received.message, fixed)
 
     def _hear(self, message: Any, fixed: bool) -> None:
         heard = time.monotonic()

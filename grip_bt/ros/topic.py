@@ -18,6 +18,7 @@ from grip_bt.errors import CanceledError, GripError, ServerTimeOutError
 from grip_bt.operation import Operation
 
 from .client import pass_error
+from .futures import give_way
 from .types import load_type, type_name
 
 if TYPE_CHECKING:
@@ -193,12 +194,16 @@ class TopicReader:
         return self.type is not None
 
     def _received(self, message: Any) -> None:
-        received = self.latest = Received(message, time.monotonic())
+        received, waited = Received(message, time.monotonic()), False
+        self.latest = received
         for wait in list(self._waits):
             self._waits.remove(wait)
             wait.operation.succeed(message)
+            waited = True
         for listener in list(self._listeners):
             listener(received)
+        if waited:
+            give_way()
 
     def _end(self, wait: _Wait, error: Exception) -> None:
         if wait in self._waits:
@@ -227,6 +232,29 @@ class TopicWriter:
         """Whether nothing was ever published."""
         return self._publisher is None
 
+    def advertise(self) -> None:
+        """Be there before anything is published, so that subscribers find it.
+
+        Raises:
+            GripError: the connection was closed.
+        """
+        made = self._bus.post(self._make)
+        made.wait()
+        made.result()
+
+    def listeners(self) -> int:
+        """Return how many subscribers there are; none after the connection was closed."""
+        asked = self._bus.post(lambda: 0 if self._publisher is None else self._publisher.get_subscription_count())
+        asked.wait()
+        try:
+            return int(asked.result())
+        except CanceledError:
+            return 0
+
+    def _make(self) -> None:
+        if self._publisher is None:
+            self._publisher = self._bus.node.create_publisher(self.type, self.name, DEPTH)
+
     def publish(self, message: Any, subscribers: int = 0, timeout: float | None = None) -> Operation[None]:
         """Publish a message, when at least `subscribers` listen.
 
@@ -241,8 +269,7 @@ class TopicWriter:
         wait = _Wait(Operation(on_cancel=abandon), now + limit, now, subscribers)
 
         def start() -> None:
-            if self._publisher is None:
-                self._publisher = self._bus.node.create_publisher(self.type, self.name, DEPTH)
+            self._make()
             self._waits.append((wait, message))
             self._bus.watch()
             self.poll()

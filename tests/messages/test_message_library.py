@@ -52,7 +52,7 @@ def test_an_entry_knows_when_by_whom_and_at_which_revision_it_was_put():
     store.put("a", 1)
     entry = store.put("b", 2, "a camera", at=12.5)
     assert (entry.time, entry.provenance, entry.revision) == (12.5, "a camera", 2)
-    assert abs(store.entry("a").time - time.time()) < 5
+    assert abs(store.entry("a").time - time.time()) < 60
 
 
 def test_watchers_hear_of_the_queue_too():

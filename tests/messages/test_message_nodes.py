@@ -105,3 +105,23 @@ def test_what_is_saved_is_there_in_the_next_run_and_what_is_not_is_forgotten(pro
     assert list(kept(project).store("seen").get("x").position) == [0.1, 0.2, 0.3]
     again = run(project, "{a: Any}", "        r: {node: messages/reinitialise}\n" + read.strip("\n"))
     assert again.failure.code == "no_entry"
+
+
+def test_a_name_that_is_nowhere_is_told_before_the_run(tmp_path):
+    """The first GRIP told it in the middle of a run, and planned to an empty goal; here with the check of the task."""
+    from grip_bt.app.execute import check_task
+
+    (tmp_path / "messages").mkdir()
+    (tmp_path / "messages/joint_states.yaml").write_text("above_bin: {panda_joint1: 1.49}\n")
+    (tmp_path / "grip.yaml").write_text("grip: 1\n")
+    text = "grip: 1\nname: get\nroot: {node: messages/get, with: {store: joint_states, name: abov_bin}}\n"
+    (tmp_path / "task.yaml").write_text(text)
+    *_, report = check_task(tmp_path / "task.yaml")
+    (issue,) = report.issues
+    assert issue.code == "unknown-message"
+    assert "nothing is called 'abov_bin' in the store 'joint_states'; did you mean 'above_bin'?" in issue.message
+    (tmp_path / "task.yaml").write_text(text.replace("abov_", "above_"))
+    assert check_task(tmp_path / "task.yaml")[2].issues == ()
+    (tmp_path / "task.yaml").write_text(text)
+    (tmp_path / "grip.yaml").write_text("grip: 1\nmessage_server: true\n")
+    assert check_task(tmp_path / "task.yaml")[2].issues == ()  # what a server holds is known when it is asked

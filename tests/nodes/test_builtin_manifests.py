@@ -14,7 +14,7 @@ from grip_bt.catalog.sensors import sensor_manifest
 from grip_bt.catalog.types import check_value, parse_type
 from grip_bt.graph import load
 from grip_bt.graph.model import Leaf as LeafNode
-from grip_bt.graph.model import walk
+from grip_bt.graph.walking import walk
 from grip_bt.nodes import Leaf
 
 ROOT = Path(__file__).parents[2]

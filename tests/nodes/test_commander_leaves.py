@@ -268,6 +268,11 @@ def test_where_the_arm_is_can_be_read(cell):
     assert cell.data["pose"] == cell.arm.grasp_pose()
 
 
+def test_where_the_fingers_are_can_be_read(cell):
+    assert cell.run(cell.leaf("hand/read_state")) == SUCCESS
+    assert cell.data["state"].as_mapping() == cell.hand.state().as_mapping()
+
+
 # --- teaching ---
 
 

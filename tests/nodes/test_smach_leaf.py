@@ -10,7 +10,7 @@ from grip_bt.nodes.observer import Silent
 from grip_bt.nodes.smach_leaf import NextItem, SmachLeaf, task_name
 from grip_bt.smach_compat import State
 
-WAIT = 10  # s; only a broken leaf takes so long
+WAIT = 120  # s; only a broken leaf takes so long
 
 
 class Context:

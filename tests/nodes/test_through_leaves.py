@@ -13,7 +13,7 @@ from grip_bt.errors import NoIkError, PathInvalidError, UnknownNameError
 from grip_bt.graph import loads
 from grip_bt.runtime.clock import ManualClock
 from grip_bt.validation import validate
-from grip_bt.values import Pose, WayPoint
+from grip_bt.values import PathConstraint, Pose, WayPoint
 
 OFFSETS = [[0.1, 0.0, 0.0], [0.1, 0.1, 0.0], [0.0, 0.1, 0.0]]
 
@@ -22,10 +22,11 @@ class Asked(FakeArm):
     """A fake arm that remembers the way points that it was asked for."""
 
     asked: tuple[WayPoint, ...] = ()
+    constraint = None
 
-    def plan_through(self, way_points, *, start=None):
-        self.asked = tuple(way_points)
-        return super().plan_through(way_points, start=start)
+    def plan_through(self, way_points, *, start=None, constraint=None):
+        self.asked, self.constraint = tuple(way_points), constraint
+        return super().plan_through(way_points, start=start, constraint=constraint)
 
 
 def cell(world, **script):
@@ -118,3 +119,16 @@ def test_what_the_page_shows_is_right(world):
         names["over_the_wall"](arm, Pose(), Pose())
     arm.teach("look")
     assert names["over_the_wall"](arm, Pose(), Pose([1.0, 0, 0])).trajectory.positions[-1][0] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("node", ["arm/plan_through", "arm/move_through"])
+def test_the_whole_way_keeps_to_what_is_said_or_bound(world, node):
+    arm = cell(world).context._arm
+    level = PathConstraint(Pose(quaternion=arm.grasp_pose().quaternion))
+    assert end_of(world, world.leaf(node, offsets=OFFSETS, keep={"orientation": "now"})) == ("success", None)
+    assert arm.constraint == level
+    box = PathConstraint(box=Pose((0, 0, 3)), size=(0.1, 0.1, 0.1))
+    assert end_of(world, world.leaf(node, offsets=OFFSETS, constraint=box)) == ("failure", "constraint_broken")
+    assert arm.constraint == box
+    with pytest.raises(ValueError, match="either `with: {keep: ...}` or `in: {constraint: ...}`"):
+        world.leaf(node, offsets=OFFSETS, keep={"orientation": "now"}, constraint=box)

@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
-import os
 import shutil
-import signal
-import subprocess
-import time
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
 from functools import partial
 from pathlib import Path
 
 import pytest
-from server_process import serving
+from patience import Ahead
+from ros_bench import DATA, EXAMPLE, servers
 
 import grip_bt.ros  # noqa: F401 - its settings come before any message package
 from grip_bt.app.domain import free_domain
-
-EXAMPLE = Path(__file__).parents[2] / "examples" / "components" / "antipodal_grasps"
-DATA = Path(__file__).parent / "data"
 
 
 @pytest.fixture(scope="module")
@@ -48,25 +41,20 @@ def antipodal(interface_cache) -> Path:
 
 @pytest.fixture
 def bus(domain):
-    """Return a bus on the test's domain."""
-    from grip_bt.ros.bus import Bus
+    """Return a bus on the test's domain, whose clients wait as long as a slow machine needs."""
+    from patient_bus import PatientBus
 
-    with Bus(f"test_{domain}", domain_id=domain) as made:
+    with PatientBus(f"test_{domain}", domain_id=domain) as made:
         yield made
 
 
-@contextmanager
-def servers(domain: int):
-    """Give a function that starts a program of `data/` in a process that isn't ours to watch, and waits for its word.
-
-    It takes the file's name, arguments, and prefixes with further packages; all are killed at the end.
-    """
-    with ExitStack() as stack:
-
-        def start(file: str, *arguments: str, overlays=()) -> subprocess.Popen:
-            return stack.enter_context(serving(DATA / file, *arguments, domain=domain, overlays=overlays))
-
-        yield start
+@pytest.fixture
+def ahead(monkeypatch) -> Ahead:
+    """Return the time by which calls, goals and topics count their time-outs; a test may skip some of it."""
+    clock = Ahead()
+    for module in ("action", "client", "topic"):
+        monkeypatch.setattr(f"grip_bt.ros.{module}.time", clock)
+    return clock
 
 
 @pytest.fixture
@@ -111,37 +99,3 @@ def project(tmp_path, interface_cache, antipodal) -> Path:
     shutil.copytree(DATA / "odd_component", components / "odd", ignore=ignore)
     shutil.copytree(EXAMPLE / "interfaces", components / "odd" / "interfaces")
     return folder
-
-
-def ended(operation, within: float = 20.0):
-    """Return the result of an operation, or raise its error; it must end `within` [s]."""
-    assert operation.wait(within), "the operation hangs"
-    return operation.result()
-
-
-def session_of(pid: int) -> list[int]:
-    """Return the processes of the session that `pid` leads, zombies included."""
-    found = []
-    for folder in Path("/proc").iterdir():
-        if folder.name.isdigit():
-            try:
-                fields = (folder / "stat").read_text().rpartition(")")[2].split()
-            except OSError:
-                continue
-            if int(fields[3]) == pid:
-                found.append(int(folder.name))
-    return found
-
-
-def gone(pid: int, within: float = 5.0) -> bool:
-    """Tell whether no process of a session is left `within` [s]."""
-    deadline = time.monotonic() + within
-    while time.monotonic() < deadline:
-        if not session_of(pid):
-            return True
-        time.sleep(0.02)
-    return False
-
-
-def kill(pid: int) -> None:
-    os.kill(pid, signal.SIGKILL)

@@ -7,8 +7,9 @@ import sys
 import time
 
 import pytest
-from conftest import DATA, ended, gone
+from patience import PATIENCE, until
 from py_trees.common import Status
+from ros_bench import DATA, ended, gone
 
 from grip_bt.catalog.implementation import load_implementation
 from grip_bt.catalog.reader import read_manifests
@@ -31,7 +32,7 @@ server: /work
 outcomes: [done, partly]
 meaning: {partly: failure}
 start: {command: ["{python}", action_server.py, /work]}
-timeouts: {call: 20, ready: 15, cancel: 2}
+timeouts: {call: 1000, ready: 400, cancel: 400}
 """
 
 
@@ -83,11 +84,12 @@ def leaf_of(shop, run, **inputs):
     return leaf
 
 
-def run_to_end(leaf, within=60.0):
-    deadline = time.monotonic() + within
-    while leaf.status not in (Status.SUCCESS, Status.FAILURE) and time.monotonic() < deadline:
+def run_to_end(leaf):
+    def over() -> bool:
         leaf.tick_once()
-        time.sleep(0.005)
+        return leaf.status in (Status.SUCCESS, Status.FAILURE)
+
+    until(over, "it doesn't end")
     return leaf.outcome
 
 
@@ -123,12 +125,11 @@ def test_every_failure_of_a_goal_has_its_code_and_keeps_the_feedback(shop, worke
 
 
 def test_a_halted_node_cancels_its_goal_at_the_server(shop, worker, domain):
+    from patient_bus import PatientBus
     from test_ros_action import comes, no_active_goal
 
-    from grip_bt.ros.bus import Bus
-
     leaf = leaf_of(shop, Run(worker), input="0", seconds=600.0)
-    with Bus("looks", domain_id=domain) as bus:
+    with PatientBus("looks", domain_id=domain) as bus:
         leaf.tick_once()
         assert comes(bus, "active", 1)
         leaf.stop(Status.INVALID)
@@ -136,13 +137,12 @@ def test_a_halted_node_cancels_its_goal_at_the_server(shop, worker, domain):
 
 
 def test_a_preempted_node_ends_when_the_server_has_stopped(shop, worker, domain):
+    from patient_bus import PatientBus
     from test_ros_action import comes
-
-    from grip_bt.ros.bus import Bus
 
     run = Run(worker)
     leaf = leaf_of(shop, run, input="0", seconds=600.0)
-    with Bus("looks", domain_id=domain) as bus:
+    with PatientBus("looks", domain_id=domain) as bus:
         leaf.tick_once()
         assert comes(bus, "active", 1)
     run.preempt_requested = True
@@ -157,17 +157,15 @@ def test_a_component_speaks_of_its_own_errors(worker):
         ended(worker.call({"input": "reject", "seconds": 0.0}))
     with pytest.raises(BadReplyError):
         ended(worker.call({"input": "7", "seconds": 0.0}))
-    operation = worker.call({"input": "0", "seconds": 30.0})
+    operation = worker.call({"input": "0", "seconds": 600.0})
     operation.cancel()
     with pytest.raises(CanceledError):
         ended(operation)
 
 
-def test_the_end_of_its_process_fails_a_goal_at_once_with_its_status(worker):
-    started = time.monotonic()
+def test_the_end_of_its_process_fails_a_goal_with_its_status(worker):
     with pytest.raises(ServerLostError, match="'worker' ended with status 137"):
         ended(worker.call({"input": "die", "seconds": 0.0}))
-    assert time.monotonic() - started < 10
 
 
 def test_an_action_is_added_from_its_file_tested_and_listed(tmp_path, trial, interface_cache, capsys):
@@ -200,12 +198,14 @@ def test_what_runs_is_added_by_its_name(tmp_path, domain, trial, act, monkeypatc
     (tmp_path / "grip.yaml").write_text("grip: 1\n")
     act("/arm/work")
     monkeypatch.setenv("AMENT_PREFIX_PATH", sys.prefix)  # as in a shell that knows nothing of the type
-    command = ["component", "add", "--from-graph", "arm/work", "--project", str(tmp_path)]
+    command = ["component", "add", "--from-graph", "arm/work", "--project", str(tmp_path), "--wait", "400"]
     assert main([*command, "--outcomes", "done,partly"]) == 1
-    assert "/arm/work is of type trial_interfaces/action/Work, which isn't known here" in capsys.readouterr().err
+    told = capsys.readouterr().err
+    assert "/arm/work is of type trial_interfaces/action/Work, but no package 'trial_interfaces' is installed" in told
+    assert "give the folder of its interface package: --interfaces FOLDER" in told
     assert main([*command, "--outcomes", "done,partly", "--interfaces", str(DATA / "trial_interfaces")]) == 0
     assert "action" in (tmp_path / "components" / "arm_work" / "node" / "README.md").read_text()
-    assert main(["component", "add", "--from-graph", "/arm/work/counts", "--project", str(tmp_path)]) == 1
+    assert main([*command[:2], "--from-graph", "/arm/work/counts", *command[4:]]) == 1
     assert "--outcomes 'done: success; failed: not success'" in capsys.readouterr().err
     assert main([*command[:2], "--from-graph", "/nobody", "--project", str(tmp_path), "--wait", "0.5"]) == 1
     assert "unknown service, action or topic '/nobody'" in capsys.readouterr().err
@@ -231,7 +231,7 @@ def test_a_topic_is_waited_for_and_published(tmp_path, domain):
         home.mkdir(parents=True)
         (home / "component.yaml").write_text(
             f"name: {name}\ninterface: geometry_msgs/msg/PointStamped\nserver: /point\nuse: {use}\n"
-            "ports: {x: {type: float, field: point.x, unit: mm}, header: std_msgs/msg/Header}\ntimeouts: {call: 5}\n"
+            "ports: {x: {type: float, field: point.x, unit: mm}, header: std_msgs/msg/Header}\ntimeouts: {call: 400}\n"
         )
         assert main(["component", "add", str(home)]) == 0
     with (
@@ -251,7 +251,7 @@ def test_a_topic_that_nobody_publishes_times_out_and_says_so(bus):
 def test_a_topic_of_another_type_says_so(bus):
     from std_msgs.msg import Bool
 
-    bus.post(lambda: bus.node.create_publisher(Bool, "/talk", 1)).wait(5)
+    bus.post(lambda: bus.node.create_publisher(Bool, "/talk", 1)).wait(PATIENCE)
     with pytest.raises(ServerTimeOutError, match="published as std_msgs/msg/Bool, not as std_msgs/msg/String"):
         ended(bus.reader("std_msgs/msg/String", "/talk").next(0.5))
 
@@ -271,9 +271,9 @@ def test_a_reader_takes_what_the_publisher_offers(bus, reliable, durable):
     talk = ended(publisher)
     if durable:
         ended(bus.post(lambda: talk.publish(String(data="before"))))
-        assert ended(bus.reader("std_msgs/msg/String", "/talk").next(20.0)).data == "before"
+        assert ended(bus.reader("std_msgs/msg/String", "/talk").next(PATIENCE)).data == "before"
         return
-    operation = bus.reader("std_msgs/msg/String", "/talk").next(20.0)
+    operation = bus.reader("std_msgs/msg/String", "/talk").next(PATIENCE)
     while not operation.done():
         ended(bus.post(lambda: talk.publish(String(data="now"))))
         time.sleep(0.02)

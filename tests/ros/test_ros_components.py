@@ -4,16 +4,25 @@ from __future__ import annotations
 
 import shutil
 import sys
+import threading
 import time
 
 import numpy as np
 import pytest
-from conftest import EXAMPLE, ended, gone, kill, session_of
+from patience import until
 from py_trees.common import Status
+from ros_bench import EXAMPLE, ended, gone, kill, session_of
 
 from grip_bt.catalog.implementation import load_implementation
 from grip_bt.catalog.reader import read_manifests
-from grip_bt.errors import BadReplyError, ServerLostError, ServerTimeOutError, UnfitServerError, UnknownNameError
+from grip_bt.errors import (
+    BadReplyError,
+    DocumentError,
+    ServerLostError,
+    ServerTimeOutError,
+    UnfitServerError,
+    UnknownNameError,
+)
 from grip_bt.ports import Component
 from grip_bt.ros.components import start_components
 from grip_bt.ros.fields import ConversionError
@@ -78,22 +87,16 @@ def test_the_generated_node_runs_against_the_live_server(project, domain):
             leaf.readers = {"input": lambda cloud=cloud: cloud}
             leaf.writers = {"returned_object": lambda grasps: written.update(grasps=grasps)}
             leaf.setup(context=Run(components))
-            deadline = time.monotonic() + 20
             leaf.tick_once()
-            while leaf.status is Status.RUNNING:
-                assert time.monotonic() < deadline
-                time.sleep(0.005)
-                leaf.tick_once()
+            until(lambda leaf=leaf: leaf.tick_once() or leaf.status is not Status.RUNNING, "it doesn't end")
             assert (leaf.outcome, leaf.status) == (outcome, status)
     assert len(written["grasps"]) > 5
 
 
 def test_a_component_that_dies_in_the_middle_of_a_call_is_lost_at_once_with_its_last_words(odd):
     client = odd.client("odd")
-    began = time.monotonic()
     with pytest.raises(ServerLostError, match=r"'odd' ended with status 7; its last words.*\n.*that was too much"):
         ended(client.call(wish("die")))
-    assert time.monotonic() - began < 50  # a call may take a hundred
     with pytest.raises(ServerLostError, match="status 7"):
         ended(client.call(wish("die")))
 
@@ -102,11 +105,9 @@ def test_a_component_that_is_killed_in_the_middle_of_a_call_is_lost_at_once(odd)
     operation = odd.client("odd").call(wish("hang"))
     (server,) = set(session_of(odd.process("odd").pid)) - {odd.process("odd").pid}
     time.sleep(0.1)
-    killed = time.monotonic()
     kill(server)
     with pytest.raises(ServerLostError, match="ended with status 137"):
         ended(operation)
-    assert time.monotonic() - killed < 50  # a call may take a hundred
 
 
 @pytest.mark.parametrize("number", [3, -1, 100000])
@@ -124,12 +125,12 @@ def test_what_comes_with_a_failure_outcome_need_not_be_a_value(odd):
     assert ended(odd.client("odd").call(wish("outcome2"))) == {"outcome": 2}
 
 
-def test_a_component_that_hangs_times_out(project, domain):
-    file = project / "components" / "odd" / "component.yaml"
-    file.write_text(file.read_text().replace("call: 100", "call: 0.5"))
-    with start_components(project, ["odd"], domain) as components, pytest.raises(ServerTimeOutError, match="no answer"):
-        ended(components.client("odd").call(wish("hang")))
-    assert gone(components.process("odd").pid)
+def test_a_component_that_hangs_times_out(odd, ahead):
+    operation = odd.client("odd").call(wish("hang"))
+    until(lambda: odd.client("odd")._client.in_flight, "it isn't called")
+    ahead.skip(1000.0)
+    with pytest.raises(ServerTimeOutError, match="no answer"):
+        ended(operation)
 
 
 def test_a_request_that_does_not_fit_names_the_field(odd):
@@ -139,21 +140,25 @@ def test_a_request_that_does_not_fit_names_the_field(odd):
         ended(odd.client("odd").call({"inptu": EMPTY}))
 
 
-def test_a_component_that_never_serves_is_lost_with_the_end_of_its_log(project, domain):
+def test_a_component_that_never_serves_is_lost_with_the_end_of_its_log(project, domain, ahead):
     server = project / "components" / "odd" / "server.py"
-    server.write_text("print('warming up'); import time; time.sleep(60)")
-    file = project / "components" / "odd" / "component.yaml"
-    file.write_text(file.read_text().replace("ready: 60", "ready: 4"))
-    with pytest.raises(ServerLostError, match=r"component odd: /odd: no server within 4.0 s.*\nwarming up"):
+    server.write_text("print('warming up'); import time; time.sleep(600)")
+    file, log = project / "components" / "odd" / "component.yaml", project / ".grip" / "logs" / "odd.log"
+    file.write_text(file.read_text().replace("ready: 600", "ready: 1000"))
+
+    def wait_then_skip() -> None:
+        until(lambda: log.exists() and "warming up" in log.read_text())
+        ahead.skip(1000.0)
+
+    threading.Thread(target=wait_then_skip).start()
+    with pytest.raises(ServerLostError, match=r"component odd: /odd: no server within 1000.0 s.*\nwarming up"):
         start_components(project, ["odd"], domain)
 
 
 def test_a_component_that_ends_while_starting_is_lost_at_once_with_its_error(project, domain):
     (project / "components" / "odd" / "server.py").write_text("import no_such_module")
-    began = time.monotonic()
     with pytest.raises(ServerLostError, match="(?s)ended with status 1.*No module named 'no_such_module'"):
         start_components(project, ["odd"], domain)
-    assert time.monotonic() - began < 30  # a server may take sixty
 
 
 def test_one_that_fails_to_start_takes_the_others_down(project, domain):
@@ -186,3 +191,13 @@ def test_a_server_built_from_another_definition_is_refused_at_once(project, doma
 def test_an_unknown_component_is_named_with_those_there_are(project, domain):
     with pytest.raises(UnknownNameError, match=r"'antipodal_grasp'; did you mean 'antipodal_grasps'"):
         start_components(project, ["antipodal_grasp"], domain)
+
+
+@pytest.mark.slow
+def test_two_packages_of_one_name_that_differ_are_refused_before_anything_starts(project, domain):
+    service = project / "components" / "odd" / "interfaces" / "antipodal_interfaces" / "srv" / "ProposeGrasps.srv"
+    service.write_text(service.read_text() + "int32 more\n")
+    told = r"'antipodal_interfaces', or one that it needs, differs from that of the component 'antipodal_grasps'"
+    with pytest.raises(DocumentError, match=told):
+        start_components(project, ["antipodal_grasps", "odd"], domain)
+    assert not (project / ".grip" / "logs").exists()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from array import array
 from dataclasses import dataclass, field
 
@@ -17,6 +18,7 @@ from grip_bt.ros.types import load_type
 from grip_bt.values import CameraInfo, DepthImage, Grasp, Image, JointState, PointCloud, Pose, Trajectory
 
 from geometry_msgs.msg import PoseStamped, TransformStamped  # isort: skip
+from sensor_msgs.msg import Image as ImageMessage  # isort: skip
 from sensor_msgs.msg import PointCloud2, PointField  # isort: skip
 
 RNG = np.random.default_rng(5)
@@ -214,3 +216,24 @@ def test_a_quaternion_of_zeros_is_refused_with_its_field(antipodal):
     q.x = q.y = q.z = q.w = 0.0
     with pytest.raises(ConversionError, match=r"\[1\].pose: .*non-zero quaternion"):
         from_message([to_message(GRASP, type(candidate)), candidate], "list[Grasp]")
+
+
+@pytest.mark.parametrize("kind", ["cloud", "coloured cloud", "image", "depth image"])
+def test_what_is_big_is_copied_once(kind):
+    big = {
+        "cloud": lambda: PointCloud(np.zeros((100_000, 3), np.float32)),
+        "coloured cloud": lambda: PointCloud(np.zeros((100_000, 3), np.float32), np.zeros((100_000, 3), np.uint8)),
+        "image": lambda: Image(np.zeros((400, 1000, 3), np.uint8)),
+        "depth image": lambda: DepthImage(
+            np.ones((400, 1000), np.float32), CameraInfo(1000, 400, CAMERA.matrix, CAMERA.pose)
+        ),
+    }[kind]()
+    message = {"cloud": PointCloud2, "image": ImageMessage}[kind.split()[-1]]
+    tracemalloc.start()
+    try:
+        made = to_message(big, message)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert len(made.data) >= 1_000_000
+    assert peak < 1.6 * len(made.data)

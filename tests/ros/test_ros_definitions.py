@@ -171,3 +171,14 @@ def test_a_colcon_workspace_is_used_as_it_is(package, tmp_path):
 
     assert Path(sys.modules[Outer.__module__].__file__).is_relative_to(install)
     assert child_paths([install])["LD_LIBRARY_PATH"] == [install / "colcon_interfaces" / "lib"]
+
+
+def test_an_action_gets_the_hash_that_ros_prints_of_it(tmp_path):
+    (tmp_path / "action").mkdir()
+    (tmp_path / "package.xml").write_text("<package><name>turtlesim_msgs</name></package>")
+    (tmp_path / "action" / "RotateAbsolute.action").write_text(
+        "# The heading [rad]\nfloat32 theta\n---\nfloat32 delta\n---\nfloat32 remaining\n"
+    )
+    hash_types(read_package(tmp_path), tmp_path / "out", search_path())
+    published = "RIHS01_bef10993e1ee82b35f99f7e390bac1e6cc64e2a3090536887832e122aa71f1b5"
+    assert hashes(tmp_path / "out")["turtlesim_msgs/action/RotateAbsolute_FeedbackMessage"] == published

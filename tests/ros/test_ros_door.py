@@ -11,7 +11,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from conftest import DATA, ended
+from patience import PATIENCE, until
+from ros_bench import DATA, Deadline, ended
 
 from grip_bt.app import find_project, run
 from grip_bt.catalog.sensor_config import SensorConfig
@@ -39,7 +40,7 @@ CAMERA = {
         "depth": {"topic": "/cam/depth", "type": "DepthImage"},
         "info": {"topic": "/cam/info", "type": "CameraInfo"},
     },
-    "timeout": 20.0,
+    "timeout": PATIENCE,
 }
 TF2 = "geometry_msgs/TransformStamped[] transforms\n"
 
@@ -106,9 +107,9 @@ ros = pytest.mark.ros
 
 @ros
 def test_values_are_published_and_waited_for(door):
-    heard = door.next("/target", "geometry_msgs/msg/PoseStamped", "Pose", 10.0)
+    heard = door.next("/target", "geometry_msgs/msg/PoseStamped", "Pose", PATIENCE)
     pose = Pose((0.1, 0.2, 0.3), (0.6, 0, 0, 0.8), "table")
-    ended(door.publish("/target", "geometry_msgs/msg/PoseStamped", pose, 1, 10.0))
+    ended(door.publish("/target", "geometry_msgs/msg/PoseStamped", pose, 1, PATIENCE))
     back = ended(heard)
     assert (back.frame, np.allclose(back.position, pose.position)) == ("table", True)
     recent = door.recent("/target", "geometry_msgs/msg/PoseStamped", "Pose", 60.0, 0.1)
@@ -122,7 +123,7 @@ def test_values_are_published_and_waited_for(door):
 @ros
 def test_a_topic_whose_type_nobody_said_is_heard_as_what_it_is_published_as(door):
     heard = door.next("/told", "", "Any", math.inf)
-    ended(door.publish("/told", "std_msgs/msg/String", {"data": "hello"}, 1, 20.0))
+    ended(door.publish("/told", "std_msgs/msg/String", {"data": "hello"}, 1, PATIENCE))
     assert ended(heard).data == "hello"
     with pytest.raises(ServerTimeOutError, match="nobody publishes it"):
         ended(door.next("/untold", "", "Any", 0.2))
@@ -134,10 +135,8 @@ def test_a_topic_of_two_types_asks_which(bus, door, domain):
         for other, name in ((first, "String"), (second, "Bool")):
             kind = load_type(f"std_msgs/msg/{name}")
             ended(other.post(lambda other=other, kind=kind: other.node.create_publisher(kind, "/both", 1)))
-        deadline = time.monotonic() + 30.0
-        while len(ended(bus.post(lambda: bus.node.get_publishers_info_by_topic("/both")))) < 2:
-            assert time.monotonic() < deadline, "the publishers aren't seen"
-            time.sleep(0.02)
+        seen = lambda: len(bus.node.get_publishers_info_by_topic("/both"))  # noqa: E731
+        until(lambda: ended(bus.post(seen)) == 2, "the publishers aren't seen")
         _two_types_are_refused(door)
 
 
@@ -148,9 +147,9 @@ def _two_types_are_refused(door):
 
 @ros
 def test_a_type_that_is_said_later_holds(door):
-    first = door.next("/late", "", "Any", 20.0)
-    second = door.next("/late", "std_msgs/msg/String", "Any", 20.0)
-    ended(door.publish("/late", "std_msgs/msg/String", {"data": "x"}, 1, 20.0))
+    first = door.next("/late", "", "Any", PATIENCE)
+    second = door.next("/late", "std_msgs/msg/String", "Any", PATIENCE)
+    ended(door.publish("/late", "std_msgs/msg/String", {"data": "x"}, 1, PATIENCE))
     assert (ended(first).data, ended(second).data) == ("x", "x")
     with pytest.raises(GripError, match=r"/late is used as std_msgs/msg/String already"):
         door.next("/late", "std_msgs/msg/Bool", "Any", 1.0)
@@ -183,15 +182,15 @@ def test_what_cannot_be_published_says_why(door):
 @ros
 def test_parameters_of_a_node_are_read_and_set(door, serve, tmp_path):
     serve("std_srvs/Trigger", "/any")
-    assert ended(door.get_parameter("/test_server", "use_sim_time", 10.0)) is False
-    ended(door.set_parameter("/test_server", "use_sim_time", True, 10.0))
-    assert ended(door.get_parameter("/test_server", "use_sim_time", 10.0)) is True
+    assert ended(door.get_parameter("/test_server", "use_sim_time", PATIENCE)) is False
+    ended(door.set_parameter("/test_server", "use_sim_time", True, PATIENCE))
+    assert ended(door.get_parameter("/test_server", "use_sim_time", PATIENCE)) is True
     with pytest.raises(BadReplyError, match="there is no parameter 'nothing'"):
-        ended(door.get_parameter("/test_server", "nothing", 10.0))
+        ended(door.get_parameter("/test_server", "nothing", PATIENCE))
     with pytest.raises(BadReplyError, match="/test_server refuses use_sim_time = 3"):
-        ended(door.set_parameter("/test_server", "use_sim_time", 3, 10.0))
+        ended(door.set_parameter("/test_server", "use_sim_time", 3, PATIENCE))
     with pytest.raises(BadReplyError, match="can't be a parameter"):
-        ended(door.set_parameter("/test_server", "use_sim_time", object(), 10.0))
+        ended(door.set_parameter("/test_server", "use_sim_time", object(), PATIENCE))
     with pytest.raises(ServerLostError):
         ended(door.get_parameter("/nobody", "x", 0.2))
 
@@ -225,8 +224,10 @@ def test_frames_come_from_tf_where_it_is_there(tmp_path, interface_cache, bus):
     transform = TransformStamped(child_frame_id="tool")
     transform.header.frame_id, transform.transform.translation.x = "camera", 0.5
     transforms = Transforms(bus, FrameTree({"camera": Pose((0, 0, 1.0), frame="world")}))
-    found = transforms.lookup("world", "tool", 10.0)
-    bus.writer("tf2_msgs/msg/TFMessage", "/tf").publish(TFMessage(transforms=[transform]), subscribers=1, timeout=10.0)
+    found = transforms.lookup("world", "tool", PATIENCE)
+    bus.writer("tf2_msgs/msg/TFMessage", "/tf").publish(
+        TFMessage(transforms=[transform]), subscribers=1, timeout=PATIENCE
+    )
     assert np.allclose(ended(found).position, (0.5, 0, 1.0))
 
 
@@ -257,10 +258,10 @@ def test_where_a_frame_was_lies_between_the_transforms_before_and_after(tf_messa
 
     transforms = Transforms(bus, FrameTree({"base": Pose((0, 0, 1.0), frame="world")}))
     assert transforms.listen()
-    late = transforms.lookup("world", "tool", 20.0, at=100.5)
+    late = transforms.lookup("world", "tool", PATIENCE, at=100.5)
     moving = [stamped("tool", 100.0, turned(0, 0.0)), stamped("tool", 101.0, turned(90, 0.2))]
     writer = bus.writer("tf2_msgs/msg/TFMessage", "/tf")
-    ended(writer.publish(TFMessage(transforms=moving), subscribers=1, timeout=20.0))
+    ended(writer.publish(TFMessage(transforms=moving), subscribers=1, timeout=PATIENCE))
     found = ended(late)
     assert np.allclose(found.position, (0.1, 0, 1.0))
     assert np.allclose(found.rotation_vector(), (0, 0, np.pi / 4))
@@ -279,15 +280,15 @@ def test_a_picture_is_placed_where_the_camera_was_when_it_was_taken(tf_messages,
 
     door = RosDoor(bus)
     topics = {"cloud": {"topic": "/cloud", "type": "PointCloud"}}
-    config = SensorConfig.model_validate({"topics": topics, "given_in": "base", "timeout": 20})
+    config = SensorConfig.model_validate({"topics": topics, "given_in": "base", "timeout": PATIENCE})
     sensor = open_sensors({"hand": config}, door, tmp_path)["hand"]
     capture = sensor.capture()
     cloud = to_message(PointCloud(np.array([[0.0, 0.0, 0.5]], np.float32), frame="tool"), PointCloud2)
     cloud.header.stamp.sec, cloud.header.stamp.nanosec = 100, 500_000_000
     moving = [stamped("tool", 100.0, turned(0, 0.0)), stamped("tool", 101.0, turned(0, 0.2))]
     writer = bus.writer("tf2_msgs/msg/TFMessage", "/tf")
-    ended(writer.publish(TFMessage(transforms=moving), subscribers=1, timeout=20.0))
-    ended(bus.writer("sensor_msgs/msg/PointCloud2", "/cloud").publish(cloud, subscribers=1, timeout=20.0))
+    ended(writer.publish(TFMessage(transforms=moving), subscribers=1, timeout=PATIENCE))
+    ended(bus.writer("sensor_msgs/msg/PointCloud2", "/cloud").publish(cloud, subscribers=1, timeout=PATIENCE))
     assert np.allclose(ended(capture)["cloud"].points, [[0.1, 0, 0.5]], atol=1e-6)
 
 
@@ -317,9 +318,7 @@ def test_one_bad_sensor_stops_no_other(door, camera, tmp_path):
     sensors = open_sensors(configs, door, tmp_path)
     with pytest.raises(SensorError, match="sensor bad: mount: a pose needs .*non-zero quaternion"):
         ended(sensors["bad"].capture())
-    deadline = time.monotonic() + 10
-    while sensors["dead"].process.alive and time.monotonic() < deadline:
-        time.sleep(0.02)
+    until(lambda: not sensors["dead"].process.alive, "the driver doesn't end")
     with pytest.raises(SensorError, match=r"sensor dead: .*ended with status 127; its last words .*\n/no/such/driver"):
         ended(sensors["dead"].capture())
     with pytest.raises(ServerTimeOutError, match=r"/x: no message within 0\.3 s; nobody publishes it"):
@@ -327,32 +326,21 @@ def test_one_bad_sensor_stops_no_other(door, camera, tmp_path):
     assert set(ended(sensors["cam"].capture())) == {"image", "depth", "info"}
 
 
-class Deadline:
-    """Stands for `threading.Timer`: time is over when the test says so."""
-
-    def __init__(self, seconds, end):
-        self.seconds, self.over = seconds, end
-        Deadline.last = self
-
-    def start(self):
-        """Begin to wait; nothing happens by itself."""
-
-    cancel = start
-
-
 @ros
 def test_a_part_of_a_sensor_that_is_missing_is_named(door, camera, tmp_path, monkeypatch):
-    monkeypatch.setattr("grip_bt.ros.door.threading", SimpleNamespace(Timer=Deadline, Lock=threading.Lock))
+    monkeypatch.setattr("grip_bt.ros.gathering.threading", SimpleNamespace(Timer=Deadline))
     topics = {**CAMERA["topics"], "more": {"topic": "/cam/more", "type": "Image"}}
     config = SensorConfig.model_validate({"topics": topics, "timeout": 0.5})
     capture = open_sensors({"cam": config}, door, tmp_path)["cam"].capture()
     for name in CAMERA["topics"]:  # listeners are called in turn: what comes here, the capture has had
         came, topic = threading.Event(), config.topics[name]
         door.bus.reader(topic.message_type(), topic.topic).listen(lambda _, came=came: came.set())
-        assert came.wait(30), f"nothing came on {topic.topic}"
+        assert came.wait(PATIENCE), f"nothing came on {topic.topic}"
     Deadline.last.over()
     assert Deadline.last.seconds == 0.5
-    with pytest.raises(ServerTimeOutError, match=r"no set of messages within 0\.5 s: nothing came on /cam/more"):
+    with pytest.raises(
+        ServerTimeOutError, match=r"no set of messages within 0\.5 s: nothing came on /cam/more \(nobody publ"
+    ):
         ended(capture)
 
 
@@ -364,7 +352,7 @@ def test_a_task_captures_looks_up_and_publishes(tmp_path, domain, monkeypatch):
         "grip: 1\nsensors:\n  cam:\n    topics:\n"
         "      image: {topic: /cam/colour, type: Image}\n      info: {topic: /cam/info, type: CameraInfo}\n"
         "    mount: {frame: cam_optical, position: [0, 0, 1.5]}\n"
-        '    driver: {command: ["{python}", camera_driver.py, colour, info]}\n    timeout: 15\n'
+        '    driver: {command: ["{python}", camera_driver.py, colour, info]}\n    timeout: 400\n'
     )
     task = tmp_path / "look.yaml"
     task.write_text(

@@ -8,7 +8,7 @@ import subprocess
 import sys
 
 import pytest
-from conftest import EXAMPLE
+from ros_bench import EXAMPLE
 from test_ros_interface_definitions import make_package
 
 from grip_bt.ros.interfaces import build_interfaces
@@ -38,8 +38,10 @@ assert deserialize_message(serialize_message(pair), Pair) == pair
 
 
 def test_a_build_is_found_in_the_cache_the_second_time(antipodal, interface_cache):
-    (again,) = build_interfaces(EXAMPLE / "interfaces", interface_cache)
+    begun = []
+    (again,) = build_interfaces(EXAMPLE / "interfaces", interface_cache, begun=begun.append)
     assert again.cached
+    assert begun == []
     assert again.prefix == antipodal
     assert not list(interface_cache.glob(".*"))
 
@@ -85,8 +87,22 @@ def test_packages_may_nest_each_other_and_a_child_process_may_import_them(tmp_pa
     activated = [sys.executable, "-c", USE, *map(str, prefixes)]
     by_environment = [sys.executable, "-c", USE]
     for command, env in ((activated, None), (by_environment, child_environment(prefixes))):
-        done = subprocess.run(command, env=env, capture_output=True, text=True, timeout=60, check=False)
+        done = subprocess.run(command, env=env, capture_output=True, text=True, timeout=300, check=False)
         assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.slow
+def test_what_an_overlay_changes_is_built_anew(tmp_path):
+    upper = make_package(tmp_path / "upper", "upper_pkg", {"msg/Pair.msg": "lower_pkg/Item item\n"}, ("lower_pkg",))
+    lower = make_package(tmp_path / "lower", "lower_pkg", {"msg/Item.msg": "float64 weight\n"})
+    overlay, prefixes, begun = tmp_path / "overlay", [], []
+    for text in ("float64 weight\n", "float64 weight\nint32 count\n"):
+        (lower / "msg" / "Item.msg").write_text(text)
+        shutil.rmtree(overlay, ignore_errors=True)
+        shutil.copytree(build_interfaces(lower, tmp_path / "cache")[0].prefix, overlay)
+        prefixes.append(build_interfaces(upper, tmp_path / "cache", [overlay], begun.append)[0].prefix)
+    assert prefixes[0] != prefixes[1]
+    assert begun == ["upper_pkg", "upper_pkg"]
 
 
 def test_sources_that_cannot_stand_together_are_compiled_one_by_one(tmp_path):

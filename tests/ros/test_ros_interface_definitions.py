@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import pytest
 
 from grip_bt.catalog.interface_spec import FieldSpec
 from grip_bt.errors import DocumentError, MissingPartError
-from grip_bt.ros.interfaces import build_interfaces, content_hash, find_packages, parse_interface, read_interface
+from grip_bt.ros.interfaces import (
+    InterfaceBuildError,
+    build_interfaces,
+    content_hash,
+    find_packages,
+    parse_interface,
+    read_interface,
+)
+from grip_bt.ros.interfaces.generate import _quietly
 
 PACKAGE_XML = "<package format='3'><name>{name}</name>{depends}</package>"
 
@@ -65,11 +74,14 @@ def test_an_unknown_type_is_named(name, told):
     ("text", "line", "told"),
     [
         ("int32 a\nfloat64\n---\n", 2, "a field is written as 'type name'"),
-        ("int32 a\n---\nint32 Bad\n", 3, "Bad"),
-        ("int32 a\n---\nint32 b\nint32 c\nint32 b\n", 5, "duplicate"),
+        ("int32 a\n---\nint32 Bad\n", 3, "'Bad' can't name a field: lower case letters"),
+        ("int32 a\n---\nint32 b\nint32 c\nint32 b\n", 5, "two fields are named 'b'"),
+        ("int32 A=1\nint32 A=2\n---\n", 2, "two constants are named 'A'"),
+        ("float64 w=1.5\n---\n", 1, "'w' can't name a constant: capitals, digits and single underscores; a default"),
         ("a/b/c d\n---\n", 1, "isn't a type"),
         ("# a comment\nuint8 a 300\n---\n", 2, "300"),
-        ("int32[0] a\n---\n", 1, "int32[0]"),
+        ("int32[0] a\n---\n", 1, "the size of an array is a whole number above 0: [3], at most three: [<=3]"),
+        ("", 1, "one line with just '---', this one has 0"),
         ("int32 a\n", 1, "one line with just '---', this one has 0"),
         ("int32 a\n---\nint32 b\n---\n", 4, "one line with just '---', this one has 2"),
     ],
@@ -88,6 +100,10 @@ def test_what_is_wrong_is_told_with_its_line(text, line, told):
         ("sensor_mgs/Image input", "there is no package 'sensor_mgs'"),
         ("sensor_msgs/Imagee input", "did you mean 'Image'"),
         ("Graps input", "did you mean 'Grasp'"),
+        ("int32 class", "field 'class': a word of C\\+\\+ can't name a field; 'class_value' can"),
+        ("int32 default", "a word of C can't name a field"),
+        ("int32 in", "a word of Python can't name a field"),
+        ("duration input", "'duration' is of ROS 1; ROS 2 has builtin_interfaces/Duration"),
     ],
 )
 def test_a_build_names_the_line_that_asks_for_a_type_that_is_not_there(tmp_path, field, told):
@@ -97,6 +113,57 @@ def test_a_build_names_the_line_that_asks_for_a_type_that_is_not_there(tmp_path,
     with pytest.raises(DocumentError, match=told) as caught:
         build_interfaces(home, tmp_path / "cache")
     assert (caught.value.line, Path(caught.value.source).name) == (2, "Do.srv")
+
+
+@pytest.mark.parametrize(
+    ("data", "line", "told"),
+    [
+        (b"int32 a\n# caf\xe9\n", 2, "isn't UTF-8 text: byte 0xe9"),
+        (b"\xef\xbb\xbfint32 a\n", 1, "a byte order mark"),
+    ],
+)
+def test_a_file_that_is_no_plain_text_is_told(tmp_path, data, line, told):
+    home = make_package(tmp_path, "my_pkg", {"msg/A.msg": ""})
+    (home / "msg" / "A.msg").write_bytes(data)
+    for read in (lambda: build_interfaces(home, tmp_path / "cache"), lambda: read_interface(home / "msg" / "A.msg")):
+        with pytest.raises(DocumentError, match=told) as caught:
+            read()
+        assert (caught.value.line, Path(caught.value.source).name) == (line, "A.msg")
+
+
+def test_messages_that_hold_themselves_are_refused(tmp_path):
+    home = make_package(tmp_path, "my_pkg", {"msg/A.msg": "int32 n\nB[] b\n", "msg/B.msg": "A a\n"})
+    with pytest.raises(DocumentError, match="can't hold itself: my_pkg/A -> my_pkg/B -> my_pkg/A") as caught:
+        build_interfaces(home, tmp_path / "cache")
+    assert (caught.value.line, Path(caught.value.source).name) == (2, "A.msg")
+
+
+def test_a_package_beside_has_to_be_asked_for(tmp_path):
+    make_package(tmp_path, "base_pkg", {"msg/A.msg": "int32 a\n"})
+    make_package(tmp_path, "a_uses_base", {"msg/B.msg": "base_pkg/A a\n"})
+    with pytest.raises(DocumentError, match="package.xml has to ask for 'base_pkg': <depend>base_pkg</depend>"):
+        build_interfaces(tmp_path, tmp_path / "cache")
+
+
+@pytest.mark.parametrize(
+    ("path", "told"), [("nowhere", "no such folder"), ("my_pkg/msg/A.msg", "is a file"), ("bare", "package.xml is")]
+)
+def test_what_is_no_folder_with_packages_is_told(tmp_path, path, told):
+    make_package(tmp_path, "my_pkg", {"msg/A.msg": "int32 a\n"})
+    (tmp_path / "bare" / "msg").mkdir(parents=True)
+    with pytest.raises(DocumentError, match=told):
+        find_packages(tmp_path / path)
+
+
+def test_a_generator_that_ends_the_process_is_an_error_with_what_it_said(capfd):
+    def ends():
+        sys.stderr.write("KeyError processing template\n")
+        sys.exit(1)
+
+    with pytest.raises(InterfaceBuildError, match="my_pkg: the interface generator failed:\nKeyError processing"):
+        with _quietly("my_pkg"):
+            ends()
+    assert capfd.readouterr() == ("", "")
 
 
 def test_packages_come_after_those_that_they_need(tmp_path):
@@ -118,7 +185,8 @@ def test_packages_in_a_circle_are_refused(tmp_path):
     [
         ("<package><name>x</name>", "well-formed"),
         ("<package/>", "<name> is missing"),
-        (None, "no interface package here"),
+        (None, "none is in here; an interface package is a folder with package.xml and msg/, srv/ or action/"),
+        ("<package><name>MyMsgs</name></package>", "<name> is 'MyMsgs': lower case letters"),
     ],
 )
 def test_a_broken_package_is_named(tmp_path, text, told):

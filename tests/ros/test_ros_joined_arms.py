@@ -7,9 +7,11 @@ import subprocess
 import sys
 
 import pytest
+from patience import PATIENCE
 
 ARM = ("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_joint", "wrist_2_joint", "wrist_3_joint")
 AWAY = (-1.4, -1.4, 1.43, -0.03, -0.1, 0.0)
+LIMIT = 4 * PATIENCE
 PROJECT = """grip: 1
 robot:
   robots:
@@ -20,8 +22,10 @@ robot:
 arms:
   left: {group: left_arm}
   right: {group: right_arm}
-  both: {group: arms, arms: [left, right]}
+  both: {group: arms, arms: [left, right], planning_time: 60}
 ros:
+  ready: 400
+  stale: 60
   controllers:
     left: {trajectory: /left/follow_joint_trajectory}
     right: {trajectory: /right/follow_joint_trajectory}
@@ -54,7 +58,7 @@ def test_one_plan_goes_to_the_controllers_of_both_arms(tmp_path, domain, start_s
     sides = {side: {f"{side}_{joint}": at for joint, at in zip(ARM, AWAY, strict=True)} for side in ("left", "right")}
     start_server("controller_server.py", json.dumps(sides), overlays=prefixes)
     command = [sys.executable, "-m", "grip_bt.cli", "run", str(tmp_path / "both.yaml"), "--robot", "ros"]
-    done = subprocess.run(command, env=child_environment((), domain), capture_output=True, text=True, timeout=180)
+    done = subprocess.run(command, env=child_environment((), domain), capture_output=True, text=True, timeout=LIMIT)
     assert done.returncode == 0, done.stdout + done.stderr
     home = build_robot("ur5").named_states["arm"]["home"].as_mapping()
     with JournalReader(tmp_path / ".grip" / "runs.sqlite") as reader:

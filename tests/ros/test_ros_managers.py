@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import ended
+from patience import PATIENCE, until
+from ros_bench import ended
 
 from grip_bt.errors import BadReplyError, EmptyQueueError, NoEntryError, ServerLostError
 from grip_bt.values import Grasp, Image, JointState, Plan, PointCloud, Pose, Trajectory
@@ -35,12 +36,13 @@ def folder(tmp_path) -> Path:
 @pytest.fixture
 def messages(bus, folder, tmp_path):
     """Return a client of a server in this process, on another connection to ROS."""
-    from grip_bt.ros.bus import Bus
+    from patient_bus import PatientBus
+
     from grip_bt.ros.managers import MessageServer, RosMessages
 
-    with Bus("server", domain_id=bus.node.context.get_domain_id()) as serving:
+    with PatientBus("server", domain_id=bus.node.context.get_domain_id()) as serving:
         MessageServer(serving, folder, tmp_path / "kept.sqlite")
-        yield RosMessages(bus)
+        yield RosMessages(bus, timeout=PATIENCE, wait=PATIENCE)
 
 
 def odd(shape=(), seed=0) -> np.ndarray:
@@ -69,7 +71,7 @@ def test_every_kind_of_value_comes_back_to_the_last_bit(messages, store):
     entry = ended(messages.get(store, "it"))
     assert entry.value == VALUES[store]
     assert (entry.name, entry.provenance) == ("it", "a test")
-    assert abs(entry.time - time.time()) < 60
+    assert abs(entry.time - time.time()) < 600
 
 
 def test_a_message_of_any_type_is_kept_whole_with_its_header(messages):
@@ -147,15 +149,11 @@ def test_a_reset_with_a_broken_file_says_so_and_changes_nothing(messages, folder
 def test_changes_are_told_in_order_with_their_values(messages):
     seen = []
     stop = messages.watch(lambda *change: seen.append(change))
-    deadline = time.monotonic() + 10
-    while not seen and time.monotonic() < deadline:  # until the subscription is connected
-        ended(messages.put("poses", "hello", Pose()))
-        time.sleep(0.05)
+    # Again and again, until the subscription is connected.
+    until(lambda: seen or ended(messages.put("poses", "hello", Pose())))
     ended(messages.put("poses", "x", POSE))
     ended(messages.delete("poses", "x"))
-    while len(seen) < 2 or seen[-1][1] != "deleted":
-        assert time.monotonic() < deadline, seen
-        time.sleep(0.01)
+    until(lambda: seen[-1][1] == "deleted", f"told: {seen}")
     assert [change[:3] for change in seen[-2:]] == [("poses", "put", "x"), ("poses", "deleted", "x")]
     assert seen[-2][3] == POSE
     stop()
@@ -179,10 +177,10 @@ def test_the_command_serves_a_project_and_keeps_its_messages_over_restarts(bus, 
     def serve() -> subprocess.Popen:
         return subprocess.Popen([*command, "serve", "--project", str(folder.parent)], env=env)
 
-    messages = RosMessages(bus, wait=20)
+    messages = RosMessages(bus, timeout=PATIENCE, wait=PATIENCE)
     first = serve()
     try:
-        ended(messages.put("poses", "mine", POSE, "me"), 30)
+        ended(messages.put("poses", "mine", POSE, "me"), 2 * PATIENCE)
         ended(messages.put("poses", "", Pose([7, 0, 0])))
         shown = subprocess.run([*command, "list", "--json"], env=env, capture_output=True, text=True, check=True)
         rows = {(row["store"], row["name"]): row for row in json.loads(shown.stdout)}
@@ -190,13 +188,13 @@ def test_the_command_serves_a_project_and_keeps_its_messages_over_restarts(bus, 
         assert ended(messages.save()) == 4
     finally:
         first.terminate()
-        assert first.wait(10) == 0
+        assert first.wait(PATIENCE) == 0
     second = serve()
     try:
-        deadline = time.monotonic() + 30
+        deadline = time.monotonic() + 2 * PATIENCE
         while True:
             try:
-                entry = ended(messages.get("poses", "mine"), 30)
+                entry = ended(messages.get("poses", "mine"), 2 * PATIENCE)
                 break
             except ServerLostError:  # of the first one, which DDS still remembers
                 assert time.monotonic() < deadline
@@ -204,4 +202,4 @@ def test_the_command_serves_a_project_and_keeps_its_messages_over_restarts(bus, 
         assert ended(messages.get("poses", "")).value.position[0] == 7
     finally:
         second.terminate()
-        second.wait(10)
+        second.wait(PATIENCE)

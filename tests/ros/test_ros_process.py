@@ -5,11 +5,11 @@ from __future__ import annotations
 import subprocess
 import sys
 import threading
-import time
 from pathlib import Path
 
 import pytest
-from conftest import gone, kill, session_of
+from patience import PATIENCE, until
+from ros_bench import gone, kill, session_of
 
 from grip_bt.ros.process import Process, child_environment
 
@@ -17,10 +17,10 @@ STUBBORN = """
 import os, signal, subprocess, sys, time
 signal.signal(signal.SIGINT, signal.SIG_IGN)
 signal.signal(signal.SIGTERM, signal.SIG_IGN)
-subprocess.Popen([sys.executable, "-c", "import time; time.sleep(100)"], start_new_session=True)
-subprocess.Popen([sys.executable, "-c", "import time; time.sleep(100)"])
+subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"], start_new_session=True)
+subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"])
 open(sys.argv[1], "w").write("up")
-time.sleep(100)
+time.sleep(600)
 """
 
 
@@ -29,18 +29,11 @@ def start(tmp_path: Path, code: str, *arguments: str) -> Process:
     return Process("it", command, tmp_path, child_environment(), tmp_path / "logs" / "it.log")
 
 
-def wait_for(condition, within: float = 30.0):
-    deadline = time.monotonic() + within
-    while not condition():
-        assert time.monotonic() < deadline, "it never happens"
-        time.sleep(0.01)
-
-
 def test_its_end_is_told_with_status_and_last_words(tmp_path):
     process = start(tmp_path, "print('one'); print('two'); raise SystemExit(5)")
     told = threading.Event()
     process.when_ended(told.set)
-    assert told.wait(30)
+    assert told.wait(PATIENCE)
     assert (process.returncode, process.alive) == (5, False)
     assert process.log_tail(1) == "two"
     assert "ended with status 5" in process.describe_end()
@@ -48,7 +41,7 @@ def test_its_end_is_told_with_status_and_last_words(tmp_path):
 
 def test_a_process_killed_by_a_signal_has_the_status_of_a_shell(tmp_path):
     process = start(tmp_path, "import os; os.kill(os.getpid(), 9)")
-    wait_for(lambda: not process.alive)
+    until(lambda: not process.alive)
     assert process.returncode == 128 + 9
 
 
@@ -56,12 +49,12 @@ def test_a_polite_process_ends_politely(tmp_path):
     code = """
 import signal, sys, time
 try:
-    print("up"); time.sleep(100)
+    print("up"); time.sleep(600)
 except KeyboardInterrupt:
     print("bye"); sys.exit(0)
 """
     process = start(tmp_path, code)
-    wait_for(lambda: "up" in process.log_tail())
+    until(lambda: "up" in process.log_tail())
     process.stop()
     assert (process.returncode, process.log_tail(1)) == (0, "bye")
     process.stop()
@@ -70,7 +63,7 @@ except KeyboardInterrupt:
 @pytest.mark.slow
 def test_a_stubborn_process_and_its_strayed_children_end_with_it(tmp_path):
     process = start(tmp_path, STUBBORN, str(tmp_path / "up"))
-    wait_for((tmp_path / "up").exists)
+    until((tmp_path / "up").exists)
     below = _descendants(process.pid)
     assert len(below) == 3
     process.stop()
@@ -78,9 +71,9 @@ def test_a_stubborn_process_and_its_strayed_children_end_with_it(tmp_path):
 
 
 def test_what_a_process_leaves_behind_ends_with_it(tmp_path):
-    code = "import subprocess, sys; subprocess.Popen([sys.executable, '-c', 'import time; time.sleep(100)'])"
+    code = "import subprocess, sys; subprocess.Popen([sys.executable, '-c', 'import time; time.sleep(600)'])"
     process = start(tmp_path, code)
-    wait_for(lambda: not process.alive)
+    until(lambda: not process.alive)
     assert process.returncode == 0
     assert gone(process.pid)
 
@@ -104,17 +97,17 @@ sys.stdin.read()
         text=True,
     )
     warden = int(owner.stdout.readline())
-    wait_for((tmp_path / "up").exists)
+    until((tmp_path / "up").exists)
     below = _descendants(warden)
     kill(owner.pid)
     owner.communicate()
     assert gone(warden)
-    wait_for(lambda: not [pid for pid in below if Path(f"/proc/{pid}").exists()])
+    until(lambda: not [pid for pid in below if Path(f"/proc/{pid}").exists()])
 
 
 def test_the_command_dies_with_its_warden(tmp_path):
-    process = start(tmp_path, "print('up'); import time; time.sleep(100)")
-    wait_for(lambda: "up" in process.log_tail())
+    process = start(tmp_path, "print('up'); import time; time.sleep(600)")
+    until(lambda: "up" in process.log_tail())
     kill(process.pid)
     assert gone(process.pid)
     process.stop()
@@ -122,7 +115,7 @@ def test_the_command_dies_with_its_warden(tmp_path):
 
 def test_a_command_that_is_not_there_is_told_in_its_log(tmp_path):
     process = Process("it", ["no_such_program"], tmp_path, child_environment(), tmp_path / "it.log")
-    wait_for(lambda: not process.alive)
+    until(lambda: not process.alive)
     assert process.returncode == 127
     assert "no_such_program: No such file" in process.log_tail()
 

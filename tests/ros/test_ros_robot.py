@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 
 import pytest
+from patience import PATIENCE
 
 from grip_bt.catalog.controller_config import ControllerConfig, RosRobotConfig
 
@@ -17,12 +19,15 @@ HOME = dict(
         strict=True,
     )
 )
+LIMIT = 4 * PATIENCE
 PROJECT = """
 grip: 1
 robot: ur5_allegro
-arms: {right: {group: arm, hand: fingers}}
+arms: {right: {group: arm, hand: fingers, planning_time: 60}}
 hands: {fingers: {group: hand}}
 ros:
+  ready: 400
+  stale: 60
   controllers:
     right: {trajectory: /ur/follow_joint_trajectory, name: arm_controller, instead_of: [stream_controller]}
     fingers: {trajectory: /allegro/follow_joint_trajectory}
@@ -44,14 +49,15 @@ def test_a_task_runs_on_controllers_of_another_process(tmp_path, domain, start_s
     from grip_bt.ros.definitions import provide
     from grip_bt.ros.process import child_environment
 
-    (tmp_path / "grip.yaml").write_text(PROJECT)
+    by_topic = PROJECT.replace("trajectory: /allegro/follow_joint_trajectory", "topic: /allegro/joint_trajectory")
+    (tmp_path / "grip.yaml").write_text(by_topic)
     (tmp_path / "task.yaml").write_text(TASK)
     prefixes = [*provide("control_msgs"), *provide("controller_manager_msgs")]
     away = {name: angle + 0.1 for name, angle in HOME.items()}
     fingers = {f"hand_joint_{i}.0": 0.0 for i in range(16)} | {"hand_joint_12.0": 1.3}
     start_server("controller_server.py", json.dumps({"ur": away, "allegro": fingers}), overlays=prefixes)
     command = [sys.executable, "-m", "grip_bt.cli", "run", str(tmp_path / "task.yaml"), "--robot", "ros"]
-    done = subprocess.run(command, env=child_environment((), domain), capture_output=True, text=True, timeout=120)
+    done = subprocess.run(command, env=child_environment((), domain), capture_output=True, text=True, timeout=LIMIT)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "success" in done.stdout
 
@@ -61,10 +67,10 @@ def test_a_task_runs_on_controllers_of_another_process(tmp_path, domain, start_s
 def test_where_a_real_robot_is_can_be_kept_from_the_editor(tmp_path, domain, start_server):
     from grip_bt.commanders.model import RobotModel
     from grip_bt.commanders.robots import build_robot
+    from grip_bt.messages.written import value_of
     from grip_bt.ros.definitions import provide
     from grip_bt.ros.process import child_environment
     from grip_bt.values import JointState, Pose
-    from grip_gui.live.written import value_of
 
     (tmp_path / "grip.yaml").write_text(PROJECT)
     prefixes = [*provide("control_msgs"), *provide("controller_manager_msgs")]
@@ -75,7 +81,12 @@ def test_where_a_real_robot_is_can_be_kept_from_the_editor(tmp_path, domain, sta
         wish = json.dumps({"robot": "ros", "part": part, "what": what})
         command = [sys.executable, "-m", "grip_gui.live.measuring", wish]
         done = subprocess.run(
-            command, cwd=tmp_path, env=child_environment((), domain), capture_output=True, text=True, timeout=240
+            command,
+            cwd=tmp_path,
+            env=child_environment((), domain),
+            capture_output=True,
+            text=True,
+            timeout=LIMIT,
         )
         found[part, what] = json.loads(done.stdout.splitlines()[-1])
     assert value_of("joint_states", "there", found["right", "joints"]["text"]).as_mapping() == pytest.approx(HOME)
@@ -92,7 +103,7 @@ def test_a_project_without_controllers_is_told_how_to_name_them(tmp_path):
     (tmp_path / "grip.yaml").write_text(PROJECT[: PROJECT.index("ros:")])
     (tmp_path / "task.yaml").write_text(TASK)
     command = [sys.executable, "-m", "grip_bt.cli", "run", str(tmp_path / "task.yaml"), "--robot", "ros"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT)
     assert done.returncode == 1
     assert "To mend it: name them in grip.yaml: `ros: {controllers:" in done.stderr
 
@@ -101,15 +112,34 @@ def test_an_arm_without_a_controller_is_named(tmp_path):
     (tmp_path / "grip.yaml").write_text(PROJECT.replace("    fingers: {trajectory", "    finger: {trajectory"))
     (tmp_path / "task.yaml").write_text(TASK)
     command = [sys.executable, "-m", "grip_bt.cli", "run", str(tmp_path / "task.yaml"), "--robot", "ros"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT)
     assert done.returncode == 1
     assert "unknown controller of 'fingers'; did you mean 'finger'" in done.stderr
+
+
+@pytest.mark.ros
+@pytest.mark.slow
+def test_what_a_robot_is_waited_for_is_told_meanwhile(tmp_path, domain):
+    """Nobody measures joints: that is said while the run still waits, not only at its end."""
+    streamed = PROJECT[: PROJECT.index("  ready:")]
+    streamed += (
+        "  ready: 8\n  controllers:\n    right: {positions: /arm/commands}\n    fingers: {positions: /f/commands}\n"
+    )
+    (tmp_path / "grip.yaml").write_text(streamed)
+    (tmp_path / "task.yaml").write_text(TASK)
+    command = [sys.executable, "-m", "grip_bt.cli", "run", str(tmp_path / "task.yaml"), "--robot", "ros"]
+    env = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
+    done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT, env=env)
+    assert done.returncode == 1
+    told = next(line for line in done.stdout.splitlines() + done.stderr.splitlines() if "waiting for it" in line)
+    assert "nobody publishes it; waiting for it, at most 8 s" in told
+    assert "nothing about" in done.stderr
 
 
 @pytest.mark.parametrize(
     ("given", "reason"),
     [
-        ({}, "say one of `trajectory`, `positions`, `move_group`, `gripper`; here: none of them"),
+        ({}, "say one of `trajectory`, `topic`, `positions`, `move_group`, `gripper`; here: none of them"),
         ({"trajectory": "/a", "gripper": "/b"}, "here: trajectory and gripper"),
         ({"trajectory": "/a", "instead_of": ["b"]}, "`instead_of` needs the controller's own `name`"),
     ],
@@ -127,9 +157,11 @@ def test_a_real_robot_has_controllers():
 MOVEIT_PROJECT = """
 grip: 1
 robot: ur5_allegro
-arms: {right: {group: arm, planner: move_group}}
+arms: {right: {group: arm, planner: move_group, planning_time: 60}}
 ros:
-  move_group: {planner: RRTConnectkConfigDefault, wait: 20}
+  ready: 400
+  stale: 60
+  move_group: {planner: RRTConnectkConfigDefault, wait: 400}
   controllers:
     right: {move_group: /execute_trajectory}
 """
@@ -147,7 +179,7 @@ def test_a_task_is_planned_and_executed_by_move_group(tmp_path, domain, start_se
     def run(project: str) -> subprocess.CompletedProcess[str]:
         (tmp_path / "grip.yaml").write_text(project)
         command = [sys.executable, "-m", "grip_bt.cli", "run", str(tmp_path / "task.yaml"), "--robot", "ros"]
-        return subprocess.run(command, env=child_environment((), domain), capture_output=True, text=True, timeout=200)
+        return subprocess.run(command, env=child_environment((), domain), capture_output=True, text=True, timeout=LIMIT)
 
     done = run(MOVEIT_PROJECT)
     refused = run(MOVEIT_PROJECT.replace("RRTConnectkConfigDefault", "'fail:-12'"))
@@ -163,11 +195,11 @@ def test_a_task_is_planned_and_executed_by_move_group(tmp_path, domain, start_se
 def test_a_simulated_arm_says_that_move_group_is_not_there(tmp_path, domain):
     from grip_bt.ros.process import child_environment
 
-    text = MOVEIT_PROJECT.replace("ur5_allegro", "panda_allegro").replace("wait: 20", "wait: 0.5")
+    text = MOVEIT_PROJECT.replace("ur5_allegro", "panda_allegro").replace("wait: 400", "wait: 0.5")
     (tmp_path / "grip.yaml").write_text(text + "world: table\n")
     (tmp_path / "task.yaml").write_text(TASK.replace("    open: {node: hand/open}\n", ""))
     command = [sys.executable, "-m", "grip_bt.cli", "run", str(tmp_path / "task.yaml"), "--robot", "sim"]
-    done = subprocess.run(command, env=child_environment((), domain), capture_output=True, text=True, timeout=200)
+    done = subprocess.run(command, env=child_environment((), domain), capture_output=True, text=True, timeout=LIMIT)
     assert done.returncode == 3, done.stdout + done.stderr
     assert "planner_lost" in done.stdout + done.stderr
     assert "/move_group: the scene" in done.stdout + done.stderr

@@ -9,7 +9,7 @@ import sys
 import time
 
 import pytest
-from conftest import DATA
+from ros_bench import DATA
 
 from grip_bt.ros.process import child_environment
 from grip_bt.ros.shared_memory import FOLDER, sweep

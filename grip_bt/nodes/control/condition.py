@@ -66,7 +66,7 @@ class Conditional(Node):
 
 def conditional(node: Node, condition: Condition, meaning: Mapping[str, str]) -> None:
     """Give a node, in place, a precondition; `meaning` holds its outcomes, with `failure` among them."""
-    node.__class__ = _conditional(type(node))
+    node.__class__ = _conditional(type(node))  # type: ignore[arg-type]  # classes can be hashed
     assert isinstance(node, Conditional)
     node.precondition, node.meaning = condition, dict(meaning)
 

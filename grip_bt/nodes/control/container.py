@@ -44,6 +44,7 @@ class Container(Node):
     """Whether an exit is taken as soon as the child has ended; a parallel waits until all children were ticked."""
 
     context: Context
+    current_child: Any
 
     def take(self, face: Face) -> None:
         """Become what `face` says; called at the end of construction."""
@@ -70,7 +71,7 @@ class Container(Node):
                 self.last_child = node
                 label = self.exit_of(node) if self.exits_at_once else None
                 if label is not None:
-                    inner.close()  # type: ignore[attr-defined]
+                    inner.close()
                     self.leave(label, node)
                     yield self
                     return

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from typing import Any
 
 from py_trees import composites
 from py_trees.behaviour import Behaviour
@@ -21,6 +22,8 @@ MAX_TRANSITIONS = 1000
 class _Steps(composites.Composite):
     """How the active child is ticked; where its end leads is `follow`."""
 
+    status: Status
+    current_child: Any
     initial: Node
     run_to_completion = False
 
@@ -76,7 +79,7 @@ class Dispatch(Container, _Steps):
         composites.Composite.__init__(self, face.name, list(children))
         self.take(face)
         self.edges, self.run_to_completion = edges, run_to_completion
-        self.by_name = {child.name: child for child in self.children}
+        self.by_name: dict[str, Node] = {child.name: child for child in self.children}
         self.initial = self.by_name[initial]
 
     def follow(self, child: Node) -> Node | None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 from py_trees import composites
 from py_trees.behaviour import Behaviour
@@ -155,6 +155,8 @@ class _Rounds(composites.Parallel):
     """How the children are ticked; the rule itself is `settle`."""
 
     retick = False
+    status: Status
+    current_child: Any
 
     def tick(self) -> Iterator[Behaviour]:
         """Tick every unfinished child, in order, or every child; then read the rule."""

@@ -30,7 +30,7 @@ class ReactiveSwitch(Chooser):
 
     def _elsewhere(self, running: Behaviour) -> bool:
         try:
-            return self.rule.choose().child != running.name
+            return bool(self.rule.choose().child != running.name)
         except Exception as error:
             raise NodeError(self.path, error) from error
 

@@ -7,6 +7,7 @@ from .motion import RosExecutor
 from .streaming import StreamedExecutor
 from .switching import ControllerManager
 from .trajectory import TrajectoryExecutor
+from .trajectory_topic import TopicExecutor
 
 __all__ = [
     "ControlledHand",
@@ -15,5 +16,6 @@ __all__ = [
     "JointStates",
     "RosExecutor",
     "StreamedExecutor",
+    "TopicExecutor",
     "TrajectoryExecutor",
 ]

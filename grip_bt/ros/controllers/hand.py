@@ -13,6 +13,8 @@ from grip_bt.values import JointState, Trajectory
 
 STOPPED_SHORT = 0.05
 """A joint that stays so far from where it was sent [rad] was stopped by something."""
+SHORT = {"controller_code", "stopped_short"}
+"""What the data of an aborted motion has one of, when the joints have moved towards its end."""
 UNKNOWN_FORCE = 1.0
 """Force of a contact where efforts aren't measured [N]: that there is one, not how strong."""
 
@@ -55,7 +57,7 @@ class ControlledHand:
             try:
                 whole.succeed(moving.result())
             except ExecutionAbortedError as error:
-                if "controller_code" in error.data:  # stopped short by contact is what closing is for
+                if SHORT & set(error.data):  # stopped short by contact is what closing is for
                     whole.succeed(self.state())
                 else:
                     whole.fail(error)

@@ -19,7 +19,9 @@ from ..topic import Received
 
 MESSAGE = "sensor_msgs/msg/JointState"
 STALE = 1.0
-"""A joint that wasn't heard of for so long [s] isn't known any more."""
+"""A joint that wasn't heard of for so long [s] isn't known any more, where nothing else is said."""
+OURS = 1.0
+"""A publisher whose stamps are no further from our date than this [s] is taken to have our clock."""
 LAG_KEPT = 5.0
 """For how long the quickest message tells how a publisher's clock goes [s]."""
 
@@ -44,8 +46,12 @@ class _Joint:
         """
         if self.heard <= time:
             return False
-        ours = abs(self.lag + date - time) < STALE
+        ours = self.by_our_clock(time, date)
         return self.stamp == 0 or (self.stamp + self.lag >= time and (not ours or self.stamp >= date))
+
+    def by_our_clock(self, time: float, date: float) -> bool:
+        """Tell whether the publisher's clock seems to be ours, by the date of a time of our steady clock."""
+        return abs(self.lag + date - time) < OURS
 
 
 @dataclass(frozen=True)
@@ -62,10 +68,11 @@ class JointStates:
     Args:
         bus: the connection to ROS.
         topic: where joint states are published.
+        stale: a joint that wasn't heard of for so long [s] isn't known any more.
     """
 
-    def __init__(self, bus: Bus, topic: str = "/joint_states"):
-        self.topic = topic
+    def __init__(self, bus: Bus, topic: str = "/joint_states", stale: float = STALE):
+        self.topic, self._stale = topic, stale
         self._lock = threading.Lock()
         self._joints: dict[str, _Joint] = {}
         self._waits: list[_Wait] = []
@@ -76,17 +83,15 @@ class JointStates:
         """Return the last measured state of joints.
 
         Raises:
-            SensorError: one of them wasn't heard of for a second; it names them and who publishes.
+            SensorError: one of them wasn't heard of for too long; it names them and who publishes.
         """
         now = time.monotonic()
         with self._lock:
             found = [self._joints.get(name) for name in names]
-        missing = [n for n, j in zip(names, found, strict=True) if j is None or now - j.heard > STALE]
+        missing = [n for n, j in zip(names, found, strict=True) if j is None or now - j.heard > self._stale]
         if missing:
-            raise SensorError(
-                f"{self.topic}: nothing about {', '.join(missing)} within {STALE:g} s; {self._reader.publishers()}",
-                joints=missing,
-            )
+            silent = f"nothing about {', '.join(missing)} within {self._stale:g} s"
+            raise SensorError(f"{self.topic}: {silent}; {self._reader.publishers()}", joints=missing)
         joints = [j for j in found if j is not None]
         return JointState(
             tuple(names),
@@ -101,11 +106,15 @@ class JointStates:
         wait = _Wait(tuple(names), time.monotonic(), time.time(), Operation())
         with self._lock:
             self._waits.append(wait)
-        timer = threading.Timer(STALE, self._give_up, (wait,))
+        first = min(STALE, self._stale)
+        self._after(first, wait, self._stale - first)
+        return wait.operation
+
+    def _after(self, delay: float, wait: _Wait, left: float) -> None:
+        timer = threading.Timer(delay, self._give_up, (wait, left))
         timer.daemon = True
         timer.start()
         wait.operation.add_done_callback(timer.cancel)
-        return wait.operation
 
     def wait_for(self, names: Sequence[str], within: float) -> None:
         """Block until all joints are known; for start-up.
@@ -151,16 +160,24 @@ class JointStates:
     def _answers(self, name: str, wait: _Wait) -> bool:
         return name in self._joints and self._joints[name].measured_after(wait.after, wait.date)
 
-    def _give_up(self, wait: _Wait) -> None:
+    def _give_up(self, wait: _Wait, left: float) -> None:
+        """End a wait with what was heard, or why nothing was; where that may still come, when `left` [s] has passed."""
         with self._lock:
-            self._waits = [w for w in self._waits if w is not wait]
-            heard = all(n in self._joints and self._joints[n].heard > wait.after for n in wait.names)
+            joints = [self._joints.get(n) for n in wait.names]
+            heard = all(j is not None and j.heard > wait.after for j in joints)
+            ours = any(j is not None and j.by_our_clock(wait.after, wait.date) for j in joints)
+            goes_on = left > 0 and (ours or not heard)
+            if not goes_on:
+                self._waits = [w for w in self._waits if w is not wait]
+        if goes_on:
+            self._after(left, wait, 0.0)
+            return
         try:
             state = self.state(wait.names)
             if heard:  # the clock of its stamps doesn't go as ours does: a simulator's, for instance
                 wait.operation.succeed(state)
                 return
-            reason = SensorError(f"{self.topic}: no new joint states within {STALE:g} s")
+            reason = SensorError(f"{self.topic}: no new joint states within {self._stale:g} s")
         except SensorError as error:
             reason = error
         wait.operation.fail(reason)

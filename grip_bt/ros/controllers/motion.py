@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import threading
+import time
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from grip_bt.errors import ExecutionAbortedError, SensorError
 from grip_bt.operation import Operation
@@ -16,6 +19,17 @@ from .joint_states import JointStates
 
 START_TOLERANCE = 0.05
 """A trajectory begins within this distance of where the joints are [rad or m]."""
+
+REACHED = 1e-3
+"""Joints so near to the last set-point are there [rad or m]."""
+STILL = 0.3
+"""Joints that were measured where they are for so long don't come nearer to it [s]."""
+MOVED = 1e-4
+"""A joint that moved less between two measurements stood still [rad or m]."""
+SETTLE = 3.0
+"""How long joints may take in all to catch up with the last set-point [s]."""
+LOOK = 0.01
+"""How often that is looked at [s]."""
 
 
 class RosExecutor(ABC):
@@ -105,3 +119,20 @@ def measured(states: JointStates, names: Sequence[str]) -> Operation[JointState]
 
     fresh.add_done_callback(end)
     return whole
+
+
+def settle(state: Callable[[], JointState], target: NDArray[np.float64], stop: threading.Event) -> None:
+    """Block until joints are at `target`, or stand still elsewhere by the stamps of what is measured; or on `stop`."""
+    deadline = time.monotonic() + SETTLE
+    moved: JointState | None = None
+    while time.monotonic() < deadline and not stop.wait(LOOK):
+        try:
+            now = state()
+        except SensorError:
+            return  # the measurement at the end says so
+        if np.abs(now.position - target).max() <= REACHED:
+            return
+        if moved is None or np.abs(now.position - moved.position).max() > MOVED:
+            moved = now
+        elif now.time - moved.time > STILL:
+            return

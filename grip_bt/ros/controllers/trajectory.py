@@ -21,16 +21,17 @@ from ..convert_geometry import trajectory_to_message
 from ..definitions import provide
 from ..goal import GoalEnd
 from ..types import load_type
+from .following import Following
 from .joint_states import JointStates
 from .motion import RosExecutor
 
 ACTION = "control_msgs/action/FollowJointTrajectory"
-LATE = 10.0
+LATE = 60.0
 """How long a controller may take beyond the duration of a trajectory [s]."""
 
 
 class TrajectoryExecutor(RosExecutor):
-    """Implements `grip_bt.ports.Executor` over a joint trajectory controller.
+    """Implements `grip_bt.ports.Executor` and `Steerable` over a joint trajectory controller.
 
     Args:
         bus: the connection to ROS.
@@ -55,17 +56,46 @@ class TrajectoryExecutor(RosExecutor):
         self._type = load_type(ACTION)
         self._client = bus.action(self._type, action, wait=wait)
         self._action, self._goal_time = action, goal_time
+        self._following: Following | None = None
+        self._fixed = False
+
+    def passed(self) -> float | None:
+        """Return for how long the motion under way has been followed [s]; see `ports.Steerable`.
+
+        None, too, for a controller that once refused a goal while it followed another one.
+        """
+        return None if self._following is None or not self._replaces() else self._following.passed()
+
+    def amend(self, tail: Trajectory, at: float) -> bool:
+        """Go on with another trajectory from a moment on; see `ports.Steerable`."""
+        return self._following is not None and self._replaces() and self._following.amend(tail, at)
+
+    def expect(self, at: float | None) -> None:
+        """Do nothing: a controller's time is ours."""
+
+    def _replaces(self) -> bool:
+        following = self._following
+        self._fixed = self._fixed or (following is not None and not following.replaceable)
+        return not self._fixed
 
     def _begin(self, trajectory: Trajectory) -> Operation[GoalEnd]:
-        goal = self._type.Goal(trajectory=trajectory_to_message(trajectory))
+        self._replaces()
+        self._following = Following(self._sent, trajectory)
+        self._following.begin()
+        return self._following.whole
+
+    def _sent(self, trajectory: Trajectory, ahead: float, accepted: Callable[[], None]) -> Operation[GoalEnd]:
+        goal = self._type.Goal(trajectory=trajectory_to_message(trajectory, ahead))
         goal.goal_time_tolerance.sec = int(self._goal_time)
         goal.goal_time_tolerance.nanosec = round(self._goal_time % 1 * 1e9)
-        sent = self._client.send(goal, timeout=trajectory.duration + LATE)
+        sent = self._client.send(goal, timeout=ahead + trajectory.duration + LATE, on_accepted=accepted)
         return as_motion(sent, self._action, self._type.Result)
 
 
 def as_motion(sent: Operation[GoalEnd], server: str, result: Any) -> Operation[GoalEnd]:
     """Return a goal's end as that of a motion: all but success and cancelling is an aborted execution.
+
+    A motion that was cancelled, and then given up, is a cancelled one.
 
     Args:
         sent: the goal.
@@ -84,6 +114,9 @@ def as_motion(sent: Operation[GoalEnd], server: str, result: Any) -> Operation[G
         except ExpectedError as error:
             whole.fail(error)
         else:
+            if whole.cancel_asked and ended.status == "aborted":
+                # A newer goal has overtaken the request to cancel, and the controller gave this one up for it.
+                ended = GoalEnd("canceled", ended.result)
             _judge(ended, whole, server, _names_of(result))
 
     sent.add_done_callback(end)

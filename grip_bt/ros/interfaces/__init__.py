@@ -1,8 +1,8 @@
 """Interface packages without a ROS installation: read by rosidl's parser, built with gcc and rosidl's generators."""
 
 from .build import Built, build_interfaces, content_hash, default_cache
-from .compiler import InterfaceBuildError
 from .definition import parse_interface, read_interface
+from .failure import InterfaceBuildError
 from .package import Package, find_packages, read_package
 
 __all__ = [

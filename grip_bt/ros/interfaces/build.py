@@ -10,7 +10,7 @@ import shutil
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import metadata
@@ -18,11 +18,11 @@ from pathlib import Path
 
 from grip_bt.errors import NotWritableError
 
+from .checks import check_package
 from .compiler import Compilation, compilers, install_package
-from .definition import check_types, parse_interface
 from .generate import generate
 from .package import Package, find_packages
-from .prefixes import search_path
+from .prefixes import search_path, share_folder
 
 _RECIPE = "1"
 """Raised when this builder produces something else from the same files."""
@@ -53,13 +53,19 @@ def default_cache() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "grip" / "interfaces"
 
 
-def build_interfaces(folder: str | Path, cache: Path | None = None, overlays: Sequence[Path] = ()) -> list[Built]:
+def build_interfaces(
+    folder: str | Path,
+    cache: Path | None = None,
+    overlays: Sequence[Path] = (),
+    begun: Callable[[str], None] = lambda package: None,
+) -> list[Built]:
     """Build the interface packages in a folder, those that others need first.
 
     Args:
         folder: an interface package, or a folder with some.
         cache: where built packages are kept; the user's cache by default.
         overlays: prefixes with further packages that these need.
+        begun: told the name of each package that isn't in the cache, before it is built.
 
     Raises:
         DocumentError: a file of a package is wrong; it says which, where and why.
@@ -71,12 +77,16 @@ def build_interfaces(folder: str | Path, cache: Path | None = None, overlays: Se
     prefixes = search_path(overlays)
     built: list[Built] = []
     hashes: dict[str, str] = {}
-    for package in find_packages(Path(folder)):
-        _check(package, prefixes)
-        needed = [hashes[name] for name in sorted(package.depends & hashes.keys())]
-        digest = hashes[package.name] = content_hash(package, needed)
+    packages = find_packages(Path(folder))
+    beside = {package.name for package in packages}
+    for package in packages:
+        check_package(package, prefixes, beside)
+        needed = [hashes.get(name) or _installed_hash(name, prefixes) for name in sorted(package.depends)]
+        digest = hashes[package.name] = content_hash(package, list(filter(None, needed)))
         prefix = cache / digest
         started = time.monotonic()
+        if not prefix.is_dir():
+            begun(package.name)
         cached = _build(package, prefix, prefixes)
         built.append(Built(package.name, prefix, 0.0 if cached else time.monotonic() - started))
         prefixes.insert(0, prefix)
@@ -94,20 +104,25 @@ def content_hash(package: Package, needed: Sequence[str] = ()) -> str:
     return f"{package.name}-{digest.hexdigest()[:16]}"
 
 
+def _installed_hash(package: str, prefixes: Sequence[Path]) -> str:
+    """Return what identifies the types of a package that was built elsewhere, such as in an overlay that may change.
+
+    Each of its type descriptions holds the hashes of all that the type nests.
+    """
+    share = share_folder(package, prefixes)
+    if share is None or share.parent.parent == Path(sys.prefix):
+        return ""
+    digest = hashlib.sha256()
+    for file in sorted(share.glob("*/*.json")):
+        digest.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")
+    return digest.hexdigest()
+
+
 def _rosidl_version() -> str:
     try:
         return metadata.version("ros-rosidl-generator-py")
     except metadata.PackageNotFoundError:
         return os.environ.get("ROS_DISTRO", "unknown")
-
-
-def _check(package: Package, prefixes: Sequence[Path]) -> None:
-    """Read every file with rosidl's parser before anything is generated, so that errors come with file and line."""
-    own = {f.stem for f in package.files if f.suffix == ".msg"}
-    for file in package.files:
-        path = package.folder / file
-        spec = parse_interface(path.read_text(encoding="utf-8"), package.name, file.suffix[1:], file.stem, str(path))
-        check_types(spec, own, prefixes)
 
 
 def _build(package: Package, prefix: Path, prefixes: Sequence[Path]) -> bool:

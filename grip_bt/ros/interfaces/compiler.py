@@ -15,8 +15,9 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
-from grip_bt.errors import GripError, MissingPartError
+from grip_bt.errors import MissingPartError
 
+from .failure import InterfaceBuildError
 from .generate import TYPESUPPORTS, Generated
 
 _RUNTIME = (
@@ -31,22 +32,6 @@ _RUNTIME = (
 )
 _LIBRARIES = ("rosidl_generator_c", *TYPESUPPORTS, "rosidl_typesupport_c", "rosidl_generator_py")
 """Shared libraries of a package, in the order in which they need each other."""
-
-
-class InterfaceBuildError(GripError):
-    """The compiler or the linker refused generated code.
-
-    Attributes:
-        package: which package.
-        command: what was run.
-        output: what it said.
-    """
-
-    def __init__(self, package: str, command: Sequence[str], output: str):
-        self.package, self.command, self.output = package, tuple(command), output
-        lines = output.strip().splitlines()
-        told = "\n".join(lines[:15] if len(lines) > 15 else lines)
-        super().__init__(f"{package}: {Path(command[0]).name} failed:\n{told}")
 
 
 def compilers() -> tuple[str, str]:

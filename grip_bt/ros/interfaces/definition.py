@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, cast
@@ -12,7 +13,7 @@ from grip_bt.catalog.interface_spec import FieldSpec, InterfaceSpec, Kind
 from grip_bt.errors import DocumentError, MissingPartError, nearest
 
 from .package import KINDS
-from .prefixes import search_path, share_folder
+from .prefixes import package_like, search_path, share_folder
 
 _SECTIONS = {"msg": ("",), "srv": ("_Request", "_Response"), "action": ("_Goal", "_Result", "_Feedback")}
 _SEPARATOR = "---"
@@ -31,12 +32,32 @@ def read_interface(source: str | Path, prefixes: Sequence[Path] = ()) -> Interfa
     path = Path(source)
     if path.suffix[1:] not in KINDS:
         path = _installed_file(str(source), prefixes)
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise DocumentError(f"can't be read as an interface: {error}", str(path)) from None
     package = _package_of(path.resolve())
-    return parse_interface(text, package, path.suffix[1:], path.stem, str(path))
+    return parse_interface(read_text(path), package, path.suffix[1:], path.stem, str(path))
+
+
+def read_text(path: Path) -> str:
+    """Return the text of an interface file.
+
+    Raises:
+        DocumentError: it can't be read, or isn't UTF-8 text as ROS wants it.
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise DocumentError(f"can't be read: {error.strerror}", str(path)) from None
+    try:
+        text = data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise DocumentError(
+            f"isn't UTF-8 text: byte 0x{data[error.start]:02x}; save it as UTF-8", str(path), line
+        ) from None
+    if text.startswith("\ufeff"):
+        raise DocumentError(
+            "begins with a byte order mark, which ROS can't read: save it as UTF-8 without", str(path), 1
+        )
+    return text
 
 
 def parse_interface(text: str, package: str, kind: str, name: str, source: str = "") -> InterfaceSpec:
@@ -60,55 +81,31 @@ def parse_interface(text: str, package: str, kind: str, name: str, source: str =
     return InterfaceSpec(package, known, name, request, response, feedback, doc=doc, source=source)
 
 
-def check_types(spec: InterfaceSpec, own: set[str], prefixes: Sequence[Path]) -> None:
-    """Check that every message type that an interface uses exists.
-
-    Args:
-        spec: the interface.
-        own: names of the messages of its own package.
-        prefixes: where other packages are installed.
-
-    Raises:
-        DocumentError: a type or its package isn't there, with the line that asks for it.
-    """
-    for field in (*spec.request, *spec.response, *spec.feedback):
-        if "/" not in field.type:
-            continue
-        package, _, message = field.type.partition("/msg/")
-        if package == spec.package:
-            known, where = own, "this package"
-        else:
-            share = share_folder(package, prefixes)
-            if share is None:
-                line = _line_of(field, spec.source)
-                raise DocumentError(
-                    f"field {field.name!r}: there is no package {package!r} here (installed, or in the same folder)",
-                    spec.source,
-                    line,
-                )
-            known, where = {f.stem for f in (share / "msg").glob("*.idl")}, package
-        if message not in known:
-            line = _line_of(field, spec.source)
-            hint = nearest(message, known)
-            raise DocumentError(f"field {field.name!r}: {where} has no message {message!r}{hint}", spec.source, line)
-
-
 def _installed_file(type_name: str, prefixes: Sequence[Path]) -> Path:
     parts = type_name.split("/")
     if len(parts) != 3 or parts[1] not in KINDS:
         raise DocumentError(
-            f"{type_name!r} is neither a .msg, .srv or .action file nor a type such as 'std_srvs/srv/Trigger'"
+            f"{type_name!r} is neither a .msg, .srv or .action file nor a type such as "
+            f"{_meant(parts, prefixes) or 'std_srvs/srv/Trigger'!r}"
         )
     package, kind, name = parts
     share = share_folder(package, search_path(prefixes))
     if share is None:
-        raise DocumentError(f"no package {package!r} is installed or built here; is it spelled right?", type_name)
+        hint = package_like(package, search_path(prefixes))
+        raise DocumentError(f"no package {package!r} is installed or built here{hint and '; ' + hint}", type_name)
     file = share / kind / f"{name}.{kind}"
     if not file.is_file():
         known = sorted(f.stem for f in (share / kind).glob(f"*.{kind}"))
         has = ", ".join(known[:20]) or "none"
         raise DocumentError(f"{package} has no {kind} {name!r}{nearest(name, known)} (it has: {has})", type_name)
     return file
+
+
+def _meant(parts: Sequence[str], prefixes: Sequence[Path]) -> str:
+    """Return the whole name of an installed type that was written without its kind, or with another word for it."""
+    share = share_folder(parts[0], search_path(prefixes))
+    kinds = [kind for kind in KINDS if share is not None and (share / kind / f"{parts[-1]}.{kind}").is_file()]
+    return f"{parts[0]}/{kinds[0]}/{parts[-1]}" if kinds else ""
 
 
 def _package_of(path: Path) -> str:
@@ -137,7 +134,7 @@ def _split(text: str, kind: str, source: str) -> list[tuple[int, list[str]]]:
     wanted = len(_SECTIONS[kind])
     if len(sections) != wanted:
         what = {"msg": "no line", "srv": "one line", "action": "two lines"}[kind]
-        line_no = sections[wanted][0] - 1 if len(sections) > wanted else len(text.splitlines())
+        line_no = sections[wanted][0] - 1 if len(sections) > wanted else max(1, len(text.splitlines()))
         raise DocumentError(
             f"a .{kind} file has {what} with just {_SEPARATOR!r}, this one has {len(sections) - 1}", source, line_no
         )
@@ -162,11 +159,23 @@ def _parse_section(package: str, name: str, lines: list[str], first: int, source
 
 
 def _reason(error: Exception, line: str) -> str:
-    if type(error).__name__ == "InvalidFieldDefinition":
+    """Return what is wrong with a line, in words of the file rather than of the parser."""
+    kind, told = type(error).__name__, str(error)
+    quoted = next(iter(re.findall(r"'([^']*)'", told)), "")
+    if kind == "InvalidFieldDefinition":
         return "a field is written as 'type name', a constant as 'type NAME=value'"
-    if type(error).__name__ == "InvalidResourceName":
+    if kind == "InvalidResourceName":
         return f"{line.split()[0]!r} isn't a type: a primitive, or Package/Message"
-    return str(error) or type(error).__name__
+    if kind == "NameError" and "constant name" in told:
+        return f"{quoted!r} can't name a constant: capitals, digits and single underscores; a default has no '='"
+    if kind == "NameError":
+        return f"{quoted!r} can't name a field: lower case letters, digits and single underscores, a letter first"
+    if "duplicate names" in told:
+        what = "constants" if "constants" in told else "fields"
+        return f"two {what} are named {told.rpartition(': ')[2]!r}"
+    if "size of array" in told:
+        return "the size of an array is a whole number above 0: [3], at most three: [<=3], any number: []"
+    return told or kind
 
 
 def _field(field: Any) -> FieldSpec:
@@ -176,15 +185,3 @@ def _field(field: Any) -> FieldSpec:
     if unit := field.annotations.get("unit"):
         doc = f"{doc} [{unit}]".strip()
     return FieldSpec(field.name, name, type_.is_array, type_.array_size, type_.is_upper_bound, doc)
-
-
-def _line_of(field: FieldSpec, source: str) -> int | None:
-    try:
-        lines = Path(source).read_text(encoding="utf-8").splitlines()
-    except OSError:
-        return None
-    for number, line in enumerate(lines, 1):
-        words = line.partition("#")[0].split()
-        if len(words) >= 2 and words[1] == field.name:
-            return number
-    return None

@@ -17,8 +17,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from grip_bt.errors import DocumentError, MissingPartError
+from grip_bt.errors import DocumentError, GripError, MissingPartError
 
+from .failure import InterfaceBuildError
 from .package import Package
 from .prefixes import share_folder
 
@@ -69,21 +70,29 @@ def generate(
     Raises:
         DocumentError: the package needs another one that isn't in `prefixes`.
         MissingPartError: the generators aren't installed.
+        InterfaceBuildError: a generator failed.
     """
-    with _quietly(), _parsed_once():
+    with _quietly(package.name), _parsed_once():
         made = _hashed(package, folder, prefixes)
         _generate(made, prefixes, generated)
         return made
 
 
 @contextlib.contextmanager
-def _quietly() -> Iterator[None]:
+def _quietly(package: str) -> Iterator[None]:
+    """Keep what the generators print, and have them raise where they would end the process."""
+    said = io.StringIO()
     try:
-        with contextlib.redirect_stdout(io.StringIO()), warnings.catch_warnings():
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said), warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # of the generators and their parser, not ours to mend
             yield
     except ModuleNotFoundError as error:
         raise MissingPartError(f"the interface generator {error.name}", "pip install 'grip-bt[ros]'") from None
+    except GripError:
+        raise
+    except (Exception, SystemExit) as error:
+        output = f"{said.getvalue()}\n{type(error).__name__}: {error}"
+        raise InterfaceBuildError(package, ["the interface generator"], output) from error
 
 
 @contextlib.contextmanager
@@ -113,7 +122,7 @@ def hash_types(package: Package, folder: Path, prefixes: Sequence[Path]) -> Gene
         DocumentError: the package needs another one that isn't in `prefixes`.
         MissingPartError: the generators aren't installed.
     """
-    with _quietly():
+    with _quietly(package.name):
         return _hashed(package, folder, prefixes)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -11,6 +12,8 @@ from pathlib import Path
 from grip_bt.errors import DocumentError
 
 KINDS = ("msg", "srv", "action")
+_NAME = re.compile(r"(?!.*__)(?!.*_$)[a-z][a-z0-9_]*")
+_WANTED = "an interface package is a folder with package.xml and msg/, srv/ or action/"
 
 
 @dataclass(frozen=True)
@@ -34,7 +37,7 @@ def read_package(folder: Path) -> Package:
     """Read one package.
 
     Raises:
-        DocumentError: package.xml isn't there, isn't XML or has no name, or there is no interface file.
+        DocumentError: package.xml isn't there, isn't XML or has no good name, or there is no interface file.
     """
     folder = folder.resolve()
     manifest = folder / "package.xml"
@@ -48,6 +51,10 @@ def read_package(folder: Path) -> Package:
     name = (root.findtext("name") or "").strip()
     if not name:
         raise DocumentError("<name> is missing: the package's name", str(manifest))
+    if not _NAME.fullmatch(name):
+        raise DocumentError(
+            f"<name> is {name!r}: lower case letters, digits and single underscores, a letter first", str(manifest)
+        )
     files = tuple(f.relative_to(folder) for kind in KINDS for f in sorted((folder / kind).glob(f"*.{kind}")))
     if not files:
         raise DocumentError("no interface file in msg/, srv/ or action/ beside it", str(manifest))
@@ -61,6 +68,9 @@ def find_packages(folder: Path) -> list[Package]:
     Raises:
         DocumentError: there is none, two have one name, or they depend on each other in a circle.
     """
+    if not folder.is_dir():
+        what = "is a file" if folder.exists() else "there is no such folder"
+        raise DocumentError(f"{what}; {_WANTED}", str(folder))
     if (folder / "package.xml").is_file():
         return [read_package(folder)]
     packages: dict[str, Package] = {}
@@ -73,9 +83,8 @@ def find_packages(folder: Path) -> list[Package]:
             raise DocumentError(f"the package {package.name!r} is also in {first}", str(manifest))
         packages[package.name] = package
     if not packages:
-        raise DocumentError(
-            "no interface package here: a folder with package.xml and msg/, srv/ or action/", str(folder)
-        )
+        lacks = "package.xml is missing" if any((folder / kind).is_dir() for kind in KINDS) else "none is in here"
+        raise DocumentError(f"{lacks}; {_WANTED}", str(folder))
     return in_dependency_order(packages.values())
 
 

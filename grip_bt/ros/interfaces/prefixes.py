@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
+from difflib import get_close_matches
 from pathlib import Path
 
 
@@ -17,6 +18,21 @@ def search_path(overlays: Sequence[Path] = ()) -> list[Path]:
 def share_folder(package: str, prefixes: Sequence[Path]) -> Path | None:
     """Return `<prefix>/share/<package>` of the first prefix that has it, or None."""
     return next((s for p in prefixes if (s := p / "share" / package).is_dir()), None)
+
+
+def interface_packages(prefixes: Sequence[Path]) -> set[str]:
+    """Return the names of the packages with interfaces that some prefixes hold."""
+    index = Path("share", "ament_index", "resource_index", "rosidl_interfaces")
+    return {entry.name for p in prefixes for entry in (p / index).glob("*")}
+
+
+def package_like(package: str, prefixes: Sequence[Path]) -> str:
+    """Return ``did you mean 'x'?`` for a package that isn't there, or an empty string.
+
+    Names end alike (`_msgs`, `_interfaces`), so that they have to be nearer to one another than other words.
+    """
+    close = get_close_matches(package, interface_packages(prefixes), n=1, cutoff=0.8)
+    return f"did you mean {close[0]!r}?" if close else ""
 
 
 def python_folder(prefix: Path) -> Path | None:

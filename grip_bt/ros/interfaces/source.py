@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from .package import find_packages
+from grip_bt.catalog.interface_spec import FieldSpec
+from grip_bt.errors import DocumentError, listing, nearest
+
+from .definition import read_interface
+from .package import KINDS, find_packages
 
 
 def interface_file(folder: Path, type_name: str) -> Path | None:
-    """Return the file that defines a type such as `my_interfaces/srv/Grasp`; None when no package in `folder` does.
+    """Return the file that defines a type such as `my_interfaces/srv/Grasp`; None when its package isn't in `folder`.
 
     Raises:
-        DocumentError: a package there is broken.
+        DocumentError: a package there is broken, or is the type's and doesn't define it.
     """
     if not folder.is_dir():
         return None
@@ -21,4 +25,22 @@ def interface_file(folder: Path, type_name: str) -> Path | None:
             for file in package.files:
                 if file.as_posix() == f"{kind}/{name}.{kind}":
                     return package.folder / file
+            known = [f"{package_name}/{file.parent}/{file.stem}" for file in package.files]
+            hint = nearest(name, [file.stem for file in package.files])
+            raise DocumentError(f"defines no {type_name}{hint} (it defines: {listing(known)})", str(package.folder))
     return None
+
+
+def fields_within(folder: Path | None, message: str) -> tuple[FieldSpec, ...] | None:
+    """Return the fields of a message that a folder of packages defines, or that is installed; None for any other.
+
+    Args:
+        folder: the interface packages; None for installed ones only.
+        message: its type, such as `geometry_msgs/msg/Pose`.
+    """
+    if message.count("/") != 2 or message.split("/")[1] not in KINDS:
+        return None
+    try:
+        return read_interface((folder and interface_file(folder, message)) or message).request
+    except DocumentError:
+        return None  # a build says what is wrong with it

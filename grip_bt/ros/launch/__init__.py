@@ -1,7 +1,7 @@
 """ROS 2 launch files without ROS's own tools: XML and YAML files read, resolved to processes, run and watched over."""
 
 from .errors import LaunchError
-from .interpreter import read_launch_file
+from .interpreter import read_arguments, read_launch_file
 from .model import LaunchedProcess
 
-__all__ = ["LaunchError", "LaunchedProcess", "read_launch_file"]
+__all__ = ["LaunchError", "LaunchedProcess", "read_arguments", "read_launch_file"]

@@ -71,6 +71,11 @@ class _Running:
     why: str = ""
     logs: list[Path] = field(default_factory=list)
 
+    @property
+    def failed(self) -> bool:
+        """Whether it was given up; looked up anew, since another look may have found that."""
+        return self.state == "failed"
+
 
 class StartError(GripError):
     """A process of a group didn't become ready, or ended before; with the end of its log."""
@@ -215,7 +220,7 @@ class ProcessGroup:
         ready = running.member.ready
         while running.state == "starting" and not self._stopping.wait(LOOK / 2):
             self._look(running)
-            if running.state == "failed" and running.member.required:
+            if running.failed and running.member.required:
                 raise StartError(running.why)
             if ready is not None and running.state == "starting" and time.monotonic() > running.began + ready.within:
                 tail = running.process.log_tail() if running.process else ""

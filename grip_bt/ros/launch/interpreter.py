@@ -16,6 +16,7 @@ from .errors import LaunchError
 from .legacy import check_not_legacy
 from .model import Argument, Launch, LaunchedProcess, LaunchEvent, Scope, joined
 from .parameters import parameters_of
+from .python_draft import in_python
 from .substitutions import Place, substitute, truth
 
 DEEPEST = 30
@@ -42,6 +43,27 @@ def read_launch_file(
     return reader.launch
 
 
+def read_arguments(path: Path) -> list[Argument]:
+    """Return the arguments that an XML or YAML launch file itself declares, with their defaults as they are written.
+
+    Raises:
+        LaunchError: it can't be read, or is one of ROS 1.
+    """
+    if path.suffix == ".py":
+        raise in_python(path)
+    root = read_elements(path)
+    check_not_legacy(root, path)
+    return [
+        Argument(
+            element.attributes.get("name", ""),
+            element.attributes.get("default"),
+            element.attributes.get("description", ""),
+            tuple(choice.attributes.get("value", "") for choice in element.of("choice")),
+        )
+        for element in root.of("arg")
+    ]
+
+
 class _Reader:
     def __init__(self, prefixes: Sequence[Path] | None):
         self.launch = Launch()
@@ -54,12 +76,7 @@ class _Reader:
         if len(above) >= DEEPEST:
             raise LaunchError(str(path), None, f"files include each other more than {DEEPEST} deep")
         if path.suffix == ".py":
-            raise LaunchError(
-                str(path),
-                None,
-                "a launch file in Python is a program of ROS's own `launch` package, which isn't here; "
-                "source a ROS that has it (source /opt/ros/jazzy/setup.bash), or say the same in XML or YAML",
-            )
+            raise in_python(path)
         root = read_elements(path)
         check_not_legacy(root, path)
         files, outer, self._files, self._given = self._files, self._given, (*above, path), given

@@ -63,12 +63,9 @@ def substitute(text: str, place: Place) -> str:
         if text[at] == "\\" and at + 1 < len(text):
             made.append(text[at + 1])
             at += 2
-        elif text.startswith("$(", at):
-            value, at = _inside(text, at + 2, place)
-            made.append(value)
         else:
-            made.append(text[at])
-            at += 1
+            piece, at = _piece(text, at, place)
+            made.append(piece)
     return "".join(made)
 
 
@@ -82,6 +79,11 @@ def truth(text: str, place: Place) -> bool:
     if word in TRUE or word in FALSE:
         return word in TRUE
     raise place.error(f"a condition is true, false, 1 or 0, not {word!r}")
+
+
+def _piece(text: str, at: int, place: Place) -> tuple[str, int]:
+    """Read one substitution, or one character that is itself; return it and where it goes on."""
+    return _inside(text, at + 2, place) if text.startswith("$(", at) else (text[at], at + 1)
 
 
 def _inside(text: str, at: int, place: Place) -> tuple[str, int]:
@@ -110,12 +112,9 @@ def _word(text: str, at: int, place: Place) -> tuple[str, int]:
             end = _closing_quote(text, at, place)
             made.append(substitute(text[at + 1 : end], place))
             at = end + 1
-        elif text.startswith("$(", at):
-            value, at = _inside(text, at + 2, place)
-            made.append(value)
         else:
-            made.append(text[at])
-            at += 1
+            piece, at = _piece(text, at, place)
+            made.append(piece)
     return "".join(made), at
 
 

@@ -47,10 +47,10 @@ class GraphWatch:
         node = self._bus.node
 
         def look() -> tuple[set[str], set[str]]:
-            import rclpy.action
+            from rclpy.action.graph import get_action_names_and_types
 
             services = {name for name, _ in node.get_service_names_and_types()}
-            services |= {name for name, _ in rclpy.action.get_action_names_and_types(node)}
+            services |= {name for name, _ in get_action_names_and_types(node)}
             topics = {name for name, _ in node.get_topic_names_and_types() if node.count_publishers(name)}
             return services, topics
 

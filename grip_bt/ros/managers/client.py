@@ -17,7 +17,7 @@ from ..door import BadRequestError
 from ..fields import ConversionError
 from ..topic import Received
 from ..types import load_type
-from .wire import PREFIX, RawMessage, pack, unpack
+from .wire import PREFIX, RawMessage, message_of, pack, unpack
 
 _KINDS = ("put", "deleted", "pushed", "taken")
 
@@ -50,15 +50,22 @@ class RosMessages:
 
     def get(self, store: str, name: str) -> Operation[Entry[Any]]:
         """Return an entry; without a name the oldest of the store's queue, which is removed."""
+        return self._asked_for(store, name, unpack)
+
+    def message(self, store: str, name: str) -> Operation[Entry[Any]]:
+        """Return an entry with its ROS message as it was sent, header and all; otherwise like `get`."""
+        return self._asked_for(store, name, lambda _, raw: message_of(raw))
+
+    def _asked_for(self, store: str, name: str, read: Callable[[str, RawMessage], Any]) -> Operation[Entry[Any]]:
         cls = load_type("grip_msgs/srv/GetMessage")
         client = self._bus.service(cls, f"{self._prefix}/get", self._timeout, self._wait)
 
-        def read(answer: Any) -> Operation[Entry[Any]]:
+        def answered(answer: Any) -> Operation[Entry[Any]]:
             if answer.success:
-                return _entry(store, answer.entry)
+                return _entry(store, answer.entry, read)
             raise EmptyQueueError(store) if answer.code == EmptyQueueError.code else NoEntryError(answer.message)
 
-        return client.call(cls.Request(store=store, name=name)).then(read)
+        return client.call(cls.Request(store=store, name=name)).then(answered)
 
     def names(self, store: str) -> Operation[tuple[str, ...]]:
         """Return the names in a store."""
@@ -89,6 +96,21 @@ class RosMessages:
         """Have the server keep everything for later runs; return how many entries there are."""
         return self._ask("save", "SaveMessages", BadReplyError).then(lambda answer: Operation.finished(answer.count))
 
+    def next_of(self, topic: str, type_: str, within: float) -> Any:
+        """Wait for the next message of a topic and return it, so that it can be put; for scripts, it blocks.
+
+        Args:
+            topic: its full name.
+            type_: its ROS type; empty for what it is published as.
+            within: how long to wait [s].
+
+        Raises:
+            ServerTimeOutError: nothing came; it tells who publishes what.
+        """
+        operation = self._bus.reader(type_, topic).next(within)
+        operation.wait(within + self._timeout)
+        return operation.result()
+
     def watch(self, callback: Callable[[str, str, str, Any], None]) -> Callable[[], None]:
         """Call `callback(store, kind, name, value)` for each change, on the bus's thread; return what ends that.
 
@@ -118,9 +140,9 @@ class RosMessages:
         return client.call(cls.Request(**fields)).then(check)
 
 
-def _entry(store: str, message: Any) -> Operation[Entry[Any]]:
+def _entry(store: str, message: Any, read: Callable[[str, RawMessage], Any]) -> Operation[Entry[Any]]:
     try:
-        value = unpack(store, RawMessage(message.type, bytes(message.data)))
+        value = read(store, RawMessage(message.type, bytes(message.data)))
     except (ConversionError, BadRequestError) as error:
         raise BadReplyError(f"store {store!r}: {message.name!r}: {error}") from None
     return Operation.finished(Entry(message.name, value, seconds(message.stamp), message.provenance, message.revision))

@@ -51,7 +51,8 @@ class MoveGroup:
     @property
     def scene_server(self) -> frozenset[bytes]:
         """Who answered last when a scene was sent; another value after move_group was started anew."""
-        return self._scene.servers
+        servers: frozenset[bytes] = self._scene.servers
+        return servers
 
     def plan(self, request: Any, timeout: float) -> Operation[Any]:
         """Plan without executing; the result is the `MoveGroup` action's, and cancelling it stops the search.

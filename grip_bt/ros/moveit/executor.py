@@ -24,7 +24,7 @@ from ..goal import GoalEnd
 from ..types import load_type
 from .codes import failure
 
-LATE = 10.0
+LATE = 60.0
 """How long it may take beyond the duration of a trajectory [s]."""
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from grip_bt.commanders.robots import RobotDescription
 from grip_bt.commanders.scene import SceneObject, SceneSnapshot
-from grip_bt.errors import GoalRejectedError, ServerLostError
+from grip_bt.errors import GoalRejectedError, PlannerLostError, ServerLostError
 from grip_bt.operation import Operation
 
 from ..steps import Steps
@@ -41,7 +41,14 @@ class SceneMirror:
 
     def show(self, scene: SceneSnapshot) -> Steps[None]:
         """Have move_group's scene be `scene`; ends with GoalRejectedError when it doesn't take it."""
-        yield from self._send(scene)
+        try:
+            yield from self._send(scene)
+        except PlannerLostError as error:
+            if not self._server or error.data.get("cause") != ServerLostError.code:
+                raise
+            # Who had the request is gone; one that was started in its place may be there, and gets everything.
+            self._sent, self._baseline, self._server = _EMPTY, None, frozenset()
+            yield from self._send(scene)
         if self._server != self._move_group.scene_server:
             # Another move_group answered than the one that has the earlier changes: it gets everything.
             self._server, self._sent, self._baseline = self._move_group.scene_server, _EMPTY, None
@@ -53,7 +60,7 @@ class SceneMirror:
             return
         try:
             yield from self._send(_EMPTY)
-        except ServerLostError:
+        except (PlannerLostError, ServerLostError):
             return
 
     def _send(self, scene: SceneSnapshot) -> Steps[None]:

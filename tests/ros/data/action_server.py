@@ -1,4 +1,8 @@
-"""An action server that does as each goal tells it, and counts: `action_server.py NAME`.
+"""An action server that does as each goal tells it, and counts: `action_server.py NAME [KEPT]`.
+
+Goals that have ended are remembered for KEPT seconds, 5 by default.
+
+A goal `slow_accept FILE` is taken when that file is there, and nothing else is heard before.
 
 Goals `unanswered` and `unseen` are taken without a word, as by a server that doesn't know the client's ear yet; of
 `unseen` ones no status is published either.
@@ -38,7 +42,7 @@ class Wire:
 
 
 class Server(Node):
-    def __init__(self, name):
+    def __init__(self, name, kept=5.0):
         super().__init__("trial_" + name.strip("/").replace("/", "_"))
         self.counts = {"active": 0, "accepted": 0, "succeeded": 0, "canceled": 0, "aborted": 0, "rejected": 0}
         self.sleepers = []
@@ -51,15 +55,16 @@ class Server(Node):
             execute_callback=self._execute,
             goal_callback=self._goal,
             cancel_callback=self._cancel,
-            result_timeout=5,
+            result_timeout=kept,
         )
         self.server._handle = self.wire = Wire(self.server._handle)
 
     def _goal(self, goal):
         self.wire.silent = goal.input in ("unanswered", "unseen")
         self.wire.hidden = goal.input == "unseen"
-        if goal.input == "slow_accept":
-            time.sleep(goal.seconds)
+        if goal.input.startswith("slow_accept "):
+            while not os.path.exists(goal.input.removeprefix("slow_accept ")):
+                time.sleep(0.01)
         if goal.input == "reject":
             self.counts["rejected"] += 1
             return GoalResponse.REJECT
@@ -116,7 +121,7 @@ class Server(Node):
 
 def main():
     rclpy.init(args=[])
-    node = Server(sys.argv[1])
+    node = Server(sys.argv[1], *map(float, sys.argv[2:]))
     sys.stdout.write("serving\n")
     sys.stdout.flush()
     try:

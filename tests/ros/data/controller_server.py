@@ -1,9 +1,13 @@
 """A robot for the tests: two arm joints and a gripper, moved as controllers of ros2_control are asked to.
 
-A trajectory that ends beyond 3 rad is given up half-way; one of other joints is rejected. The gripper meets something
-at 0.02. The topic /stream/commands moves the arm at once, or, with `slow`, at 0.5 rad/s. `none` as an argument
-publishes no joint states; a JSON object {server: {joint: position}} has other joints than these, each under a
-trajectory action `/<server>/...`.
+Trajectories are followed as `trajectory_controller.py` says, under `/arm`, and under `/stubborn` by one that takes no
+goal while it follows another one. The gripper meets something at 0.02. The topic /stream/commands moves the arm at
+once, or, with `slow`, at 0.5 rad/s. `none` as an argument publishes no joint states; a JSON object
+{server: {joint: position}} has other joints than these, each under a trajectory action `/<server>/...`.
+
+A second gripper, `/claw/gripper_cmd`, opens at 1 and closes at 0, in a second; the fingers of `/fingers` open at 0 and
+close at 1. What is said to the topic `/thing` is whether something is half-way between them, 0 or 1, and to
+`/claw_speed` how fast the second gripper is; both are told back as positions of joints of these names.
 """
 
 import json
@@ -13,54 +17,33 @@ import threading
 import time
 
 import rclpy
-from control_msgs.action import FollowJointTrajectory, GripperCommand
+from control_msgs.action import GripperCommand
 from controller_manager_msgs.msg import ControllerState
 from controller_manager_msgs.srv import ListControllers, SwitchController
-from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.action import ActionServer, CancelResponse
 from rclpy.executors import MultiThreadedExecutor
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64MultiArray
+from std_msgs.msg import Float64, Float64MultiArray
+from trajectory_controller import TrajectoryController
 
 NAMES = ["joint_a", "joint_b"]
 OBJECT = 0.02
 others = {} if len(sys.argv) < 2 or sys.argv[1] in ("none", "slow") else json.loads(sys.argv[1])
-positions = {"joint_a": 0.0, "joint_b": 0.0, "finger": 0.08}
+positions = {
+    "joint_a": 0.0,
+    "joint_b": 0.0,
+    "finger": 0.08,
+    "claw": 1.0,
+    "thing": 0.0,
+    "claw_speed": 1.0,
+    "finger_1": 0.0,
+    "finger_2": 0.0,
+}
 targets = {}
 for joints in others.values():
     positions.update(joints)
 states = {"arm_controller": "inactive", "stream_controller": "active", "broken_controller": "inactive"}
 lock = threading.Lock()
-
-
-def seconds(duration):
-    return duration.sec + duration.nanosec * 1e-9
-
-
-def follow(handle):
-    """Move along the way-points in time; obey a cancel; give up half-way what ends beyond 3 rad."""
-    trajectory, result = handle.request.trajectory, FollowJointTrajectory.Result()
-    times = [seconds(p.time_from_start) for p in trajectory.points]
-    hopeless = max(abs(p) for p in trajectory.points[-1].positions) > 3
-    began = time.monotonic()
-    while (now := time.monotonic() - began) < times[-1]:
-        if handle.is_cancel_requested:
-            handle.canceled()
-            return result
-        if hopeless and now > times[-1] / 2:
-            result.error_code, result.error_string = result.PATH_TOLERANCE_VIOLATED, "joint_a is blocked"
-            handle.abort()
-            return result
-        k = max(i for i, t in enumerate(times) if t <= now)
-        part = (now - times[k]) / (times[k + 1] - times[k])
-        with lock:
-            for i, name in enumerate(trajectory.joint_names):
-                a, b = trajectory.points[k].positions[i], trajectory.points[k + 1].positions[i]
-                positions[name] = a + part * (b - a)
-        time.sleep(0.005)
-    with lock:
-        positions.update(zip(trajectory.joint_names, trajectory.points[-1].positions, strict=True))
-    handle.succeed()
-    return result
 
 
 def grip(handle):
@@ -78,8 +61,37 @@ def grip(handle):
     return result
 
 
-def accepts(goal):
-    return GoalResponse.ACCEPT if set(goal.trajectory.joint_names) == set(NAMES) else GoalResponse.REJECT
+def claw(handle):
+    """Open or close evenly, as far as what is between the fingers, until that is cancelled."""
+    wanted, result, began = handle.request.command.position, GripperCommand.Result(), time.monotonic()
+    with lock:
+        start = positions["claw"]
+        speed = positions["claw_speed"]
+    way = wanted - start
+    while (passed := speed * (time.monotonic() - began)) < abs(way):
+        if handle.is_cancel_requested:
+            handle.canceled()
+            return result
+        with lock:
+            positions["claw"] = max(start + math.copysign(passed, way), 0.5 if positions["thing"] else 0.0)
+        time.sleep(0.005)
+    with lock:
+        positions["claw"] = result.position = max(wanted, 0.5 if positions["thing"] else 0.0)
+    result.stalled, result.reached_goal = result.position > wanted, result.position <= wanted
+    result.effort = handle.request.command.max_effort if result.stalled else 0.0
+    handle.succeed()
+    return result
+
+
+def offered(message):
+    fingers.blocked = 0.5 if message.data else None
+    with lock:
+        positions["thing"] = message.data
+
+
+def hurried(message):
+    with lock:
+        positions["claw_speed"] = message.data
 
 
 def listed(request, response):
@@ -104,18 +116,21 @@ def streamed(message):
 
 rclpy.init()
 node = rclpy.create_node("robot")
-cancel = {"cancel_callback": lambda _: CancelResponse.ACCEPT}
+accepted = {"cancel_callback": lambda _: CancelResponse.ACCEPT}
+fingers = TrajectoryController(node, "/fingers", ["finger_1", "finger_2"], positions, lock)
 actions = [
-    ActionServer(node, FollowJointTrajectory, "/arm/follow_joint_trajectory", follow, goal_callback=accepts, **cancel),
-    ActionServer(node, GripperCommand, "/gripper/gripper_cmd", grip, **cancel),
-]
-actions += [
-    ActionServer(node, FollowJointTrajectory, f"/{server}/follow_joint_trajectory", follow, **cancel)
-    for server in others
+    fingers,
+    TrajectoryController(node, "/arm", NAMES, positions, lock),
+    TrajectoryController(node, "/stubborn", NAMES, positions, lock, replaces=False),
+    ActionServer(node, GripperCommand, "/gripper/gripper_cmd", grip, **accepted),
+    ActionServer(node, GripperCommand, "/claw/gripper_cmd", claw, **accepted),
+    *(TrajectoryController(node, f"/{server}", list(joints), positions, lock) for server, joints in others.items()),
 ]
 node.create_service(ListControllers, "/controller_manager/list_controllers", listed)
 node.create_service(SwitchController, "/controller_manager/switch_controller", switched)
 node.create_subscription(Float64MultiArray, "/stream/commands", streamed, 10)
+node.create_subscription(Float64, "/thing", offered, 10)
+node.create_subscription(Float64, "/claw_speed", hurried, 10)
 publisher = node.create_publisher(JointState, "/joint_states", 10)
 
 
@@ -135,6 +150,6 @@ if "none" not in sys.argv:
     node.create_timer(0.01, publish)
 sys.stdout.write("serving\n")
 sys.stdout.flush()
-executor = MultiThreadedExecutor(4)
+executor = MultiThreadedExecutor(6)
 executor.add_node(node)
 executor.spin()

@@ -25,18 +25,20 @@ from grip_bt.commanders.description.load import load_robot
 from grip_bt.commanders.model import RobotModel
 from grip_bt.commanders.planning.beginning import chain_and_checker
 from grip_bt.commanders.planning.goals import goals_of
-from grip_bt.commanders.planning.motions import plan_straight, plan_to
+from grip_bt.commanders.planning.lines import plan_straight
+from grip_bt.commanders.planning.motions import plan_to
 from grip_bt.commanders.planning.requests import PlanningSettings, PlanStraight, PlanTo, Situation
 from grip_bt.commanders.scene import SceneObject, SceneSnapshot
 from grip_bt.errors import (
     CanceledError,
+    ConstraintBrokenError,
     ExpectedError,
     GoalInCollisionError,
     NoIkError,
     StartInCollisionError,
 )
 from grip_bt.ros.convert_geometry import pose_from_message, trajectory_to_message
-from grip_bt.values import JointState, Pose
+from grip_bt.values import JointState, PathConstraint, Pose
 from grip_bt.values.solids import Box, Cylinder, Mesh, Sphere
 
 namespace = sys.argv[2] if len(sys.argv) > 2 else ""
@@ -166,6 +168,21 @@ def goal_of(constraints):
     return Pose(point.position, turned.quaternion), "none"
 
 
+def kept_by(constraints):
+    """Return what a path keeps to, about the grasp frame; tolerances as they are, whatever its axes in the link."""
+    fields = {}
+    for orientation in constraints.orientation_constraints:
+        q = orientation.orientation
+        turned = Pose(np.zeros(3), np.array([q.w, q.x, q.y, q.z])) @ Pose(np.zeros(3), frame.pose.quaternion)
+        names = [f"absolute_{axis}_axis_tolerance" for axis in "xyz"]
+        fields |= {"orientation": turned, "axes": "own", "tolerance": tuple(getattr(orientation, n) for n in names)}
+    for position in constraints.position_constraints:
+        region = position.constraint_region
+        size = tuple(region.primitives[0].dimensions)
+        fields |= {"box": pose_from_message(region.primitive_poses[0]), "size": size}
+    return PathConstraint(**fields) if fields else None
+
+
 def search(request, canceled):
     """Return code, trajectory."""
     if request.planner_id.startswith("fail:"):
@@ -177,7 +194,8 @@ def search(request, canceled):
     if request.group_name not in description.groups:
         return code(MoveItErrorCodes.INVALID_GROUP_NAME), None
     goal, free = goal_of(request.goal_constraints[0])
-    asked = PlanTo(situation(request.group_name, request.start_state, request), goal, (), free)
+    kept = kept_by(request.path_constraints)
+    asked = PlanTo(situation(request.group_name, request.start_state, request), goal, (), free, kept)
     try:
         with thinking:
             return code(MoveItErrorCodes.SUCCESS), plan_to(model, asked, canceled)
@@ -185,6 +203,10 @@ def search(request, canceled):
         return code(MoveItErrorCodes.START_STATE_IN_COLLISION), None
     except CanceledError:
         return code(MoveItErrorCodes.PREEMPTED), None
+    except ConstraintBrokenError as error:
+        codes = MoveItErrorCodes
+        broken = codes.GOAL_VIOLATES_PATH_CONSTRAINTS, codes.START_STATE_VIOLATES_PATH_CONSTRAINTS
+        return code(broken["start" in error.message], error.message), None
     except ExpectedError as error:
         return code(MoveItErrorCodes.PLANNING_FAILED, error.message), None
 

@@ -15,7 +15,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 def answer(request, response):
     """Answer, or hang when the request's `data` is true."""
     if getattr(request, "data", False):
-        time.sleep(60)
+        time.sleep(600)
     if hasattr(response, "success"):
         response.success = True
     return response
