@@ -6,7 +6,8 @@ from collections.abc import Mapping
 
 from grip_bt.catalog import Manifest
 from grip_bt.errors import listing, nearest
-from grip_bt.graph.model import Leaf, Parallel, Subtask, Task, outcomes_of
+from grip_bt.graph.model import Leaf, Parallel, Subtask, Task
+from grip_bt.graph.walking import outcomes_of
 from grip_bt.nodes.control import Edges
 from grip_bt.validation import Issue
 

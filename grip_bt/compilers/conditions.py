@@ -6,10 +6,11 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from grip_bt.errors import ExpressionError, listing, nearest
-from grip_bt.graph import model
+from grip_bt.graph import model, walking
 from grip_bt.graph.evaluation import condition_of, value_of
 from grip_bt.graph.expression import Expression, parse_expression
-from grip_bt.graph.model import AnyNode, expressions_of
+from grip_bt.graph.model import AnyNode
+from grip_bt.graph.walking import expressions_of
 from grip_bt.nodes.control import Cases, Condition, Items, Passes, Rest, Rule
 from grip_bt.validation import Issue
 
@@ -52,7 +53,7 @@ def bind_rule(part: Part, scopes: Scopes) -> Rule | None:
     path, scope, names = part.path, part.scope, [child.name for child in part.children]
     match part.node:
         case model.Switch(on_value=text, default=default):
-            return Cases(bind_value(path, "on_value", text, scope, scopes), list(model.cases_of(part.node)), default)
+            return Cases(bind_value(path, "on_value", text, scope, scopes), list(walking.cases_of(part.node)), default)
         case model.Loop(while_=text, times=times):
             holds = bind_condition(path, "while", text, scope, scopes) if text else None
             return Passes(names[0], holds, times)

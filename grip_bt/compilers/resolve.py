@@ -22,11 +22,8 @@ from grip_bt.graph.model import (
     Switch,
     Task,
     Variable,
-    children_of,
-    join,
-    outcomes_of,
-    with_refusal,
 )
+from grip_bt.graph.walking import children_of, join, outcomes_of, with_refusal
 from grip_bt.nodes.control import Edges
 from grip_bt.validation import Issue
 from grip_bt.validation.known import KnownManifests

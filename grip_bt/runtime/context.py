@@ -207,9 +207,15 @@ class RunContext:
         return list(self._used.values())
 
 
+_ONE = {"arm": "an arm", "hand": "a hand", "sensor": "a sensor"}
+"""What a project names in its file, where a leaf wants one and there is none."""
+
+
 def _named(kind: str, parts: Mapping[str, T], name: str) -> T:
     if not name and len(parts) == 1:
         return next(iter(parts.values()))
+    if not name and not parts and kind in _ONE:
+        raise MissingPartError(_ONE[kind], f"name one under `{kind}s` in grip.yaml")
     if name not in parts:
         raise UnknownNameError(kind, name, parts)
     return parts[name]

@@ -86,13 +86,17 @@ class Control:
         for command in early:
             self._do(runner, command)
 
-    def run(self) -> RunResult:
-        """Run to the end in this thread, and tell of it; after `attach`."""
+    def run(self, more: Callable[[], Mapping[str, Any]] = dict) -> RunResult:
+        """Run to the end in this thread, and tell of it; after `attach`.
+
+        Args:
+            more: returns what else is to be told of the end, as JSON data.
+        """
         assert self._runner is not None, "attach a runner first"
         result = self._runner.run()
         if self._runner.journal is not None:
             self._runner.journal.flush()
-        self.send("ended", **result_facts(result))
+        self.send("ended", **result_facts(result), **more())
         return result
 
     def _obey(self) -> None:

@@ -20,7 +20,7 @@ from grip_bt.compilers import CompiledMachine, CompiledTree, Halted
 from grip_bt.compilers.behaviour_state import BehaviourState
 from grip_bt.compilers.probe import parts_of
 from grip_bt.errors import DivergedError
-from grip_bt.graph import model
+from grip_bt.graph import model, walking
 from grip_bt.nodes import Leaf, control
 from grip_bt.nodes.observer import Observer
 from grip_bt.ports import Clock
@@ -135,7 +135,7 @@ class Reliving:
             node.context = _Timed(node.context, TimeoutClock(self.clock, self.recording, node.path))
         rule = getattr(node, "rule", None) or getattr(getattr(node, "choice", None), "rule", None)
         if isinstance(rule, control.Rest) and not isinstance(rule.context, _Timed):
-            child = model.join(node.path, rule.child)
+            child = walking.join(node.path, rule.child)
             rule.context = _Timed(rule.context, CooldownClock(self.clock, self.recording, node.path, child, rule))
 
     def restored(self, event: Event) -> Any:

@@ -19,7 +19,7 @@ from grip_bt.compilers.behaviour_state import MachineRun, Refined, StateContext,
 from grip_bt.compilers.leaves import LeafFactory, implementation_of
 from grip_bt.compilers.scopes import UNSET, Scopes
 from grip_bt.graph import Leaf, Task
-from grip_bt.graph.model import join
+from grip_bt.graph.walking import join
 from grip_bt.smach_compat import State
 
 from .context import RunContext

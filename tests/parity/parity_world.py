@@ -15,7 +15,8 @@ from grip_bt.catalog import Catalog, Manifest, TaskTexts
 from grip_bt.compilers import Halted, to_machine, to_tree
 from grip_bt.compilers.scopes import Scopes
 from grip_bt.errors import DataError, NodeError
-from grip_bt.graph.model import Subtask, Task, walk
+from grip_bt.graph.model import Subtask, Task
+from grip_bt.graph.walking import walk
 from grip_bt.nodes import Leaf
 from grip_bt.nodes.node import halt
 from grip_bt.runtime import ManualClock, Plan

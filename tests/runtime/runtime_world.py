@@ -135,9 +135,9 @@ class Started:
         return self
 
     def wait_tick(self, path: str) -> None:
-        assert self.leaves[path].ticked.acquire(timeout=20), f"{path} wasn't ticked"
+        assert self.leaves[path].ticked.acquire(timeout=120), f"{path} wasn't ticked"
 
     def join(self) -> RunResult:
-        self._thread.join(timeout=20)
+        self._thread.join(timeout=120)
         assert self.result is not None, "the run hasn't ended"
         return self.result

@@ -48,7 +48,7 @@ class Served:
 
     def close(self) -> None:
         self.commands.close()
-        self._thread.join(20)
+        self._thread.join(120)
         assert not self._thread.is_alive()
         self.events.close()
 

@@ -32,7 +32,7 @@ class Debugged(Started):
         self.runner.debugger.on_held(self.places.put)
 
     def place(self) -> tuple[str, str]:
-        held = self.places.get(timeout=20)
+        held = self.places.get(timeout=120)
         while not self.runner.pacing.holding:  # it tells before it holds
             pass
         return held.when, held.path
@@ -59,7 +59,7 @@ def test_a_breakpoint_after_a_node_knows_its_outcome_and_code(target: Any) -> No
     run.start()
     run.wait_tick("w")
     run.runner.request_preempt()
-    held = run.places.get(timeout=20)
+    held = run.places.get(timeout=120)
     assert (held.when, held.path, held.outcome, held.code, held.breakpoint) == ("after", "w", "failure", "preempted", 3)
     run.runner.resume()
     assert run.join().status == "success"
@@ -82,7 +82,7 @@ def test_a_condition_that_cannot_be_computed_holds_and_says_why(target: Any) -> 
     run = Debugged(target)
     run.runner.debugger.set("c", condition="n > 1")
     run.start()
-    held = run.places.get(timeout=20)
+    held = run.places.get(timeout=120)
     assert "can't be computed" in held.message
     run.runner.resume()
     assert run.join().status == "success"

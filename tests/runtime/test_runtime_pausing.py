@@ -90,7 +90,7 @@ def test_a_paused_run_holds_the_arm_in_the_middle_of_its_motion_and_goes_on() ->
     assert np.abs(arm.state().position - there.position).max() < 0.5
     assert not results
     clock.advance(1.0)
-    thread.join(20)
+    thread.join(120)
     assert results[0].status == "success"
     assert arm.state().position == pytest.approx(there.position + 0.5)
 
@@ -129,7 +129,7 @@ seen: dict[str, Any] = {}
 def blocking(*, seconds: float = 0.0) -> int:
     """Block."""
     seen["inside"].set()
-    seen["block"].wait(20)
+    seen["block"].wait(120)
     return 3
 
 
@@ -156,7 +156,7 @@ def started(target: Any, form: Any) -> Any:
     run.runner = Runner(made, run.context, poll=None)
     run._thread = threading.Thread(target=run._run, daemon=True)
     run.start()
-    assert seen["inside"].wait(20)
+    assert seen["inside"].wait(120)
     return run
 
 
@@ -174,12 +174,13 @@ def test_a_coroutine_is_cancelled_by_a_stop_and_leaves_nothing_behind(target: An
     run = started(target, awaiting)
     run.runner.stop()
     result = run.join()
-    assert seen["cancelled"].wait(20)
+    assert seen["cancelled"].wait(120)
     assert (result.status, result.zombies) == ("stopped", ())
 
 
 @both
-def test_a_blocking_function_is_left_behind_by_a_stop_and_its_result_is_dropped(target: Any) -> None:
+def test_a_blocking_function_is_left_behind_by_a_stop_and_its_result_is_dropped(target: Any, monkeypatch: Any) -> None:
+    monkeypatch.setattr("grip_bt.runtime.runner.LAST_MOMENT", 0.05)
     run = started(target, blocking)
     run.runner.stop()
     result = run.join()

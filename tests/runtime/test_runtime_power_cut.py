@@ -57,7 +57,7 @@ def test_nothing_is_shown_before_the_disk_has_it(tmp_path: Path) -> None:
         [*watch, sys.executable, "-c", WRITER, str(tmp_path / "runs.sqlite")],
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=900,
     )
     if "ptrace" in done.stderr or "PTRACE" in done.stderr:
         pytest.skip(f"processes can't be traced here: {done.stderr.strip()[:200]}")

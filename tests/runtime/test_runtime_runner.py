@@ -6,6 +6,7 @@ import time
 from typing import Any
 
 import pytest
+from machine import is_within
 from py_trees.common import Status
 from runtime_world import TARGETS, Started, leaf
 
@@ -84,7 +85,7 @@ def test_a_stop_takes_less_than_a_tenth_of_a_second(target: Any) -> None:
         run.runner.stop()
         assert run.join().status == "stopped"
         taken.append(time.monotonic() - began)
-    assert min(taken) < 0.1
+    assert is_within(min(taken), 0.1, time.monotonic)
 
 
 @both
@@ -100,13 +101,16 @@ def test_a_stop_reaches_every_branch_and_a_paused_run(target: Any) -> None:
 
 @both
 @pytest.mark.parametrize("cancel", ["halt", "join"])
-def test_a_stop_terminates_the_others_while_one_leaf_hangs_in_its_update(target: Any, cancel: str) -> None:
+def test_a_stop_terminates_the_others_while_one_leaf_hangs_in_its_update(
+    target: Any, cancel: str, monkeypatch: Any
+) -> None:
+    monkeypatch.setattr("grip_bt.runtime.runner.INSIST", 0.03)
     children = {"w": leaf("wait"), "h": leaf("hang")}
     run = Started(target, {"kind": "parallel", "cancel": cancel, "children": children}, poll=None).start()
     run.wait_tick("w")
-    assert run.leaves["h"].inside.wait(20)
+    assert run.leaves["h"].inside.wait(120)
     run.runner.stop()
-    assert run.leaves["w"].was_terminated.wait(20)
+    assert run.leaves["w"].was_terminated.wait(120)
     run.leaves["h"].released.set()
     assert run.join().status == "stopped"
 
@@ -226,7 +230,7 @@ def test_unknown_parts_are_listed_and_an_empty_name_means_the_only_one() -> None
 def test_more_work_than_workers_is_done_all_the_same() -> None:
     context = RunContext(workers=2)
     operations = [context.run_in_worker(lambda n=n: n) for n in range(50)]
-    assert all(operation.wait(10) for operation in operations)
+    assert all(operation.wait(120) for operation in operations)
     assert [operation.result() for operation in operations] == list(range(50))
 
 

@@ -27,7 +27,7 @@ WAITING = Manifest(
 )
 LEGACY = Manifest(id="test/legacy", doc="A machine.", implementation="tests:Legacy", outcomes={"over": "success"})
 CATALOG = Catalog.builtin().with_manifests([WAITING, LEGACY])
-PATIENCE = 10.0  # [s] far beyond what any of this takes
+PATIENCE = 120.0  # [s] far beyond what any of this takes
 
 
 @pytest.fixture(autouse=True)

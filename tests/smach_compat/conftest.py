@@ -8,7 +8,7 @@ import grip_bt.smach_compat as smach
 from grip_bt.smach_compat._settings import PROFILES, Settings, settings
 from grip_bt.smach_compat.container import Container
 
-LIMIT = 20.0  # [s] far beyond what any machine here takes
+LIMIT = 120.0  # [s] far beyond what any machine here takes
 
 
 class Log(list):

@@ -56,7 +56,7 @@ class WaitsForPreempt(State):
 
     def execute(self, ud):
         self.begun.set()
-        assert self._asked.wait(20), "no preempt came"
+        assert self._asked.wait(120), "no preempt came"
         if self.services:
             self.service_preempt()
         return "pre"

@@ -139,7 +139,7 @@ def test_the_termination_callback_sees_the_outcomes_so_far(in_time):
         release.set()
         return False
 
-    late = Does(lambda ud: None if release.wait(20) else "never")
+    late = Does(lambda ud: None if release.wait(120) else "never")
     assert in_time(concurrence({"A": ok(), "B": late}, child_termination_cb=note).execute) == "a"
     assert seen == [{"A": "ok", "B": None}, {"A": "ok", "B": "ok"}]
 
@@ -167,10 +167,10 @@ def test_a_preempt_that_no_child_holds_is_serviced(profile, outcome, in_time):  
 def test_a_preempt_that_a_child_ignores_stays(in_time):  # probe 69
     state = WaitsForPreempt(services=False)
     cc = concurrence({"A": state})
-    preempter = threading.Thread(target=lambda: (state.begun.wait(20), cc.request_preempt()))
+    preempter = threading.Thread(target=lambda: (state.begun.wait(120), cc.request_preempt()))
     preempter.start()
     assert in_time(cc.execute) == "a"
-    preempter.join(20)
+    preempter.join(120)
     assert cc.preempt_requested()
     assert not state.preempt_requested(), "it was taken back"
 
@@ -246,7 +246,7 @@ def test_a_preempt_of_the_parent_gets_through_while_a_callback_runs(in_time):
     def preempt_from_another_thread(outcomes):
         other = threading.Thread(target=sm.request_preempt)
         other.start()
-        other.join(20)
+        other.join(120)
         assert not other.is_alive(), "the request waits for the callback"
 
     children = {"A": ok(), "B": WaitsForPreempt()}

@@ -278,11 +278,11 @@ def test_threads_that_build_machines_wait_for_each_other(in_time):
     def build_slowly():
         with slow:
             opened.set()
-            assert go_on.wait(20)
+            assert go_on.wait(120)
             StateMachine.add("SLOW", ok())
 
     def build_quickly():
-        assert opened.wait(20)
+        assert opened.wait(120)
         quick_is_waiting.set()
         with quick:
             StateMachine.add("QUICK", ok())
@@ -291,7 +291,7 @@ def test_threads_that_build_machines_wait_for_each_other(in_time):
     threads = [threading.Thread(target=work) for work in (build_slowly, build_quickly)]
     for thread in threads:
         thread.start()
-    assert quick_is_waiting.wait(20)
+    assert quick_is_waiting.wait(120)
     go_on.set()
     in_time(lambda: [thread.join() for thread in threads])
     assert (list(slow.get_children()), list(quick.get_children())) == (["SLOW"], ["QUICK"])

@@ -16,7 +16,7 @@ def test_the_porting_example_runs_as_printed(tmp_path):
     for name, text in files:
         (tmp_path / name).write_text(text)
     assert "grip_bt" not in files[0][1], "the legacy file knows nothing of us"
-    result = subprocess.run([sys.executable, "run_pick.py"], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    result = subprocess.run([sys.executable, "run_pick.py"], cwd=tmp_path, capture_output=True, text=True, timeout=600)
     assert (result.stdout, result.stderr, result.returncode) == (printed, "", 0)
 
 

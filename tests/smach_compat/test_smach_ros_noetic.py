@@ -20,7 +20,7 @@ SUITES = ("state_machine", "sequence", "concurrence", "monitor", "services", "in
 def results(file):
     """Return test -> passed or failed, and what was said."""
     done = subprocess.run(
-        [sys.executable, str(HERE / "standin_run.py"), str(file)], capture_output=True, text=True, timeout=120
+        [sys.executable, str(HERE / "standin_run.py"), str(file)], capture_output=True, text=True, timeout=600
     )
     return dict(re.findall(r"^(test_\w+) (passed|failed)$", done.stdout, re.MULTILINE)), done.stderr
 

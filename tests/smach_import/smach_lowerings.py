@@ -18,7 +18,7 @@ from grip_bt.nodes.smach_source import load_legacy
 from grip_bt.runtime import RunContext, Runner
 from grip_bt.smach_compat import InvalidStateError, InvalidTransitionError, InvalidUserCodeError
 
-LIMIT = 20.0  # [s] beyond what any of these machines takes
+LIMIT = 120.0  # [s] beyond what any of these machines takes
 FORMS = ("dispatch", "structured", "machine")
 PATIENCE = 50  # [ms] how long a tick waits for an execute() that takes no tick
 TICKS = 4  # leaves take 0 to 3 ticks

@@ -28,13 +28,13 @@ class Scripted(smach.State):
         with TURN:  # branches of a Concurrence take turns, in their order: `own` is the last state of this one
             WAITING[self.path] = self
             TURN.notify_all()
-            assert TURN.wait_for(self.may_go, 20)
+            assert TURN.wait_for(self.may_go, 120)
             del WAITING[self.path]
             activation = WORLD['activations']
             WORLD['activations'] += 1
         if activation in WORLD['preempt_at']:
             with TURN:  # its siblings have begun, so that the request finds them
-                assert TURN.wait_for(self.others_wait, 20)
+                assert TURN.wait_for(self.others_wait, 120)
             WORLD['request'](self)
         outcome = self.work(ud, self.labels[self.script[number % len(self.script)]])
         with TURN:

@@ -121,7 +121,7 @@ def test_missing_packages_get_stand_ins_and_the_machine_says_so(tmp_path):
 def test_recording_executes_no_machine_and_refuses_files_and_programs(tmp_path, monkeypatch):
     forbidden = tmp_path / "forbidden"
     monkeypatch.setenv("GRIP_TEST_FILE", str(forbidden))
-    run = record(EXECUTED / "harmful.py", EXECUTED, {}, timeout=120)
+    run = record(EXECUTED / "harmful.py", EXECUTED, {}, timeout=600)
     assert not forbidden.exists()
     assert [c["children"][0]["label"] for c in run.containers][:1] == ["STOP"]
     assert "a recorded machine is not executed" not in run.words
@@ -176,6 +176,6 @@ def test_a_file_without_smach_is_not_run(tmp_path):
 
 
 def test_the_record_is_json_on_stdout_whatever_the_module_prints():
-    run = record(EXECUTED / "harmful.py", EXECUTED, {}, timeout=120)
+    run = record(EXECUTED / "harmful.py", EXECUTED, {}, timeout=600)
     assert json.dumps(run.containers)
     assert "nonsense" in run.words

@@ -113,7 +113,7 @@ class Work(smach.State):
         self.asked.set()
     def execute(self, userdata):
         BEGUN.set()
-        assert self.asked.wait(60)
+        assert self.asked.wait(120)
         self.service_preempt()
         return 'preempted'
 
@@ -142,13 +142,13 @@ def test_a_request_that_was_obeyed_is_not_asked_again_in_a_fork(target, tmp_path
         begun = load_legacy(tmp_path / "legacy_recovers.py").BEGUN
 
         def ask():
-            assert begun.wait(60)
+            assert begun.wait(120)
             session.runner.request_preempt()
 
         asker = threading.Thread(target=ask)
         asker.start()
         assert session.runner.run().outcome == "preempted"
-        asker.join(60)
+        asker.join(120)
     assert main(["run", "--fork", "last", "--at", "TIDY:enter", "--in-process"]) == 3
     with JournalReader(journal) as reader:
         new, _ = reader.runs()

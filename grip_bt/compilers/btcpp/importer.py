@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from grip_bt.catalog import Catalog
 from grip_bt.errors import DocumentError, RefusedFileError, listing, nearest
-from grip_bt.graph import dumps, loads, model
+from grip_bt.graph import dumps, loads, model, walking
 from grip_bt.graph.expression import parse_expression
 
 from ..from_tree.naming import node_name
@@ -192,7 +192,7 @@ class _Importer:
         remarks += [f"the tree {name!r} isn't used by {tree!r}, and isn't imported" for name in unused]
         remarks += [f"{name!r} may be read before it is written; it is null until then" for name in early]
         remarks += [f"the input {name!r} is read and never written" for name in inputs]
-        used = {node.node for _, node in model.walk(read.root) if isinstance(node, model.Leaf)}
+        used = {node.node for _, node in walking.walk(read.root) if isinstance(node, model.Leaf)}
         manifests = tuple(m for m in self.leaves.settled.values() if m.id in used)
         for face in self.leaves.faces.values():
             unknown = [port for port, use in face.uses.items() if use.port is None and use.bound]
@@ -233,11 +233,11 @@ class _Importer:
 def _mentioned(root: Keys) -> set[str]:
     """Return the variables that a node, or one below it, reads or writes."""
     names: set[str] = set()
-    for _, node in model.walk(model.Task.model_validate({"grip": 1, "name": "t", "root": root}).root):
+    for _, node in walking.walk(model.Task.model_validate({"grip": 1, "name": "t", "root": root}).root):
         if isinstance(node, model.Leaf):
             names.update(node.in_.values(), node.out.values())
         if isinstance(node, model.ForEach):
             names.add(node.items)
-        for _, text in model.expressions_of(node):
+        for _, text in walking.expressions_of(node):
             names.update(parse_expression(text).names)
     return names

@@ -6,7 +6,7 @@ import ast
 from dataclasses import dataclass
 from typing import Any
 
-from grip_bt.graph import model
+from grip_bt.graph import model, walking
 from grip_bt.graph.expression import parse_expression
 
 _EXPRESSIONS = ("precondition", "on_value")
@@ -23,7 +23,7 @@ class Difference:
 
 def difference(task: model.Task, back: model.Task) -> Difference | None:
     """Return the first difference between a task and what came back; its `doc` is a comment, and may be lost."""
-    one, other = dict(model.walk(task.root)), dict(model.walk(back.root))
+    one, other = dict(walking.walk(task.root)), dict(walking.walk(back.root))
     for path, node in one.items():
         if path not in other:
             return Difference(path, "its name or place", "it comes back under another")

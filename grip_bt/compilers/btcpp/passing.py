@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from grip_bt.catalog import Catalog
-from grip_bt.graph import model
+from grip_bt.graph import model, walking
 from grip_bt.graph.expression import parse_expression
 from grip_bt.graph.frozen import FrozenDict
 from grip_bt.validation import Issue, validate
@@ -21,7 +21,7 @@ from grip_bt.validation import Issue, validate
 def with_nulls(task: model.Task, catalog: Catalog) -> tuple[model.Task, list[str]]:
     """Return the task with null in the variables that only ports and Switches read too early, and their names."""
     issues = [issue for issue in validate(task, catalog).issues if issue.code == "read-before-write"]
-    nodes = dict(model.walk(task.root))
+    nodes = dict(walking.walk(task.root))
     patient, strict = set[str](), set[str]()
     for issue in issues:
         names, mild = _read(nodes[issue.path], issue)
@@ -48,6 +48,6 @@ def _read(node: model.AnyNode, issue: Issue) -> tuple[Iterable[str], bool]:
     key = issue.key[0] if issue.key else ""
     if isinstance(node, model.Leaf) and key == "in":
         return [node.in_[str(issue.key[1])]], node.node != "flow/compute"
-    texts = dict(model.expressions_of(node))
+    texts = dict(walking.expressions_of(node))
     names = parse_expression(texts[str(key)]).names if key in texts else ()
     return names, key == "on_value" and texts["on_value"] in names

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from grip_bt.errors import GripError
-from grip_bt.graph import model
+from grip_bt.graph import model, walking
 
 from ..behaviour_state import BehaviourState, TaskState
 from ..from_tree.convert import Reader
@@ -57,7 +57,7 @@ def to_task(machine: CompiledMachine) -> model.Task:
 class _Reader:
     def __init__(self, machine: CompiledMachine):
         self.states: Mapping[str, Any] = machine.by_path
-        documents = dict(model.walk(machine.task.root))
+        documents = dict(walking.walk(machine.task.root))
         made = {path: state.node if isinstance(state, BehaviourState) else state for path, state in self.states.items()}
         self.behaviours = Reader({id(made[path]): document for path, document in documents.items()})
         self.refused: list[Remark] = []

@@ -7,7 +7,7 @@ from typing import Any, get_args
 
 from py_trees.behaviour import Behaviour
 
-from grip_bt.graph import model
+from grip_bt.graph import model, walking
 from grip_bt.nodes import control
 from grip_bt.nodes.node import Node
 
@@ -56,7 +56,7 @@ def to_task(tree: CompiledTree | Behaviour, name: str = "") -> Imported:
 
 def _documents(compiled: CompiledTree) -> dict[int, model.AnyNode]:
     """Return what the document says of each behaviour, by its `id`."""
-    return {id(compiled.by_path[path]): node for path, node in model.walk(compiled.task.root)}
+    return {id(compiled.by_path[path]): node for path, node in walking.walk(compiled.task.root)}
 
 
 class Reader:
@@ -117,7 +117,7 @@ class Reader:
             return result  # what it holds is said by its import path
         names = distinct(child.name for child in behaviour.children)
         for name, child in zip(names, behaviour.children, strict=True):
-            below = model.join(path, name)
+            below = walking.join(path, name)
             if name != child.name:
                 self.names[below] = child.name
             result[name] = self.node(child, below)

@@ -13,7 +13,7 @@ from py_trees.common import ParallelPolicy
 
 from grip_bt.catalog import Catalog, Manifest
 from grip_bt.errors import listing, nearest
-from grip_bt.graph import model
+from grip_bt.graph import model, walking
 
 from ..from_tree.kinds import Equal, NoEqual, equal_of, why_not
 from ..from_tree.naming import distinct, node_name
@@ -140,7 +140,7 @@ class _Reader:
         result = {}
         wanted = [child.attributes.get("name", child.tag) for child in element.children]
         for name, given, child in zip(distinct(wanted), wanted, element.children, strict=True):
-            below = model.join(path, name)
+            below = walking.join(path, name)
             if name != given:
                 self.names[below] = given
             result[name] = self.node(child, names, below, inside)

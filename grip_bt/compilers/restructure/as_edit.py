@@ -12,8 +12,9 @@ from grip_bt.graph.edit import AnyCommand, Convert, Group, Inline, Patch, apply,
 from grip_bt.graph.edit.draft import Draft, deep
 from grip_bt.graph.edit.rewriting import differences
 from grip_bt.graph.edit.steps import Place, Put, Rekey, Shift, Step
-from grip_bt.graph.model import Task, join, walk
+from grip_bt.graph.model import Task
 from grip_bt.graph.shape import CHILDREN
+from grip_bt.graph.walking import join, walk
 
 from .inlining import inlined
 from .result import Restructured

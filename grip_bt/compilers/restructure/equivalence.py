@@ -17,7 +17,8 @@ from py_trees.common import Status
 from grip_bt.catalog import Catalog, Manifest
 from grip_bt.errors import DataError, EvaluationError, NodeError
 from grip_bt.graph.model import Leaf as LeafNode
-from grip_bt.graph.model import Parallel, Task, walk
+from grip_bt.graph.model import Parallel, Task
+from grip_bt.graph.walking import walk
 from grip_bt.nodes import Leaf
 from grip_bt.nodes.node import halt
 from grip_bt.nodes.observer import Observer

@@ -14,7 +14,8 @@ from grip_bt.graph.edit.draft import deep
 from grip_bt.graph.edit.editing import Editing, slot
 from grip_bt.graph.edit.steps import Assign
 from grip_bt.graph.expression import parse_expression
-from grip_bt.graph.model import Childless, Subtask, Task, Variable, type_of, walk
+from grip_bt.graph.model import Childless, Subtask, Task, Variable, type_of
+from grip_bt.graph.walking import walk
 from grip_bt.validation.survey import Spot, Survey
 
 from .handovers import expect_nobody_can_tell

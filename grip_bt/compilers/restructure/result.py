@@ -8,7 +8,8 @@ from typing import Any
 
 from grip_bt.errors import NotExpressibleError
 from grip_bt.graph.frozen import FrozenDict
-from grip_bt.graph.model import AnyNode, Fallback, Sequence, StateMachine, Task, join
+from grip_bt.graph.model import AnyNode, Fallback, Sequence, StateMachine, Task
+from grip_bt.graph.walking import join
 
 from ..resolve import Part
 from ..transitions import lead

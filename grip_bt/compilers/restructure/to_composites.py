@@ -10,7 +10,8 @@ import networkx as nx
 from grip_bt.catalog import Catalog
 from grip_bt.errors import listing
 from grip_bt.graph.frozen import FrozenDict
-from grip_bt.graph.model import Leaf, StateMachine, Subtask, Task, outcomes_of
+from grip_bt.graph.model import Leaf, StateMachine, Subtask, Task
+from grip_bt.graph.walking import outcomes_of
 
 from ..resolve import Part, resolve
 from ..transitions import interrupts, lead

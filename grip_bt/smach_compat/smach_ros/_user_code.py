@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -58,3 +59,32 @@ def user_code(
     state.register_input_keys(inputs)
     state.register_output_keys(outputs)
     return UserCode(cb, args, kwargs, inputs, outputs)
+
+
+class BadAnswerError(Exception):
+    """A callback raised, or returned what is no outcome of its state."""
+
+
+def answer_of(state: smach.State, what: str, cb: UserCode, ud: Any, *values: Any) -> str | None:
+    """Call a callback that may choose its state's outcome; return that, or None when it leaves it to the state.
+
+    Args:
+        state: whose callback it is.
+        what: what it is and of whom, for the message.
+        cb: the callback.
+        ud: userdata.
+        values: what it is given.
+
+    Raises:
+        BadAnswerError: it raised, or chose an outcome that the state doesn't have.
+    """
+    try:
+        chosen: str | None = cb(ud, *values)
+    except Exception:  # noqa: BLE001 - upstream: the state ends as aborted
+        raise BadAnswerError(f"The {what} raised: {traceback.format_exc()}") from None
+    if chosen is not None and chosen not in state.get_registered_outcomes():
+        raise BadAnswerError(
+            f"The {what} returned {chosen!r}, but the outcomes are {list(state.get_registered_outcomes())}; "
+            f"declare it by outcomes=[...] of the state or of cb_interface"
+        )
+    return chosen

@@ -13,7 +13,7 @@ from ._connection import ros
 from ._messages import new_request
 from ._port import ServiceFailedError
 from ._signature import with_optional_node
-from ._user_code import user_code
+from ._user_code import BadAnswerError, answer_of, user_code
 from .ros_state import RosState
 
 __all__ = ["ServiceState"]
@@ -131,15 +131,10 @@ class ServiceState(RosState):
 
     def _hand_over(self, ud: Any) -> str:
         try:
-            outcome = self._response_cb(ud, self._response)
-        except Exception:  # noqa: BLE001 - upstream: the state ends as aborted
-            smach.logerr(f"The response callback of {self._service_name!r} raised: {traceback.format_exc()}")
-            return "aborted"
-        if outcome is not None and outcome not in self.get_registered_outcomes():
-            smach.logerr(
-                f"The response callback of {self._service_name!r} returned {outcome!r}, but the outcomes are "
-                f"{list(self.get_registered_outcomes())}; declare it by outcomes=[...] of the state or of cb_interface"
-            )
+            what = f"response callback of {self._service_name!r}"
+            outcome = answer_of(self, what, self._response_cb, ud, self._response)
+        except BadAnswerError as error:
+            smach.logerr(str(error))
             return "aborted"
         if self._response_key is not None:
             ud[self._response_key] = self._response

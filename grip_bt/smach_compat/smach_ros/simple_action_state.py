@@ -14,7 +14,7 @@ from grip_bt.smach_compat.user_data import NOTHING
 from ._connection import ros, seconds
 from ._messages import fields, new_goal, new_result
 from ._signature import with_optional_node
-from ._user_code import user_code
+from ._user_code import BadAnswerError, answer_of, user_code
 from .ros_state import RosState
 
 __all__ = ["SimpleActionState"]
@@ -235,15 +235,10 @@ class SimpleActionState(RosState):
 
     def _conclude(self, ud: Any) -> str:
         try:
-            chosen = self._result_cb(ud, self._goal_status, self._goal_result)
-        except Exception:  # noqa: BLE001 - upstream: the state ends as aborted
-            smach.logerr(f"The result callback of {self._action_name!r} raised: {traceback.format_exc()}")
-            return "aborted"
-        if chosen is not None and chosen not in self.get_registered_outcomes():
-            smach.logerr(
-                f"The result callback of {self._action_name!r} returned {chosen!r}, but the outcomes are "
-                f"{list(self.get_registered_outcomes())}; declare it by outcomes=[...] of the state or of cb_interface"
-            )
+            what = f"result callback of {self._action_name!r}"
+            chosen = answer_of(self, what, self._result_cb, ud, self._goal_status, self._goal_result)
+        except BadAnswerError as error:
+            smach.logerr(str(error))
             return "aborted"
         if self._result_key is not None:
             ud[self._result_key] = self._goal_result

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from btcpp_world import BUILTIN, document
+from machine import is_within
 
 from grip_bt.compilers import to_tree
 from grip_bt.compilers.btcpp import from_xml
@@ -179,7 +180,7 @@ def test_sub_trees_of_sub_trees_are_bounded() -> None:
     began = time.process_time()
     with pytest.raises(DocumentError, match="more than 20000 nodes"):
         from_xml(text, BUILTIN, "f.xml")
-    assert time.process_time() - began < 1
+    assert is_within(time.process_time() - began, 1)
 
 
 @pytest.mark.parametrize(("text", "message"), [case[1:] for case in HOSTILE], ids=[case[0] for case in HOSTILE])
@@ -187,7 +188,7 @@ def test_a_hostile_file_is_refused_within_a_second(text: str, message: str) -> N
     began = time.process_time()
     with pytest.raises(GripError) as error:
         from_xml(text, BUILTIN, "f.xml", FOLDER)
-    assert time.process_time() - began < 1
+    assert is_within(time.process_time() - began, 1)
     assert message in str(error.value)
 
 

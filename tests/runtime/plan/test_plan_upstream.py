@@ -26,7 +26,7 @@ def upstream(tmp_path_factory: pytest.TempPathFactory) -> Path:
             [sys.executable, "-m", *fetch, f"py_trees=={version}", "-d", str(folder)],
             capture_output=True,
             text=True,
-            timeout=120,
+            timeout=900,
         )
     except subprocess.TimeoutExpired:
         pytest.skip("the source distribution of py_trees can't be fetched: no answer within 120 s")
@@ -50,7 +50,7 @@ def test_the_tests_of_py_trees_pass_when_plans_tick(upstream: Path) -> None:
         env={**os.environ, "PYTHONPATH": str(HERE)},
         capture_output=True,
         text=True,
-        timeout=600,
+        timeout=900,
     )
     text = done.stdout + done.stderr
     assert done.returncode == 0, text[-3000:]

@@ -127,8 +127,8 @@ class TestProgram(unittest.TestCase):
         )
         wrapper.run_server()
         client = SimpleActionClient("machine", TestAction)
-        assert client.wait_for_server(rospy.Duration(10))
-        assert client.send_goal_and_wait(GOOD, rospy.Duration(10)) == GoalStatus.SUCCEEDED
+        assert client.wait_for_server(rospy.Duration(120))
+        assert client.send_goal_and_wait(GOOD, rospy.Duration(120)) == GoalStatus.SUCCEEDED
         assert client.get_result().result == 11
 
     def test_canceling_a_machines_goal_preempts_it(self):
@@ -142,7 +142,7 @@ class TestProgram(unittest.TestCase):
         while not sm.is_running():
             rospy.sleep(0.01)
         client.cancel_goal()
-        assert client.wait_for_result(rospy.Duration(10))
+        assert client.wait_for_result(rospy.Duration(120))
         assert client.get_state() == GoalStatus.PREEMPTED
 
     def test_a_service(self):
