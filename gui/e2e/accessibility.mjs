@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 
 import { check } from "./axe.mjs";
-import { onPage, url } from "./page.mjs";
+import { eventually, onPage, url } from "./page.mjs";
 
 for (const colorScheme of ["light", "dark"]) {
   await onPage(
@@ -32,7 +32,7 @@ for (const colorScheme of ["light", "dark"]) {
         await check(page, `${colorScheme}, dialog of ${key}`);
         await page.keyboard.press("Escape");
         await page.getByRole("dialog").waitFor({ state: "detached" });
-        assert.equal(await page.evaluate(() => document.activeElement?.getAttribute("data-row")), "attempts/second");
+        await eventually(() => page.evaluate(() => document.activeElement?.getAttribute("data-row")), "attempts/second");
       }
       await button("Run").click();
       await runIs("success: success");
@@ -42,13 +42,26 @@ for (const colorScheme of ["light", "dark"]) {
       const focused = () => page.evaluate(() => document.activeElement?.getAttribute("data-row"));
       await page.getByRole("treeitem").first().focus();
       await page.keyboard.press("ArrowDown");
-      assert.equal(await focused(), "first");
+      await eventually(focused, "first");
       await page.keyboard.press("End");
-      assert.equal(await focused(), "machine/b");
+      await eventually(focused, "machine/b");
       await page.keyboard.press("ArrowLeft");
+      await eventually(focused, "machine");
+      await page.keyboard.press("ArrowLeft");
+      await eventually(() => page.getByRole("treeitem", { name: /^machine/ }).getAttribute("aria-expanded"), "false");
+      const panel = () => page.evaluate(() => document.activeElement?.closest(".panel, .bar")?.querySelector("h1, h2")?.textContent ?? "");
+      const passed = [];
+      const goOn = async (key) => {
+        const before = await panel();
+        await page.keyboard.press(key);
+        return eventually(panel, (now) => now !== before);
+      };
+      do passed.push(await goOn("F6"));
+      while (passed.at(-1) !== "Outline" && passed.length < 12);
+      for (const name of ["Palette", "Node", "Outline"]) assert.ok(passed.includes(name), `${name} of ${passed}`);
+      await goOn("Shift+F6");
+      assert.equal(await goOn("F6"), "Outline");
       assert.equal(await focused(), "machine");
-      await page.keyboard.press("ArrowLeft");
-      assert.equal(await page.getByRole("treeitem", { name: /^machine/ }).getAttribute("aria-expanded"), "false");
       assert.equal(await page.locator('[role="treeitem"][tabindex="0"]').count(), 1, "the tree is one tab stop");
     },
     { colorScheme, reducedMotion: "reduce" },

@@ -3,14 +3,18 @@ import assert from "node:assert/strict";
 
 import { chromium } from "playwright-core";
 
+import { PATIENCE } from "./page.mjs";
+
 const [url, shots = ""] = process.argv.slice(2);
 const browser = await chromium.launch({
   executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
   args: ["--no-sandbox", "--disable-dev-shm-usage"],
+  timeout: PATIENCE,
 });
 try {
   for (const colorScheme of ["light", "dark"]) {
     const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, colorScheme, offline: true });
+    context.setDefaultTimeout(PATIENCE);
     const page = await context.newPage();
     const complaints = [];
     const requests = [];

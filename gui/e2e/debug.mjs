@@ -1,9 +1,7 @@
 // Breakpoints set on nodes, steps of each kind, run to and from a node, a node played by a script, a value looked at.
-import assert from "node:assert/strict";
+import { eventually, onPage, url } from "./page.mjs";
 
-import { onPage, url } from "./page.mjs";
-
-await onPage(url, async (page, { button, choose, nodeIs, pick, runIs }) => {
+await onPage(url, async (page, { button, choose, nodeIs, pick, runIs, runIsStopped }) => {
   await choose("Task", "tasks/short.yaml");
   await choose("Robot", "fake");
   await pick("second");
@@ -43,7 +41,7 @@ await onPage(url, async (page, { button, choose, nodeIs, pick, runIs }) => {
   await page.keyboard.press("Control+F10");
   await runIs("paused before machine/b");
   await button("STOP").click();
-  await runIs("stopped");
+  await runIsStopped();
   await page.getByRole("tab", { name: "Breakpoints" }).click();
   await pick("machine");
   await button("Run from here").click();
@@ -58,5 +56,5 @@ await onPage(url, async (page, { button, choose, nodeIs, pick, runIs }) => {
   await button("Run").click();
   await runIs("failure: failure");
   await nodeIs("attempts", "failure.no_grasp");
-  assert.equal(await button("Run").isEnabled(), true);
+  await eventually(() => button("Run").isEnabled(), true);
 });

@@ -7,7 +7,7 @@ import { onPage, rest, url } from "./page.mjs";
 
 const [folder] = rest;
 
-await onPage(url, async (page, { answer, button, choose, fileIs, item, pick }) => {
+await onPage(url, async (page, { answer, button, choose, dragUntil, fileIs, item, pick }) => {
   const box = (path) => page.locator(`.flow [data-path="${path}"]`);
   const port = (path, outcome) => box(path).locator(".port", { hasText: outcome }).locator(".react-flow__handle");
   const end = (outcome) => page.locator(".flow .end-node", { hasText: outcome });
@@ -56,13 +56,7 @@ await onPage(url, async (page, { answer, button, choose, fileIs, item, pick }) =
   await edge("machine/b.success").waitFor({ state: "attached" });
 
   // A pinned node never moves by itself: not when others come, not when they go.
-  const handle = box("machine/a").locator(".node-sub");
-  const from = await handle.boundingBox();
-  await page.mouse.move(from.x + 20, from.y + 5);
-  await page.mouse.down();
-  await page.mouse.move(from.x + 60, from.y + 120, { steps: 6 });
-  await page.mouse.up();
-  await page.getByRole("button", { name: "Tidy up (1 pinned)" }).waitFor();
+  await dragUntil(box("machine/a").locator(".node-sub"), 60, 120, page.getByRole("button", { name: "Tidy up (1 pinned)" }));
   const place = () => page.locator('.flow .react-flow__node[data-id="machine/a"]').evaluate((node) => node.style.transform);
   const pinned = await place();
   await pick("b");

@@ -3,13 +3,12 @@ import assert from "node:assert/strict";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 
-import { onPage, rest, url, words } from "./page.mjs";
+import { eventually, onPage, rest, url, words } from "./page.mjs";
 
 const [folder] = rest;
 const path = join(folder, "tasks/short.yaml");
 
 await onPage(url, async (page, { button, choose, fileIs, item, pick, rowsAre }) => {
-  const text = page.getByRole("textbox", { name: "Text of the task" });
   const line = (words) => page.locator(".cm-line", { hasText: words });
   const before = readFileSync(path, "utf8");
   await choose("Task", "tasks/short.yaml");
@@ -47,12 +46,11 @@ await onPage(url, async (page, { button, choose, fileIs, item, pick, rowsAre }) 
   await page.getByRole("alert").getByText(/isn't a task at the moment/).waitFor();
   await page.getByRole("alert").getByRole("button", { name: "Close" }).click();
   await page.keyboard.press("Control+s");
-  await page.waitForTimeout(400);
-  assert.match(readFileSync(path, "utf8"), /oops: - first:/);
+  await eventually(() => readFileSync(path, "utf8"), (saved) => /oops: - first:/.test(saved));
   await button("Undo").click();
   await page.keyboard.press("Control+s");
   await fileIs("saved");
-  assert.equal(readFileSync(path, "utf8"), before);
+  await eventually(() => readFileSync(path, "utf8"), before);
 
   // A fix of the problems list is an edit; the squiggle goes.
   await button("Text").click();
@@ -66,7 +64,6 @@ await onPage(url, async (page, { button, choose, fileIs, item, pick, rowsAre }) 
 
   // Another page sees every edit; what was typed on an older text is neither lost nor silently put over it.
   const other = await page.context().newPage();
-  other.setDefaultTimeout(20_000);
   const two = words(other);
   await other.goto(url);
   await other.getByRole("tree").waitFor();
@@ -74,12 +71,12 @@ await onPage(url, async (page, { button, choose, fileIs, item, pick, rowsAre }) 
   await two.pick("first");
   await other.keyboard.press("F2");
   await two.answer("theirs");
+  await page.bringToFront();
   await item("theirs").waitFor();
   await line("theirs:").waitFor();
 
   // Somebody else writes the file: nothing is overwritten unseen.
   writeFileSync(path, before.replace("first:", "outside:"));
-  await page.bringToFront();
   await line("theirs:").click();
   await button("Tree").click();
   await page.keyboard.press("Control+s");
@@ -90,7 +87,5 @@ await onPage(url, async (page, { button, choose, fileIs, item, pick, rowsAre }) 
   await button("Undo").click();
   await item("theirs").waitFor();
   await page.keyboard.press("Control+s");
-  await fileIs("saved");
-  assert.match(readFileSync(path, "utf8"), /theirs:/);
-  assert.ok(await text.count() >= 0);
+  await eventually(() => readFileSync(path, "utf8"), (saved) => /theirs:/.test(saved));
 });

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 
-import { onPage, rest, url } from "./page.mjs";
+import { eventually, onPage, rest, url } from "./page.mjs";
 
 const [folder] = rest;
 const file = (name) => readFileSync(join(folder, "tasks", name), "utf8");
@@ -95,18 +95,16 @@ await onPage(url, async (page, { answer, button, choose, fileIs, item, pick, row
   // The answer to one press may disable the button before the next: that press then does nothing.
   while (await button("Undo").isEnabled()) {
     await button("Undo").click({ force: true });
-    await page.waitForTimeout(60);
   }
   await page.keyboard.press("Control+s");
   await fileIs("saved");
-  assert.equal(file("short.yaml"), before);
+  await eventually(() => file("short.yaml"), before);
   while (await button("Redo").isEnabled()) {
     await button("Redo").click({ force: true });
-    await page.waitForTimeout(60);
   }
   await page.keyboard.press("Control+s");
   await fileIs("saved");
-  assert.equal(file("short.yaml"), saved);
+  await eventually(() => file("short.yaml"), saved);
 
   // A branch that was left is reached through the history.
   await page.getByRole("tab", { name: "History" }).click();

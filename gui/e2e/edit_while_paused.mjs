@@ -1,9 +1,8 @@
 // A task is edited while a run of it is paused: the run keeps the text that it began with, the next one has the new.
-import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 
-import { onPage, rest, url } from "./page.mjs";
+import { eventually, onPage, rest, url } from "./page.mjs";
 
 const [folder] = rest;
 
@@ -28,8 +27,8 @@ await onPage(url, async (page, { answer, button, choose, fileIs, item, nodeIs, p
   await item("later").waitFor();
   await page.keyboard.press("Control+s");
   await fileIs("saved");
-  assert.match(readFileSync(join(folder, "tasks/short.yaml"), "utf8"), /later: \{node: test\/count/);
-  assert.equal(await selected(), "machine/later", "where the run holds doesn't take the selection away from who edits");
+  await eventually(() => readFileSync(join(folder, "tasks/short.yaml"), "utf8"), (saved) => /later: \{node: test\/count/.test(saved));
+  await eventually(selected, "machine/later", "where the run holds doesn't take the selection away from who edits");
   await runIs("paused before attempts/second (breakpoint)");
 
   await button("Show the run").click();

@@ -10,7 +10,7 @@ const [folder] = rest;
 const BUDGET = 80;
 let actions = 0;
 
-await onPage(url, async (page, { answer, button, nodeIs, runIs, slider }) => {
+await onPage(url, async (page, { answer, button, nodeIs, runIsStopped, slider }) => {
   const press = async (name) => (actions++, button(name).first().click());
   const key = async (keys) => (actions++, page.keyboard.press(keys));
   const choose = async (label, value) => (actions++, page.getByLabel(label, { exact: true }).selectOption(value));
@@ -135,7 +135,7 @@ await onPage(url, async (page, { answer, button, nodeIs, runIs, slider }) => {
   await nodeIs("choose", "success");
   await nodeIs("move_to_grasp", "running");
   await key("F8");
-  await runIs("stopped");
+  await runIsStopped();
   await nodeIs("move_to_grasp", "interrupted");
   actions++;
   await slider().focus();

@@ -4,7 +4,7 @@ import { readFileSync } from "node:fs";
 import { join } from "node:path";
 
 import { check } from "./axe.mjs";
-import { onPage, rest, url } from "./page.mjs";
+import { eventually, onPage, rest, url } from "./page.mjs";
 
 const [folder, shots] = rest;
 const file = (path) => readFileSync(join(folder, path), "utf8");
@@ -107,7 +107,7 @@ for (const colorScheme of ["light", "dark"]) {
       await form.getByRole("group", { name: "sensors overhead_depth" }).getByLabel("topic", { exact: true }).waitFor();
       await form.getByText("Nothing is wrong").waitFor();
       await shot("sensor");
-      assert.ok((await page.locator("datalist option[value='/camera/color']").count()) > 0, "topics are offered");
+      await eventually(() => page.locator("datalist option[value='/camera/color']").count(), (count) => count > 0, "topics are offered");
     },
     { colorScheme, reducedMotion: "reduce" },
   );

@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 
 import { check } from "./axe.mjs";
-import { onPage, url } from "./page.mjs";
+import { eventually, onPage, url } from "./page.mjs";
 
 await onPage(url, async (page, { answer, button, choose, fileIs, item, pick }) => {
   const box = (path) => page.locator(`.flow [data-path="${path}"]`);
@@ -18,8 +18,12 @@ await onPage(url, async (page, { answer, button, choose, fileIs, item, pick }) =
   await inside.click();
   await box("machine/a").waitFor();
   await edge("machine/a.success").waitFor({ state: "attached" });
-  const [around, within] = [await box("machine").boundingBox(), await box("machine/a").boundingBox()];
-  assert.ok(within.x > around.x && within.y > around.y && within.x + within.width < around.x + around.width && within.y + within.height < around.y + around.height);
+  const boxes = async (...all) => Promise.all(all.map((each) => each.boundingBox()));
+  await eventually(
+    () => boxes(box("machine"), box("machine/a")),
+    ([around, within]) => within.x > around.x && within.y > around.y && within.x + within.width < around.x + around.width && within.y + within.height < around.y + around.height,
+    "what is inside isn't in the box",
+  );
   await page.locator(".flow .end-node", { hasText: "done" }).waitFor();
 
   // Selecting inside stays in this chart; what is edited is drawn where it is.
@@ -43,10 +47,11 @@ await onPage(url, async (page, { answer, button, choose, fileIs, item, pick }) =
   await page.keyboard.press("Shift+Enter");
   const looped = box("attempts/repeat/second");
   await looped.waitFor();
-  const loop = await edge("attempts/repeat/second.success").locator("path").first().boundingBox();
-  const node = await looped.boundingBox();
-  assert.ok(loop.y + loop.height > node.y + node.height, "the loop goes below its node");
-  assert.ok(loop.x < node.x && loop.x + loop.width > node.x + node.width, "and round both of its sides");
+  await eventually(
+    () => boxes(edge("attempts/repeat/second.success").locator("path").first(), looped),
+    ([loop, node]) => loop.y + loop.height > node.y + node.height && loop.x < node.x && loop.x + loop.width > node.x + node.width,
+    "the loop doesn't go below its node and round both of its sides",
+  );
 
   // Closed again: only the box is left. By its key: the chart still moves to what was selected, and the mark with it.
   await pick("machine");

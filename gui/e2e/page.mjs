@@ -1,5 +1,7 @@
 // Opens the editor in the system's Chromium and gives tests a few words of their own.
 import assert from "node:assert/strict";
+import { setTimeout as sleep } from "node:timers/promises";
+import { isDeepStrictEqual } from "node:util";
 
 import { chromium } from "playwright-core";
 
@@ -7,21 +9,38 @@ const EXECUTABLE = process.env.CHROMIUM ?? "/usr/bin/chromium";
 /** How long the page may take for anything [ms]: enough for a machine that does much else. */
 export const PATIENCE = 120_000;
 
+/** Wait until `read()` gives what is wanted (a value, or a test of one), and return that; a busy machine shows everything later. */
+export async function eventually(read, wanted, told = "it never comes to that") {
+  const is = typeof wanted === "function" ? wanted : (value) => isDeepStrictEqual(value, wanted);
+  const deadline = Date.now() + PATIENCE;
+  for (;;) {
+    const value = await read();
+    if (is(value)) return value;
+    if (Date.now() > deadline) {
+      if (typeof wanted !== "function") assert.deepEqual(value, wanted, told);
+      assert.fail(`${told}: ${JSON.stringify(value)}`);
+    }
+    await sleep(40);
+  }
+}
+
 /** Run `test(page, words)` on the page at `url`; whatever the page complains about fails the test, but for what `expected` matches. */
 export async function onPage(url, test, { expected = /status of 409/, ...options } = {}) {
   const browser = await chromium.launch({
     executablePath: EXECUTABLE,
     args: ["--no-sandbox", "--disable-dev-shm-usage"],
+    timeout: PATIENCE,
   });
   const complaints = [];
   try {
     const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, ...options });
+    context.setDefaultTimeout(PATIENCE); // also of pages that are opened from this one
     const page = await context.newPage();
-    page.setDefaultTimeout(PATIENCE);
     page.on("pageerror", (error) => complaints.push(String(error)));
     page.on("console", (message) => {
       // A conflict (409) is a refusal that the page shows and the person decides.
-      if (message.type() === "error" && !expected.test(message.text())) complaints.push(message.text());
+      if (message.type() !== "error" || expected.test(message.text())) return;
+      complaints.push(`${message.text()} (${message.location().url.split("?token")[0]})`);
     });
     await page.goto(url);
     await page.getByRole("tree").waitFor();
@@ -42,6 +61,8 @@ export function words(page) {
     button: (name) => page.getByRole("button", { name, exact: true }),
     /** Wait until the run's state says `text`. */
     runIs: (text) => page.getByLabel("State of the run").getByText(text, { exact: true }).waitFor(),
+    /** Wait until STOP has ended the run: where a machine is so busy that it doesn't answer in time, it is killed. */
+    runIsStopped: () => page.getByLabel("State of the run").getByText(/^(stopped|killed)$/).waitFor(),
     /** Wait until the outline says that `node` is `status`. */
     nodeIs: (node, status) =>
       page.getByRole("treeitem", { name: new RegExp(`^${node} [a-z ]+, ${status}$`) }).waitFor({ state: "attached" }),
@@ -54,12 +75,8 @@ export function words(page) {
     /** The names in the outline, in order. */
     names: () => page.getByRole("treeitem").evaluateAll((rows) => rows.map((row) => row.getAttribute("data-row"))),
     /** Wait until the outline has these rows. */
-    rowsAre: async (rows) => {
-      const now = () => page.getByRole("treeitem").evaluateAll((all) => all.map((row) => row.getAttribute("data-row")));
-      const deadline = Date.now() + PATIENCE;
-      while (Date.now() < deadline && JSON.stringify(await now()) !== JSON.stringify(rows)) await page.waitForTimeout(40);
-      assert.deepEqual(await now(), rows);
-    },
+    rowsAre: (rows) =>
+      eventually(() => page.getByRole("treeitem").evaluateAll((all) => all.map((row) => row.getAttribute("data-row"))), rows),
     /** Wait until the file's state says `text`. */
     fileIs: (text) => page.getByLabel("State of the file").getByText(text, { exact: true }).waitFor(),
     /** Answer the open dialog: type, then Enter. */
@@ -68,6 +85,24 @@ export function words(page) {
       await page.getByRole("dialog").locator("input").fill(text);
       await page.keyboard.press("Enter");
       await page.getByRole("dialog").getByRole("heading", { name: title, exact: true }).waitFor({ state: "detached" });
+    },
+    /** Where something is, once it stands still: a chart moves when it is fitted, and a drag that begins beside a node moves nothing. */
+    still: async (what) => {
+      await what.hover(); // waits until it stands still, can be reached and isn't covered
+      return what.boundingBox();
+    },
+    /** Drag something to so far from its upper left corner, until `done` is seen: a chart that moves just then leaves the pointer beside it. */
+    dragUntil: async (what, right, down, done) => {
+      for (let tries = 0; tries < 10; tries++) {
+        await what.hover();
+        const { x, y, width, height } = await what.boundingBox();
+        await page.mouse.move(x + width / 2, y + height / 2);
+        await page.mouse.down();
+        await page.mouse.move(x + right, y + down, { steps: 6 });
+        await page.mouse.up();
+        if (await done.waitFor({ timeout: 5000 }).then(() => true, () => false)) return;
+      }
+      await done.waitFor();
     },
     slider: () => page.getByRole("slider", { name: "Moment of the run" }),
   };

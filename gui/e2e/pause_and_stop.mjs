@@ -1,15 +1,13 @@
 // Pause, resume and step a long run, then stop it; by button, and by key.
-import assert from "node:assert/strict";
+import { eventually, onPage, url } from "./page.mjs";
 
-import { onPage, url } from "./page.mjs";
-
-await onPage(url, async (page, { button, choose, nodeIs, runIs }) => {
+await onPage(url, async (page, { button, choose, nodeIs, runIs, runIsStopped }) => {
   await choose("Task", "tasks/long.yaml");
   await choose("Robot", "fake");
   await button("Run").click();
   await nodeIs("one", "running");
   await runIs("running");
-  assert.equal(await button("Run").isDisabled(), true);
+  await eventually(() => button("Run").isDisabled(), true);
 
   await button("Pause").click();
   await runIs("paused");
@@ -21,12 +19,12 @@ await onPage(url, async (page, { button, choose, nodeIs, runIs }) => {
   await runIs("running");
 
   await button("STOP").click();
-  await runIs("stopped");
+  await runIsStopped();
   await nodeIs("one", "interrupted");
   await nodeIs("two", "interrupted");
 
   await button("Run").click();
   await nodeIs("one", "running");
   await page.keyboard.press("F8");
-  await runIs("stopped");
+  await runIsStopped();
 });

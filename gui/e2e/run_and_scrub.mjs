@@ -1,7 +1,7 @@
 // Run a task to its end, see statuses change, and look at earlier moments on the time line.
 import assert from "node:assert/strict";
 
-import { onPage, url } from "./page.mjs";
+import { eventually, onPage, url } from "./page.mjs";
 
 await onPage(url, async (page, { button, choose, nodeIs, runIs, slider }) => {
   await choose("Task", "tasks/short.yaml");
@@ -27,6 +27,7 @@ await onPage(url, async (page, { button, choose, nodeIs, runIs, slider }) => {
   const texts = [];
   for (let i = 0; i < last && !/first starts/.test(texts.at(-1) ?? ""); i++) {
     await page.keyboard.press("ArrowRight");
+    await eventually(() => slider().getAttribute("aria-valuenow"), String(i + 1));
     texts.push(await slider().getAttribute("aria-valuetext"));
   }
   assert.match(texts.at(-1), /first starts/);

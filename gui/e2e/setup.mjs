@@ -4,7 +4,7 @@ import { readFileSync } from "node:fs";
 import { join } from "node:path";
 
 import { check } from "./axe.mjs";
-import { onPage, rest, url } from "./page.mjs";
+import { eventually, onPage, rest, url } from "./page.mjs";
 
 const [folder] = rest;
 const file = (path) => readFileSync(join(folder, path), "utf8");
@@ -40,9 +40,9 @@ for (const colorScheme of ["light", "dark"]) {
       await form.getByText("Nothing is wrong").waitFor();
       await put("planner", "RRTConect");
       await fault.getByText("did you mean 'RRTConnect'").waitFor();
-      assert.equal(await field("planner").getAttribute("aria-invalid"), "true");
+      await eventually(() => field("planner").getAttribute("aria-invalid"), "true");
       await fault.getByRole("button").click();
-      assert.match(await page.evaluate(() => document.activeElement?.getAttribute("aria-label") ?? ""), /Text of the file/);
+      await eventually(() => page.evaluate(() => document.activeElement?.getAttribute("aria-label") ?? ""), (label) => /Text of the file/.test(label));
       await put("planner", "BiTRRT");
       await form.getByText("Nothing is wrong").waitFor();
       await text.click();
@@ -52,7 +52,7 @@ for (const colorScheme of ["light", "dark"]) {
       await check(page, "form");
       await page.keyboard.press("Control+s");
       await fileIs("saved");
-      assert.match(file("grip.yaml"), /planner: BiTRRT/);
+      await eventually(() => file("grip.yaml"), (saved) => /planner: BiTRRT/.test(saved));
 
       // A pasted interface: the field that is wrong is named, then the node is generated and tried.
       await page.getByText("New component").click();

@@ -72,6 +72,7 @@ await onPage(url, async (page, { answer, button, choose, fileIs, item, pick, row
   await pick("machine");
   await page.keyboard.press("w");
   await answer("timeout");
+  await item("timeout").waitFor({ state: "attached" }); // which is selected then
   await pick("b");
   await button("Extract").click();
   await answer("tasks/counting.yaml");

@@ -1,11 +1,11 @@
 // Watching a run by touch on a small screen that asks for calm: pan, pinch, and STOP under the thumb.
 import assert from "node:assert/strict";
 
-import { onPage, url } from "./page.mjs";
+import { eventually, onPage, url } from "./page.mjs";
 
 await onPage(
   url,
-  async (page, { button, choose, nodeIs, runIs }) => {
+  async (page, { button, choose, nodeIs, runIsStopped }) => {
     await choose("Task", "tasks/long.yaml");
     await choose("Robot", "fake");
     await button("Run").tap();
@@ -31,21 +31,23 @@ await onPage(
     const box = await page.locator(".react-flow").boundingBox();
     const [x, y] = [box.x + box.width / 2, box.y + box.height - 60];
 
-    const before = await view();
+    let seen = null;
+    const stands = (now) => JSON.stringify(now) === JSON.stringify(seen) || ((seen = now), false);
+    const before = await eventually(view, stands);
     await fingers("touchStart", [x, y]);
     for (let step = 1; step <= 8; step++) await fingers("touchMove", [x - 10 * step, y - 5 * step]);
     await fingers("touchEnd");
-    const panned = await view();
-    assert.ok(panned.x < before.x - 40 && panned.y < before.y - 20, "one finger moves the drawing");
+    await eventually(view, (now) => now.x < before.x - 40 && now.y < before.y - 20, "one finger moves the drawing");
+    const panned = await eventually(view, stands);
     assert.equal(panned.zoom, before.zoom);
 
     await fingers("touchStart", [x - 20, y], [x + 20, y]);
     for (let step = 1; step <= 8; step++) await fingers("touchMove", [x - 20 + 2 * step, y], [x + 20 - 2 * step, y]);
     await fingers("touchEnd");
-    assert.ok((await view()).zoom < panned.zoom, "two fingers zoom");
+    await eventually(view, (now) => now.zoom < panned.zoom, "two fingers zoom");
 
     await button("STOP").tap();
-    await runIs("stopped");
+    await runIsStopped();
     await nodeIs("one", "interrupted");
     if (process.env.PICTURE) await page.screenshot({ path: process.env.PICTURE });
   },

@@ -2,12 +2,11 @@ import react from "@vitejs/plugin-react";
 import { defineConfig } from "vite";
 
 // Stable file names: the build is committed, and a change of one file must not rename the others.
+// `npm run build` (scripts/build.mjs) builds into a folder of its own and puts what is whole where it is served.
 export default defineConfig({
   plugins: [react()],
   base: "./",
   build: {
-    outDir: "../grip_gui/static",
-    emptyOutDir: true,
     target: "es2022",
     sourcemap: false,
     rolldownOptions: {

@@ -13,6 +13,7 @@ from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from fastapi.staticfiles import StaticFiles
+from starlette.exceptions import HTTPException
 
 from grip_bt.errors import DocumentError, GripError, HandoverError, MissingPartError, UnknownNameError
 
@@ -102,6 +103,7 @@ def create_app(
     app.add_middleware(Gate, token=app.state.token)
     app.add_exception_handler(GripError, _teach)
     app.add_exception_handler(RequestValidationError, _refuse_malformed)
+    app.add_exception_handler(HTTPException, _refuse)
     edits, window = EditDesk(folder, desk.follow_edit), RosWindow(folder.folder)
     app.include_router(make_edit_router(edits, desk.notify))
     app.include_router(make_run_router(folder, desk))
@@ -129,3 +131,11 @@ async def _refuse_malformed(request: Request, error: Exception) -> JSONResponse:
     why = "; ".join(f"{'.'.join(str(part) for part in e['loc'])}: {e['msg']}" for e in error.errors()[:5])
     log.warning("%s %s refused: %s", request.method, request.url.path, why)
     return JSONResponse({"detail": f"malformed request: {why}"}, status_code=422)
+
+
+async def _refuse(request: Request, error: Exception) -> JSONResponse:
+    """Tell of what the framework itself refuses, such as a body that isn't text."""
+    assert isinstance(error, HTTPException)
+    if request.url.path.startswith("/api/"):
+        log.warning("%s %s refused: %s", request.method, request.url.path, error.detail)
+    return JSONResponse({"detail": error.detail}, status_code=error.status_code, headers=error.headers)

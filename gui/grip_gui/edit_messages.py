@@ -230,6 +230,14 @@ class PlacesView(Wire):
     lines: dict[str, int]
 
 
+class CommentView(Wire):
+    """What the comment of a node says in the file; empty where it has none, None where the node has just gone."""
+
+    revision: int
+    node: str
+    comment: str | None
+
+
 class Part(Wire):
     """A copy of a node with all below it: what a clipboard holds and `paste` takes."""
 

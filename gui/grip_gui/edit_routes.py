@@ -15,6 +15,7 @@ from grip_bt.graph.edit import AnyCommand, command_of
 from .documents import catalog_of
 from .edit_messages import (
     CatalogView,
+    CommentView,
     ConversionView,
     ConvertWish,
     DiskWish,
@@ -38,9 +39,11 @@ from .editing.conversion import conversion_view, convert
 from .editing.forms import forms_view
 from .editing.palette import catalog_view
 from .editing.parts import carry_out, takes_catalogue
-from .editing.views import check_expression, document_view, parts_view, places_view, problems_view
+from .editing.views import check_expression, comment_view, document_view, parts_view, places_view, problems_view
 
 T = TypeVar("T")
+QUIET = 0.3
+"""After an edit, so long passes [s] before the server gets ready for the next: it would slow down one that follows."""
 
 
 def make_edit_router(desk: EditDesk, notify: Callable[[], None]) -> APIRouter:
@@ -82,6 +85,11 @@ def _add_questions(api: APIRouter, desk: EditDesk) -> None:
         with desk.reading(path) as sheet:
             return places_view(sheet)
 
+    @api.get("/document/comment")
+    def comment(path: str, node: str) -> CommentView:
+        with desk.reading(path) as sheet:
+            return comment_view(sheet, node)
+
     @api.get("/document/parts")
     def parts(path: str, node: Annotated[list[str], Query(max_length=1000)]) -> PartsView:
         with desk.reading(path) as sheet:
@@ -101,7 +109,7 @@ def _add_questions(api: APIRouter, desk: EditDesk) -> None:
 
 def _add_wishes(api: APIRouter, desk: EditDesk, notify: Callable[[], None]) -> None:
     shown = Shown(desk.folder)
-    background: set[asyncio.Task[None]] = set()
+    prepare_later = _preparing(desk)
 
     async def change(path: str, work: Callable[[Sheet], object], since: int | None, status: int = 200) -> Response:
         def changed() -> str:
@@ -112,8 +120,7 @@ def _add_wishes(api: APIRouter, desk: EditDesk, notify: Callable[[], None]) -> N
 
         body = await asyncio.to_thread(changed)
         notify()
-        background.add(ready := asyncio.create_task(asyncio.to_thread(desk.get_ready, path)))
-        ready.add_done_callback(background.discard)
+        prepare_later(path)
         return Response(body, status, media_type="application/json")
 
     @api.get("/document")
@@ -160,6 +167,23 @@ def _add_wishes(api: APIRouter, desk: EditDesk, notify: Callable[[], None]) -> N
     async def new(wish: NewTask, since: int | None = None) -> Response:
         await asyncio.to_thread(desk.create, wish.path, wish.text)
         return await change(wish.path, lambda _: None, since, 201)
+
+
+def _preparing(desk: EditDesk) -> Callable[[str], None]:
+    """Return what gets a file ready for its next edit once none has come for a while; of several, after the last."""
+    waiting: dict[str, asyncio.Task[None]] = {}
+
+    async def prepare(path: str) -> None:
+        await asyncio.sleep(QUIET)
+        await asyncio.to_thread(desk.get_ready, path)
+
+    def later(path: str) -> None:
+        earlier = waiting.get(path)
+        if earlier is not None:
+            earlier.cancel()
+        waiting[path] = asyncio.create_task(prepare(path))
+
+    return later
 
 
 def _step(sheet: Sheet, wish: StepWish) -> None:

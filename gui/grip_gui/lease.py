@@ -22,7 +22,8 @@ class HeldElsewhereError(GripError):
 class Lease:
     """Control of the runs, held by one of the pages or by nobody.
 
-    Whoever controls something while nobody holds it gets it. It becomes free when its page has been away for `GRACE`.
+    Whoever controls something while nobody holds it gets it. It becomes free when its page has been away for `GRACE`;
+    a page that comes back later than that, as by a slow reload, holds it again unless another one has had it.
 
     Args:
         changed: called after each change.
@@ -33,11 +34,8 @@ class Lease:
         self._changed = changed
         self._here: Counter[str] = Counter()
         self._waiting: asyncio.TimerHandle | None = None
-
-    @property
-    def viewers(self) -> int:
-        """How many pages look on."""
-        return self._here.total()
+        self._missed: str | None = None
+        """The page that held it last, and was away for too long."""
 
     def require(self, page: str) -> None:
         """Check that a page may control, and give it control where nobody has it.
@@ -76,19 +74,19 @@ class Lease:
     def come(self, page: str) -> None:
         """Note that a page looks on."""
         self._here[page] += 1
-        self._changed()
+        if page and self.holder is None and page == self._missed:
+            self._hold(page)
 
     def go(self, page: str) -> None:
         """Note that a page has gone; what it holds waits a moment for its return."""
         self._here[page] -= 1
         if page and page == self.holder and not self._here[page]:
             self._await_return(page)
-        self._changed()
 
     def _hold(self, page: str | None) -> None:
         if self._waiting is not None:
             self._waiting.cancel()
-        self.holder, self._waiting = page, None
+        self.holder, self._waiting, self._missed = page, None, None
         if page and not self._here[page]:
             self._await_return(page)
         self._changed()
@@ -97,5 +95,6 @@ class Lease:
         def gone() -> None:
             if self.holder == page and not self._here[page]:
                 self._hold(None)
+                self._missed = page
 
         self._waiting = asyncio.get_running_loop().call_later(GRACE, gone)

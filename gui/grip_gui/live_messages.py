@@ -285,8 +285,11 @@ class GeometryView(Wire):
 class SceneItem(Wire):
     """An object of the planning scene."""
 
-    kind: Literal["box", "cylinder", "sphere"]
+    kind: Literal["box", "cylinder", "sphere", "mesh", "cells"]
     size: list[float]
+    """Of a mesh, the edge lengths of the box around it; of cells, the edge length of one."""
+    body: str = ""
+    """Which body of the record, of a mesh and of cells."""
     at: Place
     """In the world; in the grasp frame of the hand that holds it."""
     hand: str
@@ -309,6 +312,8 @@ class MotionView(Wire):
 
     parts: dict[str, list[str]] = {}
     """Part -> its joints; only at the beginning of the record."""
+    bodies: dict[str, MeshView] = {}
+    """What meshes and maps of cells look like; each body once in a record. Of cells, their middles."""
     samples: list[MotionSample]
     next: int
     """Where to go on."""

@@ -5,23 +5,14 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, Literal, TypeAlias
 
 from grip_bt.catalog.manifest import Manifest
 from grip_bt.graph.canonical import data_of
 from grip_bt.graph.edit.draft import deep as plain_data
-from grip_bt.graph.model import (
-    AnyNode,
-    Leaf,
-    StateMachine,
-    Subtask,
-    Task,
-    Variable,
-    children_of,
-    join,
-    outcomes_of,
-    walk,
-)
+from grip_bt.graph.model import AnyNode, Leaf, StateMachine, Subtask, Task, Variable
+from grip_bt.graph.walking import children_of, join, outcomes_of, walk
 
 from .messages import Meaning, NodeView, Problem, TaskView, Transition, VariableView
 
@@ -226,7 +217,8 @@ def container_label(node: AnyNode) -> str:
 
 def _variables(task: Task) -> list[VariableView]:
     scopes: list[tuple[str, Mapping[str, Variable | str]]] = [("", task.variables)]
-    scopes += [(path, getattr(node, "data", {})) for path, node in walk(task.root)]
+    # Not `getattr(node, "data", {})`: what pydantic does about an attribute that isn't there takes most of an edit.
+    scopes += [(path, node.data) for path, node in walk(task.root) if _may_declare(type(node))]  # type: ignore[union-attr]
     views = [_variable(scope, name, declared) for scope, data in scopes for name, declared in data.items()]
     sides: tuple[tuple[Literal["input", "output"], Mapping[str, object]], ...]
     sides = (("input", task.inputs), ("output", task.outputs))
@@ -234,6 +226,12 @@ def _variables(task: Task) -> list[VariableView]:
         ports = [side for side, names in sides if view.scope == "" and view.name in names]
         views[i] = view.model_copy(update={"ports": ports}) if ports else view
     return views
+
+
+@cache
+def _may_declare(kind: type[AnyNode]) -> bool:
+    """Tell whether nodes of a kind may have variables of their own."""
+    return "data" in kind.model_fields
 
 
 def _variable(scope: str, name: str, declared: Variable | str) -> VariableView:

@@ -14,9 +14,10 @@ from .journal import RunSource
 from .messages import ProjectView, TaskView
 from .project import ProjectFolder
 from .run_desk import RunDesk
-from .run_messages import PageId, RunRecord, RunView, ValueView
+from .run_messages import CloudView, PageId, RunRecord, RunView, ValueView
 from .run_routes import robots
 from .stream import Viewer
+from .values import cloud_view
 
 
 def make_router(
@@ -49,6 +50,10 @@ def make_router(
     @api.get("/runs/{run}/values/{seq}")
     def value(run: str, seq: Annotated[int, Path(ge=1, le=2**53)]) -> ValueView:
         return source.value(run, seq)
+
+    @api.get("/runs/{run}/values/{seq}/cloud")
+    def cloud(run: str, seq: Annotated[int, Path(ge=1, le=2**53)]) -> CloudView:
+        return cloud_view(source.raw(run, seq))
 
     @api.websocket("/socket")
     async def socket(websocket: WebSocket, page: PageId = "") -> None:

@@ -14,6 +14,7 @@ from .breakpoints import Breakpoints
 from .journal import RunSource
 from .launcher import Launcher, RunOptions
 from .lease import Lease
+from .presence import Presence
 from .run_messages import Breakpoint, Control, DeskView, SessionView
 from .session import STOP, Session
 
@@ -38,6 +39,7 @@ class RunDesk:
         self.session: Session | None = None
         self._shown: SessionView | None = None
         self.lease = Lease(self.notify)
+        self.presence = Presence(self.notify)
         self._breakpoints = Breakpoints(journal.parent / "breakpoints.json")
         self._starting = False
         self._viewers: set[asyncio.Event] = set()
@@ -71,8 +73,12 @@ class RunDesk:
     @property
     def desk_view(self) -> DeskView:
         """What all pages share."""
-        lease = self.lease
-        return DeskView(holder=lease.holder, viewers=lease.viewers, breakpoints=self._breakpoints.all)
+        return DeskView(
+            holder=self.lease.holder,
+            viewers=self.presence.viewers,
+            onlookers=self.presence.onlookers,
+            breakpoints=self._breakpoints.all,
+        )
 
     async def start(
         self, task: str, task_file: Path, options: RunOptions, page: str = "", run_to: str = ""
@@ -158,6 +164,16 @@ class RunDesk:
             await self.session.wait()
 
     # --- viewers ---
+
+    def come(self, page: str) -> None:
+        """Note that a page looks on."""
+        self.lease.come(page)
+        self.presence.come(page)
+
+    def go(self, page: str) -> None:
+        """Note that a page has gone."""
+        self.lease.go(page)
+        self.presence.go(page)
 
     def watch(self) -> asyncio.Event:
         """Return an event that is set whenever something has changed; give it back to `unwatch`."""

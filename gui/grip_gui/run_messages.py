@@ -85,6 +85,18 @@ class ValueView(Wire):
     """Poses in it: its own, or those of grasps."""
 
 
+class CloudView(Wire):
+    """Points that a variable holds, for drawing them in space."""
+
+    frame: str = ""
+    points: str = ""
+    """float32, little-endian, in base64: x y z of each [m]; empty where the value isn't a cloud."""
+    colors: str = ""
+    """uint8, in base64: red green blue of each; empty where it has none."""
+    of: int = 0
+    """How many points there are; only some of many are drawn."""
+
+
 # --- the run under way ------------------------------------------------------------------------------------------------
 
 
@@ -207,13 +219,27 @@ class LeaseWish(Wire):
     """Also from a page that holds it now."""
 
 
+class Onlooker(Wire):
+    """A page that looks on."""
+
+    page: str
+    name: str
+    """What people call it; no two have the same."""
+    colour: int
+    """Number of its colour, from 0."""
+    task: str = ""
+    """The task file that it shows; empty for the project's files."""
+
+
 class DeskView(Wire):
-    """What all pages share: who holds control, and where runs hold."""
+    """What all pages share: who looks on, who holds control, and where runs hold."""
 
     holder: str | None = None
     """Id of the page that holds control; None when nobody does."""
     viewers: int = 0
     """How many pages look on."""
+    onlookers: list[Onlooker] = []
+    """Those of them that have said who they are."""
     breakpoints: dict[str, list[Breakpoint]] = {}
     """Task file -> breakpoints."""
 
@@ -227,6 +253,25 @@ class Subscribe(Wire):
     type: Literal["subscribe"] = "subscribe"
     run: Annotated[str, Field(min_length=1, max_length=200)]
     from_seq: Annotated[int, Field(ge=0)] = 0
+
+
+class Introduce(Wire):
+    """Page to server: what people call this page, and what it shows."""
+
+    type: Literal["introduce"] = "introduce"
+    name: Annotated[str, Field(max_length=40, pattern=r"^[^\x00-\x1f\x7f]*$")] = ""
+    """Empty for the one that it has."""
+    task: Annotated[str, Field(max_length=1024)] = ""
+
+
+class Selection(Wire):
+    """Page to server: the nodes that are selected on it; a page sends it when that changes."""
+
+    type: Literal["selection"] = "selection"
+    task: Annotated[str, Field(max_length=1024)] = ""
+    """The task file that they are nodes of."""
+    nodes: Annotated[list[Annotated[str, Field(max_length=3000)]], Field(max_length=64)] = []
+    """Their paths, the one with the focus first; of very many, some."""
 
 
 class SessionFrame(Wire):
@@ -267,7 +312,23 @@ class RevisionsFrame(Wire):
     revisions: dict[str, int]
 
 
+class Selected(Wire):
+    """What is selected on a page: some nodes of one task."""
+
+    task: str
+    nodes: list[str]
+
+
+class SelectionsFrame(Wire):
+    """Server to page: what other pages have selected, of those alone where it has changed."""
+
+    type: Literal["selections"] = "selections"
+    selections: dict[str, Selected | None]
+    """Page -> its selection; None where nothing is selected, or the page is gone."""
+
+
 ServerFrame = Annotated[
-    SessionFrame | DeskFrame | EventsFrame | RefusedFrame | RevisionsFrame, Field(discriminator="type")
+    SessionFrame | DeskFrame | EventsFrame | RefusedFrame | RevisionsFrame | SelectionsFrame,
+    Field(discriminator="type"),
 ]
-ClientFrame = Subscribe
+ClientFrame = Annotated[Subscribe | Introduce | Selection, Field(discriminator="type")]

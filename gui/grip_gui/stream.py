@@ -4,20 +4,28 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import sqlite3
 from collections.abc import Callable
 from contextlib import suppress
 
 from fastapi import WebSocket, WebSocketDisconnect
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, TypeAdapter, ValidationError
+
+from grip_bt.errors import GripError
 
 from .journal import RunSource
 from .run_desk import RunDesk
 from .run_messages import (
+    ClientFrame,
     DeskFrame,
     DeskView,
     EventsFrame,
+    Introduce,
     RefusedFrame,
     RevisionsFrame,
+    Selected,
+    Selection,
+    SelectionsFrame,
     SessionFrame,
     SessionView,
     Subscribe,
@@ -25,6 +33,7 @@ from .run_messages import (
 
 log = logging.getLogger(__name__)
 
+CLIENT_FRAME: TypeAdapter[Subscribe | Introduce | Selection] = TypeAdapter(ClientFrame)
 FRAME = 1 / 30
 """Shortest time between two frames to one viewer [s]."""
 BATCH = 1000
@@ -57,18 +66,19 @@ class Viewer:
         self._told_revisions: dict[str, int] = {}
         self._told: SessionView | str | None = "nothing"
         self._told_desk: DeskView | None = None
+        self._told_selections: dict[str, Selected] = {}
 
     async def serve(self) -> None:
         """Talk until the page leaves or breaks the rules too often."""
-        self._desk.lease.come(self._page)
-        sender = asyncio.create_task(self._send())
+        self._desk.come(self._page)
+        sender = asyncio.create_task(self._send_or_close())
         try:
             await self._receive()
         except WebSocketDisconnect:
             pass
         finally:
             self._desk.unwatch(self._changed)
-            self._desk.lease.go(self._page)
+            self._desk.go(self._page)
             sender.cancel()
             with suppress(asyncio.CancelledError, WebSocketDisconnect, RuntimeError):
                 await sender
@@ -93,12 +103,28 @@ class Viewer:
         if len(text) > LARGEST_MESSAGE:
             return f"a message may have {LARGEST_MESSAGE} characters, not {len(text)}"
         try:
-            wish = Subscribe.model_validate_json(text)
+            wish = CLIENT_FRAME.validate_json(text)
         except (ValidationError, RecursionError) as error:
-            return f"not a subscription: {str(error).splitlines()[0]}"
+            return f"not understood: {' '.join(str(error).splitlines()[:3])}"
+        if isinstance(wish, Introduce):
+            self._desk.presence.introduce(self._page, wish)
+            return ""
+        if isinstance(wish, Selection):
+            self._desk.presence.select(self._page, wish)
+            return ""
         self._run, self._next, self._complete = wish.run, wish.from_seq, False
         self._changed.set()
         return ""
+
+    async def _send_or_close(self) -> None:
+        """Send until the page leaves; where that breaks, close the connection, so that the page comes back."""
+        try:
+            await self._send()
+        except (WebSocketDisconnect, RuntimeError):
+            raise  # the page has left
+        except Exception:
+            log.exception("nothing more can be told to %s", self._socket.client)
+            await self._socket.close(code=1011)
 
     async def _send(self) -> None:
         while True:
@@ -110,11 +136,18 @@ class Viewer:
             if self._desk.desk_view != self._told_desk:
                 self._told_desk = self._desk.desk_view
                 await self._write(DeskFrame(desk=self._told_desk))
+            await self._send_selections()
             await self._send_revisions()
-            more = await self._send_events()
-            if more:
+            if await self._send_events_if_readable():
                 self._changed.set()
             await asyncio.sleep(FRAME)
+
+    async def _send_selections(self) -> None:
+        now, before = self._desk.presence.selections(but=self._page), self._told_selections
+        news = {page: now.get(page) for page in now.keys() | before.keys() if now.get(page) != before.get(page)}
+        if news:
+            self._told_selections = now
+            await self._write(SelectionsFrame(selections=news))
 
     async def _send_revisions(self) -> None:
         revisions = self._revisions()
@@ -130,6 +163,16 @@ class Viewer:
             await asyncio.wait_for(self._changed.wait(), POLL if watching else None)
         except TimeoutError:
             return
+
+    async def _send_events_if_readable(self) -> bool:
+        """Send the next batch, or wait where the journal can't be read just now; return whether there may be more."""
+        try:
+            return await self._send_events()
+        except (GripError, sqlite3.Error) as error:
+            # A run may just be making the file, or hold it for long: the page is told all else meanwhile.
+            log.warning("the journal can't be read, which is tried again: %s", error)
+            await asyncio.sleep(POLL)
+            return True
 
     async def _send_events(self) -> bool:
         """Send the next batch; return whether there may be more at once."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from base64 import b64encode
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 from typing import Any
@@ -10,15 +11,17 @@ from typing import Any
 import numpy as np
 
 from grip_bt.errors import GripError
-from grip_bt.values import DepthImage, Grasp, Image, JointState, PointCloud, Pose
+from grip_bt.values import DepthImage, Grasp, Image, JointState, PointCloud, Pose, RgbdFrame
 
 from .pictures import address, drawn_cloud, drawn_depth, drawn_image
-from .run_messages import NamedPlace, ValueView
+from .run_messages import CloudView, NamedPlace, ValueView
 
 ROWS = 60
 """Most parts that are listed."""
 PLACES = 30
 """Most poses that are drawn."""
+POINTS = 20_000
+"""Most points of a cloud that are drawn in space."""
 LINE = 300
 """Longest text of a part, in characters."""
 
@@ -34,6 +37,22 @@ def value_view(type_name: str, value: Any) -> ValueView:
     picture, caption = _drawing(value)
     places = [NamedPlace(name=name, frame=pose.frame, at=_place(pose)) for name, pose in islice(_poses(value), PLACES)]
     return ValueView(type=type_name, text=_line(value), rows=rows, picture=picture, caption=caption, places=places)
+
+
+def cloud_view(value: Any) -> CloudView:
+    """Return the points of a cloud, or of what a camera with depth saw; without any for other values."""
+    if isinstance(value, RgbdFrame):
+        value = value.cloud()
+    if not isinstance(value, PointCloud):
+        return CloudView()
+    seen = np.flatnonzero(np.isfinite(value.points).all(axis=1))
+    kept = seen[:: max(1, -(-len(seen) // POINTS))]
+    return CloudView(
+        frame=value.frame,
+        points=b64encode(value.points[kept].astype("<f4").tobytes()).decode(),
+        colors="" if value.colors is None else b64encode(value.colors[kept].tobytes()).decode(),
+        of=len(value.points),
+    )
 
 
 def unkept_view(type_name: str, preview: str, why: GripError) -> ValueView:

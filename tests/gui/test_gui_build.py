@@ -95,3 +95,38 @@ def test_a_fresh_build_gives_the_same_bytes(tmp_path: Path) -> None:
     assert {path.relative_to(made) for path in made.rglob("*") if path.is_file()} == files
     changed = [str(name) for name in sorted(files) if (made / name).read_bytes() != (STATIC / name).read_bytes()]
     assert not changed
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="NOT RUN: Node isn't installed")
+def test_a_page_that_is_built_again_stays_served(tmp_path: Path) -> None:
+    """Builds of two sizes are put in place in turn, while somebody reads: every file is there, and whole."""
+    served, sizes = tmp_path / "static", {"one": 300_000, "two": 500_000}
+    for build, size in sizes.items():
+        (tmp_path / build / "assets").mkdir(parents=True)
+        for name in ("index.html", "build-info.json", "assets/index.js", f"assets/{build}.js"):
+            (tmp_path / build / name).write_text(build[0] * size)
+    script = (
+        f"import {{ putInPlace }} from {json.dumps((FRONTEND / 'scripts' / 'put_in_place.mjs').as_uri())};"
+        "const [one, two, served] = process.argv.slice(1);"
+        "putInPlace(one, served); console.log('there');"
+        "for (let i = 0; i < 60; i++) putInPlace(i % 2 ? one : two, served);"
+    )
+    command = ["node", "--input-type=module", "-e", script, str(tmp_path / "one"), str(tmp_path / "two"), str(served)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "there\n"
+        whole = {build[0] * size for build, size in sizes.items()}
+        reads = 0
+        while process.poll() is None:
+            for name in ("index.html", "build-info.json", "assets/index.js"):
+                assert (served / name).read_text() in whole
+                reads += 1
+    assert process.returncode == 0
+    assert reads > 0
+    # what the last build hasn't is gone, and nothing is left of how the files came
+    assert {path.name for path in served.rglob("*") if path.is_file()} == {
+        "index.html",
+        "build-info.json",
+        "index.js",
+        "one.js",
+    }

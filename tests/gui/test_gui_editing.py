@@ -66,6 +66,28 @@ def test_an_edit_is_seen_at_once_and_saved_when_asked(pen: Pen, file: Path) -> N
     assert "wait a bit: {node: flow/wait" in file.read_text()
 
 
+def test_a_comment_is_read_and_written_as_an_edit(pen: Pen) -> None:
+    def said(node: str) -> dict[str, Any]:
+        answer = pen.client.get("/api/document/comment", params={"path": TINY, "node": node})
+        assert answer.status_code == 200, answer.text
+        view: dict[str, Any] = answer.json()
+        return view
+
+    assert said("first")["comment"] == ""
+    pen.edit(do="comment", path="first", text="why\nit waits")
+    assert pen.view["text"] == TASK.replace("    first:", "    # why\n    # it waits\n    first:")
+    assert said("first") == {"revision": pen.view["revision"], "node": "first", "comment": "why\nit waits"}
+    assert pen.view["history"]["moments"][-1]["title"] == "comment on first"
+    # While the text is no task, it is that of the last one that it was.
+    pen.type(pen.view["text"] + "\noops")
+    assert said("first")["comment"] == "why\nit waits"
+    pen.step("undo")
+    assert pen.step("undo")["text"] == TASK
+    assert said("gone")["comment"] is None
+    refused = pen.edit(400, do="comment", path="first", text="a\0b")
+    assert "can't have the character" in refused["detail"]
+
+
 def test_undo_and_redo_give_the_bytes_back(pen: Pen, file: Path) -> None:
     pen.edit(do="remove", path="first")
     pen.edit(do="wrap", paths=["machine"], kind="retry", name="again", fields={"times": 2})
@@ -85,7 +107,8 @@ def test_a_branch_that_was_left_is_reached_again(pen: Pen) -> None:
     pen.step("undo")
     pen.edit(do="rename", path="first", name="two")
     assert pen.step("go", number=one)["task"]["nodes"][1]["name"] == "one"
-    assert [m["title"] for m in pen.view["history"]["moments"]] == ["opened", "rename first", "rename first"]
+    titles = [m["title"] for m in pen.view["history"]["moments"]]
+    assert titles == ["opened", "rename first to one", "rename first to two"]
 
 
 def test_what_cannot_be_done_says_why_and_changes_nothing(pen: Pen) -> None:

@@ -13,13 +13,12 @@ from conftest import TASK, TestClient
 from test_gui_e2e import SCENARIO, browser, editing
 
 from grip_bt.app.domain import own_domain
+from grip_bt.messages.written import plain_of, text_of, value_of
 from grip_bt.runtime import Journal
 from grip_bt.runtime.run_log import Noted
 from grip_bt.runtime.value_codec import snapshot
 from grip_bt.values import JointState, Pose
 from grip_gui.live.samples import form_of, source_of
-from grip_gui.live.shown import plain_of
-from grip_gui.live.written import text_of, value_of
 
 COMPONENT = """\
 name: switcher
@@ -71,7 +70,7 @@ def world(domain: str) -> Iterator[None]:
     process = subprocess.Popen([sys.executable, str(Path(__file__).with_name("ros_world.py"))])
     yield
     process.terminate()
-    process.wait(20)
+    process.wait(120)
 
 
 @pytest.fixture
@@ -103,7 +102,7 @@ def ask(page: TestClient, path: str, wish: dict[str, Any] | None = None) -> dict
 
 def generated(home: Path) -> None:
     command = [sys.executable, "-m", "grip_bt.cli", "component", "add", str(home)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stderr
 
 

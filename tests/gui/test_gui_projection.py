@@ -10,7 +10,7 @@ from grip_bt.catalog import Catalog, Manifest
 from grip_bt.errors import UnknownNameError
 from grip_bt.graph import load, loads, read_text
 from grip_bt.graph.edit import Connect, Move, Remove, Rename, Set, Wrap, apply_to_document
-from grip_bt.graph.model import walk
+from grip_bt.graph.walking import walk
 from grip_gui.projection import Drawn, Faces, project_task
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "tasks" / "reactive_pick.yaml"

@@ -14,6 +14,7 @@ from conftest import TASK, TestClient
 from fastapi import FastAPI
 from test_gui_e2e import SCENARIO, browser, editing
 
+from grip_bt.app.motion_bodies import FINE, Bodies, coarse
 from grip_bt.app.motion_record import motion_file
 from grip_bt.commanders.model import RobotModel
 from grip_bt.commanders.robots import build_robot
@@ -21,18 +22,21 @@ from grip_bt.messages.library import MessageLibrary
 from grip_bt.runtime import Journal
 from grip_bt.runtime.run_log import Noted
 from grip_bt.runtime.value_codec import snapshot
-from grip_bt.values import Grasp, JointState, Pose
-from grip_bt.values.solids import Mesh
+from grip_bt.values import Grasp, JointState, PointCloud, Pose
+from grip_bt.values.solids import CellMap, Mesh
 from grip_gui.live import RosWindow
 from grip_gui.live.motion import last_state, motion_of
 from grip_gui.live_routes import make_live_router
 from grip_gui.project import ProjectFolder
-from grip_gui.setup.geometry import FINE, coarse, geometry
+from grip_gui.setup.geometry import geometry
 
 GRIP = "grip: 1\nrobot: panda_allegro\narms: {right: {group: arm, hand: palm}}\nhands: {palm: {group: hand}}\n"
 BEGAN = 9.5
 """What the run's clock says when the run begins [s]: a simulator took that long to start."""
 CUP = {"kind": "cylinder", "size": [0.04, 0.12], "fixed": False}
+WEDGE = Mesh([(0, 0, 0), (0.2, 0, 0), (0, 0.2, 0), (0, 0, 0.3)])
+CELLS = CellMap([(0, 0, 0), (1, 0, 0), (1, 1, 2)], 0.03)
+CLOUD = PointCloud(np.random.default_rng(5).uniform((0.3, -0.3, 0), (0.7, 0.3, 0.02), (600, 3)).astype(np.float32))
 TABLE = {"kind": "box", "size": [0.8, 1.2, 0.02], "at": [0.5, 0, -0.01, 1, 0, 0, 0], "hand": "", "fixed": True}
 
 
@@ -51,8 +55,15 @@ def recorded(folder: Path) -> tuple[str, list[list[float]]]:
         grasp = Grasp(at, at.moved((0, 0, 0.1)), at.moved((0, 0, 0.2)))
         data = {"variable": "chosen", "type": "Grasp", "preview": "a grasp"}
         log.note(BEGAN + 2.0, "first", Noted("write", data=data, written=(snapshot(grasp),)))
+        data = {"variable": "cloud", "type": "PointCloud", "preview": "a cloud"}
+        log.note(BEGAN + 2.1, "first", Noted("write", data=data, written=(snapshot(CLOUD),)))
         log.append(BEGAN + 3.0, "/", "run_ended", None, None, {"status": "success"})
         log.end("success", None)
+    bodies = Bodies()
+    odd = {
+        "wedge": {**bodies.shape(WEDGE), "at": [0.6, -0.4, 0, 1, 0, 0, 0], "hand": "", "fixed": False},
+        "seen": {**bodies.shape(CELLS), "at": [0.4, 0.4, 0, 1, 0, 0, 0], "hand": "", "fixed": False},
+    }
     lines: list[dict[str, Any]] = [
         {"parts": {"palm": list(hand), "right": list(arm)}},
         {
@@ -61,7 +72,11 @@ def recorded(folder: Path) -> tuple[str, list[list[float]]]:
             "scene": {"table": TABLE, "cup": {**CUP, "at": [0.5, 0.1, 0.06, 1, 0, 0, 0], "hand": ""}},
         },
         {"t": BEGAN + 2.0, "q": {"right": turns[1]}},
-        {"t": BEGAN + 2.5, "scene": {"table": TABLE, "cup": {**CUP, "at": [0, 0, 0.05, 1, 0, 0, 0], "hand": "palm"}}},
+        {
+            "t": BEGAN + 2.5,
+            "scene": {"table": TABLE, "cup": {**CUP, "at": [0, 0, 0.05, 1, 0, 0, 0], "hand": "palm"}, **odd},
+            "bodies": bodies.new(),
+        },
     ]
     file = motion_file(folder / ".grip" / "runs.sqlite", log.id)
     file.parent.mkdir(parents=True)
@@ -122,7 +137,12 @@ def test_no_other_file_is_read_as_a_motion(page: TestClient, run: str) -> None:
 
 
 def test_a_run_without_a_record_has_no_motion(page: TestClient) -> None:
-    assert page.get("/api/live/motion", params={"run": "20261121-1"}).json() == {"parts": {}, "samples": [], "next": 0}
+    assert page.get("/api/live/motion", params={"run": "20261121-1"}).json() == {
+        "parts": {},
+        "bodies": {},
+        "samples": [],
+        "next": 0,
+    }
 
 
 def test_a_robot_is_measured_by_the_run_only_while_one_is_under_way(page: TestClient, project: Path) -> None:

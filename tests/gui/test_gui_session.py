@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import sqlite3
 from pathlib import Path
 from typing import Any
 
 import pytest
 from conftest import BASE, EVENTS, SOCKET, PlayedLauncher, TestClient, record
+from starlette.websockets import WebSocketDisconnect
 
+from grip_bt.runtime import JournalError
 from grip_gui import lease as lease_module
 from grip_gui import session as session_module
+from grip_gui import stream as stream_module
 from grip_gui.application import create_app
+from grip_gui.journal import JournalRuns
 from grip_gui.stream import STRIKES
 
 WISH = {"task": "tasks/tiny.yaml", "robot": "fake", "target": "sm", "seed": 7, "pace": 2.5}
@@ -51,6 +56,44 @@ def test_events_are_streamed_from_the_wanted_number_on(page: TestClient) -> None
         assert [event["seq"] for event in frame["events"]] == list(range(3, len(EVENTS) + 1))
         assert frame["events"][1]["data"]["preview"] == "1"
         assert frame["complete"] is False
+
+
+def test_a_journal_that_cant_be_read_for_a_moment_silences_no_page(
+    page: TestClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    failures = [JournalError("it is being made"), sqlite3.OperationalError("database is locked")]
+    read = JournalRuns.events
+
+    def events(self: JournalRuns, run: str, from_seq: int, limit: int) -> list[Any]:
+        if failures:
+            raise failures.pop()
+        return read(self, run, from_seq, limit)
+
+    monkeypatch.setattr(stream_module, "POLL", 0.01)
+    monkeypatch.setattr(JournalRuns, "events", events)
+    with page.websocket_connect(SOCKET) as socket:
+        page.post("/api/session", json=WISH)
+        run = until(socket, in_state("running"))["session"]["run"]
+        socket.send_json({"type": "subscribe", "run": run, "from_seq": 1})
+        until(socket, is_events)
+        page.post("/api/session/control", json={"command": "pause"})
+        until(socket, in_state("paused"))
+        assert not failures
+
+
+def test_a_connection_that_can_tell_nothing_more_is_closed_so_that_the_page_comes_back(
+    page: TestClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def events(self: JournalRuns, run: str, from_seq: int, limit: int) -> list[Any]:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(JournalRuns, "events", events)
+    with page.websocket_connect(SOCKET) as socket:
+        page.post("/api/session", json=WISH)
+        run = until(socket, in_state("running"))["session"]["run"]
+        socket.send_json({"type": "subscribe", "run": run, "from_seq": 1})
+        with pytest.raises(WebSocketDisconnect):
+            until(socket, lambda frame: False)
 
 
 def test_pause_resume_and_stop_reach_the_run_and_come_back(page: TestClient) -> None:
@@ -335,6 +378,30 @@ def test_control_is_free_again_when_its_page_has_gone_and_not_before(
         with page.websocket_connect(SOCKET + "?page=one") as back:  # a reload
             assert until(back, lambda f: f["type"] == "desk")["desk"]["holder"] == "one"
         until(watcher, lambda f: f["type"] == "desk" and f["desk"]["holder"] is None)
+
+
+def test_a_page_that_was_away_for_long_holds_control_again_unless_another_has_had_it(
+    page: TestClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def nobody(frame: dict[str, Any]) -> bool:
+        return frame["type"] == "desk" and frame["desk"]["holder"] is None
+
+    monkeypatch.setattr(lease_module, "GRACE", 0.0)
+    with page.websocket_connect(SOCKET + "?page=watcher") as watcher:
+        with page.websocket_connect(SOCKET + "?page=one"):
+            page.post("/api/lease", json={"page": "one"})
+            until(watcher, lambda f: f["type"] == "desk" and f["desk"]["holder"] == "one")
+        until(watcher, nobody)
+        with page.websocket_connect(SOCKET + "?page=one") as back:
+            until(back, lambda f: f["type"] == "desk" and f["desk"]["holder"] == "one")
+            until(watcher, lambda f: f["type"] == "desk" and f["desk"]["holder"] == "one")
+        until(watcher, nobody)
+        page.post("/api/lease", json={"page": "watcher"})
+        until(watcher, lambda f: f["type"] == "desk" and f["desk"]["holder"] == "watcher")
+        page.post("/api/lease", json={"page": "watcher", "take": False})
+        until(watcher, nobody)
+        with page.websocket_connect(SOCKET + "?page=one") as back:
+            assert until(back, lambda f: f["type"] == "desk")["desk"]["holder"] is None
 
 
 def test_control_can_be_given_back(page: TestClient) -> None:

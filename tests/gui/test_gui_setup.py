@@ -25,6 +25,13 @@ hands:
   palm: {group: hand}
 world: table
 """
+REAL = """\
+sensors:
+  top: {camera: overhead}
+ros:
+  controllers: {right: {trajectory: /arm/follow}, palm: {gripper: /hand/close}}   # by hand
+  cameras: {top: {image: /top/color, depth: /top/depth, info: /top/info}}
+"""
 CONTRACT = "sensor_msgs/PointCloud2 input\n---\nint32 outcome\ngeometry_msgs/PoseStamped[] returned_object\n"
 
 
@@ -120,6 +127,63 @@ def test_a_renamed_hand_is_renamed_where_an_arm_carries_it(page: TestClient) -> 
     assert view["problems"] == []
 
 
+def test_a_renamed_sensor_and_arm_keep_their_topics_and_controllers(page: TestClient) -> None:
+    view = changed(page, text=GRIP + REAL, do="rename", key=["sensors", "top"], value="overhead")
+    assert list(view["data"]["ros"]["cameras"]) == ["overhead"]
+    view = changed(page, text=view["text"], do="rename", key=["arms", "right"], value="left")
+    assert list(view["data"]["ros"]["controllers"]) == ["left", "palm"]
+    assert "# by hand" in view["text"]
+    assert view["problems"] == []
+
+
+def test_a_file_of_a_robot_that_isnt_there_is_missed_in_the_project(page: TestClient, project: Path) -> None:
+    (problem,) = checked(page, "grip.yaml", "grip: 1\nrobot: my/robot.urdf\n")["problems"]
+    assert f"{project / 'my' / 'robot.urdf'}" in problem["message"]
+    assert "there is no such file" in problem["message"]
+
+
+def test_a_project_that_begins_has_no_fault(page: TestClient) -> None:
+    assert checked(page, "grip.yaml", "grip: 1\n")["problems"] == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "reason"),
+    [
+        ("cameras: {top:", "cameras: {tip:", 12, "ros/cameras/tip: there is no 'tip'; did you mean 'top'?"),
+        ("top: {camera: overhead}", "top: {topics: {}}", 12, "no sensor says `camera`"),
+        ("palm: {gripper", "plam: {gripper", 11, "ros/controllers/plam: there is no 'plam'; did you mean 'palm'?"),
+        ("depth: /top/depth, ", "", 12, "ros/cameras/top: the key 'depth' is missing"),
+        ("/top/depth", "top/depth", 12, "'top/depth' isn't a whole ROS name: words of letters, digits and _"),
+        ("/top/depth", "/2nd depth", 12, "each after a /, such as /_2nd/depth"),
+    ],
+)
+def test_what_is_wrong_with_the_real_robot_is_said(
+    page: TestClient, old: str, new: str, line: int, reason: str
+) -> None:
+    text = GRIP + REAL
+    assert old in text
+    problems = checked(page, "grip.yaml", text.replace(old, new))["problems"]
+    found = next((p for p in problems if reason in p["message"]), None)
+    assert found is not None, problems
+    assert found["line"] == line
+
+
+def test_topics_of_cameras_begin_as_drivers_publish_them(page: TestClient) -> None:
+    view = checked(page, "grip.yaml", GRIP + "sensors: {top: {camera: overhead}}\nros: {joint_states: /js}\n")
+    template = next(t for t in view["templates"] if t["title"] == "cameras of the real robot")
+    made = changed(page, text=view["text"], key=template["key"], value=template["value"])
+    assert made["problems"] == []
+    assert made["data"]["ros"]["joint_states"] == "/js"
+    assert made["data"]["ros"]["cameras"]["top"]["image"] == "/top/color/image_raw"
+    assert made["options"]["ros/cameras/?"] == ["top"]
+
+
+def test_a_fault_names_a_wrong_value_once(page: TestClient) -> None:
+    text = GRIP + "sensors: {top: {topics: {cloud: {topic: /points, type: Pointcloud}}}}\n"
+    (problem,) = checked(page, "grip.yaml", text)["problems"]
+    assert problem["message"].count("'Pointcloud'") == 1
+
+
 @pytest.mark.parametrize(
     ("old", "new", "line", "reason"),
     [
@@ -127,6 +191,7 @@ def test_a_renamed_hand_is_renamed_where_an_arm_carries_it(page: TestClient) -> 
         ("group: arm", "group: arn", 4, "did you mean 'arm'"),
         ("hand: palm", "hand: pal", 4, "there is no 'pal'"),
         ("panda_allegro", "pandora", 2, "there is no 'pandora'"),
+        ("world: table", "world: tabel", 7, "there is no 'tabel'; did you mean 'table'?"),
         ("world: table", "worl: table", 7, "unknown key 'worl' in the file"),
         ("group: hand}", "group: 3}", 6, "hands/palm/group"),
         ("grip: 1", "grip: [1", 1, ""),
@@ -183,6 +248,64 @@ def test_faults_of_named_poses_are_placed(page: TestClient) -> None:
     assert problems[0]["line"] == 1
 
 
+POSE = "bin: {reference_frame: world, position: {x: 0.4, y: 0, z: 0}, orientation: {r: 0, p: 0, y: 0}}\n"
+WAY = "approach:\n- {name: home, interpolate_time: 2.0, pause_time: 0.0}\n"
+
+
+@pytest.mark.parametrize(
+    ("path", "text", "severity", "key", "reason"),
+    [
+        ("grip.yaml", GRIP.replace("RRTConnect", "RTR"), "error", ["arms", "right", "planner"], "there is no 'RTR'"),
+        ("messages/joint_states.yaml", "home: {panda_joint1: up}\n", "error", ["home", "panda_joint1"], "a number"),
+        (
+            "messages/joint_states.yaml",
+            "home: {panda_joint1: 0, panda_jont2: 0}\n",
+            "warning",
+            ["home", "panda_jont2"],
+            "did you mean 'panda_joint2'",
+        ),
+        ("messages/poses.yaml", POSE.replace("0.4", "left"), "error", ["bin", "position", "x"], "not 'left'"),
+        (
+            "messages/poses.yaml",
+            POSE.replace("orien", "orein"),
+            "error",
+            ["bin", "oreintation"],
+            "has: reference_frame,",
+        ),
+        (
+            "messages/poses.yaml",
+            POSE.replace("world", "wrld"),
+            "warning",
+            ["bin", "reference_frame"],
+            "did you mean 'world'",
+        ),
+        ("messages/trajectories.yaml", WAY, "error", ["approach", "0", "name"], "there is no 'home'"),
+        (
+            "messages/trajectories.yaml",
+            WAY.replace("2.0", "soon"),
+            "error",
+            ["approach", "0", "interpolate_time"],
+            "a number",
+        ),
+    ],
+)
+def test_what_is_wrong_finds_its_field(
+    page: TestClient, project: Path, path: str, text: str, severity: str, key: list[str], reason: str
+) -> None:
+    (project / "grip.yaml").write_text(GRIP)
+    if "soon" in text:
+        (project / "messages").mkdir()
+        (project / "messages" / "joint_states.yaml").write_text("home: {panda_joint1: 0.0}\n")
+    (problem,) = checked(page, path, text)["problems"]
+    assert (problem["severity"], problem["key"]) == (severity, key)
+    assert reason in problem["message"]
+
+
+def test_without_a_robot_no_name_is_doubted(page: TestClient) -> None:
+    assert checked(page, "messages/poses.yaml", POSE.replace("world", "wrld"))["problems"] == []
+    assert checked(page, "messages/joint_states.yaml", "home: {left_knee: 0.0}\n")["problems"] == []
+
+
 def test_measured_poses_and_joint_states_of_a_run_are_kept_by_name(page: TestClient, project: Path) -> None:
     from grip_bt.messages.library import MessageLibrary
 
@@ -227,6 +350,10 @@ def test_a_pasted_interface_shows_its_fields_and_its_component_file(page: TestCl
         (CONTRACT.replace("int32 outcome", "float32 outcome"), "'outcome' is float32; it must be one integer"),
         (CONTRACT.replace(" input", " inputs"), "the field 'input' is missing; did you mean 'inputs'?"),
         (CONTRACT.replace("returned_object", "result"), "'returned_object' is missing"),
+        (CONTRACT.replace("PointCloud2", "PointClod2"), "the field 'input' is of type sensor_msgs/PointClod2"),
+        (CONTRACT.replace("PointCloud2", "PointClod2"), "did you mean 'PointCloud2'?"),
+        (CONTRACT.replace("geometry_msgs", "geometry_msg"), "did you mean 'geometry_msgs'?"),
+        (CONTRACT.replace("sensor_msgs/PointCloud2", "Seen"), "the field 'input' is of type my_interfaces/Seen"),
     ],
 )
 def test_the_field_that_breaks_the_contract_is_named(page: TestClient, text: str, reason: str) -> None:
@@ -237,6 +364,21 @@ def test_outcomes_that_make_no_sense_are_told(page: TestClient) -> None:
     for outcomes in ("1x", "a,a", "found: ;"):
         assert look(page, outcomes=outcomes).json()["problems"], outcomes
     assert look(page, outcomes="a,b", failures=["c"]).json()["problems"]
+
+
+def test_a_server_that_is_no_ros_name_is_told_in_words(page: TestClient) -> None:
+    (problem,) = look(page, outcomes="one,none", server="do it").json()["problems"]
+    assert problem == (
+        "server: 'do it' isn't a whole ROS name: words of letters, digits and _, each after a /, such as /do/it"
+    )
+
+
+def test_a_message_of_the_projects_own_packages_is_known(page: TestClient, project: Path) -> None:
+    home = project / "components" / "eyes" / "interfaces" / "eyes_interfaces" / "msg"
+    home.mkdir(parents=True)
+    (home / "Seen.msg").write_text("float64 size\n")
+    text = CONTRACT.replace("sensor_msgs/PointCloud2", "eyes_interfaces/Seen")
+    assert look(page, text=text, outcomes="one,none").json()["problems"] == []
 
 
 @pytest.mark.parametrize("wish", [{"type": "no"}, {"text": "int32 a b c\n"}, {"type": "x_y/srv/Z", "text": ""}])

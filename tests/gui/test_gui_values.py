@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from grip_bt.runtime import Journal
 from grip_bt.runtime.run_log import Noted
 from grip_bt.runtime.value_codec import snapshot
-from grip_bt.values import CameraInfo, DepthImage, Grasp, Image, JointState, PointCloud, Pose
+from grip_bt.values import CameraInfo, DepthImage, Grasp, Image, JointState, PointCloud, Pose, RgbdFrame
 from grip_gui.pictures import LARGEST, drawn_cloud, drawn_depth, png
-from grip_gui.values import PLACES, ROWS, value_view
+from grip_gui.values import PLACES, POINTS, ROWS, cloud_view, value_view
 
 
 def pixels_of(data: bytes) -> NDArray[np.uint8]:
@@ -115,3 +115,35 @@ def test_poses_and_grasps_say_where_they_are_drawn() -> None:
     assert [place.name for place in places[:3]] == ["0 grasp", "0 before", "0 after"]
     assert len(places) == PLACES
     assert value_view("int", 3).places == []
+
+
+def points_of(text: str) -> NDArray[np.float32]:
+    return np.frombuffer(b64decode(text), "<f4").reshape(-1, 3)
+
+
+def test_a_cloud_is_drawn_in_space_with_its_colours_and_without_what_was_not_seen() -> None:
+    points = np.array([[0, 0, 1], [np.nan, 0, 0], [2, 3, 4]], dtype=np.float32)
+    colors = np.array([[1, 2, 3], [4, 5, 6], [7, 8, 9]], dtype=np.uint8)
+    view = cloud_view(PointCloud(points, colors, "camera"))
+    assert points_of(view.points).tolist() == [[0, 0, 1], [2, 3, 4]]
+    assert list(b64decode(view.colors)) == [1, 2, 3, 7, 8, 9]
+    assert (view.frame, view.of) == ("camera", 3)
+
+
+def test_of_a_large_cloud_some_points_are_drawn_from_its_beginning_to_its_end() -> None:
+    points = np.linspace((0, 0, 0), (1, 1, 1), 3 * POINTS + 1, dtype=np.float32)
+    view = cloud_view(PointCloud(points))
+    drawn = points_of(view.points)
+    assert POINTS / 2 < len(drawn) <= POINTS
+    assert drawn[0, 0] == 0
+    assert drawn[-1, 0] > 0.99
+    assert (view.of, view.colors) == (len(points), "")
+
+
+def test_what_a_camera_with_depth_saw_is_a_cloud_and_other_values_are_none() -> None:
+    info = CameraInfo(2, 1, np.array([[1.0, 0, 1], [0, 1, 0.5], [0, 0, 1]]), Pose((0, 0, 1), frame="rig"))
+    frame = RgbdFrame(Image(np.full((1, 2, 3), 7, np.uint8)), DepthImage(np.array([[0, 2]], np.float32), info))
+    view = cloud_view(frame)
+    assert points_of(view.points).tolist() == [[1, 0, 3]]
+    assert view.frame == "rig"
+    assert cloud_view(Pose()).points == cloud_view(3).points == ""

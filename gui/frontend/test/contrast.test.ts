@@ -37,6 +37,13 @@ test.each([
       expect(contrast(colours[phase] ?? "", colours[surface] ?? ""), `${phase} on ${surface}`).toBeGreaterThanOrEqual(4.5);
     }
   }
+  for (let viewer = 0; viewer < 8; viewer++) {
+    expect(contrast("#ffffff", colours[`viewer-${viewer}`] ?? ""), `initials of viewer ${viewer}`).toBeGreaterThanOrEqual(4.5);
+    for (const surface of SURFACES) {
+      const ring = contrast(colours[`viewer-line-${viewer}`] ?? "", colours[surface] ?? "");
+      expect(ring, `ring of viewer ${viewer} on ${surface}`).toBeGreaterThanOrEqual(3);
+    }
+  }
   for (const name of ["accent", "stop"]) {
     expect(contrast(colours[`${name}-text`] ?? "", colours[name] ?? ""), name).toBeGreaterThanOrEqual(4.5);
   }

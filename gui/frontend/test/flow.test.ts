@@ -2,7 +2,7 @@ import fc from "fast-check";
 import { describe, expect, it } from "vitest";
 
 import { endId, flowOf, START } from "../src/model/flow";
-import { chartedIn, chartOf, isCharted } from "../src/model/flowChart";
+import { chartedIn, chartOf, isCharted, pinAt } from "../src/model/flowChart";
 import { layoutFlow } from "../src/model/flowLayout";
 import type { Box } from "../src/model/layout";
 import { TaskIndex } from "../src/model/status";
@@ -41,7 +41,9 @@ describe("a container as a flow chart", () => {
     expect(lines(chart("sequence", [a], { outcomes: { success: "success", failure: "failure", lost: "failure" } }))).toContain(`a.failure - ${endId("lost")}`);
     expect(lines(chart("retry", [node("a")], { fields: { times: 3 } }))).toEqual([`a.success ~ ${endId("success")}`, "a.failure ~ a"]);
     expect(lines(chart("invert", [node("a")]))).toContain(`a.success ~ ${endId("failure")}`);
-    expect(lines(chart("parallel", [node("a"), node("b")]))).toEqual([]);
+    const parallel = chart("parallel", [node("a"), node("b")]);
+    expect(lines(parallel)).toEqual([]);
+    expect(parallel.items.flatMap((item) => item.ports.filter((port) => !port.led))).toEqual([]);
     expect(chart("sequence", [node("a")], { fields: { memory: false } }).strip).toMatch(/every tick/);
   });
 });
@@ -114,6 +116,19 @@ describe("a chart with containers open in it", () => {
     }
     expect(chart.items.map((each) => each.item.id)).toContain(endId("success", "g"));
     expect(chart.items.findIndex((each) => each.item.id === "g")).toBeLessThan(chart.items.findIndex((each) => each.item.id === "g/x"));
+  });
+
+  it("pins what is dragged inside an open one where the chart of its own container has it", () => {
+    const open = drawn(["g"]);
+    const own = chartOf(whole, byPath, "g", new Set(), {});
+    for (const id of ["g/x", "g/y"]) {
+      const { box } = open.items.find((each) => each.item.id === id) as (typeof open.items)[number];
+      const alone = own.boxes.get(id) as Box;
+      expect(pinAt(open, id, box)).toEqual([alone.x, alone.y]);
+      expect(pinAt(open, id, { x: box.x + 40, y: box.y - 7 })).toEqual([alone.x + 40, alone.y - 7]);
+    }
+    const outer = open.boxes.get("a") as Box;
+    expect(pinAt(open, "a", outer)).toEqual([outer.x, outer.y]);
   });
 
   it("keeps ids apart, and every edge between things that are there", () => {

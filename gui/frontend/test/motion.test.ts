@@ -2,7 +2,8 @@ import { describe, expect, it } from "vitest";
 
 import { Motion } from "../src/model/motion";
 
-const BOX = { kind: "box" as const, size: [1, 1, 1], at: [0, 0, 0, 1, 0, 0, 0], hand: "", fixed: false };
+const BOX = { kind: "box" as const, size: [1, 1, 1], at: [0, 0, 0, 1, 0, 0, 0], hand: "", fixed: false, body: "" };
+const WEDGE = { points: "AAAA", triangles: "AAAA" };
 
 describe("the motion of a run", () => {
   const motion = new Motion();
@@ -10,9 +11,10 @@ describe("the motion of a run", () => {
     expect(motion.at(1)).toBeNull();
   });
   it("carries on what hasn't changed, over the ends of pieces", () => {
-    motion.add({ parts: { arm: ["a", "b"], hand: ["c"] }, samples: [{ t: 1, q: { arm: [0.1, 0.2], hand: [0.3] }, scene: { box: BOX } }], next: 10 });
-    motion.add({ parts: {}, samples: [{ t: 2, q: { arm: [0.5, 0.6] }, scene: null }, { t: 3, q: {}, scene: {} }], next: 20 });
+    motion.add({ parts: { arm: ["a", "b"], hand: ["c"] }, bodies: { wedge: WEDGE }, samples: [{ t: 1, q: { arm: [0.1, 0.2], hand: [0.3] }, scene: { box: BOX } }], next: 10 });
+    motion.add({ parts: {}, bodies: {}, samples: [{ t: 2, q: { arm: [0.5, 0.6] }, scene: null }, { t: 3, q: {}, scene: {} }], next: 20 });
     expect(motion.next).toBe(20);
+    expect(motion.at(99)?.bodies["wedge"]).toBe(WEDGE);
     expect(Object.fromEntries(motion.at(2.5)?.joints ?? [])).toEqual({ a: 0.5, b: 0.6, c: 0.3 });
     expect(Object.keys(motion.at(2.5)?.scene ?? {})).toEqual(["box"]);
     expect(Object.keys(motion.at(99)?.scene ?? {})).toEqual([]);

@@ -8,14 +8,17 @@ from grip_bt.catalog import Catalog
 from grip_bt.compilers.restructure import to_state_machines, to_trees
 from grip_bt.errors import GripError, InvalidTaskError
 from grip_bt.graph import Fallback, Sequence, StateMachine, Task, walk
-from grip_bt.graph.model import join
+from grip_bt.graph.walking import join
 
 from ..edit_messages import FormsView, FormView
 from .sheet import Sheet
 
 
 def forms_view(sheet: Sheet, catalog: Catalog) -> Callable[[], FormsView]:
-    """Return what finds the forms of a document's composites and state machines; it needs nobody to wait for it."""
+    """Return what finds the forms of a document's composites and state machines; it needs nobody to wait for it.
+
+    Once the document has changed, nobody asks about this one: the rest isn't looked for, so that edits have the time.
+    """
     revision, history = sheet.revision, sheet.history
     if history is None or sheet.draft is not None:
         return lambda: FormsView(revision=revision, forms=[], trouble="the text isn't a task at the moment")
@@ -23,7 +26,8 @@ def forms_view(sheet: Sheet, catalog: Catalog) -> Callable[[], FormsView]:
 
     def found() -> FormsView:
         try:
-            return FormsView(revision=revision, forms=_forms(task, catalog))
+            forms = _forms(task, catalog, lambda: sheet.revision == revision)
+            return FormsView(revision=revision, forms=forms)
         except InvalidTaskError:
             return FormsView(revision=revision, forms=[], trouble="known once the task has no errors")
         except GripError as error:
@@ -38,8 +42,12 @@ def _edge(machine: str, label: str) -> tuple[str, str]:
     return join(machine, state), outcome
 
 
-def _forms(task: Task, catalog: Catalog) -> list[FormView]:
-    notes = {note.path: note for note in (*to_trees(task, catalog).notes, *to_state_machines(task, catalog).notes)}
+def _forms(task: Task, catalog: Catalog, wanted: Callable[[], bool]) -> list[FormView]:
+    notes = {}
+    for convert in (to_trees, to_state_machines):
+        if not wanted():
+            return []
+        notes.update({note.path: note for note in convert(task, catalog).notes})
     forms = []
     for path, node in walk(task.root):
         if isinstance(node, StateMachine | Sequence | Fallback):

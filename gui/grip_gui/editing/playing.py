@@ -9,7 +9,8 @@ from grip_bt.catalog import Catalog
 from grip_bt.compilers.restructure import Difference, Restructured, moved, play
 from grip_bt.compilers.restructure.equivalence import End
 from grip_bt.graph import Task
-from grip_bt.graph.model import Leaf, outcomes_of
+from grip_bt.graph.model import Leaf
+from grip_bt.graph.walking import outcomes_of
 from grip_bt.runtime.recorder import preview
 from grip_bt.values import Failure
 

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from typing import get_args
 
 from grip_bt.errors import DocumentError, EditError, GripError
 from grip_bt.graph import read_text, walk
-from grip_bt.graph.edit import Set, apply, clip_of
+from grip_bt.graph.edit import Set, apply, clip_of, comment_of
 from grip_bt.validation import validate
 
 from ..documents import catalog_of, drawn, problems_of, trouble_of, unchecked_view
 from ..edit_messages import (
     Change,
+    CommentView,
     DocumentView,
     ExpressionView,
     ExpressionWish,
@@ -105,6 +107,15 @@ def places_view(sheet: Sheet) -> PlacesView:
     document = sheet.history.document
     places = ((path, document.position(path)) for path, _ in walk(document.task.root))
     return PlacesView(revision=sheet.revision, lines={path: place[0] for path, place in places if place})
+
+
+def comment_view(sheet: Sheet, path: str) -> CommentView:
+    """Return the comment of a node, of the last task that the text was."""
+    comment = None
+    # Who asks may not have heard yet that the node is gone: that is no mistake.
+    with suppress(EditError):
+        comment = comment_of(sheet.history.document, path) if sheet.history else None
+    return CommentView(revision=sheet.revision, node=path, comment=comment)
 
 
 def parts_view(sheet: Sheet, paths: list[str]) -> PartsView:

@@ -19,6 +19,7 @@ from grip_bt.catalog.component_file import ComponentFile, load_component
 from grip_bt.errors import DocumentError, ExpectedError, GripError
 from grip_bt.graph.syntax import parse, plain
 from grip_bt.messages import MessageLibrary
+from grip_bt.messages.written import fields_of
 from grip_bt.ros.components import start_components
 from grip_bt.runtime import JournalReader
 from grip_bt.values import JointState, Pose
@@ -26,7 +27,7 @@ from grip_bt.values import JointState, Pose
 from ..live_messages import FieldResult, TryView
 from ..run_messages import ValueView
 from ..values import value_view
-from .shown import fields_of, message_view
+from .shown import message_view
 
 
 def tried(folder: Path, given: Mapping[str, Mapping[str, Any]]) -> TryView:

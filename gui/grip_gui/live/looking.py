@@ -11,16 +11,17 @@ from typing import Any
 from grip_bt.app.project import find_project
 from grip_bt.catalog.sensor_config import MESSAGES
 from grip_bt.errors import ExpectedError
+from grip_bt.messages.written import fields_of
 from grip_bt.ros.bus import Bus
 from grip_bt.ros.graph import topics
 from grip_bt.ros.managers import MessageServer, RosMessages
+from grip_bt.ros.managers.text import entry_rows, text_of_entry, value_from_text
 from grip_bt.ros.managers.wire import MESSAGES as STORES
 from grip_bt.ros.types import load_type, type_name
 
 from ..run_messages import ValueView
 from ..values import value_view
-from .shown import fields_of, message_view, plain_of
-from .written import text_of, value_of
+from .shown import message_view
 
 APPEARS = 2.0
 """How long a server of messages may take to be found [s]."""
@@ -68,17 +69,7 @@ class Looker:
         if not operation.wait(ANSWERS):
             raise ExpectedError("the server of messages gives no answer")
         answer = operation.result()
-        rows = [
-            {
-                "store": entry.store,
-                "name": entry.name,
-                "type": entry.type,
-                "time": entry.stamp.sec + entry.stamp.nanosec * 1e-9,
-                "provenance": entry.provenance,
-                "revision": entry.revision,
-            }
-            for entry in answer.entries
-        ]
+        rows = entry_rows(answer)
         types = {row["store"]: row["type"] for row in rows} | STORES
         stores = [
             {"name": name, "type": types.get(name, ""), "queued": queued}
@@ -90,15 +81,11 @@ class Looker:
         """Return one of them, looked at, and as text where it can be changed as one."""
         entry = self._done(self._messages.get(store, name))
         view = self._view(store, entry.value)
-        return {"value": view.model_dump(), "text": text_of(entry.value, plain_of)}
+        return {"value": view.model_dump(), "text": text_of_entry(store, entry.value)}
 
     def put(self, store: str, name: str, type: str, text: str) -> dict[str, Any]:
         """Add or replace one."""
-        value = value_of(store, name, text)
-        if isinstance(value, dict):
-            from grip_bt.ros.convert import to_message
-
-            value = to_message(value, load_type(type or STORES.get(store, "")))
+        value = value_from_text(store, name, text, type)
         self._done(self._messages.put(store, name, value, "by hand in the editor"))
         return {}
 

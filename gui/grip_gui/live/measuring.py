@@ -11,11 +11,12 @@ from typing import Any
 from grip_bt.app.project import Project, find_project
 from grip_bt.app.resources import open_resources
 from grip_bt.errors import ExpectedError, GripError, MissingPartError, UnknownNameError
+from grip_bt.messages.written import text_of
 from grip_bt.ports import Arm, Hand
 from grip_bt.values import JointState
 
-from .written import text_of
-
+DIGITS = 9
+"""Behind the point of what was measured: nanometres, which no robot measures."""
 _NO_ARM = "{} is a hand: its joints can be kept; the pose of its palm is the arm's"
 
 
@@ -61,7 +62,7 @@ def _of_joints(project: Project, part: str, what: str, joints: JointState) -> An
 def main() -> int:
     """Print what is measured."""
     try:
-        answer = {"text": text_of(measured(**json.loads(sys.argv[1])))}
+        answer = {"text": text_of(measured(**json.loads(sys.argv[1])), DIGITS)}
     except ExpectedError as error:
         answer = {"trouble": error.message}
     except (GripError, ValueError, OSError) as error:

@@ -31,13 +31,15 @@ def motion_of(journal: Path, run: str, after: int) -> MotionView:
     whole = piece[: piece.rfind(b"\n") + 1]  # the last line may be being written
     parts: dict[str, list[str]] = {}
     samples = []
+    bodies: dict[str, Any] = {}
     for line in whole.splitlines():
         data: dict[str, Any] = json.loads(line)
         if "parts" in data:
             parts = data["parts"]
         else:
+            bodies |= data.pop("bodies", {})
             samples.append(MotionSample(**data))
-    return MotionView(parts=parts, samples=samples, next=after + len(whole))
+    return MotionView(parts=parts, bodies=bodies, samples=samples, next=after + len(whole))
 
 
 def last_state(journal: Path, run: str, part: str) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""ROS messages for looking at and for changing, without their classes: a view, and plain data."""
+"""ROS messages for looking at, without their classes."""
 
 from __future__ import annotations
 
@@ -9,20 +9,13 @@ import numpy as np
 
 from grip_bt.catalog.sensor_config import MESSAGES
 from grip_bt.errors import GripError
+from grip_bt.messages.written import fields_of
 from grip_bt.values import CameraInfo, Pose
 
 from ..run_messages import ValueView
 from ..values import ROWS, value_view
 
-EDITABLE = 2000
-"""Most numbers and texts of a message that is changed as text."""
 _DEPTHS = ("32FC1", "16UC1")
-
-
-def fields_of(message: Any) -> tuple[str, ...] | None:
-    """Return the names of a message's fields, None for what is no message."""
-    asked = getattr(message, "get_fields_and_field_types", None)
-    return None if asked is None else tuple(asked())
 
 
 def message_view(type_name: str, message: Any) -> ValueView:
@@ -35,34 +28,6 @@ def message_view(type_name: str, message: Any) -> ValueView:
     rows = [[path, text] for path, text in _flat(message, "")]
     shown = rows[:ROWS] + ([["...", "there is more"]] if len(rows) > ROWS else [])
     return ValueView(type=type_name, text=", ".join(f"{p}: {t}" for p, t in rows[:3]), rows=shown)
-
-
-def plain_of(message: Any) -> Any:
-    """Return a message as mappings, lists and plain values, or None when that is too much to be changed by hand."""
-    count = 0
-
-    def plain(part: Any) -> Any:
-        nonlocal count
-        if (names := fields_of(part)) is not None:
-            return {name: plain(getattr(part, name)) for name in names}
-        if isinstance(part, bytes | bytearray):
-            part = list(part)
-        if hasattr(part, "tolist"):
-            count += len(part) if np.ndim(part) else 1
-            if count > EDITABLE:
-                raise OverflowError
-            return part.tolist()
-        if isinstance(part, list | tuple):
-            return [plain(each) for each in part]
-        count += 1
-        if count > EDITABLE:
-            raise OverflowError
-        return part
-
-    try:
-        return plain(message)
-    except OverflowError:
-        return None
 
 
 def _value(type_name: str, message: Any) -> Any:

@@ -13,8 +13,12 @@ from ruamel.yaml.error import YAMLError
 from grip_bt.errors import GripError, nearest
 
 WIDTH = 140
-REFERENCES: Mapping[tuple[str, ...], tuple[tuple[str, ...], ...]] = {("hands",): (("arms", "*", "hand"),)}
-"""Where the names of a mapping's entries are used: a rename is followed there."""
+REFERENCES: Mapping[tuple[str, ...], tuple[tuple[str, ...], ...]] = {
+    ("hands",): (("arms", "*", "hand"), ("ros", "controllers", "?")),
+    ("arms",): (("ros", "controllers", "?"),),
+    ("sensors",): (("ros", "cameras", "?"),),
+}
+"""Where the names of a mapping's entries are used, at `?` as keys: a rename is followed there."""
 
 
 class UnchangeableError(GripError):
@@ -70,20 +74,29 @@ def rename(text: str, key: Sequence[str | int], name: str) -> str:
     _there(parent, key)
     if name in parent and name != old:
         raise UnchangeableError(f"{name!r} is taken; choose another name than {', '.join(map(str, parent))}")
-    place, value, comment = list(parent).index(old), parent[old], parent.ca.items.pop(old, None)
-    del parent[old]
-    parent.insert(place, name, value)
-    if comment is not None:
-        parent.ca.items[name] = comment
+    _rename_key(parent, old, name)
     for pattern in REFERENCES.get(tuple(map(str, key[:-1])), ()):
         _follow(root, pattern, old, name)
     return _dumped(yaml, root)
+
+
+def _rename_key(mapping: CommentedMap, old: object, new: str) -> None:
+    """Give an entry another name, in its place and with its comment."""
+    place, value, comment = list(mapping).index(old), mapping[old], mapping.ca.items.pop(old, None)
+    del mapping[old]
+    mapping.insert(place, new, value)
+    if comment is not None:
+        mapping.ca.items[new] = comment
 
 
 def _follow(value: Any, pattern: Sequence[str], old: object, new: str) -> None:
     if not isinstance(value, dict):
         return
     step, rest = pattern[0], pattern[1:]
+    if step == "?":
+        if isinstance(value, CommentedMap) and old in value and new not in value:
+            _rename_key(value, old, new)
+        return
     for name in list(value) if step == "*" else [step] if step in value else []:
         if rest:
             _follow(value[name], rest, old, new)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from grip_bt.app.project import find_project
 from grip_bt.errors import DocumentError, GripError
 from grip_bt.graph.faults import Fault, find
-from grip_bt.graph.syntax import parse, plain
+from grip_bt.graph.syntax import Value, parse, plain
 
 from ..editing import ChangedOnDiskError
 from ..editing.files import TextFile
@@ -17,7 +17,8 @@ from ..project import ProjectFolder
 from ..setup_messages import SetupChange, SetupList, SetupSave, SetupView
 from .changes import UnchangeableError, remove, rename, set_value
 from .kinds import Kind, entries, kind_of
-from .options import options_of, robot_trouble, wrong_options
+from .options import doubtful_names, options_of, robot_trouble, wrong_options
+from .places import keys_at
 from .templates import templates_of
 
 
@@ -84,11 +85,7 @@ class SetupDesk:
         return self._view(wish.path, kind, wish.text, file.known)
 
     def _view(self, path: str, kind: Kind, text: str, known: str) -> SetupView:
-        data, options, faults = self._looked_at(path, kind, text)
-        problems = [
-            Problem(code="settings", severity="error", message=message, line=line, column=column)
-            for message, line, column in sorted(faults, key=lambda fault: fault[1:])
-        ]
+        data, options, problems = self._looked_at(path, kind, text)
         return SetupView(
             path=path,
             kind=kind.name,
@@ -99,25 +96,36 @@ class SetupDesk:
             shape=dict(kind.shape),
             options=options,
             templates=templates_of(kind, data, self.folder.folder),
-            problems=problems,
+            problems=sorted(problems, key=lambda problem: (problem.line, problem.column)),
         )
 
-    def _looked_at(self, path: str, kind: Kind, text: str) -> tuple[Any, dict[str, list[str]], list[Fault]]:
+    def _looked_at(self, path: str, kind: Kind, text: str) -> tuple[Any, dict[str, list[str]], list[Problem]]:
         file = self.folder.settings_file(path)
         try:
             tree = parse(text, path)
         except DocumentError as error:
             options = options_of(kind.name, None, self.folder.folder)
-            return None, options, [(error.message, error.line or 1, error.column or 1)]
+            return None, options, [_problem((error.message, error.line or 1, error.column or 1))]
         data = plain(tree)
         options = options_of(kind.name, data, self.folder.folder)
-        faults = [*kind.check(file, text, tree), *wrong_options(tree, data, options)]
+        faults = wrong_options(tree, data, options)
+        # The reader of trajectories stops at the first name that isn't there, and says less of it.
+        if not faults or kind.name != "trajectories":
+            faults = [*kind.check(file, text, tree), *faults]
         if trouble := robot_trouble(kind.name, data, self.folder.folder):
             faults.append((f"robot: {trouble}", *find(tree, ("robot",))))
-        return data, options, faults
+        doubts = doubtful_names(kind.name, tree, data, self.folder.folder)
+        problems = [_problem(fault, tree) for fault in faults]
+        return data, options, [*problems, *(_problem(doubt, tree, "warning") for doubt in doubts)]
 
     def _components(self) -> dict[str, Path]:
         try:
             return find_project(self.folder.folder).component_folders()
         except GripError:  # grip.yaml is wrong; where components usually are is a good guess
             return {p.parent.name: p.parent for p in sorted(self.folder.folder.glob("components/*/component.yaml"))}
+
+
+def _problem(fault: Fault, tree: Value | None = None, severity: Literal["error", "warning"] = "error") -> Problem:
+    message, line, column = fault
+    key = keys_at(tree, line, column) if tree is not None else []
+    return Problem(code="settings", severity=severity, message=message, line=line, column=column, key=key)

@@ -35,8 +35,13 @@ def facts(robot: object, folder: Path) -> dict[str, Any]:
     if not isinstance(robot, str | Mapping):
         robot = ""
     asked = json.dumps(robot, sort_keys=True, default=str)
-    by_name = isinstance(robot, str) and (not robot or not (folder / robot).exists())
+    by_name = isinstance(robot, str) and not is_path(robot, folder)
     return _asked(asked, "." if by_name else str(folder), 0.0 if by_name else stamp_of(robot, folder))
+
+
+def is_path(robot: str, folder: Path) -> bool:
+    """Return whether a text means a file or a folder, also one that isn't there, rather than a ready-made robot."""
+    return bool(robot) and ("/" in robot or "." in robot or (folder / robot).exists())
 
 
 @lru_cache(maxsize=16)
@@ -80,6 +85,8 @@ def _gathered(robot: Any, folder: Path) -> dict[str, Any]:
         "planners": sorted([*planners(), MOVE_GROUP]),
         "kinematics": list(SOLVERS),
     }
+    if not robot:  # a project that begins: nothing can be wrong with a robot that it hasn't named
+        return found
     try:
         source = RobotConfig.model_validate(robot) if isinstance(robot, Mapping) else str(robot)
         description = load_robot(source, folder)

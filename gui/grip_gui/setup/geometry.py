@@ -19,15 +19,13 @@ from xml.etree.ElementTree import Element, fromstring
 import numpy as np
 from numpy.typing import NDArray
 
+from grip_bt.app.motion_bodies import coarse
+
 from .facts import PATIENCE, stamp_of
 
 if TYPE_CHECKING:
-    from grip_bt.values.solids import Mesh
+    pass
 
-FINE = 1500
-"""Meshes with more triangles than this are made coarser."""
-CELLS = 36
-"""Into how many cells the longest side of such a mesh is cut: what lies in one cell becomes one point."""
 _HERE = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 
 
@@ -107,25 +105,6 @@ class _Meshes:
         points, triangles = coarse(mesh)
         self.found.append({"points": _coded(points.astype("<f4")), "triangles": _coded(triangles.astype("<u4"))})
         return len(self.found) - 1
-
-
-def coarse(mesh: Mesh) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Return points and triangles of a mesh; of a fine one, the points of each cell as one (vertex clustering).
-
-    Source: Rossignac and Borrel, "Multi-resolution 3D approximations for rendering complex scenes", 1993.
-    """
-    points, triangles = np.asarray(mesh.points), np.asarray(mesh.triangles, dtype=np.int64)
-    if len(triangles) <= FINE:
-        return points, triangles
-    cell = max(float(np.ptp(points, axis=0).max()) / CELLS, 1e-6)
-    keys = np.floor((points - points.min(axis=0)) / cell).astype(np.int64)
-    _, which = np.unique(keys, axis=0, return_inverse=True)
-    which = which.reshape(-1)
-    count = np.bincount(which)
-    merged = np.stack([np.bincount(which, points[:, axis]) / count for axis in range(3)], axis=1)
-    moved = which[triangles]
-    kept = moved[(moved[:, 0] != moved[:, 1]) & (moved[:, 1] != moved[:, 2]) & (moved[:, 0] != moved[:, 2])]
-    return merged, np.unique(kept, axis=0)
 
 
 def _shapes(link: Element, meshes: _Meshes, colors: Mapping[str | None, str | None]) -> Iterator[dict[str, Any]]:

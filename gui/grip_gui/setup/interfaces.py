@@ -13,17 +13,21 @@ from pydantic import ValidationError
 from grip_bt.app.new_component import Wish, components_folder, from_file, from_type, make_component
 from grip_bt.catalog.component_file import ComponentFile
 from grip_bt.catalog.interface_spec import InterfaceSpec
-from grip_bt.codegen.component_text import component_text, parse_outcomes, suggested_outcomes
-from grip_bt.codegen.contract import INPUT, OUTCOME, RETURNED, check_contract
+from grip_bt.codegen.component_text import component_text, parse_outcomes, suggested_name
+from grip_bt.codegen.contract import INPUT, OUTCOME, RETURNED, check_contract, suggested_outcomes
 from grip_bt.errors import ContractError, DocumentError, GripError
+from grip_bt.graph.faults import fault_of
 from grip_bt.graph.settings_file import check_model
-from grip_bt.graph.syntax import parse
+from grip_bt.graph.syntax import Mapping, parse
+from grip_bt.ros.interfaces import read_interface
 
 from ..project import ProjectFolder
 from ..setup_messages import FieldView, InterfaceView, InterfaceWish
 
 _TYPE = re.compile(r"^(?P<package>[a-z][a-z0-9_]*)/(?P<kind>srv|action|msg)/(?P<name>[A-Z][A-Za-z0-9]*)$")
-_PACKAGES = ("action_msgs", "builtin_interfaces", "geometry_msgs", "sensor_msgs", "std_msgs", "trajectory_msgs")
+_OTHER = re.compile(r"^\s*([a-z][a-z0-9_]*)/[A-Z]", re.MULTILINE)
+"""A field of another package's type."""
+_NOTHING = Mapping({}, 1, 1)
 _PACKAGE = """\
 <?xml version="1.0"?>
 <package format="3">
@@ -52,7 +56,7 @@ def look_at(folder: ProjectFolder, wish: InterfaceWish) -> InterfaceView:
         GripError: its name, its outcomes, or the component's name are none.
     """
     with _found(folder, wish) as found:
-        return _view(wish, found.interface)
+        return _view(folder, wish, found.interface)
 
 
 def make(folder: ProjectFolder, wish: InterfaceWish) -> tuple[InterfaceView, Path]:
@@ -63,7 +67,7 @@ def make(folder: ProjectFolder, wish: InterfaceWish) -> tuple[InterfaceView, Pat
         GripError: the folder has a component file already, or something can't be read.
     """
     with _found(folder, wish) as found:
-        view = _view(wish, found.interface)
+        view = _view(folder, wish, found.interface)
         if view.problems:
             raise ContractError(found.interface.type_name, view.problems)
         named = Wish(found.interface, wish.server, wish.name, found.package)
@@ -72,7 +76,7 @@ def make(folder: ProjectFolder, wish: InterfaceWish) -> tuple[InterfaceView, Pat
     return view.model_copy(update={"path": folder.relative(home / "component.yaml")}), home
 
 
-def _view(wish: InterfaceWish, interface: InterfaceSpec) -> InterfaceView:
+def _view(folder: ProjectFolder, wish: InterfaceWish, interface: InterfaceSpec) -> InterfaceView:
     suggestion = suggested_outcomes(interface)
     sides = ("goal", "result") if interface.kind == "action" else ("request", "response")
     sides = ("message", "") if interface.kind == "msg" else sides
@@ -82,7 +86,7 @@ def _view(wish: InterfaceWish, interface: InterfaceSpec) -> InterfaceView:
         for field in part
     ]
     text, problems = "", []
-    name = wish.name or _snake(interface.name)
+    name = wish.name or suggested_name(interface)
     try:
         # Who has one of the contract's fields means the contract, and wants to know what it lacks.
         meant = any(f.name in (INPUT, OUTCOME, RETURNED) for f in (*interface.request, *interface.response))
@@ -95,13 +99,29 @@ def _view(wish: InterfaceWish, interface: InterfaceSpec) -> InterfaceView:
     except ContractError as error:
         problems = list(error.problems)
     except ValidationError as error:
-        problems = [
-            f"{'/'.join(map(str, e['loc'])) or 'the component'}: {e['msg'].removeprefix('Value error, ')}"
-            for e in error.errors()
-        ]
+        problems = [fault_of(_NOTHING, e)[0] for e in error.errors()]
     except GripError as error:
-        problems = [str(error)]
+        problems = [str(error).removeprefix("--")]  # the command line's option is this page's field
+    problems = [*_unknown_types(folder, interface), *problems]
     return InterfaceView(fields=fields, problems=problems, suggestion=suggestion, text=text, path="", output="")
+
+
+def _unknown_types(folder: ProjectFolder, interface: InterfaceSpec) -> Iterator[str]:
+    """Yield the fields whose message is nowhere: neither installed, nor in the project's own packages."""
+    own = Path(interface.source).parent.parent
+    for field in (*interface.request, *interface.response, *interface.feedback):
+        package, _, name = field.type.partition("/msg/")
+        if not name:
+            continue
+        homes = (
+            [own] if package == interface.package else components_folder(folder.folder).glob(f"*/interfaces/{package}")
+        )
+        if any((home / "msg" / f"{name}.msg").is_file() for home in homes):
+            continue
+        try:
+            read_interface(field.type)
+        except DocumentError as error:
+            yield f"the field {field.name!r} is of type {field.spelling}: {error.message}"
 
 
 @contextmanager
@@ -120,14 +140,10 @@ def _found(folder: ProjectFolder, wish: InterfaceWish) -> Iterator[Wish]:
         file = package / name["kind"] / f"{name['name']}.{name['kind']}"
         file.parent.mkdir(parents=True)
         file.write_text(wish.text, encoding="utf-8")
-        needed = [other for other in _PACKAGES if f"{other}/" in wish.text]
+        needed = sorted(set(_OTHER.findall(wish.text)) - {name["package"]})
         depends = "".join(f"  <depend>{other}</depend>\n" for other in needed)
         (package / "package.xml").write_text(_PACKAGE.format(name=name["package"], depends=depends), encoding="utf-8")
         try:
             yield from_file(file)
         except DocumentError as error:
             raise DocumentError(error.message, file.name, error.line, error.column) from None
-
-
-def _snake(name: str) -> str:
-    return "".join(f"_{c.lower()}" if c.isupper() and i else c.lower() for i, c in enumerate(name))

@@ -12,11 +12,27 @@ from grip_bt.errors import GripError, listing, nearest
 from grip_bt.graph.faults import Fault, find
 from grip_bt.graph.syntax import Value, parse, plain
 
-from .facts import facts
+from .facts import facts, is_path
 from .kinds import JOINT_STATES
 
-CLOSED = {"robot", "arms/*/planner", "arms/*/kinematics", "arms/*/group", "arms/*/hand", "hands/*/group", "*/*/name"}
-"""Where nothing else than the options may stand."""
+CLOSED = {
+    "robot",
+    "arms/*/planner",
+    "arms/*/kinematics",
+    "arms/*/group",
+    "arms/*/hand",
+    "hands/*/group",
+    "ros/controllers/?",
+    "ros/cameras/?",
+    "world",
+    "*/*/name",
+}
+"""Where nothing else than the options may stand; at `?`, as a key."""
+_NONE_YET = {
+    "arms/*/hand": "name it under `hands` first",
+    "ros/controllers/?": "name it under `arms` or `hands` first",
+    "ros/cameras/?": "no sensor says `camera`: write `sensors: {NAME: {camera: overhead}}`",
+}
 WORLDS = ["table"]
 
 
@@ -50,9 +66,29 @@ def wrong_options(tree: Value, data: Any, options: Mapping[str, Sequence[str]]) 
             if isinstance(value, str) and value not in allowed:
                 line, column = find(tree, path)
                 words = "/".join(map(str, path))
-                message = f"{words}: there is no {value!r}{nearest(value, allowed)} (there are: {listing(allowed)})"
+                there = f"there are: {listing(allowed)}" if allowed else _NONE_YET.get(pattern, "there is none yet")
+                message = f"{words}: there is no {value!r}{nearest(value, allowed)} ({there})"
                 faults.append((message, line, column))
     return faults
+
+
+def doubtful_names(kind: str, tree: Value, data: Any, folder: Path) -> list[Fault]:
+    """Return the names in files of messages that the project's robot doesn't have; something else may have them."""
+    known = robot_facts(folder)
+    if kind == "joint_states":
+        pattern, what = ["*", "?"], "joint"
+        allowed = sorted({joint for group in known.get("groups", {}).values() for joint in group})
+    elif kind == "poses":
+        pattern, what = ["*", "reference_frame"], "frame"
+        allowed = [*known.get("frames", ()), *_keys(_data(folder / "grip.yaml") or {}, "sensors")]
+    else:
+        return []
+    found = _at(data, pattern, ()) if known.get("groups") else ()
+    return [
+        (f"{'/'.join(map(str, path))}: the robot has no {what} {name!r}{nearest(name, allowed)}", *find(tree, path))
+        for path, name in found
+        if isinstance(name, str) and name not in allowed
+    ]
 
 
 def robot_trouble(kind: str, data: Any, folder: Path) -> str:
@@ -77,11 +113,13 @@ def _project(data: Mapping[str, Any], folder: Path) -> dict[str, list[str]]:
         "robot/end_effectors/*/parent_link": "links",
         "sensors/*/mount/on": "frames",
     }
-    if not isinstance(robot, str) or robot in known.get("robots", ()) or not (folder / robot).exists():
+    if not isinstance(robot, str) or not is_path(robot, folder):
         places["robot"] = "robots"  # where it is a file, its path is as good
     found = {place: list(known[name]) for place, name in places.items() if name in known}
     found |= {
         "ros/controllers/?": [*_keys(data, "arms"), *_keys(data, "hands")],
+        "ros/cameras/?": cameras_in(data),
+        "ros/cameras/*/mount/on": list(known.get("frames", ["world"])),
         "arms/*/hand": _keys(data, "hands"),
         "world": WORLDS,
         "sensors/*/camera": ["overhead"],
@@ -99,6 +137,14 @@ def _project(data: Mapping[str, Any], folder: Path) -> dict[str, list[str]]:
         found |= dict.fromkeys(("robot/grasp_frames/?", "robot/fingers/?", "robot/states/?"), groups)
         found["robot/accelerations/?"] = [*groups, *sorted({j for joints in known["groups"].values() for j in joints})]
     return found
+
+
+def cameras_in(data: Mapping[str, Any]) -> list[str]:
+    """Return the sensors of a project file's data that say `camera`."""
+    sensors = data.get("sensors")
+    if not isinstance(sensors, Mapping):
+        return []
+    return [str(name) for name, sensor in sensors.items() if isinstance(sensor, Mapping) and "camera" in sensor]
 
 
 def _keys(data: Mapping[str, Any], key: str) -> list[str]:
@@ -133,7 +179,9 @@ def _at(data: Any, pattern: Sequence[str], path: tuple[str | int, ...]) -> Itera
     step, rest = pattern[0], pattern[1:]
     if isinstance(data, Mapping):
         for key, value in data.items():
-            if step in ("*", key):
+            if step == "?":
+                yield (*path, key), str(key)
+            elif step in ("*", key):
                 yield from _at(value, rest, (*path, key))
     elif isinstance(data, list) and step == "*":
         for at, value in enumerate(data):

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..setup_messages import Template
 from .kinds import JOINT_STATES, Kind
-from .options import names_in, robot_facts
+from .options import cameras_in, names_in, robot_facts
 
 _WAY = ("home", "above")
 """What a way goes through in a project that has named no joint state yet: the page says so."""
@@ -28,7 +28,7 @@ def templates_of(kind: Kind, data: Any, folder: Path) -> list[Template]:
         case "trajectories":
             return [_trajectory(names_in(folder / JOINT_STATES))]
         case "project":
-            return [*kind.templates, *_controllers(data)]
+            return [*kind.templates, *_controllers(data), *_cameras(data)]
     return list(kind.templates)
 
 
@@ -52,4 +52,18 @@ def _controllers(data: Any) -> list[Template]:
     file = data if isinstance(data, Mapping) else {}
     parts = [name for key in ("arms", "hands") if isinstance(file.get(key), Mapping) for name in file[key]]
     value = {name: {"trajectory": f"/{name}_controller/follow_joint_trajectory"} for name in map(str, parts)}
-    return [Template(title="controllers of the real robot", key=["ros"], value={"controllers": value})] if value else []
+    # Into what is said of the real robot already, which stays.
+    return [Template(title="controllers of the real robot", key=["ros", "controllers"], value=value)] if value else []
+
+
+def _cameras(data: Any) -> list[Template]:
+    """Return the topics of each camera that the file names, as drivers of RGB-D cameras publish them."""
+    value = {
+        name: {
+            "image": f"/{name}/color/image_raw",
+            "depth": f"/{name}/aligned_depth_to_color/image_raw",
+            "info": f"/{name}/color/camera_info",
+        }
+        for name in cameras_in(data if isinstance(data, Mapping) else {})
+    }
+    return [Template(title="cameras of the real robot", key=["ros", "cameras"], value=value)] if value else []

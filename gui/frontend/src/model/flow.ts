@@ -13,7 +13,7 @@ export const START = "#start";
 export interface Port {
   readonly outcome: string;
   readonly meaning: string;
-  /** Whether it leads somewhere. */
+  /** Whether it leads somewhere, or needn't. */
   readonly led: boolean;
 }
 
@@ -61,7 +61,7 @@ export function flowOf(task: TaskView, byPath: ReadonlyMap<string, NodeView>, co
   const machine = around.kind === "state_machine";
   const edges = machine ? storedEdges(children, around, within) : derivedEdges(children, around, within);
   const led = new Set(edges.map((edge) => `${edge.source}\n${edge.outcome}`));
-  const items: FlowItem[] = children.map((node) => item(node, led));
+  const items: FlowItem[] = children.map((node) => item(node, led, around.kind === "parallel"));
   const used = new Set(edges.map((edge) => edge.target));
   const ends = Object.entries(container === "/" && children.length === 0 ? task.outcomes : around.outcomes);
   for (const [outcome, meaning] of ends) {
@@ -77,12 +77,13 @@ export function flowOf(task: TaskView, byPath: ReadonlyMap<string, NodeView>, co
   return { items, edges, strip: stripOf(around), machine };
 }
 
-function item(node: NodeView, led: ReadonlySet<string>): FlowItem {
+/** @param without whether what is around has no edges, so that no outcome waits for one. */
+function item(node: NodeView, led: ReadonlySet<string>, without: boolean): FlowItem {
   const finer = node.on.map((edge) => edge.outcome).filter((outcome) => !(outcome in node.outcomes));
   const ports = [...Object.keys(node.outcomes), ...finer].map((outcome) => ({
     outcome,
     meaning: node.outcomes[outcome.split(".")[0] as string] ?? "failure",
-    led: led.has(`${node.path}\n${outcome}`),
+    led: without || led.has(`${node.path}\n${outcome}`),
   }));
   return { id: node.path, kind: "node", node, ports, width: FLOW_WIDTH, height: FLOW_HEAD + ports.length * PORT_HEIGHT + 6 };
 }

@@ -15,6 +15,8 @@ export interface PlacedItem {
   readonly parent: string | null;
   /** Relative to that box. */
   readonly box: Box;
+  /** Where the origin of its own chart is, relative to that box: pins are positions in that chart. */
+  readonly origin: Point;
 }
 
 export interface PlacedEdge extends FlowEdge {
@@ -65,7 +67,7 @@ export function chartOf(task: TaskView, byPath: ReadonlyMap<string, NodeView>, c
     for (const item of laid.flow.items) {
       const box = laid.layout.boxes.get(item.id) as Box;
       const here = { ...box, x: box.x + dx, y: box.y + dy };
-      items.push({ item, parent, box: here });
+      items.push({ item, parent, box: here, origin: { x: dx, y: dy } });
       boxes.set(item.id, { ...here, x: here.x + origin.x, y: here.y + origin.y });
     }
     const moved = ({ x, y }: Point): Point => ({ x: x + dx + origin.x, y: y + dy + origin.y });
@@ -90,6 +92,12 @@ export function isCharted(path: string, container: string, opened: ReadonlySet<s
     if (!opened.has(above)) return false;
   }
   return false;
+}
+
+/** Where something that was put to a place of the drawing stands in the chart of its own container: what its pin says. */
+export function pinAt(chart: FlowChart, id: string, { x, y }: Point): [number, number] {
+  const origin = chart.items.find((each) => each.item.id === id)?.origin ?? { x: 0, y: 0 };
+  return [x - origin.x, y - origin.y];
 }
 
 /** The container in whose chart something stands. */

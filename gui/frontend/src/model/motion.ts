@@ -1,5 +1,5 @@
 /** How a run's robot has moved: pieces of its record put together, and where everything was at a time. */
-import type { MotionView, SceneItem } from "../protocol/generated";
+import type { MeshView, MotionView, SceneItem } from "../protocol/generated";
 
 /** Where everything is at one time. */
 export interface Stand {
@@ -7,6 +7,8 @@ export interface Stand {
   /** Joint -> position [rad or m]. */
   readonly joints: ReadonlyMap<string, number>;
   readonly scene: Readonly<Record<string, SceneItem>>;
+  /** What meshes and maps of cells look like. */
+  readonly bodies: Readonly<Record<string, MeshView>>;
 }
 
 interface Known {
@@ -18,6 +20,7 @@ interface Known {
 export class Motion {
   private parts: Readonly<Record<string, readonly string[]>> = {};
   private readonly known: Known[] = [];
+  private readonly bodies: Record<string, MeshView> = {};
   /** Where to go on reading. */
   next = 0;
 
@@ -28,6 +31,7 @@ export class Motion {
   /** Take the next piece of the record. */
   add(piece: MotionView): void {
     if (Object.keys(piece.parts).length > 0) this.parts = piece.parts;
+    Object.assign(this.bodies, piece.bodies);
     for (const sample of piece.samples) {
       const before = this.known.at(-1);
       this.known.push({ t: sample.t, q: { ...before?.q, ...sample.q }, scene: sample.scene ?? before?.scene ?? {} });
@@ -48,6 +52,6 @@ export class Motion {
     if (!found) return null;
     const joints = new Map<string, number>();
     for (const [part, names] of Object.entries(this.parts)) names.forEach((name, at) => found.q[part]?.[at] !== undefined && joints.set(name, found.q[part]?.[at] as number));
-    return { t: found.t, joints, scene: found.scene };
+    return { t: found.t, joints, scene: found.scene, bodies: this.bodies };
   }
 }

@@ -53,6 +53,15 @@ export function entryShape(shape: Shape): Shape {
   return Object.values(shape.patternProperties ?? {})[0] ?? {};
 }
 
+/** The shape at a place, as a mapping or a list that isn't there yet would have it. */
+export function shapeAt(root: Shape, place: Key): Shape {
+  const shape = place.reduce<Shape>((at, step) => {
+    const exact = resolved(at, root, typeof step === "number" ? [] : {});
+    return exact.properties?.[step] ?? exact.items ?? entryShape(exact);
+  }, root);
+  return resolved(shape, root, {});
+}
+
 /** Which kind of field a shape needs. */
 export function formKind(shape: Shape): FormKind {
   if (shape.properties) return "fields";

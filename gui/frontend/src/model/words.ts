@@ -32,6 +32,27 @@ export const KINDS: Record<string, string> = {
   foreign: "py_trees behaviour",
 };
 
+/** Groups of the palette: what stands before the first `/` of a node's name, and what isn't a node. */
+export const GROUPS: Record<string, string> = {
+  containers: "Containers",
+  flow: "Flow and values",
+  arm: "Arm motions",
+  hand: "Hand",
+  grasp: "Grasps",
+  pose: "Poses",
+  scene: "Planning scene",
+  sensor: "Sensors",
+  perception: "Perception",
+  component: "External components",
+  messages: "Named messages",
+  ros: "ROS topics, frames, parameters",
+  tasks: "Tasks of the project",
+};
+
+export function groupOf(id: string): string {
+  return id.split("/")[0] ?? "";
+}
+
 /** `success`, `none (success)`, `failure.no_plan`, `running` ... */
 export function statusText(status: NodeStatus): string {
   const { phase, outcome, code } = status;

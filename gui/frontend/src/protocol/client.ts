@@ -2,6 +2,8 @@
 import type {
   BreakpointsWish,
   CatalogView,
+  CloudView,
+  CommentView,
   ComponentForm,
   Control,
   ConversionView,
@@ -20,6 +22,7 @@ import type {
   ImportWish,
   InterfaceView,
   InterfaceWish,
+  Introduce,
   LeaseWish,
   LiveMessage,
   LiveMessages,
@@ -43,6 +46,7 @@ import type {
   RunRecord,
   RunView,
   SaveWish,
+  Selection,
   ServerFrame,
   SessionView,
   SetupChange,
@@ -104,6 +108,7 @@ export const server = {
   problems: (path: string) => ask<ProblemsView>(`document/problems?path=${encodeURIComponent(path)}`),
   forms: (path: string) => ask<FormsView>(`document/forms?path=${encodeURIComponent(path)}`),
   places: (path: string) => ask<PlacesView>(`document/places?path=${encodeURIComponent(path)}`),
+  comment: (path: string, node: string) => ask<CommentView>(`document/comment?path=${encodeURIComponent(path)}&node=${encodeURIComponent(node)}`),
   parts: (path: string, nodes: readonly string[]) =>
     ask<PartsView>(`document/parts?path=${encodeURIComponent(path)}${nodes.map((node) => `&node=${encodeURIComponent(node)}`).join("")}`),
   conversion: (path: string, node: string, form: ConvertWish["form"], approximate: boolean) =>
@@ -145,6 +150,7 @@ export const server = {
   callComponent: (wish: TryWish) => ask<TryView>("live/component", wish),
   geometry: () => ask<GeometryView>("live/geometry"),
   motion: (run: string, after: number) => ask<MotionView>(`live/motion?run=${encodeURIComponent(run)}&after=${after}`),
+  cloud: (run: string, seq: number) => ask<CloudView>(`runs/${encodeURIComponent(run)}/values/${seq}/cloud`),
   value: (run: string, seq: number) => ask<ValueView>(`runs/${encodeURIComponent(run)}/values/${seq}`),
 };
 
@@ -155,6 +161,10 @@ export interface SocketListener {
   connected(yes: boolean): void;
   /** What to subscribe to, asked after every (re)connection. */
   wish(): Subscribe | null;
+  /** What this page says of itself, after every (re)connection and whenever it changes. */
+  introduction(): Introduce;
+  /** What is selected on this page, after every (re)connection. */
+  selection(): Selection;
 }
 
 /** The socket; it reconnects with growing pauses until `close`. */
@@ -173,6 +183,14 @@ export class Socket {
     if (wish && this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(wish));
   }
 
+  introduce(): void {
+    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(this.listener.introduction()));
+  }
+
+  select(selection: Selection): void {
+    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(selection));
+  }
+
   close(): void {
     this.closed = true;
     clearTimeout(this.timer);
@@ -186,6 +204,8 @@ export class Socket {
     socket.onopen = () => {
       this.pause = 250;
       this.listener.connected(true);
+      this.introduce();
+      this.select(this.listener.selection());
       this.subscribe();
     };
     socket.onmessage = (message) => this.listener.frame(JSON.parse(String(message.data)) as ServerFrame);

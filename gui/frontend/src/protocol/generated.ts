@@ -23,6 +23,21 @@ export interface CatalogView {
   trouble: string;
 }
 
+/** Points that a variable holds, for drawing them in space. */
+export interface CloudView {
+  frame: string;
+  points: string;
+  colors: string;
+  of: number;
+}
+
+/** What the comment of a node says in the file; empty where it has none, None where the node has just gone. */
+export interface CommentView {
+  revision: number;
+  node: string;
+  comment: string | null;
+}
+
 /** What a component can be tried with. */
 export interface ComponentForm {
   name: string;
@@ -67,10 +82,11 @@ export interface DeskFrame {
   desk: DeskView;
 }
 
-/** What all pages share: who holds control, and where runs hold. */
+/** What all pages share: who looks on, who holds control, and where runs hold. */
 export interface DeskView {
   holder: string | null;
   viewers: number;
+  onlookers: Onlooker[];
   breakpoints: Record<string, Breakpoint[]>;
 }
 
@@ -264,6 +280,13 @@ export interface InterfaceWish {
   create: boolean;
 }
 
+/** Page to server: what people call this page, and what it shows. */
+export interface Introduce {
+  type: "introduce";
+  name: string;
+  task: string;
+}
+
 /** A joint of a robot. */
 export interface JointView {
   name: string;
@@ -366,6 +389,7 @@ export interface MotionSample {
 /** How a run's robot has moved, from some place of the record on. */
 export interface MotionView {
   parts: Record<string, string[]>;
+  bodies: Record<string, MeshView>;
   samples: MotionSample[];
   next: number;
 }
@@ -415,6 +439,14 @@ export interface NodeView {
   outputs: Record<string, string>;
   parameters: Record<string, unknown>;
   fields: Record<string, unknown>;
+}
+
+/** A page that looks on. */
+export interface Onlooker {
+  page: string;
+  name: string;
+  colour: number;
+  task: string;
 }
 
 /** A literal that a leaf takes. */
@@ -613,14 +645,34 @@ export interface SaveWish {
 
 /** An object of the planning scene. */
 export interface SceneItem {
-  kind: "box" | "cylinder" | "sphere";
+  kind: "box" | "cylinder" | "sphere" | "mesh" | "cells";
   size: number[];
+  body: string;
   at: number[];
   hand: string;
   fixed: boolean;
 }
 
-export type ServerFrame = SessionFrame | DeskFrame | EventsFrame | RefusedFrame | RevisionsFrame;
+/** What is selected on a page: some nodes of one task. */
+export interface Selected {
+  task: string;
+  nodes: string[];
+}
+
+/** Page to server: the nodes that are selected on it; a page sends it when that changes. */
+export interface Selection {
+  type: "selection";
+  task: string;
+  nodes: string[];
+}
+
+/** Server to page: what other pages have selected, of those alone where it has changed. */
+export interface SelectionsFrame {
+  type: "selections";
+  selections: Record<string, Selected | null>;
+}
+
+export type ServerFrame = SessionFrame | DeskFrame | EventsFrame | RefusedFrame | RevisionsFrame | SelectionsFrame;
 
 /** Server to page: how the run under way is; None when none was started. */
 export interface SessionFrame {

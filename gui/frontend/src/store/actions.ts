@@ -8,6 +8,8 @@ import { redo, save, undo } from "./editing";
 import { find } from "./finding";
 import { connectOutcome, enterSelected, leaveContainer, toggleInPlace } from "./flowing";
 import { addHere, changeKind, connectFree, copy, cut, duplicate, paste, remove, rename, shift, unwrap, wrap } from "./gestures";
+import { askForName } from "./naming";
+import { goToPanel } from "./panels";
 import { pauseOrResume, runFromHere, runToHere, start, step, stop, toggleBreakpoint } from "./running";
 import { extract, inline, openSubtask } from "./subtasks";
 import { newTask } from "./tasks";
@@ -38,6 +40,8 @@ function foldAll(): void {
 
 export const ACTIONS: readonly Action[] = [
   { id: "commands", title: "All commands", keys: ["Ctrl+k"], inFields: true, run: chooseAction },
+  { id: "panel", title: "Go to the next panel", keys: ["F6"], inFields: true, run: () => goToPanel(1) },
+  { id: "panel-before", title: "Go to the panel before", keys: ["Shift+F6"], inFields: true, run: () => goToPanel(-1) },
   { id: "find", title: "Search everything", keys: ["Ctrl+f"], run: find },
   { id: "save", title: "Save", keys: ["Ctrl+s"], inFields: true, run: () => save() },
   { id: "undo", title: "Undo", keys: ["Ctrl+z"], run: undo },
@@ -83,6 +87,7 @@ export const ACTIONS: readonly Action[] = [
   { id: "from-here", title: "Run from here", keys: ["Ctrl+Enter"], run: runFromHere },
   { id: "to-here", title: "Run to here", keys: ["Ctrl+F10"], run: runToHere },
   { id: "new", title: "New task", keys: [], run: newTask },
+  { id: "name", title: "Change how others see you", keys: [], run: askForName },
 ];
 
 export function actionTitle(id: string): string {

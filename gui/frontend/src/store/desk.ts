@@ -5,7 +5,9 @@ import { useDocument } from "./document";
 import { heardOfRevisions, take } from "./editing";
 import { foldedAtFirst } from "../model/folding";
 import { type Above, usePage } from "./page";
+import { ownSelection, tellSelection, useOthers } from "./others";
 import { isKept } from "./plays";
+import { givenName, keepName, lookedAt } from "./presence";
 import { useRun } from "./run";
 import { useRunning } from "./runDesk";
 
@@ -20,14 +22,36 @@ let greeted = false;
 export function connect(): () => void {
   socket = new Socket({
     frame: heard,
-    connected: (yes) => useRun.getState().setConnected(yes),
+    connected: (yes) => {
+      useRun.getState().setConnected(yes);
+      // Everybody is told of anew by the next connection.
+      useOthers.getState().forget();
+    },
+    introduction: () => ({ type: "introduce", name: givenName(), task: lookedAt() }),
+    selection: ownSelection,
     wish: () => {
       const { record, history } = useRun.getState();
       const run = record?.id;
       return isKept(run) ? { type: "subscribe", run, from_seq: history.nextSeq } : null;
     },
   });
-  return () => socket?.close();
+  const tell = (): void => {
+    if (told === lookedAt()) return;
+    told = lookedAt();
+    socket?.introduce();
+  };
+  let told = lookedAt();
+  const ends = [useRun.subscribe(tell), usePage.subscribe(tell), tellSelection((selection) => socket?.select(selection))];
+  return () => {
+    for (const end of ends) end();
+    socket?.close();
+  };
+}
+
+/** Be called so on all pages, also after a reload and in new tabs. */
+export function callMe(name: string): void {
+  keepName(name);
+  socket?.introduce();
 }
 
 function heard(frame: ServerFrame): void {
@@ -49,6 +73,9 @@ function heard(frame: ServerFrame): void {
     }
     case "desk":
       useRunning.getState().setDesk(frame.desk);
+      break;
+    case "selections":
+      useOthers.getState().hear(frame.selections);
       break;
     case "events":
       run.addEvents(frame.run, frame.events, frame.complete);

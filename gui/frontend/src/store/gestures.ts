@@ -25,6 +25,7 @@ import { keepParts, keptParts } from "./clipboard";
 import { useDocument } from "./document";
 import { edit } from "./editing";
 import { usePage } from "./page";
+import { goToTree } from "./panels";
 import { useRun } from "./run";
 
 const nodes = (): ReadonlyMap<string, NodeView> => useRun.getState().index.byPath;
@@ -76,7 +77,9 @@ function focusPath(): string | null {
 
 export async function addHere(): Promise<void> {
   const what = await askChoice({ title: "Add a node", label: "Type to find a node or a container", options: paletteOptions() });
-  if (what !== null) await add(what);
+  if (what === null) return;
+  await add(what);
+  goToTree();
 }
 
 export async function rename(path = usePage.getState().selected): Promise<void> {

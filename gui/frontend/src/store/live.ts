@@ -1,9 +1,11 @@
 /** What runs beside the editor: topics of the ROS graph, and the named messages of a running server. */
 import { create } from "zustand";
 
+import { valueAt } from "../model/shapes";
+import type { CameraTopics } from "../model/topics";
 import { server } from "../protocol/client";
 import type { LiveMessages, TopicsView, TopicView } from "../protocol/generated";
-import { openSetup, setValue } from "./setup";
+import { openSetup, setValue, useSetup } from "./setup";
 
 export interface LiveStore {
   readonly topics: TopicsView | null;
@@ -36,6 +38,16 @@ export async function lookAtTopics(): Promise<void> {
 export async function useAsSensor(topic: TopicView, sensor: string, output: string): Promise<void> {
   await openSetup("grip.yaml");
   await setValue(["sensors", sensor, "topics", output], { topic: topic.name, type: topic.value });
+}
+
+/** Enter the topics of a camera, which a sensor says by name; the person sees it there, and saves. */
+export async function useAsCamera(camera: CameraTopics, sensor: string): Promise<void> {
+  await openSetup("grip.yaml");
+  const view = useSetup.getState().view;
+  // In simulation the same sensor is a camera of the world.
+  if (valueAt(view?.data, ["sensors", sensor]) === undefined) await setValue(["sensors", sensor], { camera: view?.options["sensors/*/camera"]?.[0] ?? sensor });
+  const found = Object.fromEntries(Object.entries(camera).filter(([, topic]) => topic !== ""));
+  await setValue(["ros", "cameras", sensor], found);
 }
 
 export async function lookAtMessages(): Promise<void> {

@@ -3,7 +3,7 @@ import { create } from "zustand";
 
 import { Motion } from "../model/motion";
 import { server } from "../protocol/client";
-import type { GeometryView, NamedPlace } from "../protocol/generated";
+import type { CloudView, GeometryView, NamedPlace } from "../protocol/generated";
 import { messageOf } from "./live";
 
 export interface RobotStore {
@@ -44,6 +44,33 @@ export async function readMotion(run: string): Promise<void> {
   } catch {
     // The next look tries again; the page says elsewhere that the server is gone.
   }
+}
+
+/** A cloud among the variables. */
+export interface NamedCloud extends CloudView {
+  readonly name: string;
+}
+
+const SEEN = /^(PointCloud|RgbdFrame)$/;
+/** The clouds that were asked for last: each is up to half a megabyte. */
+const MOST_CLOUDS = 8;
+const clouds = new Map<string, Promise<NamedCloud | null>>();
+
+/** The cloud that a write wrote; null of other types, and of one that wasn't kept. */
+export function cloudOf(run: string, seq: number, type: string, name: string): Promise<NamedCloud | null> {
+  if (!SEEN.test(type)) return Promise.resolve(null);
+  const key = `${run}/${seq}`;
+  let found = clouds.get(key);
+  if (!found) {
+    found = server.cloud(run, seq).then(
+      (cloud) => ({ ...cloud, name }),
+      () => null,
+    );
+    clouds.set(key, found);
+    const oldest = clouds.keys().next().value;
+    if (clouds.size > MOST_CLOUDS && oldest !== undefined) clouds.delete(oldest);
+  }
+  return found;
 }
 
 const POSED = /\b(Pose|Grasp)\b/;

@@ -20,7 +20,8 @@ export interface RunStore {
   /** Grows with every change, since `history` and the live moment change in place. */
   readonly version: number;
   readonly session: SessionView | null;
-  readonly connected: boolean;
+  /** Null before the first connection. */
+  readonly connected: boolean | null;
   readonly trouble: string;
 
   showTask(task: TaskView, record?: RunRecord | null): void;
@@ -38,7 +39,7 @@ export const useRun = create<RunStore>()((set, get) => ({
   record: null,
   version: 0,
   session: null,
-  connected: false,
+  connected: null,
   trouble: "",
 
   showTask: (task, record = null) => set((s) => ({ ...fresh(task), record, version: s.version + 1 })),

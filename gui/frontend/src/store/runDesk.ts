@@ -19,7 +19,7 @@ export interface RunningStore {
 export const useRunning = create<RunningStore>()((set) => ({
   options: { robot: "sim", target: "bt", seed: 0, pace: 1 },
   mocks: {},
-  desk: { holder: null, viewers: 0, breakpoints: {} },
+  desk: { holder: null, viewers: 0, onlookers: [], breakpoints: {} },
   setOptions: (options) => set({ options }),
   setMock: (node, script) =>
     set(({ mocks }) => {
@@ -32,6 +32,13 @@ export const useRunning = create<RunningStore>()((set) => ({
 /** Whether another page holds control. */
 export function isHeldElsewhere(desk: DeskView): boolean {
   return desk.holder !== null && desk.holder !== PAGE;
+}
+
+/** Who holds control, in words. */
+export function holderText(desk: DeskView): string {
+  if (desk.holder === null) return "Nobody controls";
+  if (desk.holder === PAGE) return "You control";
+  return `${desk.onlookers.find((each) => each.page === desk.holder)?.name ?? "Another page"} controls`;
 }
 
 const NONE: readonly Breakpoint[] = [];

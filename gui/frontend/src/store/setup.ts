@@ -16,12 +16,14 @@ export interface SetupStore {
   readonly saved: string;
   readonly known: string;
   readonly busy: string;
+  /** Whether what is said of the file is of an older text than is shown: the answer about this one is on its way. */
+  readonly checking: boolean;
   readonly probe: ProbeView | null;
   /** The line that a problem is about, to be shown in the text. */
   readonly line: number | null;
 }
 
-export const useSetup = create<SetupStore>()(() => ({ files: [], view: null, saved: "", known: "", busy: "", probe: null, line: null }));
+export const useSetup = create<SetupStore>()(() => ({ files: [], view: null, saved: "", known: "", busy: "", checking: false, probe: null, line: null }));
 
 /** Grows with every text; an answer about an older one is left out. */
 let texts = 0;
@@ -54,7 +56,7 @@ export async function openSetup(path: string): Promise<void> {
   try {
     const opened = await server.setupFile(path);
     texts++;
-    useSetup.setState({ view: opened, saved: opened.text, known: opened.known, probe: null, line: null });
+    useSetup.setState({ view: opened, saved: opened.text, known: opened.known, checking: false, probe: null, line: null });
   } catch (error) {
     trouble(error);
   }
@@ -65,11 +67,14 @@ async function looked(work: (view: SetupView) => Promise<SetupView>): Promise<vo
   if (view === null) return;
   const text = ++texts;
   useRun.getState().setTrouble("");
+  useSetup.setState({ checking: true });
   try {
     const next = await work(view);
     if (text === texts) useSetup.setState({ view: next });
   } catch (error) {
     trouble(error);
+  } finally {
+    if (text === texts) useSetup.setState({ checking: false });
   }
 }
 
@@ -89,8 +94,11 @@ function changed(work: (view: SetupView) => Promise<SetupView>): Promise<void> {
   return changes;
 }
 
-export function setValue(key: (string | number)[], value: unknown): Promise<void> {
-  return changed((view) => server.setupChange({ path: view.path, text: view.text, do: "set", key, value }));
+type Place = (string | number)[];
+
+/** Give what stands at a place a value. A place that depends on what is there, such as a free name, is found when its turn comes. */
+export function setValue(key: Place | ((view: SetupView) => Place), value: unknown): Promise<void> {
+  return changed((view) => server.setupChange({ path: view.path, text: view.text, do: "set", key: typeof key === "function" ? key(view) : key, value }));
 }
 
 export function removeValue(key: (string | number)[]): Promise<void> {

@@ -6,6 +6,7 @@ import type { ProjectView } from "../protocol/generated";
 import { askText } from "./ask";
 import { chooseTask } from "./desk";
 import { useDocument } from "./document";
+import { goToTree } from "./panels";
 import { useRun } from "./run";
 
 export const useProject = create<{ readonly project: ProjectView | null }>()(() => ({ project: null }));
@@ -28,6 +29,7 @@ export async function newTask(): Promise<void> {
     await server.newTask({ path: `tasks/${name}.yaml`, text: null });
     await Promise.all([loadProject(), server.catalog().then(useDocument.getState().setCatalog)]);
     await chooseTask(`tasks/${name}.yaml`);
+    goToTree();
   } catch (error) {
     useRun.getState().setTrouble(error instanceof Error ? error.message : String(error));
   }

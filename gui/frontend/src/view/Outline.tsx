@@ -2,11 +2,14 @@
 import { type JSX, type KeyboardEvent, useEffect, useMemo, useRef } from "react";
 
 import { outlineKey, type Row, visibleRows } from "../model/outline";
+import { selectedBy } from "../model/others";
 import { IDLE } from "../model/status";
 import { KINDS, statusText } from "../model/words";
+import { useOthersAt } from "../store/others";
 import { usePage } from "../store/page";
 import { useRun } from "../store/run";
 import { KindIcon, PhaseIcon } from "./icons";
+import { OtherDots } from "./Others";
 import { HoldMark, lensMark, ProblemMark } from "./marks";
 import { useDropTarget } from "./useDropTarget";
 import { ROW_HEIGHT, useWindow } from "./useWindow";
@@ -71,6 +74,7 @@ function OutlineRow({ row, isClosed, isTabStop }: { row: Row; isClosed: boolean;
   }, [focused]);
   const isContainer = node.children.length > 0;
   const lens = usePage((s) => s.lens);
+  const others = useOthersAt(node.path, isClosed);
   const words = statusText(status);
   return (
     <div
@@ -81,6 +85,7 @@ function OutlineRow({ row, isClosed, isTabStop }: { row: Row; isClosed: boolean;
       aria-posinset={position}
       aria-setsize={siblings}
       aria-selected={selected}
+      {...(others.length > 0 ? { "aria-description": selectedBy(others) } : {})}
       {...(isContainer ? { "aria-expanded": !isClosed } : {})}
       tabIndex={isTabStop ? 0 : -1}
       style={{ paddingInlineStart: `${level * 14 - 6}px` }}
@@ -107,7 +112,7 @@ function OutlineRow({ row, isClosed, isTabStop }: { row: Row; isClosed: boolean;
           setClosed(node.path, !isClosed);
         }}
       />
-      <KindIcon kind={node.kind} />
+      <KindIcon kind={node.kind} id={node.label} />
       <span className="row-name">
         {node.name}
         <span className="hidden">{`${KINDS[node.kind] ?? node.kind},`}</span>
@@ -115,6 +120,7 @@ function OutlineRow({ row, isClosed, isTabStop }: { row: Row; isClosed: boolean;
       <HoldMark path={node.path} />
       <ProblemMark path={node.path} />
       {lensMark(node, lens)}
+      <OtherDots others={others} />
       <span className={`row-status phase-${status.phase}`}>
         <span className={status.phase === "idle" ? "hidden" : ""}>{words}</span>
         <PhaseIcon phase={status.phase} />

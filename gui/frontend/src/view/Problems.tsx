@@ -1,11 +1,14 @@
 /** What the validation says about the task; errors keep it from running, never from being drawn. */
-import type { JSX } from "react";
+import { type JSX, useState } from "react";
 
 import type { Command } from "../model/commands";
 import type { Problem } from "../protocol/generated";
 import { edit, editable } from "../store/editing";
 import { usePage } from "../store/page";
 import { useRun } from "../store/run";
+
+/** So many problems are shown at first, and more by so many: a page of ten thousand would be slow at every edit. */
+const AT_ONCE = 100;
 
 export function Problems(): JSX.Element {
   const problems = useRun((s) => s.task.problems);
@@ -22,11 +25,18 @@ export function Problems(): JSX.Element {
 
 /** Problems with what can be done about each; a short list leaves out where they are. */
 export function ProblemList({ problems, label, short = false }: { problems: readonly Problem[]; label: string; short?: boolean }): JSX.Element {
+  const [most, setMost] = useState(AT_ONCE);
+  const left = problems.length - most;
   return (
     <ul className="problem-list scroll" tabIndex={0} aria-label={label}>
-      {problems.map((problem, i) => (
+      {problems.slice(0, most).map((problem, i) => (
         <ProblemItem key={i} problem={problem} short={short} />
       ))}
+      {left > 0 && (
+        <li className="more">
+          <button onClick={() => setMost(most + AT_ONCE)}>Show {Math.min(left, AT_ONCE)} more</button> <span className="hint">of {left} that aren't shown</span>
+        </li>
+      )}
     </ul>
   );
 }

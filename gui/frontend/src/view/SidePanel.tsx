@@ -19,7 +19,7 @@ export function VariablesPanel(): JSX.Element {
         <table>
           <thead>
             <tr>
-              <th scope="col">Name and type</th>
+              <th scope="col">Variable</th>
               <th scope="col">Value</th>
               <th scope="col">Writer</th>
             </tr>

@@ -1,15 +1,13 @@
-/** What is run, how, and the buttons. STOP is always there and always answers. */
+/** What is shown, what is run and how; the buttons of the run are beside it, or below where there is less room. */
 import { type JSX, type ReactNode, useEffect } from "react";
 
-import { runText } from "../model/words";
-import type { Control, ProjectView } from "../protocol/generated";
-import { actionTitle } from "../store/actions";
+import type { ProjectView } from "../protocol/generated";
 import { chooseTask } from "../store/desk";
 import { type Room, usePage } from "../store/page";
 import { useRun } from "../store/run";
-import { isHeldElsewhere, type RunOptions as Options, useRunning } from "../store/runDesk";
-import { control, giveBack, start, step, stop, takeOver } from "../store/running";
+import { type RunOptions as Options, useRunning } from "../store/runDesk";
 import { newTask } from "../store/tasks";
+import { RunBar } from "./RunBar";
 
 const ROOMS: readonly [Room, string][] = [
   ["task", "Tasks"],
@@ -21,7 +19,6 @@ const PACES = [0.25, 0.5, 1, 2, 5, 0];
 export function TopBar({ project }: { project: ProjectView }): JSX.Element {
   const task = useRun((s) => s.task);
   const session = useRun((s) => s.session);
-  const broken = task.problems.some((problem) => problem.severity === "error");
   const options = useRunning((s) => s.options);
   const { setOptions } = useRunning.getState();
   const room = usePage((s) => s.room);
@@ -36,90 +33,32 @@ export function TopBar({ project }: { project: ProjectView }): JSX.Element {
 
   return (
     <header className="bar">
-      <h1 title={project.folder}>
-        GRIP <small>{project.name}</small>
-      </h1>
-      <div className="segments" role="group" aria-label="What is shown">
-        {ROOMS.map(([name, label]) => (
-          <button key={name} aria-pressed={room === name} onClick={() => usePage.getState().setRoom(name)}>
-            {label}
-          </button>
-        ))}
-      </div>
-      <Field label="Task">
-        <select id="task-field" value={task.path} onChange={(event) => void chooseTask(event.target.value)}>
-          {project.tasks.some((entry) => entry.path === task.path) || <option value={task.path}>{task.path}</option>}
-          {project.tasks.map((entry) => (
-            <option key={entry.path} value={entry.path}>
-              {entry.path.replace(/^tasks\//, "").replace(/\.ya?ml$/, "")}
-            </option>
+      <div className="bar-part">
+        <h1 title={project.folder}>
+          GRIP <small>{project.name}</small>
+        </h1>
+        <div className="segments" role="group" aria-label="What is shown">
+          {ROOMS.map(([name, label]) => (
+            <button key={name} aria-pressed={room === name} onClick={() => usePage.getState().setRoom(name)}>
+              {label}
+            </button>
           ))}
-        </select>
-      </Field>
-      <button onClick={() => void newTask()}>New task</button>
-      <RunOptionFields project={project} options={options} change={change} disabled={under_way} />
-      <div className="buttons">
-        <button
-          className="run"
-          disabled={under_way || broken || task.nodes.length === 0}
-          title={broken ? "The task has errors; see Problems" : actionTitle("run")}
-          onClick={() => void start()}
-        >
-          Run
-        </button>
-        {state === "paused" ? (
-          <button title={actionTitle("pause")} onClick={() => void control("resume")}>
-            Resume
-          </button>
-        ) : (
-          <button disabled={state !== "running"} title={actionTitle("pause")} onClick={() => void control("pause")}>
-            Pause
-          </button>
-        )}
-        {under_way && <Steps disabled={state !== "paused"} />}
-        <button className="stop" aria-keyshortcuts="F8" title="Stop the run at once (F8)" onClick={stop}>
-          STOP
-        </button>
+        </div>
+        <Field label="Task">
+          <select id="task-field" value={task.path} onChange={(event) => void chooseTask(event.target.value)}>
+            {project.tasks.some((entry) => entry.path === task.path) || <option value={task.path}>{task.path}</option>}
+            {project.tasks.map((entry) => (
+              <option key={entry.path} value={entry.path}>
+                {entry.path.replace(/^tasks\//, "").replace(/\.ya?ml$/, "")}
+              </option>
+            ))}
+          </select>
+        </Field>
+        <button onClick={() => void newTask()}>New task</button>
+        <RunOptionFields project={project} options={options} change={change} disabled={under_way} />
       </div>
-      <Lease />
-      <RunState />
+      <RunBar />
     </header>
-  );
-}
-
-const STEPS: readonly [Control["how"], string, string][] = [
-  ["over", "Step over", "over"],
-  ["in", "Step in", "into"],
-  ["out", "Step out", "step-out"],
-  ["tick", "Step", "tick"],
-];
-
-function Steps({ disabled }: { disabled: boolean }): JSX.Element {
-  return (
-    <>
-      {STEPS.map(([how, label, action]) => (
-        <button key={how} disabled={disabled} title={actionTitle(action)} onClick={() => step(how)}>
-          {label}
-        </button>
-      ))}
-    </>
-  );
-}
-
-/** Who holds control; shown as soon as there is somebody to share it with. */
-function Lease(): JSX.Element | null {
-  const desk = useRunning((s) => s.desk);
-  const elsewhere = isHeldElsewhere(desk);
-  if (!elsewhere && desk.viewers < 2) return null;
-  const words = elsewhere ? "Another page controls" : desk.holder === null ? "Nobody controls" : "This page controls";
-  return (
-    <span className="lease" role="group" aria-label="Control">
-      <span>
-        {words}, {desk.viewers} look on
-      </span>
-      {elsewhere && <button onClick={() => void takeOver()}>Take over</button>}
-      {!elsewhere && desk.holder !== null && <button onClick={() => void giveBack()}>Give back</button>}
-    </span>
   );
 }
 
@@ -188,28 +127,5 @@ function Field({ label, children }: { label: string; children: ReactNode }): JSX
       <label htmlFor={`${label.toLowerCase()}-field`}>{label}</label>
       {children}
     </span>
-  );
-}
-
-/** The state of the process, with the time that it has been so while it starts. STOP by key works wherever the focus is. */
-function RunState(): JSX.Element {
-  const session = useRun((s) => s.session);
-  const connected = useRun((s) => s.connected);
-  useEffect(() => {
-    const onKey = (event: KeyboardEvent): void => {
-      if (event.key === "F8") {
-        event.preventDefault();
-        stop();
-      }
-    };
-    window.addEventListener("keydown", onKey, { capture: true });
-    return () => window.removeEventListener("keydown", onKey, { capture: true });
-  }, []);
-  const words = connected ? runText(session) : "no connection to the server";
-  const kind = !connected ? "lost" : session?.state === "ended" ? `ended-${session.status}` : (session?.state ?? "none");
-  return (
-    <output className={`run-state state-${kind}`} aria-live="polite" aria-label="State of the run" title={words}>
-      {words}
-    </output>
   );
 }

@@ -70,7 +70,7 @@ export function TreeCanvas(): JSX.Element {
       <Whole key={path} boxes={boxes} begun={begun === path} />
       {shown.length > 12 && <TreeMap boxes={boxes} />}
       <Detail />
-      <Follower boxes={boxes} />
+      <Follower boxes={boxes} begun={begun === path} />
     </ReactFlow>
   );
 }
@@ -112,7 +112,7 @@ function Whole({ boxes, begun }: { boxes: ReadonlyMap<string, Box>; begun: boole
 }
 
 /** Keeps the running leaf in sight, and brings a node that was selected elsewhere into sight. */
-function Follower({ boxes }: { boxes: ReadonlyMap<string, Box> }): null {
+function Follower({ boxes, begun }: { boxes: ReadonlyMap<string, Box>; begun: boolean }): null {
   const { setCenter, getZoom, getViewport } = useReactFlow();
   const width = useStore((s) => s.width);
   const height = useStore((s) => s.height);
@@ -128,9 +128,10 @@ function Follower({ boxes }: { boxes: ReadonlyMap<string, Box> }): null {
   }, [target, boxes, setCenter, getZoom, getViewport, width, height]);
   useEffect(() => {
     const box = selected ? boxes.get(selected) : undefined;
-    if (!box || selected === "/" || isInSight(box, getViewport(), width, height)) return;
+    // What is shown at first is found before; then comes the node that was selected in another view.
+    if (!begun || !box || selected === "/" || isInSight(box, getViewport(), width, height)) return;
     void setCenter(...centre(box), { zoom: getZoom(), duration: pace() });
-  }, [selected, boxes, setCenter, getZoom, getViewport, width, height]);
+  }, [selected, boxes, begun, setCenter, getZoom, getViewport, width, height]);
   return null;
 }
 

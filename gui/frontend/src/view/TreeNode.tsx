@@ -9,6 +9,8 @@ import { usePage } from "../store/page";
 import { useRun } from "../store/run";
 import { useForm } from "./edit/FormBadge";
 import { KindIcon, PhaseIcon } from "./icons";
+import { OthersRing } from "./Others";
+import { NodeSub } from "./NodeSub";
 import { HoldMark, lensMark, ProblemMark } from "./marks";
 import { useDropTarget } from "./useDropTarget";
 
@@ -17,6 +19,7 @@ export function TreeNode({ data }: NodeProps): JSX.Element {
   const status = useRun((s) => s.moment.nodes.get(node.path) ?? IDLE);
   const selected = usePage((s) => s.marked.has(node.path));
   const lens = usePage((s) => s.lens);
+  const closed = usePage((s) => s.closed.has(node.path));
   const form = useForm(node.path);
   const target = useDropTarget(node.path);
   const said = status.phase === "idle" ? "" : (status.message ?? "");
@@ -28,10 +31,11 @@ export function TreeNode({ data }: NodeProps): JSX.Element {
       title={[node.doc, said].filter(Boolean).join("\n\n")}
       {...target}
     >
+      <OthersRing path={node.path} folded={closed} />
       <Handle type="target" position={Position.Left} isConnectable={false} />
       <div className="node-head">
         {node.children.length > 0 && <Fold node={node} />}
-        <KindIcon kind={node.kind} />
+        <KindIcon kind={node.kind} id={node.label} />
         <span className="node-name">{node.name}</span>
         {node.initial && <span className="initial">start</span>}
         <HoldMark path={node.path} />
@@ -47,7 +51,7 @@ export function TreeNode({ data }: NodeProps): JSX.Element {
           {status.phase === "idle" ? "" : statusText(status) + again}
         </span>
       </div>
-      <div className={said ? "node-sub said" : "node-sub"}>{said || subtitle(node)}</div>
+      <NodeSub node={node} what={subtitle(node)} said={said} />
       {node.on.length > 0 && (
         <ul className="node-on">
           {node.on.map((edge) => (

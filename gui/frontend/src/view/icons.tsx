@@ -2,8 +2,9 @@
 import type { JSX } from "react";
 
 import type { Phase } from "../model/status";
+import { groupOf } from "../model/words";
 
-const KIND_SHAPES: Record<string, JSX.Element> = {
+export const KIND_SHAPES: Record<string, JSX.Element> = {
   leaf: <circle cx="8" cy="8" r="3.2" fill="currentColor" stroke="none" />,
   sequence: <path d="M2 8h11M9 4l4 4-4 4" />,
   fallback: <path d="M5 5.6a3 3 0 1 1 4.3 2.7c-.9.5-1.3 1-1.3 2M8 13v.4" />,
@@ -23,10 +24,27 @@ const KIND_SHAPES: Record<string, JSX.Element> = {
   foreign: <path d="M5 3 1.5 8 5 13M11 3l3.5 5-3.5 5" />,
 };
 
-export function KindIcon({ kind }: { kind: string }): JSX.Element {
+/** Leaves by their group; those of groups that a project makes up have the dot of a leaf. */
+export const GROUP_SHAPES: Record<string, JSX.Element> = {
+  flow: <path d="M5 2.5c-2 0-1 5.5-3 5.5 2 0 1 5.5 3 5.5M11 2.5c2 0 1 5.5 3 5.5-2 0-1 5.5-3 5.5M6.5 8h3" />,
+  arm: <path d="M2 14h5M4.5 14V9.5L9 5M9 5l4 2.5M10.3 3.7a1.8 1.8 0 1 1-2.6 2.6 1.8 1.8 0 0 1 2.6-2.6M13 5.5v4" />,
+  hand: <path d="M8 14V9.5M8 9.5H4.5V3.5L6.5 2M8 9.5h3.5V3.5L9.5 2" />,
+  grasp: <path d="M3 2v5a5 5 0 0 0 10 0V2M6.5 4.5h3v3h-3z" />,
+  pose: <path d="M4 12V3M2.5 4.5 4 3l1.5 1.5M4 12h9M11.5 10.5 13 12l-1.5 1.500M4 12l6-6M7.8 5.800H10V8" />,
+  scene: <path d="M8 1.8 13.5 5v6L8 14.2 2.5 11V5zM2.5 5 8 8l5.5-3M8 8v6" />,
+  sensor: <path d="M6 12.500a6.4 6.4 0 0 0 0-9M9 14.500a9.2 9.2 0 0 0 0-13M3 10.500a3.5 3.5 0 0 0 0-5" />,
+  perception: <path d="M1.5 8C4 3.5 12 3.5 14.5 8 12 12.5 4 12.5 1.5 8zM8 6a2 2 0 1 0 .01 0" />,
+  component: <path d="M5.5 1.5v4M10.5 1.5v4M3.5 5.5h9V8a4.5 4.5 0 0 1-9 0zM8 12.5V15" />,
+  messages: <path d="M2 3.500h12v9H2zM2 4l6 5 6-5" />,
+  ros: <path d="M3 3.500v.01M3 8v.01M3 12.500v.01M8 3.500v.01M8 8v.01M8 12.500v.01M13 3.500v.01M13 8v.01M13 12.500v.01" strokeWidth="3" strokeLinecap="round" />,
+};
+
+/** @param id of a leaf: its group decides. */
+export function KindIcon({ kind, id = "" }: { kind: string; id?: string }): JSX.Element {
+  const shape = kind === "leaf" ? GROUP_SHAPES[groupOf(id)] : KIND_SHAPES[kind];
   return (
     <svg className="icon" viewBox="0 0 16 16" aria-hidden="true">
-      {KIND_SHAPES[kind] ?? KIND_SHAPES["leaf"]}
+      {shape ?? KIND_SHAPES["leaf"]}
     </svg>
   );
 }

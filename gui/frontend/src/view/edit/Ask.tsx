@@ -5,7 +5,7 @@ import { matching } from "../../model/search";
 import { type ChoiceQuestion, type TextQuestion, useAsk } from "../../store/ask";
 
 /** Most options that are listed; typing finds the others. */
-const SHOWN = 60;
+const SHOWN = 100;
 
 export function Ask(): JSX.Element | null {
   const question = useAsk((s) => s.question);

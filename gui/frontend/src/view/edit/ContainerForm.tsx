@@ -2,7 +2,7 @@
 import type { JSX } from "react";
 
 import { nameOf, visibleVariables } from "../../model/commands";
-import type { FieldFace, NodeView } from "../../protocol/generated";
+import type { FieldFace, KindFace, NodeView } from "../../protocol/generated";
 import { useDocument } from "../../store/document";
 import { edit } from "../../store/editing";
 import { useRun } from "../../store/run";
@@ -14,8 +14,7 @@ import { WaitForm } from "./WaitForm";
 
 export function ContainerForm({ node, locked }: { node: NodeView; locked: boolean }): JSX.Element {
   const face = useDocument((s) => s.catalog.kinds.find((each) => each.kind === node.kind));
-  const ports = new Set(["with", "in", "out", "meaning"]);
-  const fields = (face?.fields ?? []).filter((field) => node.kind !== "subtask" || !ports.has(field.key));
+  const fields = fieldsOf(face, node);
   return (
     <>
       {face && <p className="hint">{face.doc.split("\n\n")[0]}</p>}
@@ -28,7 +27,31 @@ export function ContainerForm({ node, locked }: { node: NodeView; locked: boolea
   );
 }
 
+const PORTS = new Set(["with", "in", "out", "meaning"]);
+
+function fieldsOf(face: KindFace | undefined, node: NodeView): FieldFace[] {
+  return (face?.fields ?? []).filter((field) => node.kind !== "subtask" || !PORTS.has(field.key));
+}
+
+/** The settings of a container that take a line each and that somebody has set, or must. */
+export function useBriefSettings(node: NodeView): readonly FieldFace[] {
+  const face = useDocument((s) => s.catalog.kinds.find((each) => each.kind === node.kind));
+  return fieldsOf(face, node).filter((field) => ROWS[field.key] === undefined && (field.required || node.fields[field.key] !== undefined));
+}
+
+/** Settings without what they mean. */
+export function BriefSettings({ node, fields, locked }: { node: NodeView; fields: readonly FieldFace[]; locked: boolean }): JSX.Element {
+  return (
+    <>
+      {fields.map((field) => (
+        <Setting key={field.key} field={field} node={node} locked={locked} brief />
+      ))}
+    </>
+  );
+}
+
 interface SettingProps {
+  readonly brief?: boolean;
   readonly field: FieldFace;
   readonly node: NodeView;
   readonly locked: boolean;
@@ -37,12 +60,12 @@ interface SettingProps {
 /** Settings that are lists, as rows. */
 const ROWS: Readonly<Record<string, (props: SettingProps) => JSX.Element>> = { rules: RulesForm, cases: CasesForm, wait_for: WaitForm };
 
-function Setting({ field, node, locked }: SettingProps): JSX.Element {
+function Setting({ field, node, locked, brief = false }: SettingProps): JSX.Element {
   const task = useRun((s) => s.task);
   const given = node.fields[field.key];
   const set = (value: unknown): void =>
     void edit(value === undefined || value === "" ? { do: "unset", path: node.path, key: [field.key] } : { do: "set", path: node.path, key: [field.key], value });
-  const common = { label: LABELS[field.key] ?? field.key, doc: field.doc || DOCS[field.key] || "", disabled: locked };
+  const common = { label: LABELS[field.key] ?? field.key, doc: brief ? "" : field.doc || DOCS[field.key] || "", disabled: locked };
   if (field.type === "bool") {
     const value = String(given ?? field.default ?? false);
     return <ChoiceField {...common} value={value} options={[["true", "yes"], ["false", "no"]]} set={(word) => set(word === "true")} />;

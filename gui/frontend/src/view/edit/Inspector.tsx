@@ -12,6 +12,7 @@ import { useRun } from "../../store/run";
 import { KindIcon, PhaseIcon } from "../icons";
 import { NewPane } from "../NewPane";
 import { ProblemList } from "../Problems";
+import { CommentForm } from "./CommentForm";
 import { ContainerForm } from "./ContainerForm";
 import { ValueField } from "./fields";
 import { FormBadge } from "./FormBadge";
@@ -41,7 +42,7 @@ function NodeForms({ node, count }: { node: NodeView; count: number }): JSX.Elem
   return (
     <>
       <p className="node-title">
-        <KindIcon kind={node.kind} /> <strong>{node.name}</strong> <code>{node.path}</code>
+        <KindIcon kind={node.kind} id={node.label} /> <strong>{node.name}</strong> <code>{node.path}</code>
       </p>
       <p className="node-kind">
         {kind} {!locked && <button className="link" title={actionTitle("kind")} onClick={() => run("kind")}>Change</button>}
@@ -64,6 +65,7 @@ function NodeForms({ node, count }: { node: NodeView; count: number }): JSX.Elem
       {node.kind === "leaf" || node.kind === "subtask" ? <LeafForm node={node} locked={locked} /> : null}
       {node.kind !== "leaf" && <ContainerForm node={node} locked={locked} />}
       <OutcomesForm node={node} locked={locked} />
+      {!locked && <CommentForm path={node.path} />}
       {node.path === "/" && <TaskForm locked={locked} />}
     </>
   );

@@ -13,8 +13,22 @@ import { ChoiceField, ValueField } from "./fields";
 const NEW = "\n";
 
 export function LeafForm({ node, locked }: { node: NodeView; locked: boolean }): JSX.Element {
-  const known = useDocument((s) => [...s.catalog.nodes, ...s.catalog.tasks].find((face) => face.id === node.label));
+  const known = useFace(node);
   const face = known ?? faceOf(node);
+  return (
+    <>
+      {known === undefined && node.kind === "leaf" && <p className="fault">No node of the catalogue is called {node.label}.</p>}
+      {known && <p className="hint">{known.doc}</p>}
+      {face.parameters.length > 0 && <h3>Parameters</h3>}
+      <Parameters node={node} face={face} locked={locked} />
+      <Ports title="Reads" side="in" ports={face.inputs} bound={node.inputs} node={node} locked={locked} />
+      <Ports title="Writes" side="out" ports={face.outputs} bound={node.outputs} node={node} locked={locked} />
+    </>
+  );
+}
+
+/** The parameters of a node as fields; in brief without what they mean. */
+export function Parameters({ node, face, locked, brief = false }: { node: NodeView; face: NodeFace; locked: boolean; brief?: boolean }): JSX.Element {
   const names = useNames((s) => s.places);
   const named = face.parameters.some((parameter) => parameter.type === "str");
   useEffect(() => {
@@ -22,15 +36,12 @@ export function LeafForm({ node, locked }: { node: NodeView; locked: boolean }):
   }, [named]);
   return (
     <>
-      {known === undefined && node.kind === "leaf" && <p className="fault">No node of the catalogue is called {node.label}.</p>}
-      {known && <p className="hint">{known.doc}</p>}
-      {face.parameters.length > 0 && <h3>Parameters</h3>}
       {face.parameters.map((parameter) => (
         <ValueField
           key={parameter.name}
           label={parameter.name}
           type={parameter.type}
-          doc={parameter.doc}
+          doc={brief ? "" : parameter.doc}
           value={node.parameters[parameter.name]}
           placeholder={parameter.required ? "needed" : JSON.stringify(parameter.default ?? null)}
           disabled={locked}
@@ -38,10 +49,13 @@ export function LeafForm({ node, locked }: { node: NodeView; locked: boolean }):
           set={(value) => void edit(value === undefined ? { do: "unset", path: node.path, key: ["with", parameter.name] } : { do: "set", path: node.path, key: ["with", parameter.name], value })}
         />
       ))}
-      <Ports title="Reads" side="in" ports={face.inputs} bound={node.inputs} node={node} locked={locked} />
-      <Ports title="Writes" side="out" ports={face.outputs} bound={node.outputs} node={node} locked={locked} />
     </>
   );
+}
+
+/** What the catalogue says about a leaf or a subtask; undefined where it doesn't know it. */
+export function useFace(node: NodeView): NodeFace | undefined {
+  return useDocument((s) => [...s.catalog.nodes, ...s.catalog.tasks].find((face) => face.id === node.label));
 }
 
 /** What can be said of a node that the catalogue doesn't have: what stands in the file. */

@@ -2,7 +2,7 @@
 import { type JSX, useMemo, useState } from "react";
 
 import { matching } from "../../model/search";
-import { KINDS } from "../../model/words";
+import { GROUPS, groupOf, KINDS } from "../../model/words";
 import { useDocument } from "../../store/document";
 import { add } from "../../store/gestures";
 import { useRun } from "../../store/run";
@@ -25,7 +25,7 @@ export function Palette(): JSX.Element {
   const groups = useMemo(() => {
     const entries: Entry[] = [
       ...catalog.kinds.filter((face) => face.kind !== "subtask").map((face) => ({ id: face.kind, label: KINDS[face.kind] ?? face.kind, detail: face.doc, mark: "containers", kind: face.kind })),
-      ...catalog.nodes.map((face) => ({ id: face.id, label: face.id, detail: face.doc, mark: face.id.split("/")[0] ?? "", kind: "leaf" })),
+      ...catalog.nodes.map((face) => ({ id: face.id, label: face.id, detail: face.doc, mark: groupOf(face.id), kind: "leaf" })),
       ...catalog.tasks.filter((face) => face.id !== path).map((face) => ({ id: face.id, label: face.id, detail: face.doc, mark: "tasks", kind: "subtask" })),
     ];
     const found = new Map<string, Entry[]>();
@@ -41,20 +41,20 @@ export function Palette(): JSX.Element {
         {[...groups].map(([name, entries]) => (
           <details key={`${name}${text ? "!" : ""}`} open={text !== "" || name === "containers"}>
             <summary>
-              {name} <span className="hint">{entries.length}</span>
+              {GROUPS[name] ?? name} <span className="hint">{entries.length}</span>
             </summary>
             <ul>
               {entries.map((entry) => (
                 <li key={entry.id}>
                   <button disabled={disabled} draggable={!disabled} title={entry.detail} onClick={() => void add(entry.id)} onDragStart={(event) => dragNew(event, entry.id)}>
-                    <KindIcon kind={entry.kind} /> {entry.label.replace(`${name}/`, "")}
+                    <KindIcon kind={entry.kind} id={entry.id} /> {entry.label.replace(`${name}/`, "")}
                   </button>
                 </li>
               ))}
             </ul>
           </details>
         ))}
-        {groups.size === 0 && <p className="hint padded">Nothing is called like this.</p>}
+        {groups.size === 0 && !catalog.trouble && <p className="hint padded">{catalog.kinds.length === 0 ? "Looking for nodes ..." : "Nothing is called like this."}</p>}
       </div>
     </section>
   );

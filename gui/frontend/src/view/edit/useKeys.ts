@@ -9,8 +9,8 @@ import { usePage } from "../../store/page";
 /** Keys that buttons and links need for themselves. */
 const PRESSES = new Set(["Enter", " "]);
 /** What also works where no task is shown. */
-const EVERYWHERE = new Set(["stop", "pause"]);
-const READING = new Set(["commands", "find", "toggle", "tree", "flow", "split", "text", "enter", "leave", "copy", "new", "run", "pause", "stop", "breakpoint", "over", "into", "step-out", "tick", "from-here", "to-here"]);
+const EVERYWHERE = new Set(["stop", "pause", "panel", "panel-before"]);
+const READING = new Set(["commands", "panel", "panel-before", "find", "toggle", "tree", "flow", "split", "text", "enter", "leave", "copy", "new", "run", "pause", "stop", "breakpoint", "over", "into", "step-out", "tick", "from-here", "to-here"]);
 
 function inField(target: EventTarget | null): boolean {
   return target instanceof HTMLElement && target.closest("input, textarea, select, [contenteditable=true]") !== null;

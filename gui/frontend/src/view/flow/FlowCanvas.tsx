@@ -1,10 +1,10 @@
 /** A container's inside as a flow chart: drag from an outcome to where it leads, drag a node to pin it. */
-import { Background, type Connection, Controls, type Edge, MarkerType, MiniMap, type Node, Position, ReactFlow, type ReactFlowInstance, useReactFlow } from "@xyflow/react";
-import { type DragEvent, type JSX, useCallback, useEffect, useMemo, useState } from "react";
+import { Background, type Connection, Controls, type Edge, MarkerType, MiniMap, type Node, Position, ReactFlow, type ReactFlowInstance, useReactFlow, useStore } from "@xyflow/react";
+import { type DragEvent, type JSX, useCallback, useEffect, useMemo, useRef, useState } from "react";
 
 import { parentOf } from "../../model/commands";
-import { type Flow, FLOW_HEAD, isStart, PORT_HEIGHT, targetName } from "../../model/flow";
-import { chartedIn, chartOf, type FlowChart, isCharted } from "../../model/flowChart";
+import { FLOW_HEAD, isStart, PORT_HEIGHT, targetName } from "../../model/flow";
+import { chartedIn, chartOf, type FlowChart, isCharted, pinAt } from "../../model/flowChart";
 import type { Box } from "../../model/layout";
 import { useDocument } from "../../store/document";
 import { pin } from "../../store/editing";
@@ -36,6 +36,8 @@ export function FlowCanvas(): JSX.Element {
   const opened = usePage((s) => s.opened);
   const chart = useMemo(() => chartOf(task, index.byPath, container, opened, pins), [task, index, container, opened, pins]);
   const { flow, boxes } = chart;
+  const key = `${task.path}:${container}`;
+  const [begun, setBegun] = useState("");
   const [edge, setEdge] = useState<string | null>(null);
   const [dragged, setDragged] = useState<{ id: string; x: number; y: number } | null>(null);
   const nodes = useMemo(() => flowNodes(chart, dragged), [chart, dragged]);
@@ -66,7 +68,7 @@ export function FlowCanvas(): JSX.Element {
         )}
       </div>
       <ReactFlow
-        key={`${task.path}:${container}`}
+        key={key}
         nodes={nodes}
         edges={edges}
         nodeTypes={NODE_TYPES}
@@ -81,7 +83,7 @@ export function FlowCanvas(): JSX.Element {
         multiSelectionKeyCode={null}
         minZoom={0.1}
         maxZoom={2}
-        onInit={(canvas) => void showAll(canvas)}
+        onInit={(canvas) => void showAll(canvas).then(() => setBegun(key))}
         onConnect={onConnect}
         onNodeClick={(event, node) => {
           setEdge(null);
@@ -98,7 +100,7 @@ export function FlowCanvas(): JSX.Element {
         onPaneClick={() => setEdge(null)}
         onNodeDrag={(_, node) => setDragged({ id: node.id, ...node.position })}
         onNodeDragStop={(_, node) => {
-          if (node.type === "node") void pin("flow", { [node.id]: [node.position.x, node.position.y] });
+          if (node.type === "node") void pin("flow", { [node.id]: pinAt(chart, node.id, node.position) });
         }}
         aria-label="Flow chart of the container; the outline and the forms have the same content for keyboards"
       >
@@ -106,9 +108,9 @@ export function FlowCanvas(): JSX.Element {
         <Controls showInteractive={false} />
         {nodes.length > 12 && <MiniMap pannable zoomable style={{ width: 140, height: 96 }} />}
         <Detail />
-        <Keeper boxes={boxes} />
+        <Keeper boxes={boxes} begun={begun === key} />
       </ReactFlow>
-      <Pinned flow={flow} pins={pins} locked={locked} />
+      <Pinned chart={chart} pins={pins} locked={locked} />
     </section>
   );
 }
@@ -128,8 +130,8 @@ function allow(event: DragEvent): void {
 }
 
 /** Offers to place pinned nodes automatically again. */
-function Pinned({ flow, pins, locked }: { flow: Flow; pins: Record<string, number[]>; locked: boolean }): JSX.Element | null {
-  const here = flow.items.map((item) => item.id).filter((id) => pins[id] !== undefined);
+function Pinned({ chart, pins, locked }: { chart: FlowChart; pins: Record<string, number[]>; locked: boolean }): JSX.Element | null {
+  const here = chart.items.map(({ item }) => item.id).filter((id) => pins[id] !== undefined);
   if (here.length === 0 || locked) return null;
   return (
     <button className="tidy" onClick={() => void pin("flow", Object.fromEntries(here.map((id) => [id, null])))}>
@@ -151,18 +153,27 @@ function useSelectedContainer(): void {
   }, [selected]);
 }
 
-/** Brings a node that was selected elsewhere into sight. */
-function Keeper({ boxes }: { boxes: ReadonlyMap<string, Box> }): null {
+/** Brings a node that was selected elsewhere into sight, and keeps the middle of the chart in the middle of its pane. */
+function Keeper({ boxes, begun }: { boxes: ReadonlyMap<string, Box>; begun: boolean }): null {
   const selected = usePage((s) => s.selected);
-  const { setCenter, getZoom, getViewport } = useReactFlow();
+  const { setCenter, setViewport, getZoom, getViewport } = useReactFlow();
+  const width = useStore((s) => s.width);
+  const height = useStore((s) => s.height);
+  const size = useRef({ width, height });
+  useEffect(() => {
+    const before = size.current;
+    size.current = { width, height };
+    const { x, y, zoom } = getViewport();
+    // A pane beside this one has come or gone.
+    if (begun && before.width > 0 && width > 0) void setViewport({ x: x + (width - before.width) / 2, y: y + (height - before.height) / 2, zoom });
+  }, [begun, width, height, getViewport, setViewport]);
   useEffect(() => {
     const box = selected === null ? undefined : boxes.get(selected);
-    const pane = document.querySelector(".flow .react-flow")?.getBoundingClientRect();
-    if (!box || !pane) return;
+    if (!begun || !box || width === 0) return;
     const { x, y, zoom } = getViewport();
-    const inSight = box.x * zoom + x >= 0 && box.y * zoom + y >= 0 && (box.x + box.width) * zoom + x <= pane.width && (box.y + box.height) * zoom + y <= pane.height;
+    const inSight = box.x * zoom + x >= 0 && box.y * zoom + y >= 0 && (box.x + box.width) * zoom + x <= width && (box.y + box.height) * zoom + y <= height;
     if (!inSight) void setCenter(box.x + box.width / 2, box.y + box.height / 2, { zoom: getZoom(), duration: 0 });
-  }, [selected, boxes, setCenter, getZoom, getViewport]);
+  }, [selected, boxes, begun, width, height, setCenter, getZoom, getViewport]);
   return null;
 }
 
@@ -181,8 +192,7 @@ function flowNodes({ items }: FlowChart, dragged: { id: string; x: number; y: nu
       width,
       height,
       measured: { width, height },
-      // What stands in an open box is placed in the chart of its own container.
-      draggable: item.kind === "node" && parent === null,
+      draggable: item.kind === "node",
       handles: item.kind === "start" ? [start] : [target, ...sources],
       ...(parent === null ? {} : { parentId: parent }),
     };

@@ -9,6 +9,8 @@ import { usePage } from "../../store/page";
 import { useRun } from "../../store/run";
 import { useForm } from "../edit/FormBadge";
 import { KindIcon, PhaseIcon } from "../icons";
+import { OthersRing } from "../Others";
+import { NodeSub } from "../NodeSub";
 import { HoldMark, lensMark, ProblemMark } from "../marks";
 
 export function FlowNode({ data }: NodeProps): JSX.Element {
@@ -22,10 +24,11 @@ export function FlowNode({ data }: NodeProps): JSX.Element {
   const kind = node.kind === "leaf" ? node.label : [KINDS[node.kind], node.label].filter(Boolean).join(", ");
   return (
     <div className={`node flow-node${open ? " open" : ""} kind-${node.kind} is-${status.phase}${selected ? " selected" : ""}`} data-path={node.path} title={node.doc}>
+      <OthersRing path={node.path} folded={!open} />
       <Handle type="target" position={Position.Left} id="in" />
       <div className="node-head">
         {node.children.length > 0 && <Open node={node} />}
-        <KindIcon kind={node.kind} />
+        <KindIcon kind={node.kind} id={node.label} />
         <span className="node-name">{node.name}</span>
         <HoldMark path={node.path} />
         <ProblemMark path={node.path} />
@@ -36,7 +39,7 @@ export function FlowNode({ data }: NodeProps): JSX.Element {
           {status.phase === "idle" ? "" : statusText(status)}
         </span>
       </div>
-      <div className="node-sub">{node.children.length > 0 ? `${kind}: ${node.children.length} inside` : kind}</div>
+      <NodeSub node={node} what={node.children.length > 0 ? `${kind}: ${node.children.length} inside` : kind} />
       <ul className="ports">
         {item.ports.map((port) => (
           <li key={port.outcome} className={`port ${port.meaning}${port.led ? "" : " free"}`}>

@@ -1,16 +1,17 @@
 /** The robot in 3D at the shown moment: joints as measured, objects, what hands hold, frames and poses; also in words. */
 import "./robot.css";
 
-import { type JSX, type KeyboardEvent, useEffect, useRef, useState } from "react";
+import { type JSX, type KeyboardEvent, useEffect, useMemo, useRef, useState } from "react";
 
 import type { Stand } from "../../model/motion";
 import { seconds } from "../../model/words";
-import type { NamedPlace } from "../../protocol/generated";
-import { loadGeometry, placesOf, readMotion, setRobotOpen, useRobot } from "../../store/robot";
+import type { NamedPlace, SceneItem } from "../../protocol/generated";
+import { cloudOf, loadGeometry, type NamedCloud, placesOf, readMotion, setRobotOpen, useRobot } from "../../store/robot";
 import { useRun } from "../../store/run";
 import { makeSpace, type Side, type Space } from "./space";
 
 const PERIOD = 150;
+const NONE: readonly NamedCloud[] = [];
 const SIDES: readonly [Side, string][] = [
   ["front", "Front"],
   ["side", "Side"],
@@ -21,6 +22,10 @@ export default function RobotView(): JSX.Element {
   const view = useRobot((s) => s.view);
   const stand = useStand();
   const places = usePlaces();
+  const found = useClouds();
+  // Where the frame of another cloud is, nobody has told.
+  const clouds = useMemo(() => found.filter((cloud) => cloud.frame === "world" || view?.links.some((link) => link.name === cloud.frame)), [found, view]);
+  const [shown, setShown] = useState(true);
   const [frames, setFrames] = useState(false);
   const [trouble, setTrouble] = useState("");
   const [grasps, setGrasps] = useState<ReadonlyMap<string, readonly [number, number, number]>>(new Map());
@@ -40,9 +45,9 @@ export default function RobotView(): JSX.Element {
     };
   }, [view]);
   useEffect(() => {
-    space.current?.show(stand, places, frames);
+    space.current?.show(stand, places, shown ? clouds : NONE, frames);
     if (space.current) setGrasps(space.current.grasps());
-  }, [view, stand, places, frames]);
+  }, [view, stand, places, clouds, shown, frames]);
   function onKeyDown(event: KeyboardEvent): void {
     const turn = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
     if (turn) space.current?.turn(turn[0] ?? 0, turn[1] ?? 0);
@@ -65,8 +70,12 @@ export default function RobotView(): JSX.Element {
         <label className="robot-frames">
           <input type="checkbox" checked={frames} onChange={(event) => setFrames(event.target.checked)} /> Frames
         </label>
-        <span className="grow" />
-        <button aria-label="Close" title="Close" onClick={() => setRobotOpen(false)}>
+        {clouds.length > 0 && (
+          <label className="robot-frames">
+            <input type="checkbox" checked={shown} onChange={(event) => setShown(event.target.checked)} /> Clouds
+          </label>
+        )}
+        <button className="robot-close" aria-label="Close" title="Close" onClick={() => setRobotOpen(false)}>
           ✕
         </button>
       </div>
@@ -78,17 +87,26 @@ export default function RobotView(): JSX.Element {
           <canvas ref={canvas} tabIndex={0} role="application" aria-roledescription="3D drawing" aria-label={`${said}. Arrow keys turn it, plus and minus go nearer and away.`} onKeyDown={onKeyDown} />
         )}
       </div>
-      {stand && view && !view.trouble && <InWords stand={stand} places={places} grasps={grasps} />}
+      {stand && view && !view.trouble && <InWords stand={stand} places={places} clouds={found} drawn={clouds} grasps={grasps} />}
     </section>
   );
 }
 
-function InWords({ stand, places, grasps }: { stand: Stand; places: readonly NamedPlace[]; grasps: ReadonlyMap<string, readonly number[]> }): JSX.Element {
+interface Words {
+  readonly stand: Stand;
+  readonly places: readonly NamedPlace[];
+  readonly clouds: readonly NamedCloud[];
+  readonly drawn: readonly NamedCloud[];
+  readonly grasps: ReadonlyMap<string, readonly number[]>;
+}
+
+function InWords({ stand, places, clouds, drawn, grasps }: Words): JSX.Element {
   const items = Object.entries(stand.scene);
   return (
     <details className="robot-words">
       <summary>
-        {items.length} {items.length === 1 ? "object" : "objects"}, {places.length} {places.length === 1 ? "pose" : "poses"}, in words
+        {items.length} {items.length === 1 ? "object" : "objects"}, {places.length} {places.length === 1 ? "pose" : "poses"}
+        {clouds.length > 0 && `, ${clouds.length} ${clouds.length === 1 ? "cloud" : "clouds"}`}, in words
       </summary>
       <div className="scroll" tabIndex={0} role="group" aria-label="The drawing in words">
         <ul className="plain">
@@ -99,7 +117,13 @@ function InWords({ stand, places, grasps }: { stand: Stand; places: readonly Nam
           ))}
           {items.map(([name, item]) => (
             <li key={name}>
-              {name}: {item.kind} {numbers(item.size)} m {item.hand ? `held by ${item.hand}` : `at ${numbers(item.at.slice(0, 3))} m`}
+              {name}: {KINDS[item.kind]} {numbers(item.size)} m {item.hand ? `held by ${item.hand}` : `at ${numbers(item.at.slice(0, 3))} m`}
+            </li>
+          ))}
+          {clouds.map((cloud) => (
+            <li key={cloud.name}>
+              {cloud.name}: cloud of {cloud.of} points in {cloud.frame}
+              {!drawn.includes(cloud) && ", which isn't drawn: no link of the robot is called so"}
             </li>
           ))}
           {places.map((place) => (
@@ -112,6 +136,8 @@ function InWords({ stand, places, grasps }: { stand: Stand; places: readonly Nam
     </details>
   );
 }
+
+const KINDS: Record<SceneItem["kind"], string> = { box: "box", cylinder: "cylinder", sphere: "sphere", mesh: "mesh within", cells: "cells of" };
 
 function numbers(values: readonly number[]): string {
   return `(${values.map((value) => (Math.round(value * 1000) / 1000 + 0).toFixed(3)).join(", ")})`;
@@ -163,4 +189,24 @@ function usePlaces(): readonly NamedPlace[] {
     };
   }, [run, moment, version]);
   return places;
+}
+
+/** The clouds among the variables at the shown moment; asked for again only when one was written. */
+function useClouds(): readonly NamedCloud[] {
+  const run = useRun((s) => s.record?.id);
+  const moment = useRun((s) => s.moment);
+  const version = useRun((s) => s.version);
+  const [clouds, setClouds] = useState<readonly NamedCloud[]>(NONE);
+  useEffect(() => {
+    let left = false;
+    const asked = run === undefined ? [] : [...moment.variables].map(([key, value]) => cloudOf(run, value.seq, value.type, key.split(/[:/]/).at(-1) ?? key));
+    void Promise.all(asked).then((answers) => {
+      const now = answers.filter((cloud) => cloud !== null && cloud.points !== "") as NamedCloud[];
+      if (!left) setClouds((before) => (now.length === before.length && now.every((cloud, at) => cloud === before[at]) ? before : now));
+    });
+    return () => {
+      left = true;
+    };
+  }, [run, moment, version]);
+  return clouds;
 }

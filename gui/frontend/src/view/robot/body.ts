@@ -1,7 +1,7 @@
 /** A robot as objects of three: each joint turns or shifts what hangs on it, so that a moment is a few numbers. */
-import { BoxGeometry, BufferAttribute, BufferGeometry, Color, CylinderGeometry, Group, Mesh, MeshStandardMaterial, type Object3D, Quaternion, SphereGeometry, Vector3 } from "three";
+import { BoxGeometry, BufferAttribute, BufferGeometry, Color, CylinderGeometry, DoubleSide, Group, InstancedMesh, Matrix4, Mesh, MeshStandardMaterial, type Object3D, Points, PointsMaterial, Quaternion, SphereGeometry, Vector3 } from "three";
 
-import type { GeometryView, JointView, MeshView, SceneItem, ShapeView } from "../../protocol/generated";
+import type { CloudView, GeometryView, JointView, MeshView, SceneItem, ShapeView } from "../../protocol/generated";
 
 const GREY = new Color(0.72, 0.74, 0.77);
 const SIDES = 32;
@@ -64,10 +64,30 @@ function colorOf(color: readonly number[]): Color {
 }
 
 /** An object of the planning scene; what belongs to the room is seen through. */
-export function makeItem(item: SceneItem, color: Color): Mesh {
-  const made = body({ ...item, color: [], mesh: -1 }, undefined, color);
-  if (item.fixed) Object.assign(made.material as MeshStandardMaterial, { transparent: true, opacity: 0.45 });
+export function makeItem(item: SceneItem, color: Color, look: MeshView | undefined): Mesh {
+  const { kind } = item;
+  const made = kind === "cells" ? cells(item, color, look) : body({ ...item, kind, color: [], mesh: -1 }, look && once(look, triangles), color);
+  const material = made.material as MeshStandardMaterial;
+  if (item.fixed) Object.assign(material, { transparent: true, opacity: 0.45 });
+  // A surface of triangles is seen from both of its sides.
+  if (kind === "mesh") material.side = DoubleSide;
   return made;
+}
+
+/** A map of cells, each as a box. */
+function cells(item: SceneItem, color: Color, look: MeshView | undefined): InstancedMesh {
+  const middles = look ? pointsOf(look) : new Float32Array(0);
+  const side = item.size[0] ?? 0.01;
+  const made = new InstancedMesh(new BoxGeometry(side, side, side), new MeshStandardMaterial({ color, roughness: 0.75, flatShading: true }), middles.length / 3);
+  const at = new Matrix4();
+  for (let cell = 0; cell < made.count; cell++) made.setMatrixAt(cell, at.makeTranslation(middles[3 * cell] ?? 0, middles[3 * cell + 1] ?? 0, middles[3 * cell + 2] ?? 0));
+  place(made, item.at);
+  return made;
+}
+
+/** What a camera saw, in its own colours where it has any. */
+export function makeCloud(cloud: CloudView, color: Color): Points {
+  return new Points(once(cloud, coloured), new PointsMaterial({ size: 0.006, vertexColors: cloud.colors !== "", ...(cloud.colors ? {} : { color }) }));
 }
 
 function body(shape: ShapeView, mesh: BufferGeometry | undefined, color: Color): Mesh {
@@ -84,9 +104,29 @@ function solid({ kind, size }: ShapeView): BufferGeometry {
   return new BoxGeometry(a, b, c);
 }
 
+const made_before = new WeakMap<object, BufferGeometry>();
+
+/** The scene is put together anew whenever something moves; what things look like is worked out once. */
+function once<T extends object>(look: T, make: (look: T) => BufferGeometry): BufferGeometry {
+  const made = made_before.get(look) ?? make(look);
+  made_before.set(look, made);
+  return made;
+}
+
+function coloured(cloud: CloudView): BufferGeometry {
+  const made = new BufferGeometry();
+  made.setAttribute("position", new BufferAttribute(pointsOf(cloud), 3));
+  if (cloud.colors) made.setAttribute("color", new BufferAttribute(new Uint8Array(bytes(cloud.colors)), 3, true));
+  return made;
+}
+
+function pointsOf({ points }: { points: string }): Float32Array<ArrayBuffer> {
+  return new Float32Array(bytes(points));
+}
+
 function triangles(mesh: MeshView): BufferGeometry {
   const made = new BufferGeometry();
-  made.setAttribute("position", new BufferAttribute(new Float32Array(bytes(mesh.points)), 3));
+  made.setAttribute("position", new BufferAttribute(pointsOf(mesh), 3));
   made.setIndex(new BufferAttribute(new Uint32Array(bytes(mesh.triangles)), 1));
   made.computeVertexNormals();
   return made;

@@ -1,10 +1,11 @@
 /** The drawing: camera, light, ground, the robot, the scene around it, and poses; drawn only when something has changed. */
-import { AmbientLight, AxesHelper, CanvasTexture, Color, DirectionalLight, GridHelper, Group, PerspectiveCamera, Scene, Sprite, SpriteMaterial, Vector3, WebGLRenderer } from "three";
+import { AmbientLight, AxesHelper, CanvasTexture, Color, DirectionalLight, GridHelper, Group, InstancedMesh, LineSegments, type Material, Mesh, type Object3D, PerspectiveCamera, Points, Scene, Sprite, SpriteMaterial, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 import type { Stand } from "../../model/motion";
 import type { GeometryView, NamedPlace } from "../../protocol/generated";
-import { makeItem, makeRobot, place, type Robot } from "./body";
+import type { NamedCloud } from "../../store/robot";
+import { makeCloud, makeItem, makeRobot, place, type Robot } from "./body";
 
 const STEP = Math.PI / 18;
 const AXES = 0.08;
@@ -14,7 +15,7 @@ const NAMED = 3;
 export type Side = "front" | "side" | "above";
 
 export interface Space {
-  show(stand: Stand | null, places: readonly NamedPlace[], frames: boolean): void;
+  show(stand: Stand | null, places: readonly NamedPlace[], clouds: readonly NamedCloud[], frames: boolean): void;
   /** Where the grasp frames are: hand -> x y z [m]. */
   grasps(): ReadonlyMap<string, readonly [number, number, number]>;
   from(side: Side): void;
@@ -78,15 +79,22 @@ export function makeSpace(canvas: HTMLCanvasElement, view: GeometryView): Space 
     draw();
   }
 
-  function show(stand: Stand | null, places: readonly NamedPlace[], frames: boolean): void {
+  function show(stand: Stand | null, places: readonly NamedPlace[], clouds: readonly NamedCloud[], frames: boolean): void {
     robot.stand(stand?.joints ?? new Map());
     for (const each of axes) each.visible = frames;
-    things.clear();
-    for (const frame of held.values()) frame.clear();
+    for (const group of [things, ...held.values()]) {
+      free(group);
+      group.clear();
+    }
     const look = getComputedStyle(canvas);
     for (const item of Object.values(stand?.scene ?? {})) {
       const color = new Color(look.getPropertyValue(item.hand ? "--success" : item.fixed ? "--quiet" : "--accent").trim());
-      (held.get(item.hand) ?? things).add(makeItem(item, color));
+      (held.get(item.hand) ?? things).add(makeItem(item, color, stand?.bodies[item.body]));
+    }
+    for (const cloud of clouds) {
+      const points = makeCloud(cloud, new Color(look.getPropertyValue("--running").trim()));
+      (robot.links.get(cloud.frame) ?? things).add(points);
+      if (robot.links.has(cloud.frame)) hung.push(points);
     }
     const together = new Map<string, number>();
     for (const { name } of places) together.set(variableOf(name), (together.get(variableOf(name)) ?? 0) + 1);
@@ -100,14 +108,17 @@ export function makeSpace(canvas: HTMLCanvasElement, view: GeometryView): Space 
     }
     draw();
   }
-  const hung: Group[] = [];
+  const hung: Object3D[] = [];
 
   dress();
   from("front");
   return {
-    show: (stand, places, frames) => {
-      for (const pose of hung.splice(0)) pose.removeFromParent();
-      show(stand, places, frames);
+    show: (stand, places, clouds, frames) => {
+      for (const each of hung.splice(0)) {
+        free(each);
+        each.removeFromParent();
+      }
+      show(stand, places, clouds, frames);
     },
     grasps: () => {
       scene.updateMatrixWorld(true);
@@ -137,6 +148,20 @@ export function makeSpace(canvas: HTMLCanvasElement, view: GeometryView): Space 
       renderer.dispose();
     },
   };
+}
+
+/** Give back what the graphics card holds of an object and of what hangs on it. */
+function free(object: Object3D): void {
+  object.traverse((part) => {
+    if (part instanceof Mesh || part instanceof Points || part instanceof LineSegments || part instanceof Sprite) {
+      part.geometry.dispose();
+      for (const material of [part.material].flat() as Material[]) {
+        if (material instanceof SpriteMaterial) material.map?.dispose();
+        material.dispose();
+      }
+    }
+    if (part instanceof InstancedMesh) part.dispose();
+  });
 }
 
 function variableOf(name: string): string {

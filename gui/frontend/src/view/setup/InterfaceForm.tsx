@@ -15,7 +15,11 @@ export function InterfaceForm({ done }: { done: () => void }): JSX.Element {
   const [refusal, setRefusal] = useState("");
   const [busy, setBusy] = useState(false);
   useEffect(() => {
-    if (!wish.type.trim()) return;
+    if (!wish.type.trim()) {
+      setView(null);
+      setRefusal(wish.text.trim() ? "Say above what it is called, such as my_interfaces/srv/PlanGrasp, or my_interfaces/action/PlanGrasp." : "");
+      return;
+    }
     let left = false;
     const timer = setTimeout(() => {
       server.setupInterface(wish).then(

@@ -2,6 +2,7 @@
 import { type JSX, useId, useState } from "react";
 
 import { entryShape, type Key, formKind, freeName, listOf, optionsAt, resolved, type Shape, valueAt } from "../../model/shapes";
+import { topicsAt } from "../../model/topics";
 import type { SetupView } from "../../protocol/generated";
 import { useLive } from "../../store/live";
 import { removeValue, renameValue, setValue } from "../../store/setup";
@@ -10,6 +11,8 @@ interface FieldProps {
   readonly view: SetupView;
   readonly place: Key;
   readonly shape: Shape;
+  /** Whether the name stands above already. */
+  readonly bare?: boolean;
 }
 
 export function SchemaForm({ view }: { view: SetupView }): JSX.Element {
@@ -17,16 +20,16 @@ export function SchemaForm({ view }: { view: SetupView }): JSX.Element {
   return <Value view={view} place={[]} shape={view.shape as Shape} />;
 }
 
-function Value({ view, place, shape }: FieldProps): JSX.Element {
+function Value({ view, place, shape, bare = false }: FieldProps): JSX.Element {
   const value = valueAt(view.data, place);
   const exact = resolved(shape, view.shape as Shape, value);
   switch (formKind(exact)) {
     case "fields":
       // A short form that the file's reader understands, such as a port's type alone.
       if (typeof value === "string") return <Scalar view={view} place={place} shape={{ type: "string" }} />;
-      return <Fields view={view} place={place} shape={exact} />;
+      return <Fields view={view} place={place} shape={exact} bare={bare} />;
     case "entries":
-      return <Entries view={view} place={place} shape={exact} />;
+      return <Entries view={view} place={place} shape={exact} bare={bare} />;
     case "items":
       return <Items view={view} place={place} shape={exact} />;
     default:
@@ -38,14 +41,29 @@ function labelOf(place: Key): string {
   return String(place.at(-1) ?? "").replaceAll("_", " ");
 }
 
-function reasonAt(view: SetupView, place: Key): string {
-  const words = place.join("/");
-  return view.problems.filter((problem) => problem.message.startsWith(`${words}: `)).map((problem) => problem.message.slice(words.length + 2)).join("; ");
+function problemsAt(view: SetupView, place: Key): SetupView["problems"] {
+  return place.length === 0 ? [] : view.problems.filter(({ key }) => place.every((step, at) => String(step) === key[at]));
 }
 
-function Fields({ view, place, shape }: FieldProps): JSX.Element {
+/** What is said of a value, without its place, which is where it is said. */
+function reasonAt(problems: SetupView["problems"]): string {
+  return problems
+    .map(({ key, message }) => {
+      const place = [key.join("/"), key.at(-1) ?? ""].find((words) => message.startsWith(`${words}: `));
+      return place === undefined ? message : message.slice(place.length + 2);
+    })
+    .join("; ");
+}
+
+function Fields({ view, place, shape, bare = false }: FieldProps): JSX.Element {
   const value = valueAt(view.data, place);
   const keys = Object.keys(shape.properties ?? {}).filter((key) => key !== "grip");
+  const said = typeof value === "object" && value !== null ? keys.filter((key) => key in value) : [];
+  const present = said.length > 0;
+  // What is set stands first, as it was when the part was opened: nothing moves below the fingers.
+  const [first, setFirst] = useState<readonly string[]>(said);
+  if (present !== first.length > 0) setFirst(said);
+  if (place.length > 0) keys.sort((a, b) => Number(first.includes(b)) - Number(first.includes(a)));
   const all = keys.map((key) => <Value key={key} view={view} place={[...place, key]} shape={shape.properties?.[key] ?? {}} />);
   if (place.length === 0) return <>{all}</>;
   if (value === undefined || value === null)
@@ -54,6 +72,7 @@ function Fields({ view, place, shape }: FieldProps): JSX.Element {
         <button onClick={() => void setValue([...place], {})}>Add {labelOf(place)}</button> <span className="hint">{shape.description?.split("\n")[0]}</span>
       </p>
     );
+  if (bare) return <>{all}</>;
   const optional = typeof place.at(-1) === "string" && place.length > 0;
   return (
     <fieldset>
@@ -65,7 +84,7 @@ function Fields({ view, place, shape }: FieldProps): JSX.Element {
 }
 
 /** A mapping whose keys are names that people give. */
-function Entries({ view, place, shape }: FieldProps): JSX.Element {
+function Entries({ view, place, shape, bare = false }: FieldProps): JSX.Element {
   const value = (valueAt(view.data, place) ?? {}) as Record<string, unknown>;
   const names = typeof value === "object" ? Object.keys(value) : [];
   const inner = entryShape(shape);
@@ -75,15 +94,14 @@ function Entries({ view, place, shape }: FieldProps): JSX.Element {
   const known = (optionsAt(view.options, [...place, "?"]) ?? []).filter((option) => !names.includes(option));
   const list = useId();
   function add(): void {
-    const wanted = freeName(name.trim() || "new", names);
     const kind = formKind(resolved(inner, view.shape as Shape, undefined));
     const start = kind === "number" ? 0 : kind === "list" || kind === "items" ? [] : kind === "text" || kind === "choice" ? "" : {};
-    void setValue([...place, wanted], start);
+    void setValue((now) => [...place, freeName(name.trim() || "new", Object.keys(valueAt(now.data, place) ?? {}))], start);
     setName("");
   }
   return (
     <fieldset className={simple ? "setup-simple" : ""}>
-      <legend>{what}</legend>
+      <legend className={bare || place.length === 0 ? "hidden" : ""}>{what}</legend>
       {names.map((entry) => (
         <div key={entry} className="setup-entry" role="group" aria-label={`${what} ${entry}`}>
           <div className="setup-name">
@@ -92,7 +110,7 @@ function Entries({ view, place, shape }: FieldProps): JSX.Element {
               Remove
             </button>
           </div>
-          <Value view={view} place={[...place, entry]} shape={inner} />
+          <Value view={view} place={[...place, entry]} shape={inner} bare />
         </div>
       ))}
       <div className="setup-add">
@@ -138,8 +156,11 @@ function Items({ view, place, shape }: FieldProps): JSX.Element {
       <legend>{labelOf(place)}</legend>
       {Array.from({ length: count }, (_, at) => (
         <div key={at} className="setup-entry" role="group" aria-label={`${labelOf(place)} ${at + 1}`}>
-          <Value view={view} place={[...place, at]} shape={shape.items ?? {}} />
-          <button onClick={() => void removeValue([...place, at])}>Remove number {at + 1}</button>
+          <div className="setup-name">
+            <strong>{at + 1}</strong>
+            <button onClick={() => void removeValue([...place, at])}>Remove number {at + 1}</button>
+          </div>
+          <Value view={view} place={[...place, at]} shape={shape.items ?? {}} bare />
         </div>
       ))}
       <button onClick={() => void setValue([...place, count], {})}>Add to {labelOf(place)}</button>
@@ -151,9 +172,10 @@ function Scalar({ view, place, shape }: FieldProps): JSX.Element {
   const id = useId();
   const value = valueAt(view.data, place);
   const topics = useLive((s) => s.topics);
-  const live = place.length === 5 && place[0] === "sensors" && place[4] === "topic" ? topics?.topics.map((topic) => topic.name) : undefined;
-  const options = live ?? optionsAt(view.options, place) ?? (shape.enum ? shape.enum.map(String) : undefined);
-  const reason = reasonAt(view, place);
+  const options = topicsAt(topics?.topics, place) ?? optionsAt(view.options, place) ?? (shape.enum ? shape.enum.map(String) : undefined);
+  const problems = problemsAt(view, place);
+  const reason = reasonAt(problems);
+  const wrong = problems.some((problem) => problem.severity === "error");
   const kind = formKind(shape);
   const shown = Array.isArray(value) ? value.join(", ") : value === undefined || value === null ? "" : typeof value === "object" ? JSON.stringify(value) : String(value);
   const hint = shape.default === undefined || shape.default === null || shape.default === "" ? "" : `${Array.isArray(shape.default) ? shape.default.join(", ") : String(shape.default)}`;
@@ -164,7 +186,7 @@ function Scalar({ view, place, shape }: FieldProps): JSX.Element {
     else if (kind === "list") void setValue([...place], listOf(text, shape.items?.type === "number"));
     else void setValue([...place], text);
   }
-  const common = { id, "aria-invalid": reason !== "", ...(reason || shape.description ? { "aria-describedby": `${id}-said` } : {}) };
+  const common = { id, "aria-invalid": wrong, ...(reason || shape.description ? { "aria-describedby": `${id}-said` } : {}) };
   return (
     <div className="form-field">
       <label htmlFor={id}>{labelOf(place)}</label>
@@ -183,7 +205,7 @@ function Scalar({ view, place, shape }: FieldProps): JSX.Element {
         <input {...common} type="text" inputMode={kind === "number" ? "decimal" : "text"} key={shown} defaultValue={shown} placeholder={hint} onBlur={(event) => take(event.target.value)} onKeyDown={(event) => event.key === "Enter" && take(event.currentTarget.value)} />
       )}
       {(reason || shape.description) && (
-        <p id={`${id}-said`} className={reason ? "fault" : "hint"}>
+        <p id={`${id}-said`} className={wrong ? "fault" : reason ? "doubt" : "hint"}>
           {reason || shape.description}
         </p>
       )}

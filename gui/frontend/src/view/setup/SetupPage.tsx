@@ -3,7 +3,7 @@ import "./setup.css";
 
 import { type JSX, useEffect, useState } from "react";
 
-import { freeName, valueAt } from "../../model/shapes";
+import { formKind, freeName, type Shape, shapeAt, valueAt } from "../../model/shapes";
 import type { SetupView, Template } from "../../protocol/generated";
 import { listSetup, openSetup, probe, saveSetup, setValue, trouble, useSetup } from "../../store/setup";
 import { ImportForm } from "./ImportForm";
@@ -136,14 +136,17 @@ function Open({ view }: { view: SetupView }): JSX.Element {
 }
 
 function Found({ view }: { view: SetupView }): JSX.Element | null {
+  const checking = useSetup((s) => s.checking);
+  if (checking) return <p className="hint" role="status">Looking at what has changed ...</p>;
   if (view.problems.length === 0) return <p className="phase-success">✓ Nothing is wrong with it.</p>;
   return (
     <ul className="plain setup-problems" aria-label="Problems of the file">
       {view.problems.map((problem) => (
         <li key={`${problem.line} ${problem.message}`}>
-          <button className="link fault" onClick={() => useSetup.setState({ line: problem.line })}>
+          <button className={`link ${problem.severity === "error" ? "fault" : "doubt"}`} onClick={() => useSetup.setState({ line: problem.line })}>
             line {problem.line}
           </button>{" "}
+          {problem.severity === "warning" && "maybe: "}
           {problem.message}
         </li>
       ))}
@@ -154,11 +157,14 @@ function Found({ view }: { view: SetupView }): JSX.Element | null {
 function Templates({ view }: { view: SetupView }): JSX.Element | null {
   if (view.templates.length === 0) return null;
   function insert(template: Template): void {
-    const parent = valueAt(view.data, template.key.slice(0, -1));
+    const above = template.key.slice(0, -1);
     const last = template.key.at(-1) ?? "";
-    const nested = template.key.length > 1 || view.kind !== "project";
-    const name = nested && typeof parent === "object" && parent !== null && view.kind !== "component" ? freeName(last, Object.keys(parent)) : last;
-    void setValue([...template.key.slice(0, -1), name], template.value);
+    // Names that people give get a number; a field has one value.
+    const named = formKind(shapeAt(view.shape as Shape, above)) === "entries";
+    void setValue((now) => {
+      const parent = valueAt(now.data, above);
+      return [...above, named && typeof parent === "object" && parent !== null ? freeName(last, Object.keys(parent)) : last];
+    }, template.value);
   }
   return (
     <select aria-label="Insert a template" value="" onChange={(event) => view.templates.filter((each) => each.title === event.target.value).forEach(insert)}>

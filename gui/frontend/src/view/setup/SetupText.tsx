@@ -8,7 +8,9 @@ import { EditorState, Transaction } from "@codemirror/state";
 import { EditorView, keymap, lineNumbers } from "@codemirror/view";
 import { type JSX, useEffect, useRef } from "react";
 
-import { entryShape, formKind, keyBefore, optionsAt, resolved, type Shape } from "../../model/shapes";
+import { formKind, keyBefore, optionsAt, type Shape, shapeAt } from "../../model/shapes";
+import { topicsAt } from "../../model/topics";
+import { useLive } from "../../store/live";
 import { typeSetup, useSetup } from "../../store/setup";
 import { colours, theme } from "../text/theme";
 
@@ -84,19 +86,13 @@ function complete(context: CompletionContext): CompletionResult | null {
   if (view === null || (word === "" && !context.explicit)) return null;
   const place = keyBefore(before.slice(0, before.length - word.length), before.length - word.length);
   const from = context.pos - word.length;
-  const values = /:\s*$/.test(before.slice(0, from)) ? optionsAt(view.options, place) : undefined;
+  const values = /:\s*$/.test(before.slice(0, from)) ? (topicsAt(useLive.getState().topics?.topics, place) ?? optionsAt(view.options, place)) : undefined;
   if (values) return { from, options: values.map((label) => ({ label, type: "constant" })), validFor: /^[\w/.-]*$/ };
   const root = view.shape as Shape;
-  const shape = place.reduce<Shape>((at, step) => inside(at, root, step), root);
-  const exact = resolved(shape, root, {});
+  const exact = shapeAt(root, place);
   const keys = optionsAt(view.options, [...place, "?"]);
   if (keys) return { from, options: keys.map((label) => ({ label, type: "property", apply: `${label}: ` })), validFor: /^[\w/.-]*$/ };
   if (formKind(exact) !== "fields") return null;
   const options = Object.entries(exact.properties ?? {}).map(([label, inner]) => ({ label, type: "property", apply: `${label}: `, info: inner.description ?? "" }));
   return { from, options, validFor: /^\w*$/ };
-}
-
-function inside(shape: Shape, root: Shape, step: string | number): Shape {
-  const exact = resolved(shape, root, typeof step === "number" ? [] : {});
-  return exact.properties?.[step] ?? exact.items ?? entryShape(exact);
 }

@@ -1,12 +1,14 @@
 /** The topics of the running ROS graph: receive one message and look at it, or make a sensor of it. */
 import { type JSX, useEffect, useState } from "react";
 
+import { type CameraTopics, cameraOf } from "../../model/topics";
 import { server } from "../../protocol/client";
 import type { ReceivedView, TopicView } from "../../protocol/generated";
-import { lookAtTopics, messageOf, useAsSensor, useLive } from "../../store/live";
+import { lookAtTopics, messageOf, useAsCamera, useAsSensor, useLive } from "../../store/live";
 import { ValueShown } from "../ValuePreview";
 
 const PERIOD = 3000;
+const NONE: readonly TopicView[] = [];
 
 export function TopicsPage({ done }: { done: () => void }): JSX.Element {
   const found = useLive((s) => s.topics);
@@ -63,6 +65,8 @@ function Topic({ topic, done }: { topic: TopicView; done: () => void }): JSX.Ele
   const [busy, setBusy] = useState(false);
   const [sensor, setSensor] = useState("");
   const [output, setOutput] = useState("");
+  const topics = useLive((s) => s.topics?.topics ?? NONE);
+  const camera = cameraOf(topic, topics);
   async function receive(): Promise<void> {
     setBusy(true);
     try {
@@ -94,6 +98,7 @@ function Topic({ topic, done }: { topic: TopicView; done: () => void }): JSX.Ele
           </>
         )}
       </div>
+      {camera && <CameraForm camera={camera} suggested={topic.name.split("/")[1] ?? ""} done={done} />}
       <fieldset>
         <legend>Use it as a sensor</legend>
         <div className="form-field">
@@ -114,5 +119,35 @@ function Topic({ topic, done }: { topic: TopicView; done: () => void }): JSX.Ele
         </button>
       </fieldset>
     </div>
+  );
+}
+
+/** A camera that tasks ask by name: in the simulated world, and by these topics on the real robot. */
+function CameraForm({ camera, suggested, done }: { camera: CameraTopics; suggested: string; done: () => void }): JSX.Element {
+  const [name, setName] = useState("");
+  return (
+    <fieldset>
+      <legend>Use it as a camera of the real robot</legend>
+      <dl className="live-camera">
+        {Object.entries(camera).map(([part, topic]) => (
+          <div key={part}>
+            <dt>{part}</dt>
+            <dd>{topic ? <code>{topic}</code> : <span className="hint">not found; to be filled in</span>}</dd>
+          </div>
+        ))}
+      </dl>
+      <div className="form-field">
+        <label htmlFor="camera-name">Camera</label>
+        <input id="camera-name" type="text" value={name} placeholder={suggested} onChange={(event) => setName(event.target.value)} />
+      </div>
+      <button
+        onClick={() => {
+          done();
+          void useAsCamera(camera, name.trim() || suggested);
+        }}
+      >
+        Put the camera into grip.yaml
+      </button>
+    </fieldset>
   );
 }

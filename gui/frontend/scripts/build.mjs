@@ -1,12 +1,15 @@
-// Last step of the build: says what the build was made from, and whose software it holds.
-import { readdirSync, readFileSync, writeFileSync } from "node:fs";
+// Builds the page, says what it was made from and whose software it holds, and puts it where it is served.
+import { mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 
+import { build } from "vite";
+
+import { putInPlace } from "./put_in_place.mjs";
 import { sourceHash } from "./source_hash.mjs";
 
 const root = dirname(dirname(fileURLToPath(import.meta.url)));
-const out = join(root, "../grip_gui/static");
 
 function licenceOf(folder) {
   const file = readdirSync(folder).find((name) => /^(licen[cs]e|copying)/i.test(name));
@@ -24,5 +27,13 @@ function notices() {
   return `The editor's page contains the following software.\n\n${parts.join(`\n${"-".repeat(78)}\n\n`)}`;
 }
 
-writeFileSync(join(out, "THIRD_PARTY_NOTICES.txt"), notices());
-writeFileSync(join(out, "build-info.json"), `${JSON.stringify({ source: sourceHash(root) }, null, 2)}\n`);
+// A folder of its own: the page stays served while it is built again, and two builds at a time don't mix.
+const out = mkdtempSync(join(tmpdir(), "grip-page-"));
+try {
+  await build({ root, build: { outDir: out, emptyOutDir: true } });
+  writeFileSync(join(out, "THIRD_PARTY_NOTICES.txt"), notices());
+  writeFileSync(join(out, "build-info.json"), `${JSON.stringify({ source: sourceHash(root) }, null, 2)}\n`);
+  putInPlace(out, join(root, "../grip_gui/static"));
+} finally {
+  rmSync(out, { recursive: true });
+}

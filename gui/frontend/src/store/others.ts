@@ -1,0 +1,66 @@
+/** The selections of other pages, and telling them of this one. */
+import { create } from "zustand";
+
+import { pagesAt, type Selections, taken, toTell } from "../model/others";
+import type { Onlooker, Selected, Selection } from "../protocol/generated";
+import { usePage } from "./page";
+import { lookedAt } from "./presence";
+import { useRun } from "./run";
+import { useRunning } from "./runDesk";
+
+interface OthersStore {
+  readonly selections: Selections;
+  hear(news: Readonly<Record<string, Selected | null>>): void;
+  forget(): void;
+}
+
+export const useOthers = create<OthersStore>()((set) => ({
+  selections: {},
+  hear: (news) => set(({ selections }) => ({ selections: taken(selections, news) })),
+  forget: () => set({ selections: {} }),
+}));
+
+const NOBODY: readonly Onlooker[] = [];
+
+/** Who else has this node selected, or, where it is `folded`, something inside it. */
+export function useOthersAt(path: string, folded: boolean): readonly Onlooker[] {
+  const task = useRun((s) => s.task.path);
+  // As text, which is the same as long as the same pages are meant.
+  const pages = useOthers((s) => pagesAt(s.selections, task, path, folded).join(" "));
+  const onlookers = useRunning((s) => s.desk.onlookers);
+  return pages === "" ? NOBODY : onlookers.filter((each) => pages.split(" ").includes(each.page));
+}
+
+/** What this page tells the others. */
+export function ownSelection(): Selection {
+  const { selected, marked } = usePage.getState();
+  const task = lookedAt();
+  return { type: "selection", task, nodes: task === "" ? [] : toTell(selected, marked) };
+}
+
+/** Shortest time between two messages [ms]: a person sees no difference, and a drag over many nodes sends few. */
+const PAUSE = 150;
+
+/** Call `send` with what is selected whenever that has changed, at most once in `PAUSE`; returns how to end it. */
+export function tellSelection(send: (selection: Selection) => void): () => void {
+  let told = "";
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  const tell = (): void => {
+    if (timer !== undefined) return;
+    const selection = ownSelection();
+    const text = JSON.stringify(selection);
+    if (text === told) return;
+    told = text;
+    send(selection);
+    timer = setTimeout(() => {
+      timer = undefined;
+      tell();
+    }, PAUSE);
+  };
+  const ends = [usePage.subscribe(tell), useRun.subscribe(tell)];
+  tell();
+  return () => {
+    clearTimeout(timer);
+    for (const end of ends) end();
+  };
+}

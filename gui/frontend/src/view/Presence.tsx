@@ -1,0 +1,72 @@
+/** Who looks on, by name and colour, and who holds control; shown as soon as there is somebody to share it with. */
+import type { JSX } from "react";
+
+import { initials } from "../model/others";
+import { PAGE } from "../protocol/client";
+import type { Onlooker } from "../protocol/generated";
+import { askForName } from "../store/naming";
+import { holderText, isHeldElsewhere, useRunning } from "../store/runDesk";
+import { giveBack, takeOver } from "../store/running";
+
+/** More are counted, and named in the tip of the count. */
+const SHOWN = 4;
+
+export function Presence(): JSX.Element | null {
+  const desk = useRunning((s) => s.desk);
+  const elsewhere = isHeldElsewhere(desk);
+  if (!elsewhere && desk.viewers < 2) return null;
+  const own = desk.onlookers.filter((each) => each.page === PAGE);
+  const others = desk.onlookers.filter((each) => each.page !== PAGE);
+  // Who holds control is always among those that are shown.
+  others.sort((a, b) => Number(b.page === desk.holder) - Number(a.page === desk.holder));
+  const shown = [...own, ...others].slice(0, SHOWN);
+  const more = [...own, ...others].slice(SHOWN);
+  return (
+    <div className="presence">
+      <ul className="plain" aria-label="Who looks on">
+        {shown.map((each) => (
+          <li key={each.page}>
+            <Chip each={each} holds={each.page === desk.holder} />
+          </li>
+        ))}
+        {more.length > 0 && (
+          <li className="presence-more" title={more.map((each) => each.name).join(", ")}>
+            +{more.length}
+            <span className="hidden"> more: {more.map((each) => each.name).join(", ")}</span>
+          </li>
+        )}
+      </ul>
+      <span className="lease" role="group" aria-label="Control">
+        <span>{holderText(desk)}</span>
+        {elsewhere && <button onClick={() => void takeOver()}>Take over</button>}
+        {!elsewhere && desk.holder !== null && <button onClick={() => void giveBack()}>Give back</button>}
+      </span>
+    </div>
+  );
+}
+
+function Chip({ each, holds }: { each: Onlooker; holds: boolean }): JSX.Element {
+  const own = each.page === PAGE;
+  const place = each.task ? `looks at ${each.task}` : "looks at the project's files";
+  const words = `${each.name}${own ? " (you)" : ""}${holds ? ", controls" : ""}`;
+  const dot = (
+    <span className={`viewer-dot viewer-${each.colour}`} data-holds={holds} aria-hidden="true">
+      {initials(each.name)}
+    </span>
+  );
+  if (!own)
+    return (
+      <span className="viewer" title={`${words}; ${place}`}>
+        {dot}
+        <span className="hidden">
+          {words}; {place}
+        </span>
+      </span>
+    );
+  return (
+    <button className="viewer" title={`${words}. Press to change your name`} onClick={() => void askForName()}>
+      {dot}
+      <span className="hidden">{words}. Change your name</span>
+    </button>
+  );
+}
