@@ -22,8 +22,8 @@ from .replies import Reply, complete, end
 from .specs import WorldSpec
 from .wire import Arrays, ClosedError, pack, receive
 
-START_TIME, ANSWER_TIME, CLOSE_TIME = 60.0, 30.0, 1.0
-SILENCE = 60.0
+START_TIME, ANSWER_TIME, CLOSE_TIME = 300.0, 120.0, 1.0
+SILENCE = 120.0
 """A simulator that owes an answer and says nothing for so long is lost [s]; while it moves it tells its time."""
 
 

@@ -83,12 +83,24 @@ class SimRobot:
         speeds = np.zeros(len(rows)) if velocities is None else velocities
         for row, position, speed in zip(rows.tolist(), positions.tolist(), speeds.tolist(), strict=True):
             self._aim(row, position, speed)
-            for follower, mimic in self._followers.get(row, ()):
-                self._aim(follower, mimic.multiplier * position + mimic.offset, mimic.multiplier * speed)
+
+    def follow(self) -> None:
+        """Aim the joints that mimic others at where those *are*; before each step.
+
+        What stops the leading joint stops the linkage that it moves, so that the fingers stay parallel on a thing. A
+        linkage is no damper: each joint is aimed at with the speed that it has.
+        """
+        if not self._followers:
+            return
+        positions, speeds = self.positions(), self.velocities()
+        for leader, followers in self._followers.items():
+            for row, mimic in followers:
+                self._aim(row, mimic.multiplier * positions[leader] + mimic.offset, speeds[row])
 
     def limit_torque(self, rows: NDArray[np.intp], limit: float | None) -> None:
         """Limit the drives' torque [N m]; None restores the description's limits."""
-        for row in rows.tolist():
+        leading = rows.tolist()
+        for row in [*leading, *(f for leader in leading for f, _ in self._followers.get(leader, ()))]:
             joint = self._joints[row]
             most = self.description.drives[joint.name].limit
             value = most if limit is None else min(limit, most)

@@ -56,6 +56,7 @@ class World:
 
     def step(self) -> None:
         """Advance by `spec.dt`."""
+        self.robot.follow()
         self.robot.compensate()
         self._scene.step()
         self._steps += 1

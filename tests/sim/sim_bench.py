@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from patience import PATIENCE
 
 from grip_bt.commanders.robots import build_robot
 from grip_bt.operation import Operation
@@ -42,7 +43,7 @@ class Bench:
         self.half_closed = JointState(self.opened.names, between)  # fingers and thumb don't meet yet
 
     def wait(self, operation: Operation[Any]) -> Any:
-        assert operation.wait(60), "not ended after a minute"
+        assert operation.wait(PATIENCE), "it doesn't end"
         return operation.result()
 
     def way(self, goal, duration=1.0, start=None) -> Trajectory:

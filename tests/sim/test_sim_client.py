@@ -6,6 +6,7 @@ import threading
 
 import numpy as np
 import pytest
+from patience import PATIENCE
 
 from grip_bt.errors import CanceledError, ExecutionAbortedError, GripError, SimulatorLostError
 from grip_sim import client as client_module
@@ -58,7 +59,7 @@ def client(monkeypatch):
 
 
 def ended(operation):
-    assert operation.wait(10)
+    assert operation.wait(PATIENCE)
     return operation
 
 
@@ -163,7 +164,7 @@ def test_a_callback_may_close(client):
     operation = client.request("a")
     operation.add_done_callback(lambda: (client.close(), closed.set()))
     client.played.answer(client.played.asked()[0]["id"])
-    assert closed.wait(10)
+    assert closed.wait(PATIENCE)
 
 
 def test_an_answer_that_arrives_while_it_is_closed_ends_its_operation_all_the_same(client):
@@ -171,7 +172,7 @@ def test_an_answer_that_arrives_while_it_is_closed_ends_its_operation_all_the_sa
     for _ in operations:
         client.played.answer(client.played.asked()[0]["id"])
     client.close()
-    assert all(operation.wait(10) for operation in operations)
+    assert all(operation.wait(PATIENCE) for operation in operations)
 
 
 def test_full_pipes_in_both_directions_do_not_lock_each_other(client):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from grip_bt.ports import Clock
@@ -34,6 +34,7 @@ STEPS = st.lists(
 
 
 @given(STEPS)
+@settings(deadline=None)
 def test_it_never_decreases_and_is_the_sum_of_idle_and_simulated_time(steps):
     wall = Wall()
     with pytest.MonkeyPatch.context() as patch:

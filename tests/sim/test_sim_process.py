@@ -6,10 +6,10 @@ import os
 import signal
 import subprocess
 import sys
-import time
 
 import numpy as np
 import pytest
+from patience import PATIENCE, until
 from sim_bench import SPEC, Bench
 
 from grip_bt.errors import SimulatorLostError, UnknownNameError
@@ -43,16 +43,9 @@ def alive(pid: int) -> bool:
         return False
 
 
-def gone_within(pid: int, seconds: float) -> bool:
-    deadline = time.monotonic() + seconds
-    while alive(pid) and time.monotonic() < deadline:
-        time.sleep(0.01)
-    return not alive(pid)
-
-
 def test_importing_the_package_loads_no_sapien_and_no_motion_library():
     code = "import sys, grip_sim; sys.exit(any(m in sys.modules for m in ('sapien', 'pinocchio', 'coal', 'ompl')))"
-    assert subprocess.run([sys.executable, "-W", "error", "-c", code], timeout=60).returncode == 0
+    assert subprocess.run([sys.executable, "-W", "error", "-c", code], timeout=PATIENCE).returncode == 0
 
 
 @pytest.mark.sim
@@ -60,14 +53,14 @@ def test_when_the_process_is_killed_motions_and_questions_fail_and_nothing_hangs
     bench = Bench(simulation)
     motion = bench.arm.execute(bench.way(bench.arm.state().position + 0.2, 1000.0))
     os.kill(simulation.pid, signal.SIGKILL)
-    assert motion.wait(20)
+    assert motion.wait(PATIENCE)
     with pytest.raises(SimulatorLostError, match=f"process {simulation.pid} is gone .*exit status -9"):
         motion.result()
     for call in (bench.arm.state, bench.hand.contacts, bench.referee.truth, bench.arm.stop, simulation.settle):
         with pytest.raises(SimulatorLostError):
             call()
     for operation in (bench.hand.move(bench.closed, 1.0), simulation.camera("overhead").capture()):
-        assert operation.wait(20)
+        assert operation.wait(PATIENCE)
         with pytest.raises(SimulatorLostError):
             operation.result()
 
@@ -105,7 +98,7 @@ def test_no_process_is_left_when_its_parent_is_killed(doing):
             assert alive(pid)
             parent.kill()
             parent.wait()
-            assert gone_within(pid, 2.0)
+            until(lambda: not alive(pid), "it is left")
         finally:
             if alive(pid):
                 os.kill(pid, signal.SIGKILL)
@@ -126,7 +119,7 @@ def test_callbacks_of_real_motions_may_ask_and_wait(simulation):
 def test_frames_come_with_the_cameras_geometry(simulation):
     camera = simulation.camera("overhead")
     capture = camera.capture()
-    assert capture.wait(10)
+    assert capture.wait(PATIENCE)
     frame = capture.result()
     assert frame.image.pixels.shape == (240, 320, 3)
     assert frame.depth.info == camera.info()

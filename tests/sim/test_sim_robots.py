@@ -10,7 +10,9 @@ pytestmark = pytest.mark.sim
 pytest.importorskip("sapien")
 
 
-@pytest.mark.parametrize("name", ["panda", "xarm7", "xarm7_gripper", "ur10_shadow", "shadow_left", "two_ur5_allegro"])
+@pytest.mark.parametrize(
+    "name", ["panda", "xarm7", "xarm7_gripper", "ur5_robotiq", "ur10_shadow", "shadow_left", "two_ur5_allegro"]
+)
 def test_a_ready_made_robot_stands_still_where_it_rests(name):
     from grip_sim.world import World
 
@@ -35,25 +37,38 @@ def test_the_second_finger_of_a_gripper_follows_the_first():
     assert fingers.position == pytest.approx([0.01, 0.01], abs=1e-3)
 
 
-def test_a_gripper_of_our_own_holds_a_box_between_its_fingers():
+@pytest.mark.parametrize(
+    ("name", "holding"), [("ur5_gripper", (0.01, 0.02)), ("ur5_robotiq", (0.3, 0.7)), ("xarm7_gripper", (0.3, 0.75))]
+)
+def test_a_gripper_holds_a_box_between_its_fingers(name, holding):
     """The box hangs in the air: nothing but friction at the fingers keeps it there."""
     from grip_bt.commanders.model import RobotModel
     from grip_sim.specs import ObjectSpec
     from grip_sim.world import World
 
-    robot = load_robot("ur5_gripper")
+    robot = load_robot(name)
     model = RobotModel(robot)
     tcp = model.grasp_pose(group="arm")
-    assert tcp.rotation()[:, 2] == pytest.approx([0, 0, -1], abs=0.02), "the gripper looks down at rest"
+    assert tcp.rotation()[:, 2] == pytest.approx([0, 0, -1], abs=0.3), "the gripper looks down at rest"
     x, y, z = (float(c) for c in tcp.position)
     thing = ObjectSpec("thing", "box", 0.015, 0.05, (x, y, z - 0.01), float(np.arctan2(*tcp.rotation()[1::-1, 1])), 0.1)
-    world = World(WorldSpec(robot="ur5_gripper", objects=(thing,)))
+    world = World(WorldSpec(robot=name, objects=(thing,)))
     row = world.robot.group_rows("hand")
     begin = world.object_pose("thing")
+    opened, closed = (robot.named_state("hand", state).position[0] for state in ("open", "closed"))
     for step in range(360):
-        world.robot.drive(row, np.array([max(0.0, 0.0425 - 0.0005 * step)]))
+        world.robot.drive(row, np.array([opened + (closed - opened) * min(1.0, step / 85)]))
         if step < 150:
             world.move_object("thing", begin)  # held there until the fingers have come
         world.step()
     assert world.object_pose("thing").position[2] == pytest.approx(z - 0.01, abs=0.02)
-    assert 0.01 < world.robot.measure(row).position[0] < 0.02
+    assert holding[0] < world.robot.measure(row).position[0] < holding[1]
+
+
+def test_a_torque_limit_is_that_of_the_joints_that_follow_too():
+    from grip_sim.world import World
+
+    world = World(WorldSpec(robot="panda"))
+    both = world.robot.rows(("panda_finger_joint1", "panda_finger_joint2"))
+    world.robot.limit_torque(world.robot.group_rows("hand"), 5.0)
+    assert world.robot.kept()["limits"][both].tolist() == [5.0, 5.0]

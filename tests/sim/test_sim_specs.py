@@ -7,7 +7,7 @@ import json
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from grip_sim.specs import BoxSpec, CameraSpec, CrateSpec, ObjectSpec, TableSpec, WorldSpec
@@ -41,11 +41,13 @@ SPECS = st.builds(
 
 
 @given(SPECS)
+@settings(deadline=None)
 def test_a_spec_survives_the_way_through_json(spec):
     assert WorldSpec.from_json(json.loads(json.dumps(spec.to_json()))) == spec
 
 
 @given(SEEDS)
+@settings(deadline=None)
 def test_a_seed_always_draws_the_same_world(seed):
     assert table_world(seed) == table_world(seed)
 
@@ -55,6 +57,7 @@ def test_different_seeds_draw_different_worlds():
 
 
 @given(SEEDS)
+@settings(deadline=None)
 def test_objects_stand_in_the_pick_region_and_keep_their_distance(seed):
     spec = table_world(seed)
     assert len({thing.name for thing in spec.objects}) == 3

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays_of
 
@@ -52,6 +52,7 @@ def raw(header, body=b"") -> bytes:
 
 
 @given(st.dictionaries(st.text(), JSON, max_size=4), ARRAYS)
+@settings(deadline=None)
 def test_a_message_arrives_as_it_was_packed(fields, arrays):
     got_fields, got = sent(pack(fields, arrays))
     assert got_fields == fields
@@ -85,6 +86,7 @@ def test_messages_follow_one_another():
 
 
 @given(st.data())
+@settings(deadline=None)
 def test_a_stream_that_ends_within_a_message_is_closed(data):
     whole = pack({"call": "state"}, {"a": np.arange(5.0)})
     with pytest.raises(ClosedError):

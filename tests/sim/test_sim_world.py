@@ -8,6 +8,7 @@ import sys
 
 import numpy as np
 import pytest
+from patience import PATIENCE
 
 from grip_bt.errors import UnknownNameError
 from grip_bt.values import Pose
@@ -58,7 +59,7 @@ def wave(world, by):
 
 def fingerprint_elsewhere(spec, by):
     command = [sys.executable, "-c", SCRIPT, json.dumps(spec.to_json()), str(by)]
-    return subprocess.run(command, capture_output=True, text=True, check=True, timeout=120).stdout.strip()
+    return subprocess.run(command, capture_output=True, text=True, check=True, timeout=4 * PATIENCE).stdout.strip()
 
 
 def test_the_same_spec_and_commands_give_the_same_states_bit_by_bit(make_world):
