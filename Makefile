@@ -36,7 +36,7 @@ quick: $(STAMP) ## what a developer runs all day: no ROS, no simulator, nothing 
 lint: $(STAMP) ## style
 	@$(BIN)/ruff check -q . && $(BIN)/ruff format -q --check . && echo "lint: ok"
 
-types: $(STAMP) ## static types of the pure rooms
+types: $(STAMP) ## static types, strict in every room
 	@$(BIN)/mypy
 
 contracts: $(STAMP) ## who may import whom
@@ -44,7 +44,7 @@ contracts: $(STAMP) ## who may import whom
 
 python-tests: $(STAMP) ## all Python tests
 	@$(BIN)/pytest -q -n 2 --dist loadgroup -m "not ros and not sim and not e2e"
-	@$(BIN)/pytest -q -m "(ros or sim) and not e2e"
+	@$(BIN)/pytest -q -n 2 --dist loadfile -m "(ros or sim) and not e2e"
 
 frontend: $(STAMP) ## unit tests, types and build of the page, where Node is there
 	@bash tools/frontend_tests.sh
@@ -62,6 +62,7 @@ fuzz: $(STAMP) ## the long proofs; figures go to docs/proofs.md
 	@GRIP_FUZZ_RESUME_KILLS=100 $(BIN)/pytest -q -s --timeout 7200 tests/parity/test_parity_resumed.py tests/app/test_resumed_runs.py
 	@GRIP_FUZZ_ROBOTS=6 $(BIN)/pytest -q -s --timeout 7200 tests/commanders/test_robot_fuzz.py
 	@GRIP_FUZZ_KILLS=100 $(BIN)/pytest -q -s --timeout 7200 tests/runtime/test_runtime_journal_blocks.py
+	@GRIP_FUZZ_DELAYS=20000 $(BIN)/pytest -q -s --timeout 7200 tests/ros/test_late_changes.py
 	@GRIP_FUZZ_TASKS=250 $(BIN)/pytest -q -s -n 2 --timeout 7200 tests/smach_import/test_smach_import_lowerings.py
 
 soak: $(STAMP) ## 20 seeds of the demo, as a table; an hour of 20 pages

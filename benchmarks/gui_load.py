@@ -33,6 +33,8 @@ from grip_bt.runtime import Journal
 NODES, RATE = 200, 30.0
 WARM_UP = 0.2
 """Part of a soak after which memory is looked at first."""
+PATIENCE = 120.0
+"""How long anything may take on a machine that does much else [s]."""
 _TICKS = os.sysconf("SC_CLK_TCK")
 _TASK = """\
 grip: 1
@@ -90,14 +92,14 @@ async def serving() -> AsyncIterator[Server]:
         assert process.stdout is not None
         url = next(line.strip() for line in process.stdout if "http://" in line)
         origin = url.partition("/?")[0]
-        async with httpx.AsyncClient(base_url=origin, headers={"origin": origin}, timeout=60) as http:
+        async with httpx.AsyncClient(base_url=origin, headers={"origin": origin}, timeout=PATIENCE) as http:
             await http.get(url.removeprefix(origin), follow_redirects=True)
             cookie = "; ".join(f"{name}={value}" for name, value in http.cookies.items())
             try:
                 yield Server(process, folder, http, origin, cookie)
             finally:
                 process.send_signal(signal.SIGINT)
-                _, said = process.communicate(timeout=30)
+                _, said = process.communicate(timeout=PATIENCE)
                 if process.returncode != 0 or "Traceback" in said:
                     raise AssertionError(f"the server ended with {process.returncode}: {said}")
 
@@ -153,7 +155,7 @@ async def soak(seconds: float, viewers: int) -> dict[str, Any]:
             runs += 1
             if not memory and time.monotonic() - start > WARM_UP * seconds:
                 memory = server.megabytes()
-            deadline = time.monotonic() + 20
+            deadline = time.monotonic() + PATIENCE
             while any(run not in looker.complete for looker in lookers):
                 failed = [task for task in tasks if task.done()]
                 if failed or time.monotonic() > deadline:

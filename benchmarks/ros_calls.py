@@ -2,9 +2,11 @@
 
     python benchmarks/ros_calls.py
 
-The server runs in a process of its own. Bare calls are `call_async` with one executor thread and an event; GRIP's are
-the leaves of components in a task that is run, with its journal. Both are measured in turns, since what else the
-machine does changes more from minute to minute than they differ. Some 60 s.
+The servers run in processes of their own; an action's publishes, three times a goal, the status of every goal that it
+remembers, so one that remembers 5 s of goals is measured, and one that remembers 0.5 s. Bare calls are `call_async`
+with one client on a node, one executor thread and an event; GRIP's are the leaves of components in a task that is run,
+with its journal. Both are measured in turns, since what else the machine does changes more from minute to minute than
+they differ. Some 90 s.
 """
 
 from __future__ import annotations
@@ -16,8 +18,10 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -30,17 +34,22 @@ COMPONENTS = {
     "ask": "interface: std_srvs/srv/Trigger\nserver: /work/counts\noutcomes: {done: success}\n",
     "act": "interface: trial_interfaces/action/Work\nserver: /work\noutcomes: {done: 'true'}\n"
     'fixed: {input: "0", seconds: 0.0}\n',
+    "act_briefly": "interface: trial_interfaces/action/Work\nserver: /brief\noutcomes: {done: 'true'}\n"
+    'fixed: {input: "0", seconds: 0.0}\n',
 }
+KEPT = {"/work": 5.0, "/brief": 0.5}
+CALL = "service call"
+RESULTS = {server: f"goal -> result, ended ones kept {kept} s" for server, kept in KEPT.items()}
 
 
 def told(name: str, milliseconds: list[float]) -> None:
     low, high = np.percentile(milliseconds, (50, 95))
-    print(f"{name:<58} median {low:6.2f} ms, 95 % {high:6.2f} ms ({len(milliseconds)} times)")
+    print(f"{name:<90} median {low:6.2f} ms, 95 % {high:6.2f} ms ({len(milliseconds)} times)")
 
 
-def start_server(overlay: Path) -> subprocess.Popen[bytes]:
+def start_server(overlay: Path, name: str = "/work") -> subprocess.Popen[bytes]:
     server = subprocess.Popen(
-        [sys.executable, str(DATA / "action_server.py"), "/work"],
+        [sys.executable, str(DATA / "action_server.py"), name, str(KEPT[name])],
         env=child_environment([overlay], DOMAIN),
         stdout=subprocess.PIPE,
     )
@@ -61,19 +70,16 @@ def timed(work: Callable[[], None], times: int) -> list[float]:
 Taken = dict[str, list[float]]
 
 
-def bare(taken: Taken) -> None:
-    """Take the time of calls and goals with rclpy alone [ms]."""
+@contextmanager
+def spinning() -> Iterator[tuple[Any, Any]]:
+    """Give a node of its own, and its executor, that a thread spins."""
     import rclpy
-    from rclpy.action import ActionClient
     from rclpy.context import Context
     from rclpy.executors import SingleThreadedExecutor
-    from std_srvs.srv import Trigger
-    from trial_interfaces.action import Work
 
     context = Context()
     rclpy.init(context=context, domain_id=DOMAIN)
     node = rclpy.create_node("bare", context=context, enable_rosout=False, start_parameter_services=False)
-    client, action = node.create_client(Trigger, "/work/counts"), ActionClient(node, Work, "/work")
     executor = SingleThreadedExecutor(context=context)
     executor.add_node(node)
     stop = threading.Event()
@@ -84,34 +90,64 @@ def bare(taken: Taken) -> None:
 
     thread = threading.Thread(target=spin)
     thread.start()
-    client.wait_for_service(10)
-    action.wait_for_server(10)
+    try:
+        yield node, executor
+    finally:
+        stop.set()
+        executor.wake()
+        thread.join()
+        node.destroy_node()
+        context.try_shutdown()
 
-    def call() -> None:
-        done = threading.Event()
-        client.call_async(Trigger.Request()).add_done_callback(lambda _: done.set())
-        done.wait(10)
 
-    def goal() -> None:
-        done = threading.Event()
+def bare_calls() -> list[float]:
+    """Return the times of calls with rclpy alone [ms]."""
+    from std_srvs.srv import Trigger
 
-        def accepted(future) -> None:
-            future.result().get_result_async().add_done_callback(lambda _: done.set())
+    with spinning() as (node, _):
+        client = node.create_client(Trigger, "/work/counts")
+        client.wait_for_service(10)
 
-        def send() -> None:  # on the executor's thread: elsewhere, answers are lost
-            action.send_goal_async(Work.Goal(input="0", seconds=0.0)).add_done_callback(accepted)
+        def call() -> None:
+            done = threading.Event()
+            client.call_async(Trigger.Request()).add_done_callback(lambda _: done.set())
+            done.wait(10)
 
-        executor.create_task(send)
-        done.wait(10)
+        return timed(call, CALLS)
 
-    taken.setdefault("bare: service call", []).extend(timed(call, CALLS))
-    taken.setdefault("bare: goal -> result", []).extend(timed(goal, GOALS))
-    stop.set()
-    executor.wake()
-    thread.join()
-    action.destroy()
-    node.destroy_node()
-    context.try_shutdown()
+
+def bare_goals(server: str) -> list[float]:
+    """Return the times of goals with rclpy alone, from sending to the result [ms]."""
+    from rclpy.action import ActionClient
+    from trial_interfaces.action import Work
+
+    with spinning() as (node, executor):
+        action = ActionClient(node, Work, server)
+        action.wait_for_server(10)
+
+        def goal() -> None:
+            done = threading.Event()
+
+            def accepted(future) -> None:
+                future.result().get_result_async().add_done_callback(lambda _: done.set())
+
+            def send() -> None:  # on the executor's thread: elsewhere, answers are lost
+                action.send_goal_async(Work.Goal(input="0", seconds=0.0)).add_done_callback(accepted)
+
+            executor.create_task(send)
+            done.wait(10)
+
+        try:
+            return timed(goal, GOALS)
+        finally:
+            action.destroy()
+
+
+def bare(taken: Taken) -> None:
+    """Take the time of calls and goals with rclpy alone."""
+    taken.setdefault(f"bare: {CALL}", []).extend(bare_calls())
+    for server, what in RESULTS.items():
+        taken.setdefault(f"bare: {what}", []).extend(bare_goals(server))
 
 
 def in_trees(folder: Path, figures: Taken) -> None:
@@ -133,7 +169,8 @@ def in_trees(folder: Path, figures: Taken) -> None:
         return finish(leaf, result)
 
     ComponentLeaf.start, ComponentLeaf.finish = timed_start, timed_finish
-    for name, what, times in (("ask", "service call", CALLS), ("act", "goal -> result", GOALS)):
+    goals = [("act", RESULTS["/work"], GOALS), ("act_briefly", RESULTS["/brief"], GOALS)]
+    for name, what, times in [("ask", CALL, CALLS), *goals]:
         for times_of in stamps.values():
             times_of.clear()
         task = folder / f"{name}.yaml"
@@ -176,7 +213,7 @@ def idle() -> None:
         used = (sum(os.times()[:2]) - before) / (time.monotonic() - began)
     server.kill()
     server.wait()
-    print(f"{'50 components, connected and idle':<58} {used:.1%} of a core")
+    print(f"{'50 components, connected and idle':<90} {used:.1%} of a core")
 
 
 def lost(overlay: Path) -> None:
@@ -220,18 +257,19 @@ def main() -> None:
             if "trial" in text:
                 shutil.copytree(DATA / "trial_interfaces", home / "interfaces" / "trial_interfaces")
             generate([home])
-        server = start_server(built.prefix)
         figures: Taken = {}
-        for _ in range(ROUNDS):
-            bare(figures)
-            in_trees(folder, figures)
+        with ExitStack() as servers:
+            for server in [start_server(built.prefix, name) for name in KEPT]:
+                servers.callback(server.wait)
+                servers.callback(server.kill)
+            for _ in range(ROUNDS):
+                bare(figures)
+                in_trees(folder, figures)
         for what, milliseconds in figures.items():
             told(what, milliseconds)
-        for what in ("service call", "goal -> result"):
-            ratio = np.median(figures[f"tree: {what}"]) / np.median(figures[f"bare: {what}"])
-            print(f"{what}: {ratio:.2f} of the bare one in the median")
-        server.kill()
-        server.wait()
+        for what in (CALL, *RESULTS.values()):
+            ours, plain = np.median(figures[f"tree: {what}"]), np.median(figures[f"bare: {what}"])
+            print(f"{what}: {ours / plain:.2f} of the bare one in the median, {ours - plain:+.2f} ms")
         idle()
         lost(built.prefix)
     print(f"load {os.getloadavg()[0]:.1f}")

@@ -5,7 +5,11 @@ from collections.abc import Iterator
 from itertools import count
 
 import pytest
+from hypothesis import HealthCheck, settings
 
+# How long an example takes says how busy the machine is, not whether the property holds.
+settings.register_profile("grip", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("grip")
 _shifts = count()
 """Each test has another domain than the one before it, whose servers may have been killed a moment ago."""
 
@@ -15,6 +19,16 @@ def pytest_configure() -> None:
     # handler begins with the default again.
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.fixture(autouse=True)
+def own_signals() -> Iterator[None]:
+    """Take back the handlers of commands that are run in this process: with theirs, nothing would end it any more."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    yield
+    for number, handler in before.items():
+        if handler is not None and signal.getsignal(number) is not handler:
+            signal.signal(number, handler)
 
 
 @pytest.fixture

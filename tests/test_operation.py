@@ -112,7 +112,7 @@ def test_whoever_waits_in_another_thread_is_released():
     operation = Operation()
     thread = threading.Thread(target=lambda: operation.succeed(5))
     thread.start()
-    assert operation.wait(10)
+    assert operation.wait(120)
     assert operation.result() == 5
     thread.join()
 

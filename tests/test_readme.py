@@ -8,7 +8,7 @@ import pytest
 
 from grip_bt.cli.__main__ import make_parser
 from grip_bt.graph import load
-from grip_bt.graph.model import walk
+from grip_bt.graph.walking import walk
 
 ROOT = Path(__file__).resolve().parent.parent
 TEXT = (ROOT / "README.md").read_text()

@@ -285,3 +285,17 @@ def test_both_of_two_that_touch_get_grasps_where_the_hand_has_room(proposer):
     leaning = [rotation(grasp.pose.quaternion)[2, 2] < -0.5 for grasp in proposer.propose(cloud)]
     assert any(leaning)
     assert not all(leaning)
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.4, 1.1])
+@pytest.mark.parametrize("lower", [0.02, 0.04])
+def test_two_that_share_a_face_but_not_a_height_are_two(proposer, yaw, lower):
+    apart = 0.054 * proposer.unit(yaw)
+    foot, height = box(0.5, 0.1, 0.027, 0.16, yaw)
+    both = look((foot, height), (foot + apart, height - lower), noise=0.0007)
+    (cluster,) = proposer.clusters(both)
+    parts = proposer.parts(cluster, proposer.TABLE + proposer.PALM_HEIGHT, proposer.MIN_POINTS)
+    things = sorted((proposer.fit(part) for part in parts), key=lambda thing: -thing.top)
+    assert [thing.top for thing in things] == pytest.approx([height, height - lower], abs=0.004)
+    for thing, middle in zip(things, ([0.5, 0.1], [0.5, 0.1] + apart), strict=True):
+        np.testing.assert_allclose(thing.centre, middle, atol=0.012)

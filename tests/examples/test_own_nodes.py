@@ -44,7 +44,7 @@ def make():
 def finish(leaf):
     leaf.tick_once()
     while leaf.outcome is None:
-        leaf.operation.wait(10)
+        leaf.operation.wait(120)
         leaf.tick_once()
     return leaf.outcome, leaf.failure and leaf.failure.code
 
@@ -77,7 +77,7 @@ def test_a_coroutine_waits_without_holding_up_ticks_and_ends_when_interrupted(ma
     waiting.leaf.tick_once()
     operation = waiting.leaf.operation
     waiting.leaf.stop()
-    assert operation.wait(10)
+    assert operation.wait(120)
     assert not waiting.leaf.zombie
 
 

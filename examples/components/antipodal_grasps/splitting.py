@@ -1,8 +1,8 @@
 """Take apart clusters of points that touch each other but are several things. Plain numpy and OpenCV.
 
-Two clues, in this order: what rises high has a top of its own, so low points beside it belong to something else; and an
-outline that, seen from above, goes in somewhere is that of two things that touch there. Things of one height that touch
-along a whole face stay together. Lengths in m.
+Three clues, in this order: what rises high has a top of its own, so low points beside it belong to something else; what
+stands and has two flat tops, side by side, is two things; and an outline that, seen from above, goes in somewhere is
+that of two things that touch there. Things of one height that touch along a whole face stay together. Lengths in m.
 """
 
 from __future__ import annotations
@@ -17,6 +17,12 @@ PIXEL = 0.004
 """Edge of a pixel of the outline."""
 BESIDE = 0.014
 """Low points further than this outside the tops of what stands aren't its sides."""
+LEVEL = 0.012
+"""Points of one flat top are at most so far below its highest."""
+FLAT = 0.5
+"""This part of what is seen of a thing beside a higher one, from above, is its top."""
+EDGE = 0.006
+"""Sides are seen at most so far outside the top, since they are upright."""
 NOTCH = 0.008
 """An outline goes in between two things by more than this."""
 SOLID = 0.93
@@ -52,9 +58,29 @@ def by_height(points: Array, high: float, fewest: int) -> list[Array]:
         return [points]
     away = np.stack([_outside(points[:, :2], top[:, :2]) for top in tops])
     nearest, owned = away.argmin(axis=0), away.min(axis=0) <= BESIDE
-    standing = [points[owned & (nearest == k)] for k in range(len(tops))]
+    standing = [part for k in range(len(tops)) for part in by_top(points[owned & (nearest == k)], high, fewest)]
     lying = [group for group in connected(points[~owned]) if len(group) >= fewest]
     return [*standing, *lying]
+
+
+def by_top(points: Array, high: float, fewest: int) -> list[Array]:
+    """Take apart what stands side by side and isn't equally high: each flat top is a thing, with all below it.
+
+    What is seen beside the highest top is another thing where most of it is flat and stands too; else the points stay
+    together, such as those of a ball.
+    """
+    level = np.percentile(points[:, 2], 99) - LEVEL
+    highest = points[points[:, 2] > level]
+    if len(highest) < fewest // 2:
+        return [points]
+    beside = _outside(points[:, :2], highest[:, :2]) > EDGE
+    others = [g for g in connected(points[beside]) if len(g) >= fewest and np.percentile(g[:, 2], 99) > high]
+    flat = [g for g in others if np.mean(g[:, 2] > np.percentile(g[:, 2], 99) - LEVEL) > FLAT]
+    if not flat or len(flat) != len(others):
+        return [points]
+    nearest = np.stack([_outside(points[:, :2], g[:, :2]) for g in flat]).argmin(axis=0)
+    rest = [points[beside & (nearest == k)] for k in range(len(flat))]
+    return [points[~beside], *(part for group in rest for part in by_top(group, high, fewest))]
 
 
 def by_outline(points: Array, fewest: int, most: int = 3) -> list[Array]:
