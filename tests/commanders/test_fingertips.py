@@ -1,10 +1,7 @@
 """A hand's posture from where its fingertips shall be."""
 
-import time
-
 import numpy as np
 import pytest
-from machine import is_within
 from table_top import named, robot_model
 
 from grip_bt.commanders.ik.fingertips import TOLERANCE, fingertip_positions, fingertip_posture
@@ -60,11 +57,9 @@ def test_the_arm_does_not_matter(model):
 
 def test_what_a_finger_cannot_reach_is_told_by_finger(model):
     targets = fingertip_positions(model, named(model, "hand", "open")) | {"thumb": np.array([0.0, 0.0, 0.5])}
-    begin = time.process_time()
     with pytest.raises(NoIkError, match=r"thumb stays \d+ mm away") as caught:
         fingertip_posture(model, targets)
     assert set(caught.value.data["distances"]) == {"thumb"}
-    assert is_within(time.process_time() - begin, 20)
 
 
 def test_an_unknown_finger_lists_those_that_exist(model):

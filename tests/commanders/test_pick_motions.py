@@ -1,12 +1,10 @@
 """The motions of a pick on the table of the demonstration, from choosing a grasp to lowering into the crate."""
 
-import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 import pytest
-from machine import is_within
 from table_top import CRATE, named, place_things, robot_model, room, side_grasps, situation
 
 from grip_bt.commanders.planning.motions import answer
@@ -19,9 +17,8 @@ SCENES = 30
 
 @dataclass
 class Outcome:
-    """What became of one scene: CPU time of each step [s], and the reason of the first failure."""
+    """What became of one scene: the reason of the first failure."""
 
-    seconds: dict[str, float] = field(default_factory=dict)
     failed: str = ""
 
 
@@ -40,37 +37,32 @@ class Pick:
             self.outcome.failed = f"{error.code}: {error}"
         return self.outcome
 
-    def ask(self, step, request):
-        begin = time.process_time()
-        try:
-            return answer(self.model, request, lambda: False)
-        finally:
-            self.outcome.seconds[step] = time.process_time() - begin
+    def ask(self, request):
+        return answer(self.model, request, lambda: False)
 
     def steps(self):
         scene = self.scene.snapshot()
         here = partial(situation, self.model, seed=self.seed)
         candidates = tuple(grasp for grasps in self.grasps for grasp in grasps)
-        chosen = self.ask("choose", ChooseGrasp(here(scene), candidates))
+        chosen = self.ask(ChooseGrasp(here(scene), candidates))
         grasp = chosen.grasp
         target = scene.around(grasp.pose.position + grasp.width / 2 * grasp.pose.rotation()[:, 2], 0.03)[0]
-        at = self.ask("go", PlanTo(here(scene), grasp.pre_grasp, (chosen.at_pre_grasp,))).trajectory.end()
-        at = self.ask("approach", PlanStraight(here(scene.without([target]), at), (grasp.pose,))).trajectory.end()
+        at = self.ask(PlanTo(here(scene), grasp.pre_grasp, (chosen.at_pre_grasp,))).trajectory.end()
+        at = self.ask(PlanStraight(here(scene.without([target]), at), (grasp.pose,))).trajectory.end()
         held = scene.attaching(target, "right_hand", self.model.grasp_pose(at))
-        at = self.ask("lift", PlanStraight(here(held, at), (grasp.post_grasp,))).trajectory.end()
-        at = self.ask("show", PlanTo(here(held, at), named(self.model, "arm", "home"))).trajectory.end()
+        at = self.ask(PlanStraight(here(held, at), (grasp.post_grasp,))).trajectory.end()
+        at = self.ask(PlanTo(here(held, at), named(self.model, "arm", "home"))).trajectory.end()
         self.place(here, held, at, grasp)
 
     def place(self, here, held, at, grasp):
         """Above the crate with the thing upright, turned until the way down is free, as the leaf `arm/place` does."""
-        begin, error = time.process_time(), None
+        error = None
         for turn in np.linspace(0, 2 * np.pi, 12, endpoint=False):
             above = turned(grasp.pose, turn, [*CRATE, 0.28])
             low = above.moved([0.0, 0.0, grasp.pose.position[2] + 0.03 - 0.28])
             try:
                 there = answer(self.model, PlanTo(here(held, at), above), lambda: False).trajectory.end()
                 answer(self.model, PlanStraight(here(held, there), (low,)), lambda: False)
-                self.outcome.seconds["place"] = time.process_time() - begin
                 return
             except ExpectedError as failure:
                 error = failure
@@ -94,12 +86,6 @@ def outcomes():
 @pytest.mark.slow
 def test_in_every_one_of_30_scenes_something_can_be_taken_and_put_into_the_crate(outcomes):
     assert [outcome.failed for outcome in outcomes if outcome.failed] == []
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("step", ["choose", "go", "approach", "lift", "show", "place"])
-def test_the_median_of_each_step_is_below_two_seconds_of_cpu(outcomes, step):
-    assert is_within(np.median([outcome.seconds[step] for outcome in outcomes if step in outcome.seconds]), 2.0)
 
 
 @pytest.mark.slow

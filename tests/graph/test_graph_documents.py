@@ -1,11 +1,10 @@
 import tempfile
-import time
 from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from machine import is_within
+from work import calls_in
 
 from grip_bt.errors import DocumentError
 from grip_bt.graph import dumps, load, loads, read
@@ -15,10 +14,8 @@ GOOD = HEAD + "root:\n  kind: sequence\n  children:\n    look: {node: sensor/eye
 
 
 def refused(text):
-    begin = time.process_time()
     with pytest.raises(DocumentError) as caught:
         loads(text, "t.yaml")
-    assert is_within(time.process_time() - begin, 1)
     error = caught.value
     assert error.line is not None
     assert error.column is not None
@@ -74,8 +71,9 @@ def test_a_wrong_text_is_refused_at_its_place(text, place, words):
 
 
 @pytest.mark.parametrize("opening", ["[", "{a: ", "- ", "? ", "[{a: ", "a: [", "*a ", "&a ", "!a ", '"'])
-def test_deep_or_endless_nesting_is_refused_quickly(opening):
-    refused(HEAD + "x-a:\n  " + opening * 10_000)
+def test_deep_or_endless_nesting_is_refused_with_bounded_work(opening):
+    """However long it is: what reads it gives up at a depth, and looks no more than a line's length ahead."""
+    assert calls_in(refused, HEAD + "x-a:\n  " + opening * 10_000) < 10_000_000
 
 
 def test_all_faults_of_a_kind_are_reported_at_once():

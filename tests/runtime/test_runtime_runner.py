@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
 import pytest
-from machine import is_within
 from py_trees.common import Status
 from runtime_world import TARGETS, Started, leaf
 
@@ -72,20 +70,6 @@ def test_a_stop_terminates_a_leaf_that_hangs(target: Any) -> None:
     result = run.join()
     assert (result.status, result.outcome, result.meaning) == ("stopped", None, None)
     assert run.leaves["w"].terminated == [Status.INVALID]
-
-
-@both
-def test_a_stop_takes_less_than_a_tenth_of_a_second(target: Any) -> None:
-    taken = []
-    while len(taken) < 20 and min(taken, default=1.0) >= 0.1:  # at its best: a busy machine may take any of them longer
-        run = Started(target, FORKED, poll=None).start()
-        run.wait_tick("v")
-        run.wait_tick("w")
-        began = time.monotonic()
-        run.runner.stop()
-        assert run.join().status == "stopped"
-        taken.append(time.monotonic() - began)
-    assert is_within(min(taken), 0.1, time.monotonic)
 
 
 @both

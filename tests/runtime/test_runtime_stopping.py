@@ -8,7 +8,6 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from machine import is_within
 from py_trees.common import Status
 from runtime_world import KINDS, TARGETS, Ending, Hanging, Started, Waiting, leaf
 
@@ -157,20 +156,16 @@ def test_a_leaf_that_hangs_while_it_is_prepared_does_not_keep_a_stop_waiting(tar
 
 
 @both
-def test_a_stop_takes_less_than_a_tenth_of_a_second_whatever_hangs(target: Any, monkeypatch: Any) -> None:
+def test_a_stop_waits_for_nothing_that_hangs(target: Any, monkeypatch: Any) -> None:
+    """How soon it ends is measured in benchmarks/run_control.py."""
     monkeypatch.setattr("grip_bt.runtime.runner.ABANDON", ABANDON)
-    taken: list[float] = []
-    while len(taken) < 20 and min(taken, default=1.0) >= 0.1:  # at its best: a busy machine may take any of them longer
-        children = {"t": leaf("wait"), "o": leaf("obey"), "h": leaf("hang")}
-        run = Started(target, {"kind": "parallel", "cancel": "join", "children": children}).start()
-        assert run.leaves["h"].inside.wait(120)
-        began = time.monotonic()
-        run.runner.stop()
-        run.join()
-        taken.append(time.monotonic() - began)
-        for node in run.leaves.values():
-            node.released.set()
-    assert is_within(min(taken), 0.1, time.monotonic)
+    children = {"t": leaf("wait"), "o": leaf("obey"), "h": leaf("hang")}
+    run = Started(target, {"kind": "parallel", "cancel": "join", "children": children}).start()
+    assert run.leaves["h"].inside.wait(120)
+    run.runner.stop()
+    assert {"t", "h"} <= {zombie.path for zombie in run.join().zombies}
+    for node in run.leaves.values():
+        node.released.set()
 
 
 @both

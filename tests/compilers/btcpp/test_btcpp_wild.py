@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 
 import pytest
 from btcpp_world import BUILTIN, document
-from machine import is_within
+from work import calls_in
 
 from grip_bt.compilers import to_tree
 from grip_bt.compilers.btcpp import from_xml
@@ -177,19 +176,22 @@ def test_sub_trees_of_sub_trees_are_bounded() -> None:
     inside = [f"<SubTree ID='T{n + 1}'/>" * 10 for n in range(9)]
     trees = [f"<BehaviorTree ID='T{n}'><Sequence>{body}</Sequence></BehaviorTree>" for n, body in enumerate(inside)]
     text = document("<SubTree ID='T0'/>", *trees, "<BehaviorTree ID='T9'><A/></BehaviorTree>")
-    began = time.process_time()
-    with pytest.raises(DocumentError, match="more than 20000 nodes"):
-        from_xml(text, BUILTIN, "f.xml")
-    assert is_within(time.process_time() - began, 1)
+
+    def read() -> None:
+        with pytest.raises(DocumentError, match="more than 20000 nodes"):
+            from_xml(text, BUILTIN, "f.xml")
+
+    assert calls_in(read) < 10_000_000
 
 
 @pytest.mark.parametrize(("text", "message"), [case[1:] for case in HOSTILE], ids=[case[0] for case in HOSTILE])
-def test_a_hostile_file_is_refused_within_a_second(text: str, message: str) -> None:
-    began = time.process_time()
-    with pytest.raises(GripError) as error:
-        from_xml(text, BUILTIN, "f.xml", FOLDER)
-    assert is_within(time.process_time() - began, 1)
-    assert message in str(error.value)
+def test_a_hostile_file_is_refused_with_little_work(text: str, message: str) -> None:
+    def read() -> None:
+        with pytest.raises(GripError) as error:
+            from_xml(text, BUILTIN, "f.xml", FOLDER)
+        assert message in str(error.value)
+
+    assert calls_in(read) < 100_000
 
 
 def test_included_files_may_include_each_other_and_lie_in_the_project() -> None:
