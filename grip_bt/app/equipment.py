@@ -11,6 +11,7 @@ from grip_bt.errors import DocumentError, GripError, MissingPartError, UnknownNa
 
 from .named_parts import TAUGHT, common_states, faults_of_arm, faults_of_hand
 from .needed_packages import components_in_need, packages_here, sensors_in_need
+from .worlds import faults_of_camera, faults_of_world
 
 if TYPE_CHECKING:
     from grip_bt.commanders.description.reading import Stamps
@@ -29,12 +30,14 @@ def equipment_of(project: Project) -> Equipment:
     found, troubles, file = _robot(project), tuple[Trouble, ...](), project.file
     if isinstance(found, GripError):
         troubles = (_trouble(found, "`grip robot check` lists all that is wrong with it"),)
+    world = [_trouble(fault) for fault in faults_of_world(project)]
     robot = None if isinstance(found, GripError) else found
     links, packages = _links(robot), packages_here(project)
-    nodes = {**_sensors(project, links, packages), **components_in_need(project, packages)}
+    nodes = {**_sensors(project, links, packages, world), **components_in_need(project, packages)}
     if file.robot is None and not file.arms and not file.hands:
         return Equipment(nodes=nodes, packages=packages)  # a task can be drawn before there is a robot
     taught = None if robot is None else _taught(project)
+    troubles = (*troubles, *world)
     arms, hands = _arms(project, robot, taught, troubles), _hands(project, robot, taught, links, troubles)
     return Equipment(arms, hands, nodes, packages)
 
@@ -106,11 +109,15 @@ def _uncontrolled(project: Project, name: str, joined: tuple[str, ...] = ()) -> 
     return [_trouble(UnknownNameError("controller of", name, ros.controllers, "grip.yaml: ros/controllers"))]
 
 
-def _sensors(project: Project, links: Iterable[str], packages: PackagesHere | None) -> dict[str, tuple[Trouble, ...]]:
-    """Return what is wrong with the sensors: a mount on no link of the robot, and packages that aren't installed."""
+def _sensors(
+    project: Project, links: Iterable[str], packages: PackagesHere | None, world: Iterable[Trouble]
+) -> dict[str, tuple[Trouble, ...]]:
+    """Return what is wrong with the sensors: no such camera, a mount on no link, packages that aren't installed."""
     found = sensors_in_need(project, packages)
     cameras = {} if project.file.ros is None else project.file.ros.cameras
     for name, sensor in project.file.sensors.items():
+        if sensor.camera is not None:
+            found[f"sensor/{name}"] += (*world, *map(_trouble, faults_of_camera(project, name)))
         mounts = {
             f"sensors/{name}": sensor.mount,
             f"ros/cameras/{name}": cameras[name].mount if name in cameras else None,

@@ -16,7 +16,7 @@ from grip_bt.values import JointState, Trajectory
 
 from .project import Project
 from .resources import Progress
-from .simulated_parts import WORLDS
+from .worlds import WORLDS, check_cameras
 
 if TYPE_CHECKING:
     from grip_sim.simulation import Simulation
@@ -66,11 +66,12 @@ def serve_world(
 
     Raises:
         MissingPartError: the simulator or ROS isn't installed, or the project has no robot.
-        UnknownNameError: there is no such world.
+        UnknownNameError: there is no such world, or it has no such camera as a sensor names.
         GripError: a controller of the project isn't a trajectory controller.
     """
     if world not in WORLDS:
         raise UnknownNameError("world", world, WORLDS)
+    check_cameras(project, world)
     if project.file.robot is None:
         raise MissingPartError("a robot to simulate", "name one in grip.yaml: `robot: panda_allegro`")
     try:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import ExitStack
 from dataclasses import replace
 
-from grip_bt.errors import GripError, MissingPartError, UnknownNameError
+from grip_bt.errors import GripError, MissingPartError
 from grip_bt.values import Pose
 
 from .commander_parts import open_commanders
@@ -13,8 +13,7 @@ from .named_parts import check_arms
 from .planner_parts import planners_in_force, with_move_group
 from .project import Project
 from .resources import Progress, Resources
-
-WORLDS = ("table",)
+from .worlds import check_world
 
 
 def open_robot(
@@ -40,10 +39,10 @@ def open_robot(
     Raises:
         MissingPartError: the simulator or the motion libraries aren't installed.
         UnknownNameError: the project names a world, robot, group or camera that isn't there.
+        DocumentError: the file of the room can't be read.
     """
     file = project.file
-    if file.world not in WORLDS:
-        raise UnknownNameError("world", str(file.world), WORLDS, "grip.yaml")
+    check_world(project)
     try:
         from grip_bt.commanders.worker import PlanningProcess
         from grip_sim import start_simulation, table_world
