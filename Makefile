@@ -43,8 +43,8 @@ contracts: $(STAMP) ## who may import whom
 	@$(BIN)/lint-imports --no-cache | tail -n 3; exit $${PIPESTATUS[0]}
 
 python-tests: $(STAMP) ## all Python tests
-	@$(BIN)/pytest -q -n 2 --dist loadgroup -m "not ros and not sim and not e2e"
-	@$(BIN)/pytest -q -n 2 --dist loadfile -m "(ros or sim) and not e2e"
+	@bash tools/run_tests.sh "Python tests" -n 2 --dist loadgroup -m "not ros and not sim and not e2e" tests
+	@bash tools/run_tests.sh "ROS and simulator tests" -n 3 --dist loadfile -m "(ros or sim) and not e2e" tests
 
 frontend: $(STAMP) ## unit tests, types and build of the page, where Node is there
 	@bash tools/frontend_tests.sh
@@ -54,6 +54,7 @@ e2e: $(STAMP) ## the page in a real browser
 
 fuzz: $(STAMP) ## the long proofs; figures go to docs/proofs.md
 	@GRIP_FUZZ_TASKS=$${GRIP_FUZZ_TASKS:-20000} $(BIN)/pytest -q -s -n 2 --timeout 7200 tests/parity
+	@GRIP_FUZZ_EXAMPLES=1 $(BIN)/pytest -q -n 2 --timeout 7200 tests/graph tests/compilers tests/validation tests/values tests/codegen
 	@GRIP_FUZZ_FILES=$${GRIP_FUZZ_FILES:-10000} $(BIN)/pytest -q -s --timeout 7200 tests/graph/test_mutated_files.py
 	@GRIP_FUZZ_SOURCE=1 GRIP_FUZZ_TASKS=3000 $(BIN)/pytest -q -s -n 2 --timeout 7200 tests/parity/test_parity_fuzz.py
 	@GRIP_FUZZ_RACES=10000 GRIP_FUZZ_GOALS=10000 $(BIN)/pytest -q -s --timeout 7200 tests/ros/test_goal_machine.py \
