@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from grip_bt.catalog.equipment import UNFIT, Equipment, Equipped, Trouble
 from grip_bt.errors import DocumentError, GripError, MissingPartError, UnknownNameError
 
+from .equipment_frames import frames_in_doubt
 from .named_parts import TAUGHT, common_states, faults_of_arm, faults_of_hand
 from .needed_packages import components_in_need, packages_here, sensors_in_need
 from .worlds import faults_of_camera, faults_of_world
