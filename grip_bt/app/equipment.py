@@ -35,10 +35,13 @@ def equipment_of(project: Project) -> Equipment:
     robot = None if isinstance(found, GripError) else found
     links, packages = _links(robot), packages_here(project)
     nodes = {**_sensors(project, links, packages, world), **components_in_need(project, packages)}
+    for node, doubts in frames_in_doubt(project, links, robot is not None or file.robot is None).items():
+        nodes[node] = (*nodes.get(node, ()), *doubts)
     if file.robot is None and not file.arms and not file.hands:
         return Equipment(nodes=nodes, packages=packages)  # a task can be drawn before there is a robot
-    taught = None if robot is None else _taught(project)
-    troubles = (*troubles, *world)
+    learnt = _taught(project)
+    taught = None if isinstance(learnt, DocumentError) else learnt
+    troubles = (*troubles, *world, *([_trouble(learnt)] if isinstance(learnt, DocumentError) else []))
     arms, hands = _arms(project, robot, taught, troubles), _hands(project, robot, taught, links, troubles)
     return Equipment(arms, hands, nodes, packages)
 
@@ -71,6 +74,8 @@ def _arms(
     found = {}
     for name, arm in project.file.arms.items():
         known: dict[str, Iterable[str]] = {}
+        if taught is not None:
+            known["taught"] = taught.of(name)
         if robot is not None and taught is not None and arm.group in robot.groups:
             states = {**robot.named_states.get(arm.group, {}), **common_states(arm, project.file.arms, robot)}
             known["state"] = {**states, **taught.states(name)}
@@ -130,13 +135,13 @@ def _sensors(
     return found
 
 
-def _taught(project: Project) -> Taught:
+def _taught(project: Project) -> Taught | DocumentError:
     from grip_bt.commanders.taught import Taught
 
     try:
         return Taught(project.folder / TAUGHT)
-    except DocumentError:
-        return Taught()  # a run says what is wrong with the file
+    except DocumentError as error:
+        return error
 
 
 def _links(robot: RobotDescription | None) -> list[str]:

@@ -8,9 +8,10 @@ from typing import Literal
 
 from grip_bt.errors import listing, nearest
 
-Names = Literal["arm", "arms", "hand", "state", "posture", "finger", "tip", "link", "interface"]
-"""What a parameter may name: an arm, several, a hand, a named state of the arm, a posture of the hand, its fingers, its
-fingers or links, a link, a type of ROS. Of a mapping, `finger` and `tip` mean the keys, `interface` the values."""
+Names = Literal["arm", "arms", "hand", "state", "taught", "posture", "finger", "tip", "link", "interface"]
+"""What a parameter may name: an arm, several, a hand, a named state of the arm, a state or pose that was taught to it,
+a posture of the hand, its fingers, its fingers or links, a link, a type of ROS. Of a mapping, `finger` and `tip` mean
+the keys, `interface` the values."""
 UNFIT, MISSING = "unfit-project", "missing-package"
 """Codes of troubles."""
 _MOST = 12

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path, PurePosixPath
 from typing import Protocol
 
@@ -25,6 +25,13 @@ class TaskFiles(Protocol):
         """
         ...
 
+    def mentioning(self, text: str) -> Sequence[str]:
+        """Return the files that there are, as `read` names them; those that surely don't hold a text may be left out.
+
+        Not each of them is a task.
+        """
+        ...
+
 
 class NoTaskFiles:
     """No file at all, for tasks that come from nowhere."""
@@ -32,6 +39,10 @@ class NoTaskFiles:
     def read(self, file: str) -> Task:
         """Refuse."""
         raise SubtaskError(file, "no project is known in which it could be; load the task from its project's folder")
+
+    def mentioning(self, text: str) -> Sequence[str]:
+        """Return none."""
+        return ()
 
 
 class TaskTexts:
@@ -45,6 +56,10 @@ class TaskTexts:
         if file not in self._tasks:
             raise SubtaskError(file, f"there is no such file{nearest(file, self._tasks)}")
         return self._tasks[file]
+
+    def mentioning(self, text: str) -> Sequence[str]:
+        """Return all of them: what the texts were isn't known any more."""
+        return tuple(self._tasks)
 
 
 class TaskFolder:
@@ -74,6 +89,10 @@ class TaskFolder:
             except DocumentError as error:
                 raise SubtaskError(file, f"it isn't a task: {error}") from error
         return self._known[file][1]
+
+    def mentioning(self, text: str) -> Sequence[str]:
+        """Return the YAML files in the folder, and below its `tasks`, that hold a text."""
+        return [file for file in self._files() if text in _text_of(self._folder / file)]
 
     def _path(self, file: str) -> Path:
         named = PurePosixPath(file)
@@ -114,6 +133,13 @@ def face_of(file: str, task: Task, surely_written: Mapping[str, Iterable[str]] |
         ),
         outcomes=task.outcomes,
     )
+
+
+def _text_of(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError):
+        return ""
 
 
 def _has_value(declared: Variable | str) -> bool:

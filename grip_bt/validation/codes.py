@@ -42,6 +42,7 @@ _WARNINGS = (
     "unknown-arm",
     "unknown-hand",
     "unknown-state",
+    "not-taught-yet",
     "unknown-finger",
     "unknown-link",
     "unfit-project",

@@ -17,7 +17,7 @@ EXAMPLES = {
 }
 EQUIPMENT = Equipment(
     arms={
-        "left": Equipped({"state": ["home"]}),
+        "left": Equipped({"state": ["home"], "taught": []}),
         "right": Equipped(troubles=(Trouble("unfit-project", "grip.yaml: arms/right: unknown planner 'RRTConect'"),)),
     },
     hands={"claw": Equipped({"posture": ["open", "closed"], "finger": ["thumb"], "link": ["palm"]})},

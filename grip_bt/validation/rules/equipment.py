@@ -11,16 +11,18 @@ from grip_bt.graph import Leaf
 from ..known import Known
 from ..survey import Key, Spot, Survey
 from ..wording import take_hint
+from .lessons import BY_STATE, Lessons, only_if_empty
 
 _WORDS = {
     "state": ("unknown-state", "named state"),
+    "taught": ("unknown-state", "taught state or pose"),
     "posture": ("unknown-state", "posture"),
     "finger": ("unknown-finger", "finger"),
     "tip": ("unknown-finger", "finger or link"),
     "link": ("unknown-link", "link"),
 }
-_TEACHERS = {"arm/teach": "state", "hand/teach": "posture"}
-"""Nodes by which a task gives names itself."""
+_OF_ARMS, _LEARNT = ("state", "taught"), ("state", "taught", "posture")
+"""Names that an arm has; names that may be taught."""
 
 
 def check_equipment(survey: Survey) -> None:
@@ -29,10 +31,10 @@ def check_equipment(survey: Survey) -> None:
     equipment = survey.catalog.equipment() if leaves else None
     if equipment is None:
         return
-    taught = _taught_names(leaves)
+    lessons = Lessons(survey, equipment)
     told: set[Trouble] = set()
     for spot in leaves:
-        for key, trouble in _troubles(spot, equipment, taught):
+        for key, trouble in _troubles(spot, equipment, lessons):
             if trouble.code in (UNFIT, MISSING) and trouble in told:
                 continue  # it is one thing to mend, however many nodes need it
             told.add(trouble)
@@ -46,7 +48,7 @@ def names_for(equipment: Equipment | None, spot: Spot, parameter: str) -> Collec
     kind = spot.manifest.parameters[parameter].names
     if kind in ("arm", "arms", "hand"):
         return (equipment.hands if kind == "hand" else equipment.arms) or ()
-    part = _part(spot, equipment, "arm" if kind == "state" else "hand")
+    _, part = _part(spot, str(kind), equipment)
     return () if part is None else part.known.get(str(kind), ())
 
 
@@ -55,7 +57,7 @@ def _concerns(known: Known) -> bool:
     return manifest.id.startswith(("component/", "sensor/")) or any(p.names for p in manifest.parameters.values())
 
 
-def _troubles(spot: Spot, equipment: Equipment, taught: Mapping[str, set[str]]) -> Iterator[tuple[Key, Trouble]]:
+def _troubles(spot: Spot, equipment: Equipment, lessons: Lessons) -> Iterator[tuple[Key, Trouble]]:
     assert isinstance(spot.node, Leaf), "leaves are looked at"
     assert spot.manifest is not None, "those whose node is known"
     for trouble in equipment.nodes.get(spot.manifest.id, ()):
@@ -71,8 +73,8 @@ def _troubles(spot: Spot, equipment: Equipment, taught: Mapping[str, set[str]]) 
             for trouble in _of_types(value, equipment.packages):
                 yield key, trouble
         elif parameter.names is not None and (name in spot.node.with_ or not spot.node.in_):
-            known = _known(spot, parameter.names, equipment, taught)
-            for trouble in () if known is None else _of_names(parameter.names, value, known):
+            part, there = _part(spot, parameter.names, equipment)
+            for trouble in () if there is None else _of_names(parameter.names, value, part, there, lessons):
                 yield key, trouble
 
 
@@ -96,14 +98,30 @@ def _of_part(side: str, value: object, equipment: Equipment) -> Iterator[Trouble
             yield Trouble(code, f"{said} (there are: {listing(parts)})", take_hint(hint, otherwise))
 
 
-def _of_names(kind: str, value: object, known: Collection[str]) -> Iterator[Trouble]:
+def _of_names(kind: str, value: object, part: str, there: Equipped, lessons: Lessons) -> Iterator[Trouble]:
     """Yield which of the names that a literal holds aren't there; an empty one stands for nothing or for a default."""
-    code, word = _WORDS[kind]
+    if kind not in there.known:
+        return
+    known, taught = there.known[kind], there.known.get("taught", ())
     for name in value if isinstance(value, Mapping | list | tuple) else [value]:
-        if isinstance(name, str) and name and name not in known:
-            hint = nearest(name, known)
-            message = f"there is no {word} {name!r}{hint} (there are: {listing(known)})"
-            yield Trouble(code, message, take_hint(hint, "name one of these"))
+        if not isinstance(name, str) or not name or name in known:
+            continue
+        said = lessons.trouble(kind, part, name, taught) if kind in _LEARNT else False
+        if isinstance(said, Trouble):
+            yield said
+        elif said is False:
+            yield _unknown(kind, name, part, there)
+
+
+def _unknown(kind: str, name: str, part: str, there: Equipped) -> Trouble:
+    (code, word), known = _WORDS[kind], there.known[kind]
+    hint = nearest(name, known)
+    otherwise = "name one of these"
+    if kind == "taught":
+        named = name in there.known.get("state", ())
+        otherwise = f"it is a named state: {BY_STATE}" if named else f"teach it first: `grip teach {name} --arm {part}`"
+    message = f"there is no {word} {name!r}{hint} (there are: {listing(known)})"
+    return Trouble(code, message, take_hint(hint, otherwise))
 
 
 def _of_types(value: object, packages: Collection[str] | None) -> Iterator[Trouble]:
@@ -115,23 +133,9 @@ def _of_types(value: object, packages: Collection[str] | None) -> Iterator[Troub
             yield trouble
 
 
-def _known(spot: Spot, kind: str, equipment: Equipment, taught: Mapping[str, set[str]]) -> Collection[str] | None:
-    part = _part(spot, equipment, "arm" if kind == "state" else "hand")
-    if part is None or kind not in part.known:
-        return None
-    return [*part.known[kind], *sorted(taught.get(kind, ()))]
-
-
-def _part(spot: Spot, equipment: Equipment, side: str) -> Equipped | None:
+def _part(spot: Spot, kind: str, equipment: Equipment) -> tuple[str, Equipped | None]:
     """Return the arm or the hand that a leaf means; None where it isn't there, which is told by itself."""
+    side = "arm" if kind in _OF_ARMS else "hand"
     parts = (equipment.arms if side == "arm" else equipment.hands) or {}
-    name = spot.node.with_.get(side, "") if isinstance(spot.node, Leaf) else ""
-    return next(iter(parts.values())) if name == "" and len(parts) == 1 else parts.get(str(name))
-
-
-def _taught_names(leaves: list[Spot]) -> dict[str, set[str]]:
-    taught: dict[str, set[str]] = {}
-    for spot in leaves:
-        if isinstance(spot.node, Leaf) and spot.node.node in _TEACHERS:
-            taught.setdefault(_TEACHERS[spot.node.node], set()).add(str(spot.node.with_.get("name")))
-    return taught
+    name = only_if_empty(spot.node.with_.get(side, "") if isinstance(spot.node, Leaf) else "", parts)
+    return name, parts.get(name)
