@@ -93,8 +93,9 @@ def _take_time(bus: Bus, resources: Resources, stack: ExitStack) -> Callable[[],
 
     clock = stack.enter_context(RosClock(bus))
     if not clock.wait_started(TIME_STARTS):
-        reason = f"nobody published the simulated time within {TIME_STARTS:.0f} s; start the simulator"
-        raise ServerLostError(f"/clock: {reason}, or take `simulated_time` out of grip.yaml", server="/clock")
+        reason = f"no simulated time within {TIME_STARTS:g} s: {clock.publishers()}"
+        advice = "start the simulator, or take `simulated_time` out of grip.yaml"
+        raise ServerLostError(f"/clock: {reason}. To mend it: {advice}", server="/clock")
     resources.clock = clock
     return clock.now
 

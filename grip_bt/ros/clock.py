@@ -26,7 +26,7 @@ class RosClock:
         self._time = 0.0
         self._started = threading.Event()
         self._listeners: list[Callable[[], None]] = []
-        self._reader = bus.reader(MESSAGE, TOPIC)
+        self._bus, self._reader = bus, bus.reader(MESSAGE, TOPIC)
         self._reader.listen(self._received)
 
     def now(self) -> float:
@@ -36,6 +36,12 @@ class RosClock:
     def wait_started(self, timeout: float) -> bool:
         """Wait until the time was heard; False after `timeout` [s] of the wall's time."""
         return self._started.wait(timeout)
+
+    def publishers(self) -> str:
+        """Say who publishes the time, and which topics are published instead."""
+        asked = self._bus.post(self._reader.publishers)
+        asked.wait()
+        return asked.result()
 
     def on_advance(self, listener: Callable[[], None]) -> None:
         """Have `listener()` called whenever time passes, on the bus's thread."""

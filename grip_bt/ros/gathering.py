@@ -12,6 +12,7 @@ from grip_bt.operation import Operation
 
 from .bus import Bus
 from .convert_geometry import seconds
+from .others import MOST
 from .synchronise import Synchroniser
 from .topic import Received, TopicReader
 
@@ -79,7 +80,7 @@ class Gathering:
 
     def _give_up(self) -> None:
         silent = self._matcher.silent()
-        said = [f"{topic} ({self._about(topic)})" for topic in silent]
+        said = [f"{topic} ({self._about(topic, max(1, MOST // len(silent)))})" for topic in silent]
         if len(self._readers) == 1:
             (topic,) = self._readers
             text = f"{topic}: no message within {self._timeout:.1f} s; {self._about(topic)}"
@@ -88,8 +89,8 @@ class Gathering:
             text = f"no set of messages within {self._timeout:.1f} s: {reason}"
         self.whole.fail(ServerTimeOutError(text, topics=list(self._readers)))
 
-    def _about(self, topic: str) -> str:
-        """Say why a topic gave nothing."""
+    def _about(self, topic: str, most: int = MOST) -> str:
+        """Say why a topic gave nothing; of those that are published instead, `most` are named."""
         if topic in self._early:
             return f"what came was taken before it was asked for, the last {self._early[topic]:.2f} s"
-        return self._readers[topic].publishers()
+        return self._readers[topic].publishers(most)

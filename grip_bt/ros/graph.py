@@ -13,6 +13,7 @@ from grip_bt.errors import GripError, UnknownNameError
 
 from .bus import Bus
 from .others import hidden
+from .others import topics as topics
 
 SETTLE = 0.1
 """What was found is all there when nothing new was seen for so long [s]: of a server's parts, some are seen before
@@ -60,12 +61,6 @@ def everything(node: Node) -> list[Served]:
             found.append(Served(name, "srv", _one(name, types), _nodes(node, name)))
     found += [Served(name, "msg", types[0]) for name, types, _ in topics(node)]
     return sorted(found, key=lambda served: (served.kind, served.name))
-
-
-def topics(node: Node) -> list[tuple[str, list[str], int]]:
-    """Return the topics that somebody publishes, by name: name, types, number of publishers; on the bus's thread."""
-    seen = ((name, types, node.count_publishers(name)) for name, types in node.get_topic_names_and_types())
-    return sorted((name, types, count) for name, types, count in seen if count and not hidden(name))
 
 
 def find_served(name: str, within: float = 5.0, domain_id: int | None = None) -> Served:

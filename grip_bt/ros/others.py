@@ -1,8 +1,9 @@
-"""What is served instead of what somebody waited for in vain: another name, another kind, nothing at all."""
+"""What is served or published instead of what somebody waited for in vain: another name or kind, nothing at all."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from difflib import SequenceMatcher
 from typing import Any
 
 from rclpy.action.graph import get_action_names_and_types
@@ -16,8 +17,10 @@ _HIDDEN = (
     *("/_action/", "/describe_parameters", "/get_parameter_types", "/get_parameters", "/list_parameters"),
     *("/set_parameters", "/set_parameters_atomically", "/get_type_description", "/rosout", "/parameter_events"),
 )
-_MOST = 8
+MOST = 8
 """How many names are listed."""
+_NEAR = 0.6
+"""How alike two names are of which one may be meant for the other."""
 Names = Sequence[tuple[str, Sequence[str]]]
 
 
@@ -63,8 +66,66 @@ def instead(name: str, wanted: str, services: Names, actions: Names, domain: int
             return f"; {name} is {other}, of type {types[0]}"
     same = sorted(served for served, types in ours if wanted in types and served != name)
     if same:
-        return f"; {wanted} is served {where} as {listing(same[:_MOST])}"
+        return f"; {wanted} is served {where} as {listing(same[:MOST])}"
     names = sorted(served for served, _ in ours if served != name)
     kind = "services" if "/srv/" in wanted else "actions"
-    more = f" and {len(names) - _MOST} more" if len(names) > _MOST else ""
-    return f"{nearest(name, names)} ({kind} {where}: {listing(names[:_MOST])}{more})"
+    more = f" and {len(names) - MOST} more" if len(names) > MOST else ""
+    return f"{nearest(name, names)} ({kind} {where}: {listing(names[:MOST])}{more})"
+
+
+def topics(node: Node) -> list[tuple[str, list[str], int]]:
+    """Return the topics that somebody publishes, by name: name, types, number of publishers; on the bus's thread."""
+    seen = ((name, types, node.count_publishers(name)) for name, types in node.get_topic_names_and_types())
+    return sorted((name, types, count) for name, types, count in seen if count and not hidden(name))
+
+
+def other_topics(node: Node, name: str, wanted: str, heard: bool = False, most: int = MOST) -> str:
+    """Return which topics there are instead of one that nobody publishes as `wanted`, as `instead_of_topic` does.
+
+    Args:
+        node: who looks at the graph.
+        name: the topic.
+        wanted: its type; empty where nobody said it.
+        heard: whether those are meant that somebody subscribes to.
+        most: how many are listed.
+    """
+    ends = node.get_subscriptions_info_by_topic if heard else node.get_publishers_info_by_topic
+    names = [n for n, _ in node.get_topic_names_and_types() if not hidden(n)]
+    there = [(n, types) for n in sorted(names) if (types := sorted({end.topic_type for end in ends(n)}))]
+    if any(n == name for n, _ in there):  # its own type is told by whoever asks
+        there = [(n, types) for n, types in there if wanted in types]
+        return instead_of_topic(name, wanted, there, node.context.get_domain_id(), heard, most) if there else ""
+    services, actions = node.get_service_names_and_types(), get_action_names_and_types(node)
+    served = [("a service", n, types) for n, types in services] + [("an action", n, types) for n, types in actions]
+    kind = next((f"; {name} is {what}, of type {types[0]}" for what, n, types in served if n == name), "")
+    return kind or instead_of_topic(name, wanted, there, node.context.get_domain_id(), heard, most)
+
+
+def instead_of_topic(name: str, wanted: str, there: Names, domain: int, heard: bool = False, most: int = MOST) -> str:
+    """Return which topics there are, in words to be put behind the message: those of the type, and of a name like it.
+
+    Args:
+        name: what was waited for.
+        wanted: its type; empty where nobody said it.
+        there: names and types of the topics that are there.
+        domain: the DDS domain in which was looked.
+        heard: whether those are topics that somebody subscribes to, not publishes.
+        most: how many are listed.
+    """
+    done, where = "heard" if heard else "published", f"in ROS_DOMAIN_ID {domain}"
+    others = sorted(((n, types) for n, types in there if n != name), key=lambda other: (-_alike(name, other[0]), other))
+    same = [n for n, types in others if wanted in types]
+    near = [(n, types) for n, types in others if n not in same and _alike(name, n) >= _NEAR][:1]
+    said = f"; {wanted} is {done} {where} as {_some(same, most)}" if same else ""
+    said += "".join(f"; did you mean {n!r}, which is {done} as {types[0]}?" for n, types in near)
+    if said or not others:
+        return said or f"; nothing is {done} {where}"
+    return f"; {done} {where}: {_some([f'{n} ({types[0]})' for n, types in others], most)}"
+
+
+def _alike(name: str, other: str) -> float:
+    return SequenceMatcher(None, name, other).ratio()
+
+
+def _some(names: Sequence[str], most: int) -> str:
+    return listing(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")

@@ -19,6 +19,7 @@ from grip_bt.operation import Operation
 
 from .client import pass_error
 from .futures import give_way
+from .others import MOST, other_topics
 from .types import load_type, type_name
 
 if TYPE_CHECKING:
@@ -147,19 +148,21 @@ class TopicReader:
         for wait in list(self._waits):
             self._end(wait, error)
 
-    def publishers(self) -> str:
-        """Say who publishes the topic, and whether we could hear it."""
+    def publishers(self, most: int = MOST) -> str:
+        """Say who publishes the topic, and whether we could hear it; of the topics instead of it, `most` are named."""
         found = self._bus.node.get_publishers_info_by_topic(self.name)
+        wanted = "" if self.type is None else type_name(self.type)
         if not found:
-            return "nobody publishes it"
-        if self.type is None:
-            types = " and as ".join(sorted({p.topic_type for p in found}))
-            return f"it is published as {types}; say as which to hear it"
-        wanted = type_name(self.type)
-        wrong = sorted({p.topic_type for p in found if p.topic_type != wanted})
-        if wrong:
-            return f"it is published as {', '.join(wrong)}, not as {wanted}"
-        return f"{len(found)} publisher{'s' if len(found) > 1 else ''}, silent"
+            return f"nobody publishes it{other_topics(self._bus.node, self.name, wanted, most=most)}"
+        types = sorted({p.topic_type for p in found})
+        if not wanted:
+            return f"it is published as {' and as '.join(types)}; say as which to hear it"
+        wrong, right = [t for t in types if t != wanted], sum(p.topic_type == wanted for p in found)
+        if not right:
+            said = f"it is published as {', '.join(wrong)}, not as {wanted}; name that type, or another topic"
+            return said + other_topics(self._bus.node, self.name, wanted, most=most)
+        others = f"; others publish it as {', '.join(wrong)}" if wrong else ""
+        return f"{right} publisher{'s' if right > 1 else ''}, silent{others}"
 
     def _look(self, now: float) -> None:
         """Subscribe with what the publishers offer; again when that changes."""
@@ -292,8 +295,16 @@ class TopicWriter:
                     wait.operation.fail(error)
             elif now > wait.deadline:
                 text = f"{self.name}: {there} subscribers after {now - wait.began:.1f} s, {wait.count} are needed"
+                text += "" if there else self._subscribers()
                 self._give_up(wait, ServerTimeOutError(text, topic=self.name))
         return bool(self._waits)
+
+    def _subscribers(self) -> str:
+        """Say what is heard instead, where nobody hears this."""
+        wanted, found = type_name(self.type), self._bus.node.get_subscriptions_info_by_topic(self.name)
+        wrong = sorted({end.topic_type for end in found if end.topic_type != wanted})
+        said = f"; it is heard as {', '.join(wrong)}, not as {wanted}" if wrong else ""
+        return said + other_topics(self._bus.node, self.name, wanted, heard=True)
 
     def end(self, error: Exception) -> None:
         """End every wait with an error."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
@@ -13,11 +14,14 @@ from grip_bt.catalog.component_file import ComponentFile
 from grip_bt.catalog.component_parts import Start
 from grip_bt.errors import ServerLostError, ServerTimeOutError, UnfitServerError
 from grip_bt.ros.advice import advice
+from grip_bt.ros.bus import Bus
 from grip_bt.ros.components import start_components
+from grip_bt.ros.door import RosDoor
 from grip_bt.ros.goal import Goal, Patience
-from grip_bt.ros.others import instead
+from grip_bt.ros.others import instead, instead_of_topic
 from grip_bt.ros.packages import PackageError
 from grip_bt.ros.starting import command_of
+from grip_bt.ros.types import load_type
 
 pytestmark = pytest.mark.ros
 SET, TRIGGER = "std_srvs/srv/SetBool", "std_srvs/srv/Trigger"
@@ -120,3 +124,96 @@ def test_a_launch_file_that_is_not_there_is_told_before_anything_starts(tmp_path
     (tmp_path / "launch" / "start.launch.xml").write_text("<launch/>")
     with pytest.raises(PackageError, match=r"no launch file 'start.launch.xml' in .*did you mean 'launch/start"):
         command_of(Start(launch="start.launch.xml"), Path(tmp_path))
+
+
+IMAGE, STRING = "sensor_msgs/msg/Image", "std_msgs/msg/String"
+
+
+@pytest.mark.parametrize(
+    ("wanted", "there", "said"),
+    [
+        (IMAGE, [], "; nothing is published in ROS_DOMAIN_ID 7"),
+        (
+            IMAGE,
+            [("/z", [IMAGE]), ("/cam/color/image", [IMAGE]), ("/s", [STRING])],
+            f"; {IMAGE} is published in ROS_DOMAIN_ID 7 as /cam/color/image, /z",
+        ),
+        (IMAGE, [("/cam/imag", [STRING])], f"; did you mean '/cam/imag', which is published as {STRING}?"),
+        (
+            IMAGE,
+            [("/cam/imag", [STRING]), ("/z", [IMAGE])],
+            f"; {IMAGE} is published in ROS_DOMAIN_ID 7 as /z; "
+            f"did you mean '/cam/imag', which is published as {STRING}?",
+        ),
+        (IMAGE, [("/q", [STRING])], f"; published in ROS_DOMAIN_ID 7: /q ({STRING})"),
+        (IMAGE, [(f"/q{i}", [STRING]) for i in range(12)], f"/q7 ({STRING}) and 4 more"),
+        (IMAGE, [(f"/cam/{i}", [IMAGE]) for i in range(12)], "/cam/7 and 4 more"),
+        ("", [("/cam/image_raw", [IMAGE])], f"; did you mean '/cam/image_raw', which is published as {IMAGE}?"),
+    ],
+)
+def test_which_topics_there_are_instead_is_told_the_likeliest_first(wanted, there, said):
+    assert instead_of_topic("/cam/image", wanted, there, 7).endswith(said)
+
+
+def test_of_what_is_heard_the_words_are_others():
+    assert instead_of_topic("/a", IMAGE, [("/q", [STRING])], 7, heard=True) == (
+        f"; heard in ROS_DOMAIN_ID 7: /q ({STRING})"
+    )
+
+
+@pytest.fixture
+def published(domain):
+    """Return a function that publishes a topic in a context of its own, and waits until a bus sees it."""
+    with ExitStack() as stack:
+
+        def publish(bus: Bus, type_: str, name: str) -> None:
+            kind, count = load_type(type_), lambda: bus.node.count_publishers(name)
+            before, other = ended(bus.post(count)), stack.enter_context(Bus("other", domain_id=domain))
+            ended(other.post(lambda: other.node.create_publisher(kind, name, 1)))
+            until(lambda: ended(bus.post(count)) > before, f"{name} isn't seen")
+
+        yield publish
+
+
+def test_who_waits_for_a_topic_that_nobody_publishes_is_told_those_that_are(bus, published):
+    published(bus, STRING, "/cam/words")
+    published(bus, "std_msgs/msg/Bool", "/lamp")
+    door = RosDoor(bus)
+    said = r"no message within 0\.2 s; nobody publishes it; std_msgs/msg/String is published in .* as /cam/words$"
+    with pytest.raises(ServerTimeOutError, match=f"/words: {said}"):
+        ended(door.next("/words", STRING, "Any", 0.2))
+    with pytest.raises(ServerTimeOutError, match=r"did you mean '/cam/words', which is published as std_msgs/msg/Str"):
+        ended(door.recent("/cam/wrds", IMAGE, "Any", 0.0, 0.2))
+    several = r"nothing came on /a/far \(nobody .*; published in .*: /.*\), /lam \(nobody .* did you mean '/lamp'"
+    with pytest.raises(ServerTimeOutError, match=several):
+        ended(door.together({"/a/far": IMAGE, "/lam": STRING}, 0.1, 0.2))
+
+
+def test_a_topic_of_another_type_is_told_with_what_to_do(bus, published):
+    published(bus, STRING, "/cam/words")
+    published(bus, IMAGE, "/cam/image")
+    wrong = "/cam/image: .*it is published as sensor_msgs/msg/Image, not as std_msgs/msg/String; name that type, or ano"
+    with pytest.raises(ServerTimeOutError, match=wrong + r"ther topic; std_msgs/msg/String is .* as /cam/words$"):
+        ended(RosDoor(bus).next("/cam/image", STRING, "Any", 0.2))
+    published(bus, STRING, "/cam/image")
+    with pytest.raises(ServerTimeOutError, match="1 publisher, silent; others publish it as sensor_msgs/msg/Image$"):
+        ended(RosDoor(bus).next("/cam/image", STRING, "Any", 0.2))
+
+
+def test_a_topic_that_is_a_service_is_told_so(bus, serve):
+    serve("std_srvs/SetBool", "/set")
+    ended(bus.service(SET, "/set").wait_ready(PATIENCE))
+    with pytest.raises(ServerTimeOutError, match=rf"nobody publishes it; /set is a service, of type {SET}$"):
+        ended(RosDoor(bus).next("/set", STRING, "Any", 0.2))
+
+
+def test_who_publishes_to_nobody_is_told_what_is_heard(bus, domain):
+    with Bus("hearer", domain_id=domain) as hearer:
+        kind = load_type(STRING)
+        ended(hearer.post(lambda: hearer.node.create_subscription(kind, "/say", print, 1)))
+        until(lambda: ended(bus.post(lambda: bus.node.count_subscribers("/say"))), "the subscriber isn't seen")
+        door = RosDoor(bus)
+        with pytest.raises(ServerTimeOutError, match=f"1 are needed; {STRING} is heard in .* as /say$"):
+            ended(door.publish("/sya", STRING, {"data": "x"}, 1, 0.2))
+        with pytest.raises(ServerTimeOutError, match=f"needed; it is heard as {STRING}, not as std_msgs/msg/Bool$"):
+            ended(door.publish("/say", "std_msgs/msg/Bool", {"data": True}, 1, 0.2))

@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+from contextlib import ExitStack
 from xml.etree import ElementTree
 
 import pytest
@@ -117,6 +118,19 @@ def test_simulated_time_is_the_clock_topics(bus):
         until(lambda: clock.now() >= 7.0, "the time isn't heard")
         assert clock.now() == 7.0
         assert clock.wait_started(0.1)
+
+
+def test_a_run_that_waits_for_simulated_time_in_vain_is_told_what_is_published(bus, monkeypatch):
+    from grip_bt.app import ros_parts
+    from grip_bt.app.resources import Resources
+
+    monkeypatch.setattr(ros_parts, "TIME_STARTS", 0.2)
+    ended(bus.writer("rosgraph_msgs/msg/Clock", "/sim/clock").publish(_stamp(1.0), subscribers=0))
+    said = (
+        r"/clock: no simulated time within 0\.2 s: nobody publishes it; rosgraph_msgs/msg/Clock is published in .* as "
+    )
+    with ExitStack() as stack, pytest.raises(ServerLostError, match=said + "/sim/clock. To mend it: start the simul"):
+        ros_parts._take_time(bus, Resources(), stack)
 
 
 def test_simulated_time_never_goes_back_and_wakes_who_waits(bus):
