@@ -32,11 +32,11 @@ from .commands import (
     Wrap,
     command_of,
 )
+from .commenting import comment_of
 from .documents import Edited, apply_to_document
 from .history import History, Moment
 from .history_file import history_path, load_history, save_history
 from .pasting import clip_of
-from .remarks import comment_of
 from .rewriting import rewrite
 from .steps import path_after
 from .titles import title_of

@@ -10,13 +10,13 @@ from grip_bt.errors import EditError
 
 from ..model import Task
 from . import commands as c
+from .commenting import comment
 from .editing import Editing
 from .fields import bind, connect, disconnect, set_key, set_meaning, unbind, unset_key
 from .kinds import change_kind
 from .nodes import add, move, remove, rename
 from .outcomes import rename_outcome
 from .pasting import paste
-from .remarks import comment
 from .steps import Step, path_after
 from .titles import title_of
 from .unwrapping import unwrap

@@ -118,6 +118,7 @@ class Comment(_Command):
 
     do: Literal["comment"] = "comment"
     path: str
+    """Empty for the task, whose comment is the lines at the top of the file."""
     text: str
     """Its lines without `#`; empty for none."""
 

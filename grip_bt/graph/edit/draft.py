@@ -14,7 +14,7 @@ from grip_bt.errors import EditError
 from ..canonical import data_of
 from ..model import Task
 from ..shape import FREE, NotAKeyError, with_free_keys
-from .steps import Assign, Drop, Place, Put, Rekey, Remark, Shift, Step, is_record
+from .steps import Assign, Drop, Place, Put, Rekey, Remark, Shift, Step, is_head, is_record
 
 
 class _Open(dict[str, Any]):
@@ -59,7 +59,8 @@ class Draft:
             _expect(inside, step.at, step.key, False)
             _insert(inside, step.at, step.key, step.value, step.index)
             return Drop(at=step.at, key=step.key)
-        _expect(inside, step.at, step.key, True)
+        if not is_head(step):
+            _expect(inside, step.at, step.key, True)
         if isinstance(step, Remark):
             # a task knows no comments: who has the text fills in what was there
             return step.model_copy(update={"text": ""})

@@ -8,6 +8,9 @@ from __future__ import annotations
 
 from ..syntax import Entry, Listing, Mapping, Scalar, Value, entries_of
 
+ODD = "this text is spelled in a way that can't be changed in place; bring it into form with `grip fmt`, then edit"
+"""What is said where a text is refused."""
+
 
 def line_start(text: str, at: int) -> int:
     """Return the offset at which the line of an offset begins."""

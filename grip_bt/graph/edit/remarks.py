@@ -8,18 +8,11 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from grip_bt.errors import EditError
 
-from ..document import Document
 from ..syntax import Entry, Mapping
-from .editing import Editing
-from .regions import content_end, is_tidy, line_end, line_start, region_end
-from .steps import Place, Remark
-
-if TYPE_CHECKING:
-    from .commands import Comment
+from .regions import content_end, line_end, line_start, region_end
 
 LONGEST = 10_000
 """Characters of a comment."""
@@ -48,35 +41,6 @@ class Found:
     def text(self) -> str:
         """What it says, one line after the other."""
         return "\n".join((*self.above, *self.aside))
-
-
-def comment_of(document: Document, path: str) -> str:
-    """Return the comment of a node, without its signs; empty where it has none.
-
-    Raises:
-        EditError: there is no such node.
-    """
-    *above, key = Editing(document.task).place(path)
-    inside = document.tree
-    for step in above:
-        inner = inside.entries[step].value
-        if not isinstance(inner, Mapping):
-            return ""
-        inside = inner
-    return found_at(document.text, inside, key).text if is_tidy(document.text, inside) else ""
-
-
-def comment(editing: Editing, command: Comment) -> None:
-    """Write the comment of a node anew.
-
-    Raises:
-        EditError: there is no such node, or no file can hold the text.
-    """
-    if command.path == "":
-        raise EditError("", "comments are of nodes, and the root's is that of '/'; set the task's `doc`")
-    place: Place = editing.place(command.path)
-    lines_of_comment(command.path, command.text)
-    editing.take(Remark(at=place[:-1], key=place[-1], text=command.text))
 
 
 def lines_of_comment(path: str, text: str) -> list[str]:
@@ -109,10 +73,10 @@ def found_at(text: str, inside: Mapping, key: str) -> Found:
         line = text[line_start(text, begin - 1) : begin].strip()
         if not line.startswith("#"):
             break
-        above.insert(0, _said(line))
+        above.insert(0, said(line))
         begin = line_start(text, begin - 1)
     beside = _beside(text, entry)
-    aside = (_said(text[slice(*beside)]),) if beside else ()
+    aside = (said(text[slice(*beside)]),) if beside else ()
     return Found(begin, end, tuple(above), beside, aside)
 
 
@@ -127,5 +91,6 @@ def _beside(text: str, entry: Entry) -> tuple[int, int] | None:
     return (begin, begin + len(found)) if found.startswith("#") else None
 
 
-def _said(line: str) -> str:
+def said(line: str) -> str:
+    """Return what a line says that begins with `#`."""
     return line.removeprefix("#").removeprefix(" ").rstrip()

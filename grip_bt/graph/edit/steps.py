@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from ..shape import CHILDREN
+from ..shape import CHILDREN, FREE, key_rank
 from ..walking import join
 
 Place = tuple[str, ...]
@@ -74,6 +74,10 @@ class Shift(_Step):
     """Position in `to`, counted without the entry itself; None: at the end."""
 
 
+HEAD = ""
+"""What a `Remark` at the top has as its key when it is about the comment of the file, and not of an entry."""
+
+
 class Remark(_Step):
     """The entry `key` of the mapping at `at` has another comment; nothing of what the task does changes."""
 
@@ -87,6 +91,11 @@ class Remark(_Step):
 Step = Annotated[Put | Drop | Rekey | Assign | Shift | Remark, Field(discriminator="step")]
 
 
+def is_head(step: Step) -> bool:
+    """Tell whether a step is about the comment at the top of the file."""
+    return isinstance(step, Remark) and step.at == () and step.key == HEAD
+
+
 def is_record(at: Place) -> bool:
     """Tell whether a place is a task, a node or a variable, whose keys have a fixed order, and not a list by name."""
     if at[:1] != ("root",):
@@ -97,6 +106,21 @@ def is_record(at: Place) -> bool:
             return False
         inner = inner[2:]
     return inner == () or (len(inner) == 2 and inner[0] == "data")
+
+
+def position_of(at: Place, keys: list[str], key: str, index: int | None) -> int:
+    """Return before which of the keys a new one stands."""
+    if not is_record(at):
+        return len(keys) if index is None else min(index, len(keys))
+    if key.startswith(FREE):
+        free = [position for position, other in enumerate(keys) if other.startswith(FREE)]
+        if index is not None and index < len(free):
+            return free[index]
+        if free:
+            return free[-1] + 1
+    rank = key_rank(key)
+    lower = [position for position, other in enumerate(keys) if key_rank(other) <= rank]
+    return lower[-1] + 1 if lower else 0
 
 
 def path_of(place: Place) -> str | None:

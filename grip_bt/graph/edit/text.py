@@ -12,17 +12,15 @@ from typing import Any
 from grip_bt.errors import EditError
 
 from ..canonical import lines_of
-from ..comments import attach_comments
 from ..scalars import write_scalar
-from ..shape import FREE, key_rank
 from ..syntax import Entry, Listing, Mapping, Scalar, Value, entries_of, parse, plain, tree_of
-from ..writer import WIDTH, in_braces, write
+from ..writer import in_braces
+from .braces import fits, is_odd, spread, with_another, without
 from .commands import Splice
-from .regions import content_end, dedented, indented, is_tidy, line_end, line_start, region_end, region_start
+from .head import head_at, rewritten
+from .regions import ODD, content_end, dedented, indented, is_tidy, line_end, line_start, region_end, region_start
 from .remarks import found_at, lines_of_comment
-from .steps import Assign, Drop, Place, Put, Rekey, Remark, Step, is_record, path_of
-
-_FIRST = "this text is spelled in a way that can't be changed in place; bring it into form with `grip fmt`, then edit"
+from .steps import Assign, Drop, Place, Put, Rekey, Remark, Step, is_head, path_of, position_of
 
 
 class Text:
@@ -38,7 +36,7 @@ class Text:
 
     def __init__(self, text: str, tree: Mapping | None = None):
         if "\r" in text.replace("\r\n", ""):
-            raise EditError("", _FIRST)
+            raise EditError("", ODD)
         self.text = text
         self.splices: list[Splice] = []
         self._newline = "\r\n" if "\r\n" in text else "\n"
@@ -89,7 +87,7 @@ class Text:
         for key in at:
             entry = _inner(value, key)
             if entry is None:
-                raise EditError("/".join(at), _FIRST)
+                raise EditError("/".join(at), ODD)
             mine = replace(entry, value=_copied(entry.value))
             if isinstance(value, Mapping):
                 value.entries[key] = mine
@@ -102,20 +100,20 @@ class Text:
         for depth, key in enumerate(at):
             entry = _inner(value, key)
             if entry is None:
-                raise EditError("/".join(at[: depth + 1]), _FIRST)
+                raise EditError("/".join(at[: depth + 1]), ODD)
             value = entry.value
         return value
 
     def _mapping(self, at: Place) -> Mapping:
         value = self._value(at)
         if not isinstance(value, Mapping):
-            raise EditError("/".join(at), _FIRST)
+            raise EditError("/".join(at), ODD)
         return value
 
     def _entry(self, at: Place, key: str) -> Entry:
         entry = _inner(self._value(at), key)
         if entry is None:
-            raise EditError("/".join((*at, key)), _FIRST)
+            raise EditError("/".join((*at, key)), ODD)
         return entry
 
     # --- replacing in place ----------------------------------------------------------------------------------------
@@ -178,7 +176,7 @@ class Text:
         if inside.flow:
             inline = in_braces(tree_of(step.value))
             begin, end = entry.value.span
-            if inline is not None and begin != end and self._fits(inside, len(inline) - (end - begin)):
+            if inline is not None and begin != end and fits(self.text, inside, len(inline) - (end - begin)):
                 self._splice(begin, end, inline)
                 return taken
         self._make_tidy(step.at)
@@ -203,12 +201,17 @@ class Text:
     # --- comments --------------------------------------------------------------------------------------------------
 
     def _remark(self, step: Remark) -> str:
+        if is_head(step):
+            head = head_at(self.text, self.tree)
+            if head.text != step.text:
+                self._splice(*rewritten(head, step.text, self._newline))
+            return head.text
         lines = lines_of_comment("/".join(step.at), step.text)
         if not lines and not is_tidy(self.text, self._mapping(step.at)):
             return ""
         self._make_tidy(step.at)
         if not is_tidy(self.text, self._mapping(step.at)):
-            raise EditError("/".join(step.at), _FIRST)
+            raise EditError("/".join(step.at), ODD)
         found = found_at(self.text, self._mapping(step.at), step.key)
         if found.text == step.text:
             return found.text
@@ -228,9 +231,10 @@ class Text:
         inside, entry = self._mapping(at), self._entry(at, key)
         keys = list(inside.entries)
         if inside.flow:
-            return self._drop_in_braces(inside, entry, keys.index(key))
+            self._splice(*without(inside, entry))
+            return "\n".join(lines_of(entry.key, plain(entry.value), False)) + "\n"
         if not is_tidy(self.text, inside):
-            raise EditError("/".join(at), _FIRST)
+            raise EditError("/".join(at), ODD)
         begin = region_start(self.text, inside, keys.index(key), at == ())
         end = region_end(self.text, entry)
         source = self._lines(dedented(self.text[begin:end], entry.column))
@@ -243,26 +247,14 @@ class Text:
         self._splice(colon, colon, " {}")
         return source
 
-    def _drop_in_braces(self, inside: Mapping, entry: Entry, index: int) -> str:
-        source = "\n".join(lines_of(entry.key, plain(entry.value), False)) + "\n"
-        entries = entries_of(inside)
-        if len(entries) == 1:
-            self._splice(*inside.span, "{}")
-        elif index + 1 < len(entries):
-            self._splice(entry.start, entries[index + 1].start, "")
-        else:
-            self._splice(_inline_end(entries[index - 1]), _inline_end(entry), "")
-        return source
-
     def _put(self, at: Place, key: str, value: Any, index: int | None, source: str | None) -> None:
         is_node = path_of((*at, key)) is not None
         inside = self._mapping(at)
-        if (
-            inside.flow
-            and (source is None or "#" not in source)
-            and self._put_in_braces(at, key, value, index, is_node)
-        ):
-            return
+        if inside.flow and (source is None or "#" not in source):
+            among = with_another(self.text, inside, at, key, value, index)
+            if among is not None:
+                self._splice(*among)
+                return
         self._make_tidy(at, but_last=not inside.entries)
         inside = self._mapping(at)
         lines = lines_of(key, value, is_node) if source is None else source.removesuffix("\n").split("\n")
@@ -270,7 +262,7 @@ class Text:
             self._open(at, lines)
             return
         keys = list(inside.entries)
-        before = _position(at, keys, key, index)
+        before = position_of(at, keys, key, index)
         column = next(iter(inside.entries.values())).column
         if before < len(keys):
             offset = region_start(self.text, inside, before, at == ())
@@ -283,50 +275,15 @@ class Text:
         holder = self._entry(at[:-1], at[-1])
         begin, end = holder.value.span
         if self.text[begin:end].strip("{} "):
-            raise EditError("/".join(at), _FIRST)
+            raise EditError("/".join(at), ODD)
         rest = self.text[end : line_end(self.text, end)].strip()
         if rest and not rest.startswith("#"):
-            raise EditError("/".join(at), _FIRST)
+            raise EditError("/".join(at), ODD)
         self._insert(line_end(self.text, end), indented(lines, holder.column + 2))
         colon = self.text.index(":", holder.key_end) + 1
         if self.text[colon:begin].strip():
-            raise EditError("/".join(at), _FIRST)
+            raise EditError("/".join(at), ODD)
         self._splice(colon, end, "")
-
-    def _put_in_braces(self, at: Place, key: str, value: Any, index: int | None, is_node: bool) -> bool:
-        inside = self._mapping(at)
-        if is_node and (not isinstance(value, dict) or "kind" in value or at[-1:] == ("child",)):
-            return False
-        if is_node and not inside.entries:
-            return False
-        inline = in_braces(tree_of({key: value}))
-        if inline is None or self._is_odd(inside):
-            return False
-        pair = inline[1:-1]
-        if not self._fits(inside, len(pair) + 2):
-            return False
-        entries, keys = entries_of(inside), list(inside.entries)
-        if not entries:
-            self._splice(*inside.span, f"{{{pair}}}")
-            return True
-        before = _position(at, keys, key, index)
-        if before < len(keys):
-            self._splice(entries[before].start, entries[before].start, f"{pair}, ")
-        else:
-            end = _inline_end(entries[-1])
-            self._splice(end, end, f", {pair}")
-        return True
-
-    def _fits(self, inside: Mapping, more: int) -> bool:
-        begin, end = inside.span
-        line = self.text[line_start(self.text, end - 1) : line_end(self.text, end - 1)].partition("#")[0]
-        return len(line.rstrip()) + more <= WIDTH and "\n" not in self.text[begin:end]
-
-    def _is_odd(self, inside: Mapping) -> bool:
-        """Tell whether a mapping in braces has comments, or entries without a value."""
-        begin, end = inside.span
-        empty = any(isinstance(e.value, Scalar) and e.value.span[0] == e.value.span[1] for e in entries_of(inside))
-        return empty or "#" in self.text[begin:end]
 
     def _insert(self, offset: int, lines: list[str]) -> None:
         new = self._newline.join(lines) + self._newline
@@ -342,12 +299,12 @@ class Text:
     def _lines(self, text: str) -> str:
         return text.replace("\r\n", "\n")
 
-    # --- spelling ----------------------------------------------------------------------------------------------------
+    # --- spelling --------------------------------------------------------------------------------------------------
 
     def _make_room(self, at: Place) -> None:
         """See to it that an entry of this mapping can be taken out."""
         inside = self._mapping(at)
-        if not (inside.flow and not self._is_odd(inside)):
+        if not (inside.flow and not is_odd(self.text, inside)):
             self._make_tidy(at)
 
     def _make_tidy(self, at: Place, but_last: bool = False) -> None:
@@ -355,33 +312,9 @@ class Text:
         depths = range(len(at) if but_last else len(at) + 1)
         for depth in depths:
             if self._mapping(at[:depth]).flow:
-                self._spread(at, depth, but_last)
+                begin, end, written = spread(self.text, at, depth)
+                self._splice(begin, end, self._joined(written, end) if depth else self._newline.join([*written, ""]))
                 return
-
-    def _spread(self, at: Place, depth: int, but_last: bool) -> None:
-        tree = parse(self.text)
-        assert isinstance(tree, Mapping)
-        header = attach_comments(tree, self.text.replace("\r", " "))
-        chain: list[Mapping] = [tree]
-        holders: list[Entry] = []
-        for key in at:
-            inner = chain[-1].entries[key]
-            assert isinstance(inner.value, Mapping)
-            holders.append(inner)
-            chain.append(inner.value)
-        blocks = {id(mapping) for mapping in chain[depth:] if mapping.entries}
-        if depth == 0:
-            written = write(tree, lambda value: id(value) in blocks, header)
-            self._splice(0, len(self.text), written.replace("\n", self._newline))
-            return
-        holder = holders[depth - 1]
-        end = line_end(self.text, content_end(self.text, holder))
-        if not is_tidy(self.text, chain[depth - 1]):
-            raise EditError("/".join(at), _FIRST)
-        holder.comments.before = []
-        written = write(Mapping({holder.key: holder}), lambda value: id(value) in blocks)
-        lines = indented(written.removesuffix("\n").split("\n"), holder.column)
-        self._splice(line_start(self.text, holder.start), end, self._joined(lines, end))
 
 
 def _copied(value: Value) -> Value:
@@ -398,23 +331,3 @@ def _inner(value: Value, key: str) -> Entry | None:
         return value.entries.get(key)
     entries = entries_of(value)
     return entries[int(key)] if key.isdecimal() and int(key) < len(entries) else None
-
-
-def _inline_end(entry: Entry) -> int:
-    """Return the offset after an entry of a mapping in braces."""
-    return max(entry.value.span[1], entry.key_end)
-
-
-def _position(at: Place, keys: list[str], key: str, index: int | None) -> int:
-    """Return before which of the keys a new one stands."""
-    if not is_record(at):
-        return len(keys) if index is None else min(index, len(keys))
-    if key.startswith(FREE):
-        free = [position for position, other in enumerate(keys) if other.startswith(FREE)]
-        if index is not None and index < len(free):
-            return free[index]
-        if free:
-            return free[-1] + 1
-    rank = key_rank(key)
-    lower = [position for position, other in enumerate(keys) if key_rank(other) <= rank]
-    return lower[-1] + 1 if lower else 0

@@ -169,7 +169,10 @@ _MAKERS = {
     "declare": _declare,
     "undeclare": _undeclare,
     "rename_outcome": _rename_outcome,
-    "comment": lambda draw, task, path, node, containers: {"path": path, "text": draw(texts)},
+    "comment": lambda draw, task, path, node, containers: {
+        "path": draw(st.sampled_from([path, path, ""])),
+        "text": draw(texts),
+    },
     "paste": _paste,
     "rename_variable": lambda draw, task, path, node, containers: {
         **_undeclare(draw, task, path, node, containers),

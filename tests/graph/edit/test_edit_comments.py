@@ -120,7 +120,6 @@ def test_a_task_without_its_text_stays_as_it_is():
 @pytest.mark.parametrize(
     ("path", "text", "words"),
     [
-        ("", "all", "set the task's `doc`"),
         ("lok", "x", "did you mean 'look'"),
         ("look", "a\0b", "can't have the character '\\x00'"),
         ("look", "x" * 10_001, "10000 characters, not 10001; shorten it"),

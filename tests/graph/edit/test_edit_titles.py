@@ -26,6 +26,7 @@ TITLES = [
     ({"do": "unset", "path": "a", "key": ["times"]}, "take away times of a"),
     ({"do": "comment", "path": "a", "text": "why"}, "comment on a"),
     ({"do": "comment", "path": "a", "text": " "}, "no comment on a"),
+    ({"do": "comment", "path": "", "text": "why"}, "comment on the task"),
     ({"do": "connect", "path": "a", "outcome": "success", "target": "b"}, "lead success of a to b"),
     ({"do": "disconnect", "path": "a", "outcome": "success"}, "lead success of a nowhere"),
     ({"do": "wrap", "paths": ["a", "b"], "kind": "invert", "name": "c"}, "wrap a, b in an invert"),
