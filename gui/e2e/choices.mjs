@@ -3,7 +3,8 @@ import assert from "node:assert/strict";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 
-import { onPage, rest, url } from "./page.mjs";
+import { check } from "./axe.mjs";
+import { eventually, onPage, rest, url } from "./page.mjs";
 
 const [folder] = rest;
 const file = join(folder, "tasks/tangled.yaml");
@@ -43,11 +44,12 @@ await onPage(url, async (page, { button, choose, fileIs, item, pick }) => {
   await remove("first.success");
   const why = page.getByRole("dialog", { name: "This edge comes from the order of the children" });
   await why.getByText(/short is a sequence; only the edges of a state machine/).waitFor();
+  assert.equal(await why.getByRole("textbox").count(), 0, "one choice needs no filter");
   await page.keyboard.press("Escape");
   await why.waitFor({ state: "detached" });
   await fileIs("saved");
   await remove("first.success");
-  await why.getByRole("option", { name: /Make short a state machine/ }).click();
+  await why.getByRole("button", { name: /Make short a state machine/ }).click();
   await kindIs("short", "state machine");
   await remove("first.success");
   await edge("first.success").waitFor({ state: "detached" });
@@ -61,15 +63,27 @@ await onPage(url, async (page, { button, choose, fileIs, item, pick }) => {
   const draw = () => port("attempts", "failure").dragTo(box("machine").locator(".react-flow__handle-left"));
   const asked = page.getByRole("dialog", { name: "attempts.failure to machine?" });
   await draw();
-  assert.match(await asked.getByRole("option").first().textContent(), /fallback\(attempts, machine\)/);
-  await asked.getByRole("option", { name: /Make short a state machine/ }).click();
+  assert.match(await asked.getByRole("group").getByRole("button").first().textContent(), /fallback\(attempts, machine\)/);
+  await check(page, "a few choices");
+  // By keys: the first has the focus, arrows go round, a letter leads to what begins with it, Enter takes it.
+  const focused = () => page.evaluate(() => document.activeElement?.querySelector(".option-label")?.textContent ?? document.activeElement?.textContent);
+  await eventually(focused, "fallback(attempts, machine)");
+  for (const [key, wanted] of [["ArrowDown", "Make short a state machine"], ["ArrowDown", "fallback(attempts, machine)"], ["ArrowUp", "Make short a state machine"], ["Home", "fallback(attempts, machine)"], ["Tab", "Make short a state machine"], ["Tab", "Cancel"], ["Shift+Tab", "Make short a state machine"], ["f", "fallback(attempts, machine)"], ["m", "Make short a state machine"]]) {
+    await page.keyboard.press(key);
+    assert.equal(await focused(), wanted, key);
+  }
+  await page.keyboard.press("Enter");
+  await asked.waitFor({ state: "detached" });
   await kindIs("short", "state machine");
   await button("Undo").click();
   await kindIs("short", "sequence");
   await draw();
+  await asked.getByRole("button", { name: "Cancel" }).click();
+  await asked.waitFor({ state: "detached" });
+  await draw();
   await asked.getByText("as last time").waitFor();
-  assert.match(await asked.getByRole("option").first().textContent(), /Make short a state machine/);
-  await asked.getByRole("option", { name: /fallback\(attempts, machine\)/ }).click();
+  assert.match(await asked.getByRole("group").getByRole("button").first().textContent(), /Make short a state machine/);
+  await asked.getByRole("button", { name: /fallback\(attempts, machine\)/ }).click();
   await item("machine").and(page.locator('[aria-level="3"]')).waitFor({ state: "attached" });
 
   // Two branches of the history: what was left is reached again from the list.

@@ -32,7 +32,7 @@ await onPage(url, async (page, { answer, button, choose, fileIs, pick }) => {
   const dialog = page.getByRole("dialog", { name: "watch as a state machine" });
   await dialog.getByText(/They are not the same/).waitFor();
   await check(page, "dialog with a counterexample");
-  await dialog.getByRole("option", { name: /Play it as it is/ }).click();
+  await dialog.getByRole("button", { name: /Play it as it is/ }).click();
 
   // Both plays end by themselves, on the time line, event by event.
   const slider = page.getByRole("slider", { name: "Moment of the run" });
@@ -63,12 +63,12 @@ await onPage(url, async (page, { answer, button, choose, fileIs, pick }) => {
   // Nothing was changed so far; then it is decided.
   assert.match(readFileSync(file, "utf8"), /memory: false/);
   await button("Decide").click();
-  await dialog.getByRole("option", { name: /Leave it as it is/ }).click();
+  await dialog.getByRole("button", { name: /Leave it as it is/ }).click();
   await page.getByRole("treeitem", { name: /^watch sequence/ }).waitFor();
   await fileIs("saved");
   await button("Convert").click();
   await answer("roughly");
-  await dialog.getByRole("option", { name: /Convert all the same/ }).click();
+  await dialog.getByRole("button", { name: /Convert all the same/ }).click();
   await page.getByRole("treeitem", { name: /^watch state machine/ }).waitFor();
   await page.keyboard.press("Control+z");
   await page.getByRole("treeitem", { name: /^watch sequence/ }).waitFor();

@@ -78,7 +78,7 @@ await onPage(url, async (page, { answer, button, choose, dragUntil, fileIs, item
   await port("first", "success").dragTo(box("machine").locator(".react-flow__handle-left"));
   const dialog = page.getByRole("dialog", { name: "first.success to machine?" });
   await dialog.getByText(/its order decides/).waitFor();
-  await dialog.getByRole("option", { name: /Make short a state machine/ }).click();
+  await dialog.getByRole("button", { name: /Make short a state machine/ }).click();
   await edge("first.success").waitFor({ state: "attached" });
   await item("short").getByText("state machine").waitFor({ state: "attached" });
   await page.keyboard.press("Control+z");
@@ -104,7 +104,7 @@ await onPage(url, async (page, { answer, button, choose, dragUntil, fileIs, item
   await answer("machine");
   const conversion = page.getByRole("dialog", { name: "attempts as a state machine" });
   await conversion.getByText(/the same in \d+ runs/).waitFor();
-  await conversion.getByRole("option", { name: /^Convert/ }).click();
+  await conversion.getByRole("button", { name: /^Convert/ }).click();
   await item("attempts").getByText("state machine").waitFor({ state: "attached" });
 
   // Search over everything, also values.

@@ -127,6 +127,19 @@ await onPage(url, async (page, { answer, button, choose, fileIs, pick }) => {
   await page.getByRole("button", { name: "comment on which" }).waitFor();
   await check(page, "a comment");
 
+  // That of the task stands at the top of its file; a line that is changed leaves the others alone.
+  await pick("lists");
+  const head = page.getByLabel("Comment at the top of the file");
+  await head.and(page.locator(":enabled")).fill("rules, waits, cases\n\nand ports");
+  await pick("which");
+  assert.ok((await saved()).startsWith("# rules, waits, cases\n#\n# and ports\ngrip: 1\n"));
+  await pick("lists");
+  await page.waitForFunction(() => [...document.querySelectorAll("textarea")].some((area) => area.value === "rules, waits, cases\n\nand ports"));
+  await head.fill("rules, waits, cases\n\nand all ports");
+  await pick("which");
+  assert.ok((await saved()).startsWith("# rules, waits, cases\n#\n# and all ports\ngrip: 1\n"));
+  await page.getByRole("button", { name: "comment on the task" }).first().waitFor();
+
   // All of it is edits like others.
   while (await button("Undo").isEnabled()) {
     await button("Undo").click({ force: true });

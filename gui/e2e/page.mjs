@@ -79,11 +79,19 @@ export function words(page) {
       eventually(() => page.getByRole("treeitem").evaluateAll((all) => all.map((row) => row.getAttribute("data-row"))), rows),
     /** Wait until the file's state says `text`. */
     fileIs: (text) => page.getByLabel("State of the file").getByText(text, { exact: true }).waitFor(),
-    /** Answer the open dialog: type, then Enter. */
+    /** Answer the open dialog: type, then Enter; where there are only a few choices, press the one that says it. */
     answer: async (text) => {
-      const title = await page.getByRole("dialog").getByRole("heading").textContent();
-      await page.getByRole("dialog").locator("input").fill(text);
-      await page.keyboard.press("Enter");
+      const dialog = page.getByRole("dialog");
+      const title = await dialog.getByRole("heading").textContent();
+      const few = dialog.locator(".few-choices [role=group] button");
+      await few.or(dialog.locator("input")).first().waitFor();
+      if ((await few.count()) > 0) {
+        const named = few.filter({ has: page.getByText(text, { exact: true }) });
+        await ((await named.count()) > 0 ? named : few.filter({ hasText: text })).first().click();
+      } else {
+        await dialog.locator("input").fill(text);
+        await page.keyboard.press("Enter");
+      }
       await page.getByRole("dialog").getByRole("heading", { name: title, exact: true }).waitFor({ state: "detached" });
     },
     /** Where something is, once it stands still: a chart moves when it is fitted, and a drag that begins beside a node moves nothing. */

@@ -39,7 +39,7 @@ async function gestures({ seed, count }) {
   const pick = (list) => list[Math.floor(random() * list.length)];
   const wait = (time) => new Promise((done) => setTimeout(done, time));
   const press = (target, key, held = {}) => target.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true, cancelable: true, ...held }));
-  const dialog = () => document.querySelector("dialog[open] input");
+  const dialog = () => document.querySelector("dialog[open] input, dialog[open] .few-choices");
   const type = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set;
   const NODES = ["flow/wait", "flow/fail", "flow/succeed", "sequence", "fallback", "parallel", "state machine"];
   const KINDS = ["sequence", "fallback", "parallel", "retry", "timeout", "invert", "state machine"];
@@ -59,7 +59,8 @@ async function gestures({ seed, count }) {
     press(row, key, held);
     for (let tries = 0; answers && dialog() === null && tries < 20; tries++) await wait(5);
     const field = dialog();
-    if (field !== null && answers) {
+    if (field?.matches(".few-choices") && answers) pick([...field.querySelectorAll("[role=group] button")]).click();
+    else if (field !== null && answers) {
       type.call(field, pick(answers));
       field.dispatchEvent(new Event("input", { bubbles: true }));
       await wait(5);

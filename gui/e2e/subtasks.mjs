@@ -78,12 +78,12 @@ await onPage(url, async (page, { answer, button, choose, fileIs, item, pick, row
   await answer("tasks/counting.yaml");
   const question = page.getByRole("dialog", { name: "Extract b?" });
   await question.getByText(/the timeout timeout may halt it/).waitFor();
-  await question.getByRole("option", { name: /Leave it as it is/ }).click();
+  await question.getByRole("button", { name: /Leave it as it is/ }).click();
   assert.ok(!existsSync(join(folder, "tasks/counting.yaml")));
   await item("b").getByText("leaf").waitFor({ state: "attached" });
   await button("Extract").click();
   await answer("tasks/counting.yaml");
-  await question.getByRole("option", { name: /all the same/ }).click();
+  await question.getByRole("button", { name: /all the same/ }).click();
   await item("b").getByText("subtask").waitFor({ state: "attached" });
   assert.match(readFileSync(join(folder, "tasks/counting.yaml"), "utf8"), /node: test\/count/);
 });

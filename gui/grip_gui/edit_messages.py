@@ -148,6 +148,8 @@ class TaskChange(Wire):
     nodes: list[NodeView]
     """Those that are new or different."""
     gone: list[str]
+    moved: dict[str, str]
+    """Where those that are gone are now, by their old paths; what is below one that moved has moved with it."""
     variables: list[VariableView] | None
     """All of them; None where none is different."""
 
@@ -231,7 +233,7 @@ class PlacesView(Wire):
 
 
 class CommentView(Wire):
-    """What the comment of a node says in the file; empty where it has none, None where the node has just gone."""
+    """What the comment of a node or of the task says in the file; empty for none, None where the node has just gone."""
 
     revision: int
     node: str

@@ -156,3 +156,16 @@ def test_a_splice_makes_one_text_of_another(before: str, now: str) -> None:
     splice = splice_of(before, now)
     assert (splice is None) == (before == now)
     assert put(before, splice.model_dump() if splice else None) == now
+
+
+def test_what_an_edit_takes_elsewhere_is_said_with_the_way_there(follower: Follower) -> None:
+    wrapped = follower.edit(do="wrap", paths=["machine"], kind="timeout", name="late", fields={"seconds": 9})
+    assert set(wrapped["task"]["gone"]) == {"machine", "machine/a", "machine/b"}
+    assert wrapped["task"]["moved"] == {"machine": "late/machine"}  # and what is below it
+    group = [{"do": "rename", "path": "late", "name": "l"}, {"do": "move", "path": "late/machine/b", "parent": "/"}]
+    moved = follower.edit(do="group", commands=[group[1], group[0]])["task"]["moved"]
+    assert moved == {"late": "l", "late/machine/b": "b"}
+    assert follower.edit(do="remove", path="b")["task"]["moved"] == {}
+    back = follower.step("undo")["task"]
+    assert (back["gone"], back["moved"]) == ([], {})
+    assert follower.step("undo")["task"]["moved"] == {"l": "late", "b": "late/machine/b"}

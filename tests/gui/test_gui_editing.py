@@ -88,6 +88,23 @@ def test_a_comment_is_read_and_written_as_an_edit(pen: Pen) -> None:
     assert "can't have the character" in refused["detail"]
 
 
+def test_the_comment_of_the_task_is_that_at_the_top_of_its_file(pen: Pen) -> None:
+    def said() -> Any:
+        answer = pen.client.get("/api/document/comment", params={"path": TINY, "node": ""})
+        assert answer.status_code == 200, answer.text
+        return answer.json()["comment"]
+
+    assert said() == ""
+    pen.edit(do="comment", path="", text="why\n\nit is there")
+    assert pen.view["text"] == "# why\n#\n# it is there\n" + TASK
+    assert said() == "why\n\nit is there"
+    # An edit of a page that is late by that one is still about the task.
+    pen.edit(base=pen.view["revision"] - 1, do="comment", path="", text="else")
+    assert pen.view["text"] == "# else\n" + TASK
+    pen.step("undo")
+    assert pen.step("undo")["text"] == TASK
+
+
 def test_undo_and_redo_give_the_bytes_back(pen: Pen, file: Path) -> None:
     pen.edit(do="remove", path="first")
     pen.edit(do="wrap", paths=["machine"], kind="retry", name="again", fields={"times": 2})

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 from itertools import count
 from secrets import randbelow
 from weakref import WeakKeyDictionary
+
+from grip_bt.graph import join
+from grip_bt.graph.edit import path_after
+from grip_bt.graph.edit.steps import Step
 
 from ..edit_messages import DocumentChange, DocumentView, TaskChange, TextSplice
 from ..messages import NodeView, TaskView
@@ -43,7 +48,7 @@ class Shown:
             states.append(now.model_copy(update={"state": next(self._numbers)}))
         now = now.model_copy(update={"state": states[-1].state})
         before = next((state for state in states if state.state == since and not state.draft), None)
-        return now if before is None or now.draft else _change(before, now)
+        return now if before is None or now.draft else _change(before, now, sheet.steps_since(before.revision))
 
 
 def _alike(one: DocumentView, other: DocumentView) -> bool:
@@ -63,7 +68,7 @@ def _same(node: NodeView, known: NodeView | None) -> NodeView:
     return known if known is not None and known.__dict__ == node.__dict__ else node
 
 
-def _change(before: DocumentView, now: DocumentView) -> DocumentChange:
+def _change(before: DocumentView, now: DocumentView, steps: Sequence[Step]) -> DocumentChange:
     return DocumentChange(
         path=now.path,
         since=before.state,
@@ -74,20 +79,45 @@ def _change(before: DocumentView, now: DocumentView) -> DocumentChange:
         change=now.change,
         history=now.history,
         layout=now.layout if now.layout != before.layout else None,
-        task=_task_change(before.task, now.task),
+        task=_task_change(before.task, now.task, steps),
     )
 
 
-def _task_change(before: TaskView, now: TaskView) -> TaskChange | None:
+def _task_change(before: TaskView, now: TaskView, steps: Sequence[Step] = ()) -> TaskChange | None:
     known = {node.path: node for node in before.nodes}
     there = {node.path for node in now.nodes}
     nodes = [node for node in now.nodes if known.get(node.path) is not node]
     gone = [path for path in known if path not in there]
     variables = None if now.variables == before.variables else now.variables
-    faces = (now.name, now.doc, now.outcomes) == (before.name, before.doc, before.outcomes)
-    if faces and variables is None and not nodes and not gone:
+    same = (now.name, now.doc, now.outcomes) == (before.name, before.doc, before.outcomes)
+    if same and variables is None and not nodes and not gone:
         return None
-    return TaskChange(name=now.name, doc=now.doc, outcomes=now.outcomes, nodes=nodes, gone=gone, variables=variables)
+    moved = _moved(gone, there, steps)
+    return TaskChange(
+        name=now.name,
+        doc=now.doc,
+        outcomes=now.outcomes,
+        nodes=nodes,
+        gone=gone,
+        moved=moved,
+        variables=variables,
+    )
+
+
+def _moved(gone: list[str], there: set[str], steps: Sequence[Step]) -> dict[str, str]:
+    """Return where nodes are that steps have taken elsewhere; parents come first, and take along what is below them."""
+    moved: dict[str, str] = {}
+    along: dict[str, str] = {}
+    for path in gone if steps else ():
+        above, _, name = path.rpartition("/")
+        now: str | None = join(along[above], name) if above in along else None
+        if now not in there:
+            now = path_after(path, steps)
+            if now is None or now not in there:
+                continue
+            moved[path] = now
+        along[path] = now
+    return moved
 
 
 def splice_of(before: str, now: str) -> TextSplice | None:

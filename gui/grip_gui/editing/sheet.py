@@ -269,6 +269,10 @@ class Sheet:
             raise StaleEditError(f"{self.file.name}: revision {base} isn't known here; the page shows the newest now")
         return [past.steps for past in self._past if past.revision > base]
 
+    def steps_since(self, revision: int) -> list[Step]:
+        """Return what edits have done since a revision, as far as that is known."""
+        return [step for past in self._past if past.revision > revision for step in past.steps]
+
     def _enter(self, steps: tuple[Step, ...], layout: Layout) -> None:
         """Note that the document has changed; a moment whose layout isn't known gets this one."""
         assert self.history is not None

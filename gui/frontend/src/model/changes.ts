@@ -46,3 +46,15 @@ function inOrder(byPath: ReadonlyMap<string, NodeView>): NodeView[] {
 function stillThere(problems: readonly Problem[], byPath: ReadonlyMap<string, NodeView>): Problem[] {
   return problems.filter(({ path }) => path === "" || byPath.has(path));
 }
+
+/** Where a node is after a change: what is below one that was moved has moved with it. */
+export function whereNow(path: string, known: ReadonlyMap<string, unknown>, moved: Readonly<Record<string, string>>): string {
+  if (known.has(path)) return path;
+  for (let above: string | null = path, below = ""; above !== null; below = path.slice((above ?? "").length)) {
+    const to = moved[above];
+    const now = to === undefined ? undefined : to === "/" && below !== "" ? below.slice(1) : to + below;
+    if (now !== undefined && known.has(now)) return now;
+    above = above.includes("/") ? above.slice(0, above.lastIndexOf("/")) : null;
+  }
+  return path;
+}

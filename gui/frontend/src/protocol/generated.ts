@@ -31,7 +31,7 @@ export interface CloudView {
   of: number;
 }
 
-/** What the comment of a node says in the file; empty where it has none, None where the node has just gone. */
+/** What the comment of a node or of the task says in the file; empty for none, None where the node has just gone. */
 export interface CommentView {
   revision: number;
   node: string;
@@ -809,6 +809,7 @@ export interface TaskChange {
   outcomes: Record<string, "success" | "failure">;
   nodes: NodeView[];
   gone: string[];
+  moved: Record<string, string>;
   variables: VariableView[] | null;
 }
 

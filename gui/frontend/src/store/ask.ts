@@ -1,6 +1,8 @@
 /** Questions to the person: one at a time, answered in a dialog; null when it is closed without an answer. */
 import { create } from "zustand";
 
+import { FEW } from "../model/choices";
+
 export interface Option {
   readonly value: string;
   readonly label: string;
@@ -25,11 +27,16 @@ export interface ChoiceQuestion {
   readonly title: string;
   readonly label: string;
   readonly options: readonly Option[];
+  /** Whether typing looks for something, however few there are. */
+  readonly search?: boolean;
   /** Said above the list. */
   readonly lead?: string;
   /** Texts that are shown side by side above the list. */
   readonly columns?: readonly { readonly title: string; readonly lines: readonly string[] }[];
 }
+
+/** Whether a choice is made among buttons; where what is offered is searched, it never is. */
+export const isFew = ({ options, search }: Pick<ChoiceQuestion, "options" | "search">): boolean => !search && options.length <= FEW;
 
 export type Question = TextQuestion | ChoiceQuestion;
 

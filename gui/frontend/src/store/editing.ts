@@ -1,6 +1,6 @@
 /** What edits do: each goes to the server, one after the other, and its answer is the new state. */
 import type { Command } from "../model/commands";
-import { changed } from "../model/changes";
+import { changed, whereNow } from "../model/changes";
 import { type Answer, RefusedError, server } from "../protocol/client";
 import type { DocumentView, PinWish } from "../protocol/generated";
 import { type Conflict, useDocument } from "./document";
@@ -34,23 +34,30 @@ export function take(answer: Answer): void {
   const { record, task, showTask } = useRun.getState();
   if (record !== null) return;
   if (task !== view.task) showTask(view.task);
-  keepSelection();
+  keepSelection(answer.type === "change" ? (answer.task?.moved ?? {}) : {});
   if (!view.checked) loadProblems();
   loadForms();
 }
 
-/** Selection and place of a task whose nodes have changed: what is gone gives way to what is above it. */
-function keepSelection(): void {
+/** Selection and place of a task whose nodes have changed: they follow what was moved; what is gone gives way to what is above it. */
+function keepSelection(moved: Readonly<Record<string, string>>): void {
   const known = useRun.getState().index.byPath;
-  const { selected, marked, container } = usePage.getState();
+  const { selected, marked, container, closed, opened } = usePage.getState();
   const near = (path: string): string => {
-    let at = path;
+    let at = whereNow(path, known, moved);
     while (at !== "/" && !known.has(at)) at = at.includes("/") ? at.slice(0, at.lastIndexOf("/")) : "/";
     return at;
   };
-  if (selected !== null && !known.has(selected)) usePage.setState({ selected: near(selected), marked: new Set([near(selected)]) });
-  else if ([...marked].some((path) => !known.has(path))) usePage.setState({ marked: new Set([...marked].filter((path) => known.has(path))) });
+  const followed = (paths: ReadonlySet<string>): Set<string> => new Set([...paths].map((path) => whereNow(path, known, moved)));
+  const gone = (paths: ReadonlySet<string>): boolean => [...paths].some((path) => !known.has(path));
+  if (selected !== null && gone(marked)) {
+    const there = [...followed(marked)].filter((path) => known.has(path));
+    usePage.setState({ selected: near(selected), marked: new Set([...there, near(selected)]) });
+  }
   if (!known.has(container)) usePage.setState({ container: near(container) });
+  if (Object.keys(moved).length === 0) return;
+  if (gone(closed)) usePage.setState({ closed: followed(closed) });
+  if (gone(opened)) usePage.setState({ opened: followed(opened) });
 }
 
 /** What takes a refusal over, so that it isn't told as trouble; false where it doesn't. */
@@ -97,18 +104,17 @@ export async function edit(command: Command | (() => Command), select?: string |
     useRun.getState().setTrouble("What is shown is the record of a run; go back to the task to edit it.");
     return false;
   }
-  const before = usePage.getState().selected;
+  const { picks } = usePage.getState();
   const done = await send(
     ({ path, revision, state }) => server.edit({ path, base: revision, command: typeof command === "function" ? command() : command }, state),
     undefined,
     taken,
   );
   // Who has turned to another node meanwhile stays there.
-  const stayed = usePage.getState().selected === before || !useRun.getState().index.byPath.has(before ?? "");
-  if (done && select !== undefined && stayed) {
+  if (done && select !== undefined && usePage.getState().picks === picks) {
     const known = useRun.getState().index.byPath;
     const paths = (typeof select === "string" ? [select] : select).filter((path) => known.has(path));
-    if (paths.length > 0) usePage.getState().markAll(paths);
+    if (paths.length > 0) usePage.getState().settle(paths);
   }
   if (done && said) useDocument.getState().say(said);
   return done;

@@ -23,6 +23,8 @@ export interface PageStore {
   readonly selected: string | null;
   /** All nodes that are selected, the one with the focus among them. */
   readonly marked: ReadonlySet<string>;
+  /** How often the person has selected something; what comes of an edit isn't counted. */
+  readonly picks: number;
   readonly closed: ReadonlySet<string>;
   readonly follow: boolean;
   readonly view: ViewName;
@@ -41,6 +43,8 @@ export interface PageStore {
   /** Add a node to the selection, or take it out. */
   mark(path: string): void;
   markAll(paths: Iterable<string>): void;
+  /** Select what an edit has made. */
+  settle(paths: Iterable<string>): void;
   setClosed(path: string, closed: boolean): void;
   setFollow(follow: boolean): void;
   setView(view: ViewName): void;
@@ -55,6 +59,7 @@ export interface PageStore {
 export const usePage = create<PageStore>()((set) => ({
   selected: null,
   marked: new Set(),
+  picks: 0,
   closed: new Set(),
   follow: true,
   view: "tree",
@@ -65,19 +70,17 @@ export const usePage = create<PageStore>()((set) => ({
   foot: "problems",
   lens: null,
   room: "task",
-  select: (selected) => set(({ closed }) => ({ selected, marked: new Set(selected === null ? [] : [selected]), closed: opened(closed, selected === null ? [] : [selected]) })),
+  select: (selected) => set(({ closed, picks }) => ({ picks: picks + 1, selected, marked: new Set(selected === null ? [] : [selected]), closed: opened(closed, selected === null ? [] : [selected]) })),
   mark: (path) =>
-    set(({ marked, selected }) => {
+    set(({ marked, selected, picks }) => {
       const next = new Set(marked);
       if (next.has(path) && next.size > 1) next.delete(path);
       else next.add(path);
       const focus = next.has(path) ? path : selected !== null && next.has(selected) ? selected : [...next][0];
-      return { marked: next, selected: focus ?? null };
+      return { picks: picks + 1, marked: next, selected: focus ?? null };
     }),
-  markAll: (paths) => {
-    const marked = new Set(paths);
-    set(({ closed }) => ({ marked, selected: [...marked].at(-1) ?? null, closed: opened(closed, marked) }));
-  },
+  markAll: (paths) => set((state) => ({ picks: state.picks + 1, ...all(state.closed, paths) })),
+  settle: (paths) => set((state) => all(state.closed, paths)),
   setClosed: (path, closed) =>
     set((state) => {
       const next = new Set(state.closed);
@@ -102,3 +105,9 @@ export const usePage = create<PageStore>()((set) => ({
   setLens: (lens) => set({ lens }),
   setRoom: (room) => set({ room }),
 }));
+
+/** Several nodes as the selection, the last with the focus. */
+function all(closed: ReadonlySet<string>, paths: Iterable<string>): Pick<PageStore, "marked" | "selected" | "closed"> {
+  const marked = new Set(paths);
+  return { marked, selected: [...marked].at(-1) ?? null, closed: opened(closed, marked) };
+}

@@ -25,7 +25,7 @@ async function controlling(work: () => Promise<unknown>): Promise<void> {
 async function askToTakeOver(): Promise<boolean> {
   const options = [
     { value: "take", label: "Take over control", mark: "" },
-    { value: "look", label: "Look on", mark: "" },
+    { value: "no", label: "Look on", mark: "" },
   ];
   return (await askChoice({ title: "Another page holds control", label: "It starts, pauses and steps runs. STOP always works.", options })) === "take";
 }

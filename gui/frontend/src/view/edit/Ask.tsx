@@ -1,8 +1,9 @@
-/** The dialog of the question that is open: a text, or a choice from a list that is filtered while typing. */
+/** The dialog of the question that is open: a text, a few buttons, or a choice from a list that is filtered while typing. */
 import { type JSX, type KeyboardEvent, useEffect, useId, useMemo, useRef, useState } from "react";
 
 import { matching } from "../../model/search";
-import { type ChoiceQuestion, type TextQuestion, useAsk } from "../../store/ask";
+import { type ChoiceQuestion, isFew, type TextQuestion, useAsk } from "../../store/ask";
+import { FewChoices } from "./FewChoices";
 
 /** Most options that are listed; typing finds the others. */
 const SHOWN = 100;
@@ -16,7 +17,7 @@ export function Ask(): JSX.Element | null {
     if (!question) return;
     const before = document.activeElement;
     if (!dialog.current?.open) dialog.current?.showModal();
-    dialog.current?.querySelector("input")?.focus();
+    dialog.current?.querySelector<HTMLElement>("input, [role=group] button")?.focus();
     return () => {
       if (before instanceof HTMLElement && before.isConnected) before.focus();
     };
@@ -28,7 +29,7 @@ export function Ask(): JSX.Element | null {
       }}
     >
       <h2 id={title}>{question.title}</h2>
-      {question.kind === "text" ? <TextForm key={question.title} question={question} answer={answer} /> : <Chooser key={question.title} question={question} answer={answer} />}
+      {question.kind === "text" ? <TextForm key={question.title} question={question} answer={answer} /> : <Choice key={question.title} question={question} answer={answer} />}
     </dialog>
   );
 }
@@ -64,6 +65,27 @@ function TextForm({ question, answer }: { question: TextQuestion; answer: (text:
   );
 }
 
+function Choice({ question, answer }: { question: ChoiceQuestion; answer: (value: string | null) => void }): JSX.Element {
+  return (
+    <>
+      {question.lead && <p>{question.lead}</p>}
+      {question.columns && (
+        <div className="ask-columns">
+          {question.columns.map((column) => (
+            <figure key={column.title}>
+              <figcaption>{column.title}</figcaption>
+              <pre tabIndex={0} aria-label={column.title}>
+                {column.lines.join("\n")}
+              </pre>
+            </figure>
+          ))}
+        </div>
+      )}
+      {isFew(question) ? <FewChoices question={question} answer={answer} /> : <Chooser question={question} answer={answer} />}
+    </>
+  );
+}
+
 function Chooser({ question, answer }: { question: ChoiceQuestion; answer: (value: string | null) => void }): JSX.Element {
   const [text, setText] = useState("");
   const [at, setAt] = useState(0);
@@ -89,19 +111,6 @@ function Chooser({ question, answer }: { question: ChoiceQuestion; answer: (valu
 
   return (
     <div className="chooser">
-      {question.lead && <p>{question.lead}</p>}
-      {question.columns && (
-        <div className="ask-columns">
-          {question.columns.map((column) => (
-            <figure key={column.title}>
-              <figcaption>{column.title}</figcaption>
-              <pre tabIndex={0} aria-label={column.title}>
-                {column.lines.join("\n")}
-              </pre>
-            </figure>
-          ))}
-        </div>
-      )}
       <label htmlFor={id}>{question.label}</label>
       <input
         id={id}

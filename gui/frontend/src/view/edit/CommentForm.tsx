@@ -1,4 +1,4 @@
-/** The comment of a node in its file, which drawings and runs don't show. */
+/** The comment of a node in its file, or that of the task at its top, which drawings and runs don't show. */
 import { type JSX, useEffect, useState } from "react";
 
 import { server } from "../../protocol/client";
@@ -32,10 +32,10 @@ export function CommentForm({ path }: { path: string }): JSX.Element {
   }, [task, revision, path]);
   return (
     <ValueField
-      label="Comment in the file"
+      label={path === "" ? "Comment at the top of the file" : "Comment in the file"}
       value={known || undefined}
       type="text"
-      lines={2}
+      lines={path === "" ? 3 : 2}
       doc="For whoever edits the file; drawings and runs show the documentation."
       disabled={draft || known === null}
       set={(text) => void edit({ do: "comment", path, text: String(text ?? "") })}

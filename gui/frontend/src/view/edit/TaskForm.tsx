@@ -5,6 +5,7 @@ import { askChoice, askText } from "../../store/ask";
 import { edit } from "../../store/editing";
 import { nameCheck } from "../../store/gestures";
 import { useRun } from "../../store/run";
+import { CommentForm } from "./CommentForm";
 import { ValueField } from "./fields";
 import { PortsForm } from "./PortsForm";
 import { VariablesForm } from "./VariablesForm";
@@ -15,6 +16,7 @@ export function TaskForm({ locked }: { locked: boolean }): JSX.Element {
     <>
       <h3>The task</h3>
       <ValueField label="What it is for" value={task.doc || undefined} type="text" lines={2} disabled={locked} set={(value) => void edit(value === undefined ? { do: "unset", path: "", key: ["doc"] } : { do: "set", path: "", key: ["doc"], value })} />
+      {!locked && <CommentForm path="" />}
       <ul className="form-list">
         {Object.entries(task.outcomes).map(([name, meaning]) => (
           <li key={name}>
