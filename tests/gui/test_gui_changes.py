@@ -6,9 +6,9 @@ from random import Random
 from typing import Any
 
 import pytest
-from conftest import TASK
 from hypothesis import given
 from hypothesis import strategies as st
+from played import TASK
 from starlette.testclient import TestClient
 
 from grip_gui.editing.changes import KEPT, splice_of

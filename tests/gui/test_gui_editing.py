@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from conftest import BASE, TASK, PlayedLauncher
+from played import BASE, TASK, PlayedLauncher
 from starlette.testclient import TestClient
 
 from grip_gui.application import create_app

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from conftest import BASE, PlayedLauncher, TestClient
 from fastapi.routing import APIRoute
+from played import BASE, PlayedLauncher, TestClient
 from pydantic import BaseModel
 
 from grip_gui.application import create_app

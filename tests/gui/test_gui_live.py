@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from conftest import TASK, TestClient
+from played import TASK, TestClient
 from test_gui_e2e import SCENARIO, browser, editing
 
 from grip_bt.app.domain import own_domain

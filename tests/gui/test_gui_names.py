@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from conftest import TestClient
+from played import TestClient
 
 from grip_gui.setup.names import names_of
 

@@ -6,7 +6,7 @@ from collections import Counter
 from typing import Any
 
 import pytest
-from conftest import SOCKET, TestClient
+from played import SOCKET, TestClient
 
 from grip_gui.presence import COLOURS, REMEMBERED, Presence
 from grip_gui.run_messages import Introduce, Selection

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from conftest import TestClient
+from played import TestClient
 
 from grip_bt.catalog import Catalog, Manifest
 from grip_bt.errors import UnknownNameError

@@ -9,7 +9,7 @@ from pathlib import Path
 from random import Random
 
 import pytest
-from conftest import TASK
+from played import TASK
 from random_edits import random_command, random_typing
 from test_gui_e2e import browser, editing
 

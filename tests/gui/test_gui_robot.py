@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import TASK, TestClient
 from fastapi import FastAPI
+from played import TASK, TestClient
 from test_gui_e2e import SCENARIO, browser, editing
 
 from grip_bt.app.motion_bodies import FINE, Bodies, coarse

@@ -6,7 +6,7 @@ import logging
 from pathlib import Path
 
 import pytest
-from conftest import BASE, SOCKET, TestClient
+from played import BASE, SOCKET, TestClient
 from starlette.websockets import WebSocketDisconnect
 
 from grip_gui.application import create_app

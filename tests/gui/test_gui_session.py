@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from conftest import BASE, EVENTS, SOCKET, PlayedLauncher, TestClient, record
+from played import BASE, EVENTS, SOCKET, PlayedLauncher, TestClient, record
 from starlette.websockets import WebSocketDisconnect
 
 from grip_bt.runtime import JournalError

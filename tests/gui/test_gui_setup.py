@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from conftest import TASK, TestClient
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from played import TASK, TestClient
 
 from grip_bt.runtime import Journal
 from grip_bt.runtime.run_log import Noted

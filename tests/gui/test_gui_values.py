@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import TASK, TestClient
 from numpy.typing import NDArray
+from played import TASK, TestClient
 
 from grip_bt.runtime import Journal
 from grip_bt.runtime.run_log import Noted
