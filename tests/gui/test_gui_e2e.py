@@ -174,6 +174,7 @@ def test_the_page_in_a_browser(folder: Path, script: str) -> None:
         "forms.mjs",
         "nested_flow.mjs",
         "near.mjs",
+        "in_sight.mjs",
         "edit_while_paused.mjs",
     ],
 )

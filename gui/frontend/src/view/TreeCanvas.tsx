@@ -113,7 +113,7 @@ function Whole({ boxes, begun }: { boxes: ReadonlyMap<string, Box>; begun: boole
 
 /** Keeps the running leaf in sight, and brings a node that was selected elsewhere into sight. */
 function Follower({ boxes, begun }: { boxes: ReadonlyMap<string, Box>; begun: boolean }): null {
-  const { setCenter, getZoom, getViewport } = useReactFlow();
+  const { setCenter, setViewport, getZoom, getViewport } = useReactFlow();
   const width = useStore((s) => s.width);
   const height = useStore((s) => s.height);
   const follow = usePage((s) => s.follow);
@@ -126,12 +126,20 @@ function Follower({ boxes, begun }: { boxes: ReadonlyMap<string, Box>; begun: bo
     if (!box || (readable && isInSight(box, getViewport(), width, height))) return;
     void setCenter(...centre(box), { zoom: Math.max(getZoom(), READABLE_ZOOM), duration: pace() });
   }, [target, boxes, setCenter, getZoom, getViewport, width, height]);
+  const seen = useRef({ selected, width, height });
   useEffect(() => {
     const box = selected ? boxes.get(selected) : undefined;
-    // What is shown at first is found before; then comes the node that was selected in another view.
-    if (!begun || !box || selected === "/" || isInSight(box, getViewport(), width, height)) return;
-    void setCenter(...centre(box), { zoom: getZoom(), duration: pace() });
-  }, [selected, boxes, begun, setCenter, getZoom, getViewport, width, height]);
+    const before = seen.current;
+    const resized = begun && (before.width !== width || before.height !== height);
+    if (begun) seen.current = { selected, width, height };
+    // What is shown at first is found before; then comes the node that was selected in another view. The root, which is
+    // selected until something else is, is looked for only when somebody goes to it, or a pane beside this one comes or goes.
+    if (!begun || !box || (selected === "/" && before.selected === "/" && !resized)) return;
+    // A motion that is under way leads to where the middle was.
+    if (resized) void setViewport(getViewport());
+    if (isInSight(box, getViewport(), width, height)) return;
+    void setCenter(...centre(box), { zoom: getZoom(), duration: resized ? 0 : pace() });
+  }, [selected, boxes, begun, setCenter, setViewport, getZoom, getViewport, width, height]);
   return null;
 }
 

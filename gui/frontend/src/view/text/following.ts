@@ -1,5 +1,5 @@
 /** One selection for drawings and text: the cursor selects the node that it is in, and a selected node's line is shown. */
-import { StateEffect, StateField } from "@codemirror/state";
+import { EditorSelection, StateEffect, StateField } from "@codemirror/state";
 import { Decoration, type DecorationSet, EditorView } from "@codemirror/view";
 
 import { server } from "../../protocol/client";
@@ -37,11 +37,23 @@ export function followSelection(view: EditorView, isDirty: () => boolean): () =>
     show(usePage.getState().selected, false);
   }
 
-  function show(path: string | null, scroll: boolean): void {
+  function startOf(path: string | null): number | null {
     const number = path === null ? undefined : lines[path];
-    if (number === undefined || number > view.state.doc.lines) return;
-    const { from } = view.state.doc.line(number);
+    return number === undefined || number > view.state.doc.lines ? null : view.state.doc.line(number).from;
+  }
+
+  function show(path: string | null, scroll: boolean): void {
+    const from = startOf(path);
+    if (from === null) return;
     view.dispatch({ effects: [setMark.of(from), ...(scroll ? [EditorView.scrollIntoView(from, { y: "center" })] : [])] });
+  }
+
+  /** A pane beside this one has come or gone: lines are wrapped elsewhere, and what is looked at stays in sight. */
+  function keepInSight(): void {
+    const at = view.hasFocus ? view.state.selection.main.head : startOf(usePage.getState().selected);
+    if (at === null) return;
+    const { from, to } = view.state.doc.lineAt(at);
+    view.dispatch({ effects: EditorView.scrollIntoView(EditorSelection.range(to, from), { y: "nearest", yMargin: 20 }) });
   }
 
   function selectAtCursor(): void {
@@ -54,7 +66,14 @@ export function followSelection(view: EditorView, isDirty: () => boolean): () =>
 
   view.dom.addEventListener("keyup", selectAtCursor);
   view.dom.addEventListener("mouseup", selectAtCursor);
+  let width = view.dom.clientWidth;
+  const sized = new ResizeObserver(() => {
+    if (view.dom.clientWidth !== width && width > 0) keepInSight();
+    width = view.dom.clientWidth || width;
+  });
+  sized.observe(view.dom);
   const stops = [
+    () => sized.disconnect(),
     useDocument.subscribe(() => void load()),
     usePage.subscribe((now, before) => {
       if (now.selected !== before.selected) show(now.selected, !view.hasFocus);
