@@ -137,7 +137,7 @@ def test_environment_of_the_shell_defaults_and_nested_logic(tmp_path, monkeypatc
     ("text", "reason"),
     [
         ("<launch><nodes/></launch>", ":1: <nodes> isn't understood here; did you mean 'node'"),
-        ('<launch>\n<node pkg="a" exe="b"/></launch>', ":2: <node>: the attribute 'exe' isn't understood here; did"),
+        ('<launch>\n<node pkg="a" exe="b"/></launch>', ":2: <node>: the attribute 'exe' isn't understood here; write 'ex"),
         ('<launch><node pkg="nope" exec="b"/></launch>', "no ROS package 'nope' here"),
         ('<launch><node pkg="arm_driver" exec="drive"/></launch>', "no program 'drive'; did you mean 'driver'"),
         ('<launch><executable cmd="echo $(var nam)"/><arg name="name" default=""/></launch>', "no such argument"),
@@ -145,7 +145,7 @@ def test_environment_of_the_shell_defaults_and_nested_logic(tmp_path, monkeypatc
         ('<launch><executable cmd="echo $(command ls)"/></launch>', r"\$\(command ...\) isn't run here"),
         ('<launch><executable cmd="echo $(var a"/></launch>', "closing bracket is missing"),
         ('<launch><arg name="robot"/></launch>', "the argument 'robot' is needed: robot:=VALUE"),
-        ('<launch><executable cmd="x" if="maybe"/></launch>', "a condition is true, false, 1 or 0, not 'maybe'"),
+        ('<launch><executable cmd="x" if="maybe"/></launch>', "`if` is true, false, 1 or 0, not 'maybe'"),
         ('<launch><include file="gone.launch.xml"/></launch>', "gone.launch.xml"),
         ('<launch><node pkg="arm_driver" exec="driver"><param from="gone.yaml"/></node></launch>', "no file gone.yaml"),
         ("<launch><executable></launch>", "isn't well-formed XML: mismatched tag"),

@@ -12,11 +12,25 @@ from grip_bt.graph.document import read_file
 from grip_bt.graph.syntax import Listing, Mapping, Scalar, Value, parse, plain
 
 from .errors import LaunchError
+from .mistakes import form, given_as
 
 DEEPEST = 50
 """Elements in elements; what launch files need is a handful."""
 _MANY = {"param", "remap", "env", "arg", "let", "choice", "composable_node", "extra_arg"}
 """Keys of YAML whose list holds sub-elements."""
+
+
+_ON_GROUPS = ("launch", "group")
+"""Tags that hold a list of elements in YAML."""
+_LISTS = ("value", "default")
+"""Keys of YAML that may hold a list of values."""
+_BROKEN = {
+    expat.errors.codes[expat.errors.XML_ERROR_INVALID_TOKEN]: (
+        '; each attribute is NAME="VALUE" in quotation marks, and in it & is written &amp;, < is written &lt;'
+    ),
+    expat.errors.codes[expat.errors.XML_ERROR_JUNK_AFTER_DOC_ELEMENT]: "; all of it stands in one <launch>",
+    expat.errors.codes[expat.errors.XML_ERROR_NO_ELEMENTS]: "; it begins with <launch> and ends with </launch>",
+}
 
 
 @dataclass
@@ -70,7 +84,7 @@ def _from_xml(text: str, source: str) -> Element:
     try:
         parser.Parse(text.encode(), True)
     except expat.ExpatError as error:
-        reason = f"isn't well-formed XML: {expat.errors.messages[error.code]}"
+        reason = f"isn't well-formed XML: {expat.errors.messages[error.code]}{_BROKEN.get(error.code, '')}"
         raise LaunchError(source, error.lineno, reason) from None
     (top,) = root.children
     if top.tag != "launch":
@@ -81,7 +95,11 @@ def _from_xml(text: str, source: str) -> Element:
 def _from_yaml(text: str, source: str) -> Element:
     tree = parse(text, source)
     if not isinstance(tree, Mapping) or list(tree.entries) != ["launch"]:
-        raise LaunchError(source, 1, "a launch file in YAML holds the one key `launch`, with a list")
+        raise LaunchError(
+            source,
+            1,
+            "a launch file in YAML holds the one key `launch`, with a list, such as `- node: {pkg: P, exec: X}`",
+        )
     root = Element("launch", {}, line=tree.entries["launch"].line)
     root.children = list(_listed(tree.entries["launch"].value, source))
     return root
@@ -89,24 +107,29 @@ def _from_yaml(text: str, source: str) -> Element:
 
 def _listed(value: Value, source: str) -> Iterator[Element]:
     if not isinstance(value, Listing):
-        raise LaunchError(source, value.line, "a list of `- tag: {...}` is expected")
+        raise LaunchError(
+            source, value.line, "a list of `- tag: {...}` is expected, such as `- node: {pkg: P, exec: X}`"
+        )
     for item in value.entries:
         inner = item.value
         if not isinstance(inner, Mapping) or len(inner.entries) != 1:
-            raise LaunchError(source, item.line, "each item is one `tag: {...}`")
+            reason = "each item is one `tag: {...}`, such as `- node: {pkg: P, exec: X}`"
+            raise LaunchError(source, item.line, f"{reason}; what belongs to it is indented further")
         ((tag, entry),) = inner.entries.items()
         yield _tagged(tag, entry.value, entry.line, source)
 
 
 def _tagged(tag: str, value: Value, line: int, source: str) -> Element:
     element = Element(tag, {}, line=line)
-    if isinstance(value, Listing):  # a group is a list of what is in it
+    if isinstance(value, Listing) and tag in _ON_GROUPS:  # a group is a list of what is in it
         element.children = list(_listed(value, source))
     elif isinstance(value, Mapping):
         for key, entry in value.entries.items():
             _add(element, key, entry.value, entry.line, source)
     else:
-        raise LaunchError(source, line, f"`{tag}` holds a mapping or a list")
+        how = form(tag, yaml=True)
+        without = " without dashes" if isinstance(value, Listing) else ""
+        raise LaunchError(source, line, f"`{tag}` holds a mapping{without}{f', such as {how}' if how else ''}")
     return element
 
 
@@ -119,10 +142,12 @@ def _add(element: Element, key: str, value: Value, line: int, source: str) -> No
     elif isinstance(value, Listing) and key in _MANY:
         for item in value.entries:
             element.children.append(_tagged(key, item.value, item.line, source))
-    elif isinstance(value, Listing) and all(isinstance(item.value, Scalar) for item in value.entries):
+    elif isinstance(value, Listing) and key in _LISTS and all(isinstance(i.value, Scalar) for i in value.entries):
         element.attributes[key] = "[" + ", ".join(text_of(word) for word in plain(value)) + "]"
     else:
-        raise LaunchError(source, line, f"`{element.tag}`: `{key}` can't be given like this")
+        raise LaunchError(
+            source, line, f"`{element.tag}`: `{key}` can't be given like this{given_as(element.tag, key)}"
+        )
 
 
 def text_of(value: object) -> str:

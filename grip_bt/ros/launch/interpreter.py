@@ -14,6 +14,7 @@ from ..packages import PackageError, executable_of
 from .element import Element, read_elements
 from .errors import LaunchError
 from .legacy import check_not_legacy
+from .mistakes import about_attributes, about_tag, form
 from .model import Argument, Launch, LaunchedProcess, LaunchEvent, Scope, joined
 from .parameters import parameters_of
 from .python_draft import in_python
@@ -97,7 +98,8 @@ class _Reader:
                 if element.tag in _COMPOSED:
                     raise self._place(element, scope).error(f"<{element.tag}> isn't understood here: {_CONTAINERS}")
                 known = listing(sorted(_HANDLERS))
-                reason = f"<{element.tag}> isn't understood here{nearest(element.tag, _HANDLERS)} (what is: {known})"
+                instead = about_tag(element.tag, "launch", _HANDLERS, self._in_yaml)
+                reason = f"<{element.tag}> isn't understood here{instead} (what is: {known})"
                 raise self._place(element, scope).error(
                     f"{reason}; with ROS's own tools on the path, files are run by `ros2 launch`"
                 )
@@ -109,28 +111,60 @@ class _Reader:
 
     def _holds(self, element: Element, scope: Scope) -> bool:
         """Tell whether the element's conditions hold, after a look at its attributes."""
-        allowed = _HANDLERS[element.tag][1] | _CONDITIONS
+        self._check(element, scope, _HANDLERS[element.tag][1] | _CONDITIONS)
         place = self._place(element, scope)
-        for name in element.attributes:
-            if name not in allowed:
-                hint = nearest(name, allowed)
-                known = listing(sorted(allowed))
-                raise place.error(
-                    f"<{element.tag}>: the attribute {name!r} isn't understood here{hint} (what is: {known})"
-                )
-        for child in element.children:
-            if element.tag not in _OF_ELEMENTS and child.tag not in _INNER.get(element.tag, frozenset()):
-                raise self._place(child, scope).error(f"<{child.tag}> can't stand in <{element.tag}> here")
         if_, unless = element.attributes.get("if"), element.attributes.get("unless")
-        return (if_ is None or truth(if_, place)) and (unless is None or not truth(unless, place))
+        holds = if_ is None or truth(if_, place, "`if`")
+        return holds and (unless is None or not truth(unless, place, "`unless`"))
+
+    def _check(self, element: Element, scope: Scope, allowed: set[str]) -> None:
+        """Refuse attributes that aren't understood, of the element and of those that stand in it."""
+        place = self._place(element, scope)
+        wrong = [name for name in element.attributes if name not in allowed]
+        if wrong:
+            raise place.error(f"<{element.tag}>: {about_attributes(element.tag, wrong, allowed, self._in_yaml)}")
+        if element.tag in _OF_ELEMENTS:
+            return
+        inner = _INNER.get(element.tag, {})
+        for child in element.children:
+            if child.tag not in inner:
+                instead = about_tag(child.tag, element.tag, inner, self._in_yaml)
+                raise self._place(child, scope).error(f"<{child.tag}> can't stand in <{element.tag}> here{instead}")
+            self._check(child, scope, inner[child.tag])
+
+    @property
+    def _in_yaml(self) -> bool:
+        return self._files[-1].suffix in (".yaml", ".yml")
 
     def _text(self, element: Element, scope: Scope, name: str, default: str | None = None) -> str:
         """Return an attribute with its substitutions made."""
         if name not in element.attributes:
             if default is None:
-                raise self._place(element, scope).error(f"<{element.tag}> needs the attribute {name!r}")
+                how = form(element.tag, self._in_yaml, given=element.tag == "arg" and name == "value")
+                like = f", such as {how}" if how else ""
+                raise self._place(element, scope).error(f"<{element.tag}> needs the attribute {name!r}{like}")
             return default
         return substitute(element.attributes[name], self._place(element, scope))
+
+    def _flag(self, element: Element, scope: Scope, name: str, default: str | None = None) -> bool:
+        """Return the truth value of an attribute."""
+        return truth(self._text(element, scope, name, default), self._place(element, scope), f"`{name}`")
+
+    def _words(self, element: Element, scope: Scope, name: str, default: str | None = None) -> list[str]:
+        """Return the words of an attribute, as a shell splits them."""
+        said = self._text(element, scope, name, default)
+        try:
+            return shlex.split(said)
+        except ValueError:
+            raise self._place(element, scope).error(f"{name}: a quotation mark is missing in {said!r}") from None
+
+    def _one_of(self, element: Element, scope: Scope, name: str, default: str, allowed: Sequence[str]) -> str:
+        """Return an attribute that has one of a few values."""
+        said = self._text(element, scope, name, default)
+        if said.lower() not in allowed:
+            reason = f"{name} is one of {listing(allowed)}, not {said!r}{nearest(said, allowed)}"
+            raise self._place(element, scope).error(reason)
+        return said.lower()
 
     # --- elements ---
 
@@ -173,7 +207,7 @@ class _Reader:
         place = self._place(element, scope)
         present = None if name in scope.unset else place.env.get(name)
         if present is not None:
-            first = truth(element.attributes.get("prepend", "false"), place)
+            first = self._flag(element, scope, "prepend", "false")
             value = self._text(element, scope, "separator", os.pathsep).join(
                 (value, present) if first else (present, value)
             )
@@ -188,7 +222,7 @@ class _Reader:
 
     def _log(self, element: Element, scope: Scope) -> None:
         said = self._text(element, scope, "message")
-        level = self._text(element, scope, "level", element.tag.removeprefix("log").strip("_") or "info").lower()
+        level = self._one_of(element, scope, "level", element.tag.removeprefix("log").strip("_") or "info", _LEVELS)
         self.launch.events.append(LaunchEvent(said if level == "info" else f"{level}: {said}", scope.after))
 
     def _shutdown(self, element: Element, scope: Scope) -> None:
@@ -222,17 +256,21 @@ class _Reader:
         scope.parameters = (*scope.parameters, "--params-file", str(file))
 
     def _set_use_sim_time(self, element: Element, scope: Scope) -> None:
-        value = truth(self._text(element, scope, "value"), self._place(element, scope))
+        value = self._flag(element, scope, "value")
         scope.parameters = (*scope.parameters, "-p", f"use_sim_time:={str(value).lower()}")
 
     def _group(self, element: Element, scope: Scope) -> None:
-        scoped = truth(element.attributes.get("scoped", "true"), self._place(element, scope))
+        scoped = self._flag(element, scope, "scoped", "true")
         self._all(element.children, scope.copy() if scoped else scope)
 
     def _include(self, element: Element, scope: Scope) -> None:
         file = Path(self._text(element, scope, "file"))
         if not file.is_absolute():
             file = self._files[-1].parent / file
+        if not file.is_file():
+            there = sorted(f.name for f in file.parent.glob("*") if ".launch" in f.name or f.suffix in _LAUNCH_FILES)
+            reason = f"<include>: there is no file {file}{nearest(file.name, there)}"
+            raise self._place(element, scope).error(f"{reason} (launch files there: {listing(there)})")
         inner = [*element.of("arg"), *element.of("let")]
         given = {self._text(a, scope, "name"): self._text(a, scope, "value") for a in inner}
         try:
@@ -262,26 +300,27 @@ class _Reader:
         ros += scope.parameters
         for parameter in element.of("param"):
             ros += parameters_of(parameter, lambda e, n, d=None: self._text(e, scope, n, d), place)
-        ros += shlex.split(self._text(element, scope, "ros_args", ""))
-        words = shlex.split(self._text(element, scope, "args", ""))
+        ros += self._words(element, scope, "ros_args", "")
+        words = self._words(element, scope, "args", "")
         command = [file, *words, *(["--ros-args", *ros] if ros else [])]
         self._start(element, scope, command, name or program)
 
     def _executable(self, element: Element, scope: Scope) -> None:
-        words = shlex.split(self._text(element, scope, "cmd"))
+        words = self._words(element, scope, "cmd")
         if not words:
             raise self._place(element, scope).error("<executable>: `cmd` is empty")
-        if truth(self._text(element, scope, "shell", "false"), self._place(element, scope)):
+        if self._flag(element, scope, "shell", "false"):
             words = ["/bin/sh", "-c", self._text(element, scope, "cmd")]
         self._start(element, scope, words, self._text(element, scope, "name", Path(words[0]).stem))
 
     def _start(self, element: Element, scope: Scope, command: list[str], name: str) -> None:
         place = self._place(element, scope)
-        prefix = shlex.split(self._text(element, scope, "launch-prefix", ""))
+        prefix = self._words(element, scope, "launch-prefix", "")
         env = {**scope.env, **{self._text(e, scope, "name"): self._text(e, scope, "value") for e in element.of("env")}}
         on_exit = self._text(element, scope, "on_exit", "")
         if on_exit not in ("", "shutdown"):
             raise place.error(f'on_exit={on_exit!r} isn\'t understood here; only "shutdown" is')
+        self._one_of(element, scope, "output", "log", _OUTPUTS)
         folder = self._text(element, scope, "cwd", "")
         count = self._names[name] = self._names.get(name, 0) + 1
         most = self._text(element, scope, "respawn_max_retries", "-1")
@@ -294,7 +333,7 @@ class _Reader:
                 env,
                 scope.unset,
                 Path(folder) if folder else None,
-                truth(self._text(element, scope, "respawn", "false"), place),
+                self._flag(element, scope, "respawn", "false"),
                 self._seconds(element, scope, "respawn_delay", "0"),
                 on_exit == "shutdown",
                 f"{self._files[-1]}:{element.line}",
@@ -307,6 +346,9 @@ class _Reader:
 _COMMON = {"name", "output", "respawn", "respawn_delay", "respawn_max_retries", "launch-prefix", "on_exit", "cwd"}
 _COMMON |= {"emulate_tty"}  # where what is printed looks the same: it goes into a file
 _LOG = {"message", "level"}
+_LEVELS = ("debug", "info", "warning", "warn", "error", "critical")
+_OUTPUTS = ("screen", "log", "both", "own_log", "full")
+_LAUNCH_FILES = (".xml", ".yaml", ".yml")
 _OF_ELEMENTS = {"group", "timer"}
 _COMPOSED = {"node_container", "load_composable_node", "composable_node"}
 _CONTAINERS = (
@@ -335,9 +377,12 @@ _HANDLERS: dict[str, tuple[Callable[[_Reader, Element, Scope], None], set[str]]]
     "node": (_Reader._node, _COMMON | {"pkg", "exec", "namespace", "args", "ros_args"}),
     "executable": (_Reader._executable, _COMMON | {"cmd", "shell"}),
 }
-_INNER = {
-    "arg": {"choice"},
-    "include": {"arg", "let"},
-    "node": {"param", "remap", "env"},
-    "executable": {"env"},
+_PARAM = _NAMED | {"type", "value-sep", "from", "allow_substs"}
+_INNER: dict[str, dict[str, set[str]]] = {
+    "arg": {"choice": {"value"}},
+    "include": {"arg": _NAMED, "let": _NAMED},
+    "node": {"param": _PARAM, "remap": {"from", "to"}, "env": _NAMED},
+    "param": {"param": _PARAM},
+    "executable": {"env": _NAMED},
 }
+"""What can stand in an element, with its attributes."""

@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from .element import Element
-from .substitutions import Place
+from .mistakes import TYPES
+from .substitutions import Place, truth
 
 _SEPARATED = "value-sep"
 
@@ -21,6 +22,9 @@ def parameters_of(element: Element, text: Callable[..., str], place: Place) -> l
         file = Path(text(element, "from"))
         if not file.is_file():
             raise place.error(f"<param from=...>: there is no file {file}")
+        if truth(text(element, "allow_substs", "false"), place, "`allow_substs`"):
+            reason = "substitutions in a file of parameters aren't made here; give those as <param name= value=>"
+            raise place.error(f"<param from=... allow_substs=...>: {reason}")
         return ["--params-file", str(file)]
     made: list[str] = []
     for name, value in _values(element, text, place, ""):
@@ -47,4 +51,5 @@ def _typed(value: str, type_: str, place: Place) -> str:
         return value if value else "''"
     if type_ == "str":
         return "'" + value.replace("'", "''") + "'"
-    raise place.error(f"<param type={type_!r}> isn't understood here (what is: int, float, bool, str, yaml)")
+    meant = f"; write {TYPES[type_]!r}" if type_ in TYPES else ""
+    raise place.error(f"<param type={type_!r}> isn't understood here{meant} (what is: int, float, bool, str, yaml)")

@@ -69,8 +69,13 @@ def substitute(text: str, place: Place) -> str:
     return "".join(made)
 
 
-def truth(text: str, place: Place) -> bool:
+def truth(text: str, place: Place, what: str = "a condition") -> bool:
     """Return the truth value that a text, after substitution, spells.
+
+    Args:
+        text: as it is written.
+        place: where.
+        what: of what it is the value, for the error.
 
     Raises:
         LaunchError: it is neither true nor false.
@@ -78,7 +83,14 @@ def truth(text: str, place: Place) -> bool:
     word = substitute(text, place).strip().lower()
     if word in TRUE or word in FALSE:
         return word in TRUE
-    raise place.error(f"a condition is true, false, 1 or 0, not {word!r}")
+    raise place.error(f"{what} is true, false, 1 or 0, not {word!r}{_compared(word)}")
+
+
+def _compared(word: str) -> str:
+    """Return how to write what looks like a comparison, or a variable of another language."""
+    if "==" in word:
+        return "; texts are compared by $(equals $(var NAME) VALUE)"
+    return "; a variable is $(var NAME)" if "$" in word or "{" in word else ""
 
 
 def _piece(text: str, at: int, place: Place) -> tuple[str, int]:
@@ -134,7 +146,8 @@ def _apply(name: str, words: list[str], place: Place) -> str:
     if name in _REFUSED:
         raise place.error(f"$({name} ...) isn't run here: {_REFUSED[name]}")
     if name not in _KNOWN:
-        hint = nearest(name, _KNOWN)
+        hint = "" if name in place.variables else nearest(name, _KNOWN)
+        hint = hint or f"; the value of an argument is $(var {name})"
         raise place.error(f"unknown substitution $({name} ...){hint} (there are: {listing(sorted(_KNOWN))})")
     fewest, most, function = _KNOWN[name]
     if not fewest <= len(words) <= most:
@@ -152,7 +165,8 @@ def _variable(words: list[str], place: Place) -> str:
     if len(words) > 1:
         return words[1]
     known = listing(sorted(place.variables))
-    raise place.error(f"$(var {words[0]}): no such argument{nearest(words[0], place.variables)} (there are: {known})")
+    hint = nearest(words[0], place.variables) or "; one is declared by <arg> or <let>, before it is used"
+    raise place.error(f"$(var {words[0]}): no such argument{hint} (there are: {known})")
 
 
 def _environment(words: list[str], place: Place) -> str:
