@@ -137,7 +137,7 @@ def test_environment_of_the_shell_defaults_and_nested_logic(tmp_path, monkeypatc
     ("text", "reason"),
     [
         ("<launch><nodes/></launch>", ":1: <nodes> isn't understood here; did you mean 'node'"),
-        ('<launch>\n<node pkg="a" exe="b"/></launch>', ":2: <node>: the attribute 'exe' isn't understood here; write 'ex"),
+        ('<launch>\n<node pkg="a" exe="b"/></launch>', ":2: <node>: the attribute 'exe' isn't understood here; wri"),
         ('<launch><node pkg="nope" exec="b"/></launch>', "no ROS package 'nope' here"),
         ('<launch><node pkg="arm_driver" exec="drive"/></launch>', "no program 'drive'; did you mean 'driver'"),
         ('<launch><executable cmd="echo $(var nam)"/><arg name="name" default=""/></launch>', "no such argument"),
