@@ -49,7 +49,7 @@ class ArmConfig(_Config):
     acceleration: float | None = Field(default=None, gt=0, le=1)
     """Fraction of the joints' acceleration limits; as `speed` when it isn't given."""
     planning_time: float = Field(default=2.0, gt=0)
-    """Longest planning time of one request, all attempts together [s]."""
+    """CPU time for one request, all attempts together [s]; wall time ends it at 20 times as much."""
     attempts: int = Field(default=3, ge=1)
     """How often a plan is searched with other random numbers before it is given up."""
     timing: Literal["direct", "toppra"] = "direct"

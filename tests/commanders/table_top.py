@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
+from grip_bt.commanders.collision import CollisionChecker
 from grip_bt.commanders.model import RobotModel
-from grip_bt.commanders.planning.requests import PlanningSettings, Situation
+from grip_bt.commanders.planning.requests import PlanningSettings, PlanTo, Situation
 from grip_bt.commanders.robots import build_robot
 from grip_bt.commanders.scene import PlanningScene
 from grip_bt.values import Grasp, JointState, Pose
@@ -93,3 +95,28 @@ def side_grasps(thing: Thing, rng: np.random.Generator) -> list[Grasp]:
 def situation(model: RobotModel, scene, arm: JointState | None = None, hand: str = "open", seed: int = 0) -> Situation:
     start = joined(arm or named(model, "arm", "home"), named(model, "hand", hand))
     return Situation("arm", start, scene, "right_hand", PlanningSettings(seed=seed, time_limit=PATIENCE))
+
+
+def endless_request(planner="RRTConnect"):
+    """Start and goal are free, but the forearm is threaded through a frame that the hand doesn't fit through."""
+    model = robot_model()
+    scene, home = room(model), named(model, "arm", "home")
+    chain = model.chain("arm")
+    chain.grasp_pose(home.position)
+    elbow, wrist = chain.data.oMi[4], chain.data.oMi[5]
+    middle = Pose.from_matrix(wrist.homogeneous)
+    middle = Pose(elbow.translation * 0.7 + wrist.translation * 0.3, middle.quaternion)
+    opening, edge = 0.09, 0.02
+    for k, (x, y) in enumerate([(1, 0), (-1, 0), (0, 1), (0, -1)]):
+        size = (edge, 2 * opening + 2 * edge, edge) if x else (2 * opening + 2 * edge, edge, edge)
+        offset = np.array([x, y, 0.0]) * (opening + edge / 2) + [0.0, 0.04, 0.0]
+        scene.set_box(f"frame_{k}", size, Pose(middle.apply([offset])[0], middle.quaternion))
+    begin = situation(model, scene.snapshot())
+    settings = dataclasses.replace(begin.settings, time_limit=600.0, planner=planner)
+    begin = dataclasses.replace(begin, settings=settings)
+    checker = CollisionChecker(chain, scene.snapshot(), "right_hand")
+    assert checker.free(home.position)
+    rng, limits = np.random.default_rng(0), model.limits("arm")
+    elsewhere = (q for _ in range(1000) if (q := rng.uniform(limits.lower, limits.upper))[0] > 1.0)
+    goal = next(q for q in elsewhere if checker.free(q))
+    return PlanTo(begin, JointState(home.names, goal))

@@ -1,6 +1,5 @@
 """The planning process: it answers, it repeats itself, and it never outlives or blocks its parent."""
 
-import dataclasses
 import os
 import signal
 import subprocess
@@ -10,7 +9,7 @@ import time
 
 import numpy as np
 import pytest
-from table_top import named, place_things, robot_model, room, side_grasps, situation
+from table_top import endless_request, named, place_things, robot_model, room, side_grasps, situation
 
 from grip_bt.commanders import worker
 from grip_bt.commanders.collision import CollisionChecker
@@ -34,31 +33,6 @@ def reachable_request(seed=0):
     home = named(model, "arm", "home")
     goal = JointState(home.names, home.position + [0.6 - 0.1 * seed, 0.1, 0.0, 0.0, 0.2, 0.0, 0.0])
     return PlanTo(situation(model, room(model).snapshot(), seed=seed), goal)
-
-
-def endless_request(planner="RRTConnect"):
-    """Start and goal are free, but the forearm is threaded through a frame that the hand doesn't fit through."""
-    model = robot_model()
-    scene, home = room(model), named(model, "arm", "home")
-    chain = model.chain("arm")
-    chain.grasp_pose(home.position)
-    elbow, wrist = chain.data.oMi[4], chain.data.oMi[5]
-    middle = Pose.from_matrix(wrist.homogeneous)
-    middle = Pose(elbow.translation * 0.7 + wrist.translation * 0.3, middle.quaternion)
-    opening, edge = 0.09, 0.02
-    for k, (x, y) in enumerate([(1, 0), (-1, 0), (0, 1), (0, -1)]):
-        size = (edge, 2 * opening + 2 * edge, edge) if x else (2 * opening + 2 * edge, edge, edge)
-        offset = np.array([x, y, 0.0]) * (opening + edge / 2) + [0.0, 0.04, 0.0]
-        scene.set_box(f"frame_{k}", size, Pose(middle.apply([offset])[0], middle.quaternion))
-    begin = situation(model, scene.snapshot())
-    settings = dataclasses.replace(begin.settings, time_limit=600.0, planner=planner)
-    begin = dataclasses.replace(begin, settings=settings)
-    checker = CollisionChecker(chain, scene.snapshot(), "right_hand")
-    assert checker.free(home.position)
-    rng, limits = np.random.default_rng(0), model.limits("arm")
-    elsewhere = (q for _ in range(1000) if (q := rng.uniform(limits.lower, limits.upper))[0] > 1.0)
-    goal = next(q for q in elsewhere if checker.free(q))
-    return PlanTo(begin, JointState(home.names, goal))
 
 
 def ended(operation, within=120.0):

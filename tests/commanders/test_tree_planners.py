@@ -1,7 +1,6 @@
 """BiTRRT keeps clear of things, CBiRRT keeps to constraints, and a goal may be any of several poses."""
 
 import dataclasses
-import time
 
 import numpy as np
 import pinocchio as pin
@@ -11,6 +10,7 @@ from table_top import joined, named, robot_model
 from grip_bt.commanders.collision import CollisionChecker
 from grip_bt.commanders.ik import Target, solve
 from grip_bt.commanders.planning.bitrrt import CLEARANCES, costs
+from grip_bt.commanders.planning.budget import Budget
 from grip_bt.commanders.planning.constraints import excess, kept
 from grip_bt.commanders.planning.free import plan_free, settable
 from grip_bt.commanders.planning.motions import CONSTRAINT_SLACK, answer
@@ -85,7 +85,7 @@ def test_bitrrt_comes_less_close_than_rrt_connect_and_repeats(checker):
     one, other = level_at(checker, 0.5, -0.3, 0.3), level_at(checker, 0.5, 0.3, 0.3)
 
     def mean_cost(planner, seed):
-        path = plan_free(checker, one, other, planner, seed, time.monotonic() + 600, lambda: False)
+        path = plan_free(checker, one, other, planner, seed, Budget(600.0), lambda: False)
         fine = interpolated(path, 0.004)
         assert checker.all_free(fine)
         assert path[0] == pytest.approx(one)
@@ -130,7 +130,7 @@ def test_parameters_of_a_planner_change_its_search(model, checker, monkeypatch):
     longest = {}
     for size in (0.2, 1.0):
         given = {"range": size, "goal_bias": 0.05, "nonsense": 1.0}
-        path = plan_free(checker, one, other, "RRTConnect", 3, time.monotonic() + 600, lambda: False, parameters=given)
+        path = plan_free(checker, one, other, "RRTConnect", 3, Budget(600.0), lambda: False, parameters=given)
         longest[size] = np.linalg.norm(np.diff(path, axis=0), axis=1).max()
     assert longest[0.2] <= 0.2 + 1e-6 < longest[1.0] <= 1.0 + 1e-6
 
@@ -141,9 +141,7 @@ def test_without_a_range_rrt_connect_grows_in_short_steps(checker, monkeypatch, 
     one, other = level_at(checker, 0.5, -0.3, 0.3), level_at(checker, 0.5, 0.3, 0.3)
     monkeypatch.setattr("grip_bt.commanders.planning.free.shortened", lambda path, *_: path)
     for seed in range(4):
-        path = plan_free(
-            checker, one, other, "RRTConnect", seed, time.monotonic() + 600, lambda: False, parameters=given
-        )
+        path = plan_free(checker, one, other, "RRTConnect", seed, Budget(600.0), lambda: False, parameters=given)
         assert np.linalg.norm(np.diff(path, axis=0), axis=1).max() <= 0.25 * np.sqrt(7) + 1e-6
 
 

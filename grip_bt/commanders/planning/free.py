@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Mapping
 from functools import cache
 
@@ -17,6 +16,7 @@ from grip_bt.values import PathConstraint
 
 from ..collision import CollisionChecker
 from .bitrrt import bitrrt, costs, highest_cost
+from .budget import Budget
 from .cbirrt import cbirrt
 from .paths import Path, shortened
 
@@ -90,7 +90,7 @@ def plan_free(
     goal: NDArray[np.float64],
     planner: str,
     seed: int,
-    deadline: float,
+    budget: Budget,
     canceled: Callable[[], bool],
     resolution: float = RESOLUTION,
     parameters: Mapping[str, float] | None = None,
@@ -103,7 +103,7 @@ def plan_free(
         goal: shape (n,).
         planner: name of an OMPL planner.
         seed: of all random choices.
-        deadline: time on `time.monotonic` to give up at [s].
+        budget: time to give up after.
         canceled: asked often; True ends it.
         resolution: largest joint step between two checks [rad].
         parameters: of the planner, by their names in `ompl_planning.yaml`; those that it hasn't are left out, see
@@ -112,7 +112,7 @@ def plan_free(
     Raises:
         UnknownNameError: there is no such planner.
         CanceledError: it was cancelled.
-        TimeOutError: the deadline passed.
+        TimeOutError: its time was over.
         NoPlanError: the planner gave up.
     """
     if planner not in planners():
@@ -120,15 +120,15 @@ def plan_free(
     motion_free = MotionCheck(checker, resolution)
 
     def over() -> bool:
-        return canceled() or time.monotonic() > deadline
+        return canceled() or budget.over
 
     if planner == BITRRT:
         path = bitrrt(checker, motion_free, start, goal, np.random.default_rng(seed), over)
-        return _shortened_without_cost(checker, motion_free, _found(path, planner, deadline, canceled), seed)
+        return _shortened_without_cost(checker, motion_free, _found(path, planner, budget, canceled), seed)
     if motion_free(start, goal):
         return np.stack([start, goal])
-    path = _solved(checker, motion_free, start, goal, planner, seed, _Ending(over, planner, deadline), parameters or {})
-    return shortened(_found(path, planner, deadline, canceled), motion_free, np.random.default_rng(seed))
+    path = _solved(checker, motion_free, start, goal, planner, seed, _Ending(over, planner, budget), parameters or {})
+    return shortened(_found(path, planner, budget, canceled), motion_free, np.random.default_rng(seed))
 
 
 def plan_constrained(
@@ -137,7 +137,7 @@ def plan_constrained(
     start: NDArray[np.float64],
     goal: NDArray[np.float64],
     seed: int,
-    deadline: float,
+    budget: Budget,
     canceled: Callable[[], bool],
     resolution: float = RESOLUTION,
 ) -> Path:
@@ -145,23 +145,23 @@ def plan_constrained(
 
     Raises:
         CanceledError: it was cancelled.
-        TimeOutError: the deadline passed.
+        TimeOutError: its time was over.
     """
 
     def over() -> bool:
-        return canceled() or time.monotonic() > deadline
+        return canceled() or budget.over
 
     rng = np.random.default_rng(seed)
     path = cbirrt(checker, MotionCheck(checker, resolution), constraint, start, goal, rng, over)
-    return _found(path, "CBiRRT", deadline, canceled)
+    return _found(path, "CBiRRT", budget, canceled)
 
 
-def _found(path: Path | None, planner: str, deadline: float, canceled: Callable[[], bool]) -> Path:
+def _found(path: Path | None, planner: str, budget: Budget, canceled: Callable[[], bool]) -> Path:
     if canceled():
         raise CanceledError("planning was cancelled")
     if path is None:
-        if time.monotonic() > deadline:
-            raise TimeOutError(f"{planner} found no path in time", planner=planner)
+        if budget.over:
+            raise TimeOutError(f"{planner} found no path {budget}", planner=planner)
         raise NoPlanError(f"{planner} found no path", planner=planner)
     return path
 
@@ -225,12 +225,11 @@ class _Ending:
     Args:
         over: whether it has to end.
         planner: its name.
-        deadline: time on `time.monotonic` [s].
+        budget: its time.
     """
 
-    def __init__(self, over: Callable[[], bool], planner: str, deadline: float):
-        left = max(0.01, deadline - time.monotonic())
-        threaded = planner in _THREADED
+    def __init__(self, over: Callable[[], bool], planner: str, budget: Budget):
+        threaded, left = planner in _THREADED, max(0.01, budget.wall_left)
         self.condition = ob.timedPlannerTerminationCondition(left) if threaded else ob.PlannerTerminationCondition(over)
         self._over, self._ended = over, False
 

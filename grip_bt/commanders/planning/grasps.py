@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections import Counter
 from collections.abc import Callable, Sequence
 
@@ -18,6 +17,7 @@ from ..collision import CollisionChecker
 from ..ik import Target, solver
 from ..model import Chain, RobotModel
 from ..scene import SceneSnapshot
+from .budget import REAL, Budget, Clocks
 from .free import RESOLUTION, plan_free
 from .paths import interpolated
 from .requests import ChosenGrasp, Situation
@@ -31,6 +31,7 @@ _RESTARTS = 10
 _WARM = 3
 _SOLUTIONS = 4
 _PATIENCE = 1.0
+"""CPU time for the way to one candidate [s]."""
 
 
 def closing_point(grasp: Grasp) -> NDArray[np.float64]:
@@ -49,7 +50,11 @@ def target_of(grasp: Grasp, scene: SceneSnapshot) -> str | None:
 
 
 def choose_grasp(
-    model: RobotModel, situation: Situation, grasps: Sequence[Grasp], canceled: Callable[[], bool]
+    model: RobotModel,
+    situation: Situation,
+    grasps: Sequence[Grasp],
+    canceled: Callable[[], bool],
+    clocks: Clocks = REAL,
 ) -> ChosenGrasp:
     """Return the first feasible grasp, by falling quality.
 
@@ -62,7 +67,7 @@ def choose_grasp(
         CanceledError: it was cancelled.
     """
     reasons: Counter[str] = Counter()
-    search = GraspSearch(model, situation)
+    search = GraspSearch(model, situation, clocks)
     for grasp in sorted(grasps, key=lambda g: -g.quality):
         trial = GraspTrial(search, grasp)
         for q in trial.configurations():
@@ -83,8 +88,8 @@ def choose_grasp(
 class GraspSearch:
     """What the candidates of one request share: collision checkers, and configurations that reached one of them."""
 
-    def __init__(self, model: RobotModel, situation: Situation):
-        self.model, self.situation = model, situation
+    def __init__(self, model: RobotModel, situation: Situation, clocks: Clocks = REAL):
+        self.model, self.situation, self.clocks = model, situation, clocks
         self.reached: tuple[NDArray[np.float64], ...] = ()
         self._made: dict[tuple[int, str | None], CollisionChecker] = {}
 
@@ -187,7 +192,6 @@ class GraspTrial:
         checker = self._search.without(self.chain, None)
         if not checker.free(start):
             return True  # the plan itself will tell that the start is in collision
-        deadline = time.monotonic() + _PATIENCE
         try:
             plan_free(
                 checker,
@@ -195,7 +199,7 @@ class GraspTrial:
                 pre,
                 settings.planner,
                 settings.seed,
-                deadline,
+                Budget(_PATIENCE, self._search.clocks),
                 canceled,
                 parameters=dict(settings.parameters),
             )

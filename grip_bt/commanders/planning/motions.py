@@ -23,6 +23,7 @@ from ..model import Chain, RobotModel
 from ..trajectory.timing import timed
 from .along import plan_along
 from .beginning import chain_and_checker, finely_free, free_start
+from .budget import REAL, Budget, Clocks
 from .common import check_together
 from .constraints import CONSTRAINT_SLACK, kept
 from .free import plan_constrained, plan_free
@@ -48,8 +49,16 @@ SEARCH = 0.03
 """While a path is searched, no joint moves more than this [rad] between two checks; later attempts look closer."""
 
 
-def answer(model: RobotModel, request: Request, canceled: Callable[[], bool]) -> Plan | ChosenGrasp | None:
+def answer(
+    model: RobotModel, request: Request, canceled: Callable[[], bool], clocks: Clocks = REAL
+) -> Plan | ChosenGrasp | None:
     """Answer a request.
+
+    Args:
+        model: of the robot.
+        request: what is asked.
+        canceled: asked often; True ends it.
+        clocks: what tells the time that a search may take.
 
     Raises:
         ExpectedError: with the reason why there is no answer.
@@ -59,22 +68,22 @@ def answer(model: RobotModel, request: Request, canceled: Callable[[], bool]) ->
         check_together(model, request)
         return None
     if isinstance(request, ChooseGrasp):
-        return choose_grasp(model, request.situation, request.grasps, canceled)
+        return choose_grasp(model, request.situation, request.grasps, canceled, clocks)
     if isinstance(request, PlanStraight):
         planner, trajectory = "straight", plan_straight(model, request)
     elif isinstance(request, PlanThrough):
-        trajectory, radii = plan_through(model, request, canceled)
+        trajectory, radii = plan_through(model, request, canceled, clocks)
         return Plan(request.situation.group, trajectory, "through", time.monotonic() - begin, radii)
     elif isinstance(request, PlanOnward):
         planner, trajectory = "onward", plan_onward(model, request)
     elif isinstance(request, PlanAlong):
         planner, trajectory = "given", plan_along(model, request)
     else:
-        planner, trajectory = request.situation.settings.planner, plan_to(model, request, canceled)
+        planner, trajectory = request.situation.settings.planner, plan_to(model, request, canceled, clocks)
     return Plan(request.situation.group, trajectory, planner, time.monotonic() - begin)
 
 
-def plan_to(model: RobotModel, request: PlanTo, canceled: Callable[[], bool]) -> Trajectory:
+def plan_to(model: RobotModel, request: PlanTo, canceled: Callable[[], bool], clocks: Clocks = REAL) -> Trajectory:
     """Plan a free path.
 
     Raises:
@@ -89,7 +98,7 @@ def plan_to(model: RobotModel, request: PlanTo, canceled: Callable[[], bool]) ->
     """
     situation = request.situation
     settings = situation.settings
-    deadline = time.monotonic() + settings.time_limit
+    budget = Budget(settings.time_limit, clocks)
     chain, checker = chain_and_checker(model, situation, margin=0.0)
     start = free_start(chain, checker, situation)
     if request.constraint is not None and not kept(request.constraint, chain, start[None, :]):
@@ -100,10 +109,9 @@ def plan_to(model: RobotModel, request: PlanTo, canceled: Callable[[], bool]) ->
     tries = [(goal, c) for goal in goals for c in ([roomy] if wide and roomy.free(goal) else []) + [checker]]
     failure: ExpectedError = NoPlanError("there is no goal to plan to")
     for k, (goal, avoid) in enumerate(tries):
-        share = time.monotonic() + max(0.0, deadline - time.monotonic()) / (len(tries) - k)
         search = _search(avoid, request, start, goal, canceled)
         try:
-            return _searched_and_timed(chain, checker, search, request, share)
+            return _searched_and_timed(chain, checker, search, request, budget.share(len(tries) - k))
         except (NoPlanError, TimeOutError, PathInvalidError) as error:
             failure = error
     raise failure
@@ -116,7 +124,7 @@ def _search(
     goal: NDArray[np.float64],
     canceled: Callable[[], bool],
 ) -> Callable[..., Path]:
-    """Return the search that fits the request, as a function of seed, deadline and resolution."""
+    """Return the search that fits the request, as a function of seed, budget and resolution."""
     if request.constraint is not None:
         return partial(plan_constrained, avoid, request.constraint, start, goal, canceled=canceled)
     settings = request.situation.settings
@@ -126,7 +134,7 @@ def _search(
 
 
 def _searched_and_timed(
-    chain: Chain, checker: CollisionChecker, search: Callable[..., Path], request: PlanTo, deadline: float
+    chain: Chain, checker: CollisionChecker, search: Callable[..., Path], request: PlanTo, budget: Budget
 ) -> Trajectory:
     """Search, time and check; a path that turns out to graze something is searched again, more finely."""
     settings, constraint = request.situation.settings, request.constraint
@@ -136,7 +144,7 @@ def _searched_and_timed(
         return keeping and finely_free(checker, positions)
 
     for attempt in range(settings.attempts):
-        path = search(seed=settings.seed + attempt, deadline=deadline, resolution=SEARCH / 2 ** min(attempt, 2))
+        path = search(seed=settings.seed + attempt, budget=budget, resolution=SEARCH / 2 ** min(attempt, 2))
         try:
             return timed(
                 chain.joints, path, chain.limits, settings.speed, acceptable, settings.acceleration, settings.timing

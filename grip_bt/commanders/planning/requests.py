@@ -21,7 +21,7 @@ class PlanningSettings:
         kinematics: an inverse kinematics solver by its name; see `ik.SOLVERS`.
         speed: part of the velocity limits to use, in (0, 1].
         acceleration: part of the acceleration limits, in (0, 1]; None: as `speed`.
-        time_limit: wall time for one plan, all attempts together [s].
+        time_limit: CPU time for one plan, all attempts together [s]; wall time ends it too, see `planning.budget`.
         attempts: how often to search with other random numbers before giving up.
         margin: distance to keep from the scene's objects where start and goal leave room for it [m].
         seed: the same request with the same seed gives the same plan.

@@ -7,7 +7,6 @@ arm comes to rest at the point. What came of each radius is told by the plan.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -24,6 +23,7 @@ from ..trajectory.joining import joined
 from ..trajectory.timing import timed
 from .beginning import chain_and_checker, finely_free, free_start, refuse_collisions
 from .blends import OUTSIDE, SMALLEST, Leg, corner, distinct, largest_radius, within, without_ends
+from .budget import REAL, Budget, Clocks
 from .constraints import CONSTRAINT_SLACK, kept
 from .free import RESOLUTION, plan_constrained, plan_free
 from .goals import goals_of
@@ -39,7 +39,7 @@ _ABOUT = 0.03
 
 
 def plan_through(
-    model: RobotModel, request: PlanThrough, canceled: Callable[[], bool]
+    model: RobotModel, request: PlanThrough, canceled: Callable[[], bool], clocks: Clocks = REAL
 ) -> tuple[Trajectory, tuple[float, ...]]:
     """Plan a motion through way points; return it, and the blend radii that it has at the inner ones [m].
 
@@ -51,7 +51,7 @@ def plan_through(
         ConstraintBrokenError: the start, a way point or a straight segment breaks what the motion must keep to.
     """
     settings = request.situation.settings
-    deadline = time.monotonic() + settings.time_limit
+    budget = Budget(settings.time_limit, clocks)
     chain, checker = chain_and_checker(model, request.situation, margin=0.0)
     start = free_start(chain, checker, request.situation)
     if request.constraint is not None and not kept(request.constraint, chain, start[None, :]):
@@ -59,7 +59,7 @@ def plan_through(
     searched = any(not point.straight for point in request.way_points)
     attempts = settings.attempts if searched else 1
     for attempt in range(attempts):
-        segments = _segments(chain, checker, request, start, attempt, deadline, canceled)
+        segments = _segments(chain, checker, request, start, attempt, budget, canceled)
         try:
             return finer_and_finer(partial(_followed, chain, checker, request, segments))
         except PathInvalidError:
@@ -159,7 +159,7 @@ def _segments(
     request: PlanThrough,
     start: NDArray[np.float64],
     attempt: int,
-    deadline: float,
+    budget: Budget,
     canceled: Callable[[], bool],
 ) -> list[Path]:
     segments: list[Path] = []
@@ -176,7 +176,7 @@ def _segments(
                 segments.append(np.stack([start, goals[0]]))
             else:
                 search = partial(_search, checker, to, start, RESOLUTION / 2 ** min(attempt, 2), canceled)
-                segments.append(_first(search, goals, deadline))
+                segments.append(_first(search, goals, budget))
         if point.straight:
             _refuse_leaving(request.constraint, chain, segments[-1], where)
         start = segments[-1][-1]
@@ -207,31 +207,30 @@ def _search(
     resolution: float,
     canceled: Callable[[], bool],
     goal: NDArray[np.float64],
-    deadline: float,
+    budget: Budget,
 ) -> Path:
     settings = to.situation.settings
     if to.constraint is not None:
-        return plan_constrained(checker, to.constraint, start, goal, settings.seed, deadline, canceled, resolution)
+        return plan_constrained(checker, to.constraint, start, goal, settings.seed, budget, canceled, resolution)
     return plan_free(
         checker,
         start,
         goal,
         settings.planner,
         settings.seed,
-        deadline,
+        budget,
         canceled,
         resolution,
         dict(settings.parameters),
     )
 
 
-def _first(search: Callable[..., Path], goals: list[NDArray[np.float64]], deadline: float) -> Path:
+def _first(search: Callable[..., Path], goals: list[NDArray[np.float64]], budget: Budget) -> Path:
     """Return the path to the first goal that is reached, each having its share of the time."""
     failure: ExpectedError = NoPlanError("there is no goal to plan to")
     for k, goal in enumerate(goals):
-        share = time.monotonic() + max(0.0, deadline - time.monotonic()) / (len(goals) - k)
         try:
-            return search(goal=goal, deadline=share)
+            return search(goal=goal, budget=budget.share(len(goals) - k))
         except (NoPlanError, TimeOutError) as error:
             failure = error
     raise failure

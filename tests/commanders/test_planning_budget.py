@@ -1,0 +1,130 @@
+"""A search may take so much time of work: a machine that is busy with other things doesn't cut it short, for long."""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+
+import numpy as np
+import pytest
+from table_top import endless_request, place_things, robot_model, room, side_grasps, situation
+
+from grip_bt.commanders.planning.budget import BACKSTOP, REAL, Budget, Clocks
+from grip_bt.commanders.planning.grasps import GraspSearch, GraspTrial
+from grip_bt.commanders.planning.motions import answer
+from grip_bt.commanders.planning.requests import ChooseGrasp, PlanThrough, PlanTo
+from grip_bt.errors import TimeOutError
+from grip_bt.values import WayPoint
+
+
+class Ticking:
+    """A clock that goes on by a step each time that somebody looks, the first time excepted."""
+
+    def __init__(self, step: float = 0.0, first: float = 0.0):
+        self.step, self.first, self.looks = step, first, 0
+
+    def __call__(self) -> float:
+        self.looks += 1
+        return 0.0 if self.looks == 1 else self.first + self.step * (self.looks - 1)
+
+
+def starved(limit: float) -> Clocks:
+    """Clocks of a thread that had hardly worked when nearly all of the wall time had passed."""
+    return Clocks(Ticking(limit * 1e-6), Ticking(limit * 1e-6, first=limit * BACKSTOP * 0.9))
+
+
+def never() -> bool:
+    return False
+
+
+@pytest.fixture(scope="module")
+def table():
+    model, rng = robot_model(), np.random.default_rng(3)
+    scene = room(model)
+    grasps = tuple(g for thing in place_things(scene, rng) for g in side_grasps(thing, rng))
+    return model, situation(model, scene.snapshot()), grasps
+
+
+@pytest.fixture(scope="module")
+def chosen(table):
+    model, begin, grasps = table
+    return answer(model, ChooseGrasp(begin, grasps), never)
+
+
+def limited(begin, seconds: float, **settings):
+    return dataclasses.replace(begin, settings=dataclasses.replace(begin.settings, time_limit=seconds, **settings))
+
+
+@pytest.mark.parametrize("planner", ["RRTConnect", "BiTRRT", "PRM"])
+def test_a_plan_is_found_by_a_thread_that_hardly_gets_to_work(table, chosen, planner):
+    model, begin, _ = table
+    request = PlanTo(limited(begin, 1000.0, planner=planner), chosen.at_pre_grasp)
+    plan = answer(model, request, never, starved(1000.0))
+    assert plan.trajectory == answer(model, request, never, Clocks(Ticking(), Ticking())).trajectory
+
+
+def test_so_are_motions_through_way_points_and_the_way_to_a_grasp(table, chosen):
+    model, begin, grasps = table
+    request = PlanThrough(limited(begin, 1000.0), (WayPoint(chosen.at_pre_grasp, straight=False),))
+    assert answer(model, request, never, starved(1000.0)).planner == "through"
+    assert answer(model, ChooseGrasp(begin, grasps), never, starved(1.0)).grasp == chosen.grasp
+
+
+@pytest.mark.parametrize("planner", ["RRTConnect", "BiTRRT", "KPIECE1", "PRM"])
+def test_work_ends_a_search_though_no_wall_time_passed(planner):
+    request = endless_request(planner)
+    worked = Ticking(step=0.01)
+    request = dataclasses.replace(request, situation=limited(request.situation, 1.0))
+    with pytest.raises(TimeOutError, match=r"no path within [0-9.e-]+ s of CPU time") as caught:
+        answer(robot_model(), request, never, Clocks(worked, Ticking()))
+    assert caught.value.data["planner"] == planner
+    assert worked.looks >= 100
+
+
+@pytest.mark.parametrize("planner", ["RRTConnect", "BiTRRT", "KPIECE1", "PRM"])
+def test_wall_time_ends_it_in_the_end_though_no_work_was_done(planner):
+    request = endless_request(planner)
+    passed = Ticking(step=0.1)
+    request = dataclasses.replace(request, situation=limited(request.situation, 1.0))
+    said = r"in which it got only 0 of its [0-9.]+ s of CPU time: the machine is busy"
+    with pytest.raises(TimeOutError, match=said):
+        answer(robot_model(), request, never, Clocks(Ticking(), passed))
+    assert passed.looks >= BACKSTOP * 1.0 / 0.1
+
+
+def test_the_way_to_a_grasp_gets_a_second_of_work_for_each_configuration(table, chosen):
+    model, begin, _ = table
+
+    def reached(worked: Ticking) -> list[bool]:
+        trial = GraspTrial(GraspSearch(model, begin, Clocks(worked, Ticking())), chosen.grasp)
+        ways = [pre for q in trial.configurations() if (pre := trial.pre_configuration(q)) is not None]
+        return [trial.can_go_to(pre, never) for pre in ways]
+
+    assert all(reached(Ticking(step=1e-6)))
+    assert not all(reached(Ticking(step=1.1)))  # only where the direct way is free, which is no search
+
+
+def test_a_budget_is_shared_out_from_what_is_left():
+    worked, passed = [0.0], [0.0]
+    whole = Budget(6.0, Clocks(lambda: worked[0], lambda: passed[0]))
+    assert (whole.wall_left, whole.over) == (6.0 * BACKSTOP, False)
+    worked[0], passed[0] = 2.0, 40.0
+    half = whole.share(2)
+    assert half.wall_left == 40.0
+    worked[0] = 4.0
+    assert not half.over
+    worked[0] = 4.1
+    assert half.over
+    assert str(half) == "within 2 s of CPU time"
+    assert not whole.over
+    worked[0], passed[0] = 4.0, 81.0
+    assert half.over
+    assert str(half) == "within 40 s, in which it got only 2 of its 2 s of CPU time: the machine is busy"
+    worked[0] = 7.0
+    assert whole.share(3).wall_left == pytest.approx(39 / 3)
+    assert whole.over
+
+
+def test_what_counts_is_the_time_of_the_thread_that_searches():
+    """Not that of the process: others read messages, and share a batch of collision checks, meanwhile."""
+    assert REAL == (time.thread_time, time.monotonic)
