@@ -73,6 +73,17 @@ def instead(name: str, wanted: str, services: Names, actions: Names, domain: int
     return f"{nearest(name, names)} ({kind} {where}: {listing(names[:MOST])}{more})"
 
 
+def other_servers(node: Node, name: str) -> str:
+    """Return what is served instead of a service or action of any type, in words to be put behind the message."""
+    published = {topic: types for topic, types, _ in topics(node)}
+    if name in published:
+        return f"; {name} is a topic, of type {published[name][0]}"
+    served = [*node.get_service_names_and_types(), *get_action_names_and_types(node)]
+    names = sorted(other for other, _ in served if not hidden(other))
+    where = f"in ROS_DOMAIN_ID {node.context.get_domain_id()}"
+    return f"{nearest(name, names)} (services and actions {where}: {_some(names, MOST)})"
+
+
 def topics(node: Node) -> list[tuple[str, list[str], int]]:
     """Return the topics that somebody publishes, by name: name, types, number of publishers; on the bus's thread."""
     seen = ((name, types, node.count_publishers(name)) for name, types in node.get_topic_names_and_types())

@@ -11,11 +11,14 @@ from pathlib import Path
 
 import pytest
 from patience import PATIENCE, Ahead, until
+from ros_bench import ended
 
 from grip_bt.catalog.process_config import Ready
 from grip_bt.ros.launch.group import Member, ProcessGroup, StartError
 from grip_bt.ros.launch.model import LaunchEvent
+from grip_bt.ros.launch.watch import GraphWatch
 from grip_bt.ros.process import child_environment
+from grip_bt.ros.types import load_type
 
 MARK = "GRIP_TEST_GROUP"
 
@@ -247,3 +250,29 @@ def test_a_file_of_messages_alone_runs_until_the_last_of_them(tmp_path):
     group.start()
     assert group.run() == ""
     assert told == [("launch", "says", "a")]
+
+
+@pytest.mark.ros
+def test_a_sign_that_does_not_come_is_told_with_what_is_there(tmp_path, domain):
+    mute = member(tmp_path, "mute", SLEEP, ready=Ready(topic="/lamp", within=0.3))
+    with pytest.raises(StartError, match=rf"the topic /lamp didn't come within 0\.3 s; .* in ROS_DOMAIN_ID {domain}"):
+        ProcessGroup([mute], tmp_path / "logs", domain_id=domain).start()
+
+
+@pytest.mark.ros
+def test_what_is_there_is_the_likeliest_name(bus, domain):
+    ended(bus.writer("std_msgs/msg/Bool", "/lamps").publish(load_type("std_msgs/msg/Bool")()))
+    service = ended(bus.post(lambda: bus.node.create_service(load_type("std_srvs/srv/Trigger"), "/swich", print)))
+    watch = GraphWatch(domain)
+    until(lambda: watch.sees(Ready(topic="/lamps")) and watch.sees(Ready(service="/swich")), "they aren't seen")
+    try:
+        assert watch.instead(Ready(log="done")) == ""
+        lamp = watch.instead(Ready(topic="/lamp"))
+        assert lamp == "; did you mean '/lamps', which is published as std_msgs/msg/Bool?"
+        assert watch.instead(Ready(topic="/swich")) == "; /swich is a service, of type std_srvs/srv/Trigger"
+        assert watch.instead(Ready(service="/lamps")) == "; /lamps is a topic, of type std_msgs/msg/Bool"
+        switch = watch.instead(Ready(service="/switch"))
+        assert switch == f"; did you mean '/swich'? (services and actions in ROS_DOMAIN_ID {domain}: /swich)"
+    finally:
+        watch.close()
+        bus.post(lambda: bus.node.destroy_service(service)).wait(PATIENCE)

@@ -225,7 +225,8 @@ class ProcessGroup:
             if ready is not None and running.state == "starting" and time.monotonic() > running.began + ready.within:
                 tail = running.process.log_tail() if running.process else ""
                 said = f"; its log ({running.logs[-1]}) ends with:\n{tail}" if tail else "; it printed nothing"
-                raise StartError(f"{running.member.name}: {ready} didn't come within {ready.within:g} s{said}")
+                instead = self._watch.instead(ready)
+                raise StartError(f"{running.member.name}: {ready} didn't come within {ready.within:g} s{instead}{said}")
 
     def _look(self, running: _Running) -> None:
         process, now = running.process, time.monotonic()

@@ -34,6 +34,21 @@ class GraphWatch:
             self._look()
         return ready.service in self._services if ready.service else ready.topic in self._topics
 
+    def instead(self, ready: Ready) -> str:
+        """Return which services or topics there are instead of one that didn't come, as the end of a sentence."""
+        bus = self._bus
+        if ready.log is not None or bus is None:
+            return ""
+        from ..others import other_servers, other_topics
+
+        def look() -> str:
+            if ready.service is not None:
+                return other_servers(bus.node, ready.service)
+            return other_topics(bus.node, str(ready.topic), "")
+
+        operation = bus.post(look)
+        return operation.result() if operation.wait(2.0) else ""
+
     def close(self) -> None:
         """Leave the graph; harmless when repeated."""
         if self._bus is not None:
