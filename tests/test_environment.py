@@ -36,9 +36,9 @@ def test_importing_grip_is_light():
 
 
 def test_listing_the_verbs_is_light():
-    heavy = "{'rclpy', 'sapien', 'pinocchio', 'ompl', 'numpy', 'py_trees', 'fastapi', 'cv2'}"
+    heavy = "{'rclpy', 'sapien', 'pinocchio', 'ompl', 'numpy', 'py_trees', 'fastapi', 'pydantic', 'yaml', 'cv2'}"
     loaded = f"print(sorted({heavy} & set(sys.modules)))"
-    code = f"import sys; from grip_bt.cli.__main__ import make_parser; make_parser(); {loaded}"
+    code = f"import sys; from grip_bt.cli.shell import make_parser; make_parser(); {loaded}"
     assert _python(code).strip() == "[]"
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from grip_bt.cli.__main__ import make_parser
+from grip_bt.cli.shell import make_parser
 from grip_bt.graph import load
 from grip_bt.graph.walking import walk
 

@@ -32,11 +32,11 @@ def main() -> int:
     from grip_bt.runtime.control import Control  # after the signals: importing takes a moment
 
     main_thread = threading.get_ident()
-    signal.signal(signal.SIGUSR1, _interrupted)
     control = Control(commands, events, lambda: signal.pthread_kill(main_thread, signal.SIGUSR1))
-    control.start()
-    signal.signal(signal.SIGTERM, lambda *_: control.stop())
     try:
+        signal.signal(signal.SIGUSR1, _interrupted)  # in here: a stop may be the very next command
+        control.start()
+        signal.signal(signal.SIGTERM, lambda *_: control.stop())
         return _run_or_say_why(order, channels, control)
     except StoppedEarlyError:
         control.send("ended", status="stopped", outcome=None, code=None, message="before the task began", zombies=[])

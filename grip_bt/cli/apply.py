@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from grip_bt.errors import DocumentError, EditError
 
+from .streams import put
+
 if TYPE_CHECKING:  # the verbs are listed without loading what they run
     from grip_bt.catalog import Catalog
     from grip_bt.graph.document import Document
@@ -44,7 +46,7 @@ def run(args: argparse.Namespace) -> int:
         document = edited.document
         inverses.insert(0, edited.inverse.model_dump(mode="json"))
     if args.dry_run:
-        print(document.text, end="")
+        put(document.text)
         return 0
     for name, text in files.items():
         _write_new(Path(args.task).resolve(), name, text)

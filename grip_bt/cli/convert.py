@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from grip_bt.errors import GripError
 
 from .fmt import replace_text
+from .streams import put
 
 if TYPE_CHECKING:
     from typing import Any
@@ -134,7 +135,7 @@ def run(args: argparse.Namespace) -> int:
     document = read_text(read_file(args.task), args.task)
     text = CONVERTERS[args.to](document, project_catalog(args.task), args)
     if args.output == "-":
-        sys.stdout.write(text)
+        put(text)
         return 0
     try:
         replace_text(Path(args.output), text)

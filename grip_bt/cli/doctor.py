@@ -5,9 +5,10 @@ from __future__ import annotations
 import argparse
 import json
 from dataclasses import asdict
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from grip_bt.app.doctor import Finding, examine
+if TYPE_CHECKING:  # the verbs are listed without loading what they run
+    from grip_bt.app.doctor import Finding
 
 _MARK = {"ok": "ok  ", "missing": "MISS", "broken": "FAIL"}
 
@@ -21,6 +22,8 @@ def add_parser(subparsers: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Print the findings; 1 when something that the demo needs is missing."""
+    from grip_bt.app.doctor import examine
+
     findings = examine()
     if args.json:
         print(json.dumps([asdict(f) for f in findings], indent=2))

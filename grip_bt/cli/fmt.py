@@ -10,6 +10,8 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from .streams import put
+
 
 def add_parser(subparsers: Any) -> None:
     """Add the verb."""
@@ -29,7 +31,7 @@ def run(args: argparse.Namespace) -> int:
         return int(bool(changed))
     for path in formatted:
         if path == "-":
-            sys.stdout.write(formatted[path][1])
+            put(formatted[path][1])
         elif path in changed:
             replace_text(Path(path), formatted[path][1])
             print(f"{path}: formatted")

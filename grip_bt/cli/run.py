@@ -262,7 +262,8 @@ def _tell(end: Mapping[str, Any], as_json: bool) -> None:
     else:
         took = f"{end['duration']:.1f} s, " if end.get("duration") is not None else ""
         ticks = f"{end['ticks']} ticks, " if end.get("ticks") is not None else ""
-        print(f"{sentence(end)}; {took}{ticks}run {end['run']}")
+        named = f"run {end['run']}" if end.get("run") else "no run was begun"
+        print(f"{sentence(end)}; {took}{ticks}{named}")
 
 
 def _silent(part: str, detail: str) -> None:

@@ -267,3 +267,24 @@ def test_a_stop_that_comes_while_a_refusal_is_told_does_not_cut_it_short(monkeyp
     finally:
         signal.signal(signal.SIGUSR1, before)
     assert told == [("failed", "grip: no such thing")]
+
+
+def test_a_stop_that_is_the_very_first_command_ends_the_process_in_good_order(project):
+    # The signal of a stop that came while the thread which hears commands was still being started.
+    code = (
+        "import os, signal\n"
+        "from grip_bt.runtime.control import Control\n"
+        "Control.start = lambda self: os.kill(os.getpid(), signal.SIGUSR1)\n"
+        "from grip_bt.app.run_process import main\n"
+        "raise SystemExit(main())\n"
+    )
+    (commands, order), (told, events), (_, trace) = os.pipe(), os.pipe(), os.pipe()
+    os.write(order, json.dumps({"task": "t.yaml", "options": {}}).encode() + b"\n")
+    channels = json.dumps({"commands": commands, "events": events, "trace": trace})
+    done = subprocess.run(
+        [sys.executable, "-c", code, channels], pass_fds=(commands, events, trace), capture_output=True, check=False
+    )
+    assert (done.returncode, done.stderr) == (130, b"")
+    assert json.loads(os.read(told, 65536))["message"] == "before the task began"
+    for number in (commands, order, told, events, trace):
+        os.close(number)

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from grip_bt.cli.__main__ import main
+from grip_bt.cli.run import _tell
 
 GRIP = """\
 grip: 1
@@ -55,3 +56,8 @@ def test_that_the_simulator_starts_is_said_before_it_is_there(
     first, *others = [line.split()[0] for line in capfd.readouterr().err.splitlines() if line.startswith("  ")]
     assert first == "starting"
     assert others == ["simulator", "planner"]
+
+
+def test_a_stop_before_there_is_a_run_names_none(capsys):
+    _tell({"status": "stopped", "outcome": None, "message": "before the task began", "run": None}, as_json=False)
+    assert capsys.readouterr().out == "stopped: before the task began; no run was begun\n"

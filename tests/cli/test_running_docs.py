@@ -8,8 +8,8 @@ from pathlib import Path
 from ruamel.yaml import YAML
 
 from grip_bt.app.mocks import read_mocks
-from grip_bt.cli.__main__ import make_parser
 from grip_bt.cli.debug_prompt import _PLAIN, _STEPS
+from grip_bt.cli.shell import make_parser
 from grip_bt.runtime.control import COMMANDS
 from grip_bt.runtime.debugger import STEPS
 

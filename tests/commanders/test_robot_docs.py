@@ -5,7 +5,7 @@ import pytest
 from robot_files import description_package, moveit_package
 
 from grip_bt.app import find_project
-from grip_bt.cli.__main__ import make_parser
+from grip_bt.cli.shell import make_parser
 from grip_bt.commanders.description import check_links, check_srdf, check_urdf, load, single
 from grip_bt.commanders.moveit_package import package
 from grip_bt.commanders.robots import ROBOTS
