@@ -95,7 +95,7 @@ def test_most_things_can_be_taken_even_while_both_others_still_stand():
     for seed in range(SCENES):
         pick = Pick(seed)
         try:
-            pick.ask("choose", ChooseGrasp(situation(pick.model, pick.scene.snapshot()), tuple(pick.grasps[0])))
+            pick.ask(ChooseGrasp(situation(pick.model, pick.scene.snapshot()), tuple(pick.grasps[0])))
         except NoGraspError as error:
             refused.append(error.data["reasons"])
     assert len(refused) <= 0.15 * SCENES, refused
