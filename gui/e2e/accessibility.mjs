@@ -18,9 +18,28 @@ for (const colorScheme of ["light", "dark"]) {
         await page.locator({ Flow: ".flow .ports", Split: ".react-flow", Text: ".cm-content" }[view]).first().waitFor();
         await check(page, `${colorScheme}, ${view}`);
       }
+      // The panel that looks for words in the text has the page's colours: what it says can be read.
+      await page.locator(".cm-content").focus();
+      await page.keyboard.press("Control+f");
+      const find = page.locator(".cm-search");
+      await find.getByRole("button", { name: "next" }).waitFor();
+      assert.deepEqual(await find.locator("button[name]:not([name=close])").evaluateAll((all) => all.map((each) => getComputedStyle(each).backgroundImage).filter((each) => each !== "none")), []);
+      await check(page, `${colorScheme}, find in the text`);
+      await page.keyboard.press("Escape");
+      await find.waitFor({ state: "detached" });
       await button("Tree").click();
       await pick("second");
       await check(page, `${colorScheme}, form of a leaf`);
+      // The names stand in the middle of their rows, the buttons of the zoom in one line, none of them cut off.
+      const off = (selector, part) =>
+        page.locator(selector).evaluateAll((all, part) => all.map((each) => {
+          const middle = (box) => (box.top + box.bottom) / 2;
+          return Math.round(Math.abs(middle(each.getBoundingClientRect()) - middle(each.querySelector(part).getBoundingClientRect())));
+        }), part);
+      assert.deepEqual([...new Set((await off('[role="treeitem"]', ".row-name")).filter((by) => by > 1))], [], "names are off the middle of their rows");
+      const zoom = await page.locator(".react-flow__controls button").evaluateAll((all) => all.map((each) => each.getBoundingClientRect().toJSON()));
+      assert.equal(new Set(zoom.map((each) => Math.round(each.top))).size, 1, JSON.stringify(zoom));
+      assert.ok(zoom.length === 3 && zoom.every(({ width, height }) => width >= 24 && height >= 24), JSON.stringify(zoom));
       for (const tab of ["History", "Run", "Problems"]) {
         await page.getByRole("tab", { name: tab }).click();
         await check(page, `${colorScheme}, ${tab}`);

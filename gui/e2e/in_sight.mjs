@@ -51,6 +51,15 @@ await onPage(url, async (page, { button, choose, fileIs, pick }) => {
     await seen(...charts.slice(1));
   }
 
+  // A narrow pane has no map in its corner, which would hide most of it.
+  await button("Tree").click();
+  const map = page.locator(".tree-map");
+  await map.waitFor();
+  const { height } = await map.boundingBox();
+  if (height > 100) throw new Error(`the map is ${height} px high, and says nothing in most of them`);
+  await button("Split").click();
+  await map.waitFor({ state: "detached" });
+
   for (const name of ["d7", "wide", "a5", "c3"]) {
     await button("Text").click();
     await pick(name);
@@ -64,4 +73,21 @@ await onPage(url, async (page, { button, choose, fileIs, pick }) => {
     await button("Close").click();
     await seen("tree", "text");
   }
+
+  // Where the text is no task any more a note comes above it: the line that is typed in isn't pushed out of sight.
+  await button("Text").click();
+  await pick("g4");
+  const line = page.locator(".cm-line", { hasText: /^ +g4:$/ });
+  await line.evaluate((each) => each.scrollIntoView({ block: "end" }));
+  await line.click();
+  await page.keyboard.press("End");
+  await page.keyboard.type(" oops: - ");
+  await fileIs("text isn't a task");
+  await page.locator(".text-pane .stale-note").waitFor();
+  const hidden = () =>
+    page.evaluate(() => {
+      const { bottom } = document.querySelector(".cm-activeLine").getBoundingClientRect();
+      return bottom > document.querySelector(".cm-scroller").getBoundingClientRect().bottom + 1;
+    });
+  await eventually(hidden, false, "the line that is typed in is out of sight");
 });

@@ -3,7 +3,7 @@ import { expect, test } from "vitest";
 import { changed } from "../src/model/changes";
 import { foldedAtFirst, opened, unfolded } from "../src/model/folding";
 import { layoutTree } from "../src/model/layout";
-import { extent, linesIn, nodesIn } from "../src/model/sight";
+import { extent, hasRoomForMap, isInSight, linesIn, nodesIn } from "../src/model/sight";
 import type { DocumentChange, DocumentView, NodeView } from "../src/protocol/generated";
 import { SMALL } from "./tasks";
 
@@ -54,4 +54,18 @@ test("a change leaves every node that isn't in it the object that it was", () =>
   expect(next.text).toBe("a😀Xc");
   expect(next.task.nodes.map((each) => each.path)).toEqual(["/", "new", "g1", "g1/l0", "g1/l1"]);
   expect(next.task.nodes[2]).toBe(nodes.find((each) => each.path === "g1"));
+});
+
+test("a node is in sight where all of it is in the pane, and not below the map in the corner", () => {
+  const box = { x: 100, y: 50, width: 200, height: 40 };
+  const at = (x: number, y: number, mapped = false): boolean => isInSight(box, { x, y, zoom: 1 }, 600, 400, mapped);
+  expect(at(0, 0)).toBe(true);
+  expect(at(-101, 0)).toBe(false);
+  expect(at(301, 0)).toBe(false);
+  expect(at(0, 311)).toBe(false);
+  expect(at(300, 310)).toBe(true);
+  expect(at(300, 310, true)).toBe(false);
+  expect(at(300, 190, true)).toBe(true);
+  expect(isInSight(box, { x: 0, y: 0, zoom: 2.1 }, 600, 400, false)).toBe(false);
+  expect([327, 480].map(hasRoomForMap)).toEqual([false, true]);
 });

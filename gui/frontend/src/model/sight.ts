@@ -61,3 +61,22 @@ export function extent(boxes: Iterable<Box>): Area {
   }
   return right < left ? { left: 0, top: 0, right: 0, bottom: 0 } : { left, top, right, bottom };
 }
+
+/** More nodes than these have a map in the corner, */
+export const FEW_NODES = 12;
+/** which hides what is in its corner [px], with what is around it, */
+const MAP = { width: 160, height: 116 };
+/** and needs a pane of this width [px]: else it would hide most of it. */
+const MAP_PANE = 480;
+
+export const hasRoomForMap = (width: number): boolean => width >= MAP_PANE;
+
+/** Whether a box is wholly in a pane, and not below its map. */
+export function isInSight(box: Box, { x, y, zoom }: { x: number; y: number; zoom: number }, width: number, height: number, mapped: boolean): boolean {
+  const left = box.x * zoom + x;
+  const top = box.y * zoom + y;
+  const right = left + box.width * zoom;
+  const bottom = top + box.height * zoom;
+  const hidden = mapped && right > width - MAP.width && bottom > height - MAP.height;
+  return left >= 0 && top >= 0 && right <= width && bottom <= height && !hidden;
+}

@@ -1,10 +1,10 @@
 /** The tree of the task. Statuses reach the nodes through the store, never through the node list. */
-import { Background, ControlButton, Controls, type Node, Position, ReactFlow, type ReactFlowState, useReactFlow, useStore, type Viewport, ViewportPortal } from "@xyflow/react";
+import { Background, ControlButton, Controls, type Node, Position, ReactFlow, type ReactFlowState, useReactFlow, useStore, ViewportPortal } from "@xyflow/react";
 import { type JSX, type RefObject, useEffect, useMemo, useRef, useState } from "react";
 
 import { nearestShown, unfolded } from "../model/folding";
 import { type Box, layoutTree } from "../model/layout";
-import { areaInSight, extent, LINE_AT, linesIn, nodesIn } from "../model/sight";
+import { areaInSight, extent, FEW_NODES, hasRoomForMap, isInSight, LINE_AT, linesIn, nodesIn } from "../model/sight";
 import type { Moment, TaskIndex } from "../model/status";
 import type { NodeView } from "../protocol/generated";
 import { usePage } from "../store/page";
@@ -31,6 +31,7 @@ export function TreeCanvas(): JSX.Element {
   const known = useRef(new Map<string, Node>());
   const nodes = useMemo(() => drawn(nodesIn(area, shown, boxes), boxes, known), [area, shown, boxes]);
   const lines = useMemo(() => linesIn(area, shown, boxes), [area, shown, boxes]);
+  const mapped = useStore((s) => hasRoomForMap(s.width)) && shown.length > FEW_NODES;
   const [begun, setBegun] = useState("");
   const { select, mark } = usePage.getState();
   const setFollow = usePage((s) => s.setFollow);
@@ -59,6 +60,7 @@ export function TreeCanvas(): JSX.Element {
       onMoveStart={(event) => {
         if (event) setFollow(false);
       }}
+      attributionPosition="bottom-center"
       aria-label="Tree of the task; the outline has the same content for keyboards"
     >
       <ViewportPortal>
@@ -68,9 +70,9 @@ export function TreeCanvas(): JSX.Element {
       </ViewportPortal>
       <Background gap={24} />
       <Whole key={path} boxes={boxes} begun={begun === path} />
-      {shown.length > 12 && <TreeMap boxes={boxes} />}
+      {mapped && <TreeMap boxes={boxes} />}
       <Detail />
-      <Follower boxes={boxes} begun={begun === path} />
+      <Follower boxes={boxes} begun={begun === path} mapped={mapped} />
     </ReactFlow>
   );
 }
@@ -101,7 +103,7 @@ function Whole({ boxes, begun }: { boxes: ReadonlyMap<string, Box>; begun: boole
     fit(LEAST_ZOOM);
   });
   return (
-    <Controls showInteractive={false} showFitView={false}>
+    <Controls orientation="horizontal" showInteractive={false} showFitView={false}>
       <ControlButton onClick={() => fit(0.1)} title="Fit View" aria-label="Fit View">
         <svg viewBox="0 0 32 30" aria-hidden="true">
           <path d="M3 9V3h7M22 3h7v6M29 21v6h-7M10 27H3v-6" fill="none" stroke="currentColor" strokeWidth="3" />
@@ -112,7 +114,7 @@ function Whole({ boxes, begun }: { boxes: ReadonlyMap<string, Box>; begun: boole
 }
 
 /** Keeps the running leaf in sight, and brings a node that was selected elsewhere into sight. */
-function Follower({ boxes, begun }: { boxes: ReadonlyMap<string, Box>; begun: boolean }): null {
+function Follower({ boxes, begun, mapped }: { boxes: ReadonlyMap<string, Box>; begun: boolean; mapped: boolean }): null {
   const { setCenter, setViewport, getZoom, getViewport } = useReactFlow();
   const width = useStore((s) => s.width);
   const height = useStore((s) => s.height);
@@ -123,9 +125,9 @@ function Follower({ boxes, begun }: { boxes: ReadonlyMap<string, Box>; begun: bo
   useEffect(() => {
     const box = target ? boxes.get(target) : undefined;
     const readable = getZoom() >= READABLE_ZOOM;
-    if (!box || (readable && isInSight(box, getViewport(), width, height))) return;
+    if (!box || (readable && isInSight(box, getViewport(), width, height, mapped))) return;
     void setCenter(...centre(box), { zoom: Math.max(getZoom(), READABLE_ZOOM), duration: pace() });
-  }, [target, boxes, setCenter, getZoom, getViewport, width, height]);
+  }, [target, boxes, setCenter, getZoom, getViewport, width, height, mapped]);
   const seen = useRef({ selected, width, height });
   useEffect(() => {
     const box = selected ? boxes.get(selected) : undefined;
@@ -137,9 +139,9 @@ function Follower({ boxes, begun }: { boxes: ReadonlyMap<string, Box>; begun: bo
     if (!begun || !box || (selected === "/" && before.selected === "/" && !resized)) return;
     // A motion that is under way leads to where the middle was.
     if (resized) void setViewport(getViewport());
-    if (isInSight(box, getViewport(), width, height)) return;
+    if (isInSight(box, getViewport(), width, height, mapped)) return;
     void setCenter(...centre(box), { zoom: getZoom(), duration: resized ? 0 : pace() });
-  }, [selected, boxes, begun, setCenter, setViewport, getZoom, getViewport, width, height]);
+  }, [selected, boxes, begun, setCenter, setViewport, getZoom, getViewport, width, height, mapped]);
   return null;
 }
 
@@ -186,10 +188,4 @@ function centre(box: Box): [number, number] {
 
 function pace(): number {
   return matchMedia("(prefers-reduced-motion: reduce)").matches ? 0 : 300;
-}
-
-function isInSight(box: Box, view: Viewport, width: number, height: number): boolean {
-  const left = box.x * view.zoom + view.x;
-  const top = box.y * view.zoom + view.y;
-  return left >= 0 && top >= 0 && left + box.width * view.zoom <= width && top + box.height * view.zoom <= height;
 }

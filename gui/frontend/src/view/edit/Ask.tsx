@@ -6,7 +6,7 @@ import { type ChoiceQuestion, isFew, type TextQuestion, useAsk } from "../../sto
 import { FewChoices } from "./FewChoices";
 
 /** Most options that are listed; typing finds the others. */
-const SHOWN = 100;
+const SHOWN = 200;
 
 export function Ask(): JSX.Element | null {
   const question = useAsk((s) => s.question);

@@ -19,7 +19,7 @@ export function CasesForm({ node, locked }: { node: NodeView; locked: boolean })
     <section className="rows" aria-label="Cases">
       <h3>Cases</h3>
       {cases.map(([child, said], at) => (
-        <div key={child} className="row">
+        <div key={child} className="field-row">
           <CaseField child={child} said={said} locked={locked} set={(value) => void edit({ do: "set", path: node.path, key: ["cases", child], value })} />
           {!locked && (
             <RowTools

@@ -6,6 +6,7 @@ import { parentOf } from "../../model/commands";
 import { FLOW_HEAD, isStart, PORT_HEIGHT, targetName } from "../../model/flow";
 import { chartedIn, chartOf, type FlowChart, isCharted, pinAt } from "../../model/flowChart";
 import type { Box } from "../../model/layout";
+import { FEW_NODES, hasRoomForMap, isInSight } from "../../model/sight";
 import { useDocument } from "../../store/document";
 import { pin } from "../../store/editing";
 import { beginWith, connect, disconnect } from "../../store/flowing";
@@ -42,6 +43,7 @@ export function FlowCanvas(): JSX.Element {
   const [dragged, setDragged] = useState<{ id: string; x: number; y: number } | null>(null);
   const nodes = useMemo(() => flowNodes(chart, dragged), [chart, dragged]);
   const edges = useMemo(() => flowEdges(chart, edge), [chart, edge]);
+  const mapped = useStore((s) => hasRoomForMap(s.width)) && nodes.length > FEW_NODES;
   useEffect(() => setDragged(null), [boxes]);
 
   const onConnect = useCallback(({ source, sourceHandle, target }: Connection): void => {
@@ -102,13 +104,14 @@ export function FlowCanvas(): JSX.Element {
         onNodeDragStop={(_, node) => {
           if (node.type === "node") void pin("flow", { [node.id]: pinAt(chart, node.id, node.position) });
         }}
+        attributionPosition="bottom-center"
         aria-label="Flow chart of the container; the outline and the forms have the same content for keyboards"
       >
         <Background gap={24} />
-        <Controls showInteractive={false} />
-        {nodes.length > 12 && <MiniMap pannable zoomable style={{ width: 140, height: 96 }} />}
+        <Controls orientation="horizontal" showInteractive={false} />
+        {mapped && <MiniMap pannable zoomable style={{ width: 140, height: 96 }} />}
         <Detail />
-        <Keeper boxes={boxes} begun={begun === key} />
+        <Keeper boxes={boxes} begun={begun === key} mapped={mapped} />
       </ReactFlow>
       <Pinned chart={chart} pins={pins} locked={locked} />
     </section>
@@ -154,7 +157,7 @@ function useSelectedContainer(): void {
 }
 
 /** Brings a node that was selected elsewhere into sight, and keeps the middle of the chart in the middle of its pane. */
-function Keeper({ boxes, begun }: { boxes: ReadonlyMap<string, Box>; begun: boolean }): null {
+function Keeper({ boxes, begun, mapped }: { boxes: ReadonlyMap<string, Box>; begun: boolean; mapped: boolean }): null {
   const selected = usePage((s) => s.selected);
   const { setCenter, setViewport, getZoom, getViewport } = useReactFlow();
   const width = useStore((s) => s.width);
@@ -170,10 +173,8 @@ function Keeper({ boxes, begun }: { boxes: ReadonlyMap<string, Box>; begun: bool
   useEffect(() => {
     const box = selected === null ? undefined : boxes.get(selected);
     if (!begun || !box || width === 0) return;
-    const { x, y, zoom } = getViewport();
-    const inSight = box.x * zoom + x >= 0 && box.y * zoom + y >= 0 && (box.x + box.width) * zoom + x <= width && (box.y + box.height) * zoom + y <= height;
-    if (!inSight) void setCenter(box.x + box.width / 2, box.y + box.height / 2, { zoom: getZoom(), duration: 0 });
-  }, [selected, boxes, begun, width, height, setCenter, getZoom, getViewport]);
+    if (!isInSight(box, getViewport(), width, height, mapped)) void setCenter(box.x + box.width / 2, box.y + box.height / 2, { zoom: getZoom(), duration: 0 });
+  }, [selected, boxes, begun, width, height, mapped, setCenter, getZoom, getViewport]);
   return null;
 }
 

@@ -48,7 +48,7 @@ export function followSelection(view: EditorView, isDirty: () => boolean): () =>
     view.dispatch({ effects: [setMark.of(from), ...(scroll ? [EditorView.scrollIntoView(from, { y: "center" })] : [])] });
   }
 
-  /** A pane beside this one has come or gone: lines are wrapped elsewhere, and what is looked at stays in sight. */
+  /** Something beside the text or above it has come or gone: lines are wrapped elsewhere, and what is looked at stays in sight. */
   function keepInSight(): void {
     const at = view.hasFocus ? view.state.selection.main.head : startOf(usePage.getState().selected);
     if (at === null) return;
@@ -66,10 +66,12 @@ export function followSelection(view: EditorView, isDirty: () => boolean): () =>
 
   view.dom.addEventListener("keyup", selectAtCursor);
   view.dom.addEventListener("mouseup", selectAtCursor);
-  let width = view.dom.clientWidth;
+  const size = (): string => `${view.dom.clientWidth} ${view.dom.clientHeight}`;
+  let before = size();
   const sized = new ResizeObserver(() => {
-    if (view.dom.clientWidth !== width && width > 0) keepInSight();
-    width = view.dom.clientWidth || width;
+    if (view.dom.clientWidth === 0 || size() === before) return;
+    before = size();
+    keepInSight();
   });
   sized.observe(view.dom);
   const stops = [

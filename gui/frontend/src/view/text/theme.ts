@@ -16,7 +16,16 @@ export const theme = EditorView.theme({
   ".cm-completionDetail": { color: "inherit" },
   ".cm-panels": { backgroundColor: "var(--sunken)", color: "var(--text)" },
   ".cm-node-line": { boxShadow: "inset 3px 0 0 var(--accent)", backgroundColor: "var(--running-soft)" },
-  ".cm-diagnostic": { color: "var(--text)" },
+  ".cm-tooltip.cm-tooltip-hover, .cm-tooltip-lint": { maxWidth: "min(560px, 90vw)" },
+  ".cm-diagnostic": { color: "var(--text)", overflowWrap: "anywhere" },
+  ".cm-panels-bottom": { borderTop: "1px solid var(--line)" },
+  ".cm-panel.cm-search": { padding: "6px 28px 6px 8px", fontFamily: "var(--font)" },
+  ".cm-panel.cm-search label": { fontSize: "13px" },
+  ".cm-button": { backgroundImage: "none", backgroundColor: "var(--surface)", color: "var(--text)", border: "1px solid var(--line-strong)", fontSize: "13px", "&:active": { backgroundImage: "none", backgroundColor: "var(--sunken)" } },
+  ".cm-textfield": { width: "auto", minHeight: "28px", backgroundColor: "var(--surface)", color: "var(--text)", border: "1px solid var(--line-strong)", fontSize: "13px" },
+  ".cm-searchMatch": { backgroundColor: "var(--interrupted-soft)", outline: "1px solid var(--interrupted)" },
+  ".cm-searchMatch-selected, .cm-selectionMatch": { backgroundColor: "var(--success-soft)", outline: "1px solid var(--success)" },
+  ".cm-foldPlaceholder": { backgroundColor: "var(--sunken)", color: "var(--quiet)", border: "1px solid var(--line-strong)" },
 });
 
 export const colours = syntaxHighlighting(
