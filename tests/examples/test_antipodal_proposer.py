@@ -299,3 +299,47 @@ def test_two_that_share_a_face_but_not_a_height_are_two(proposer, yaw, lower):
     assert [thing.top for thing in things] == pytest.approx([height, height - lower], abs=0.004)
     for thing, middle in zip(things, ([0.5, 0.1], [0.5, 0.1] + apart), strict=True):
         np.testing.assert_allclose(thing.centre, middle, atol=0.012)
+
+
+def upright(kind, x, y, size, height, yaw):
+    return box(x, y, size, height, yaw) if kind == "box" else cylinder(x, y, size, height)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.001, 0.0015])
+@pytest.mark.parametrize("yaw", [0.0, 0.5, 1.2, 2.0])
+@pytest.mark.parametrize("kinds", [("box", "cylinder"), ("cylinder", "cylinder"), ("cylinder", "box")])
+def test_two_of_one_height_that_stand_side_by_side_are_two(proposer, kinds, yaw, noise):
+    """A round thing touches the other along a line, so their tops have a waist between them."""
+    sizes, middle = (0.030, 0.033), np.array([0.5, 0.1])
+    beside = middle + sum(sizes) * proposer.unit(yaw)
+    shapes = [upright(k, *at, size, 0.15, yaw) for k, at, size in zip(kinds, (middle, beside), sizes, strict=True)]
+    (cluster,) = proposer.clusters(look(*shapes, noise=noise))
+    parts = proposer.parts(cluster, proposer.TABLE + proposer.PALM_HEIGHT, proposer.MIN_POINTS)
+    assert len(parts) == 2
+    things = sorted((proposer.fit(part) for part in parts), key=lambda t: np.linalg.norm(t.centre - middle))
+    for thing, at, size in zip(things, (middle, beside), sizes, strict=True):
+        np.testing.assert_allclose(thing.centre, at, atol=0.006)
+        assert thing.half_width(proposer.unit(yaw + np.pi / 2)) == pytest.approx(size, abs=0.008)
+
+
+def test_three_in_a_row_are_three(proposer):
+    places = [[0.44, 0.1], [0.50, 0.1], [0.56, 0.1]]
+    assert middles(proposer, look(*(cylinder(*at) for at in places))) == pytest.approx(np.array(places), abs=0.006)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.0015])
+@pytest.mark.parametrize("yaw", np.linspace(0, np.pi / 2, 8))
+def test_the_top_of_one_thing_has_no_waist(proposer, yaw, noise):
+    for seed, (x, y) in enumerate([(0.42, -0.06), (0.53, 0.14), (0.62, 0.32)]):
+        for shape in (box(x, y, 0.034, 0.17, yaw), box(x, y, 0.028, 0.14, yaw), cylinder(x, y, 0.03, 0.15)):
+            (cluster,) = proposer.clusters(look(shape, noise=noise, seed=seed))
+            assert len(proposer.parts(cluster, 0.09, 30)) == 1
+
+
+def test_a_handle_stays_with_its_cup(proposer):
+    cup, handle = (
+        cylinder(0.5, 0.1, 0.034),
+        (np.array([[0.53, 0.094], [0.56, 0.094], [0.56, 0.106], [0.53, 0.106]]), 0.15),
+    )
+    (cluster,) = proposer.clusters(look(cup, handle))
+    assert len(sys.modules["splitting"].by_waist(cluster, 0.09, 30)) == 1

@@ -1,8 +1,9 @@
 """Take apart clusters of points that touch each other but are several things. Plain numpy and OpenCV.
 
-Three clues, in this order: what rises high has a top of its own, so low points beside it belong to something else; what
-stands and has two flat tops, side by side, is two things; and an outline that, seen from above, goes in somewhere is
-that of two things that touch there. Things of one height that touch along a whole face stay together. Lengths in m.
+Four clues, in this order: what rises high has a top of its own, so low points beside it belong to something else; what
+stands and has two flat tops, side by side, is two things; a top with a waist is that of two equally high things; and an
+outline that, seen from above, goes in somewhere is that of two things that touch there. Things of one height that touch
+along a whole face stay together. Lengths in m.
 """
 
 from __future__ import annotations
@@ -31,6 +32,16 @@ GAIN = 0.05
 """A cut is made where the parts fill their hulls better than the whole does, by this much."""
 CUTS = 24
 """So many directions of a cut are tried."""
+FINE = 0.002
+"""Edge of a pixel of a top's outline, about as far apart as the points of a camera above."""
+CLOSED = 5
+"""Gaps of so many fine pixels are closed."""
+WAIST = 0.0065
+"""A top goes in by more than this on both sides of a waist; noise of 1.5 mm makes notches of 5 mm."""
+AROUND = 0.15
+"""The other side of a waist is at least this part of the outline away, along it."""
+HALF = 0.2
+"""Each side of a waist has at least this part of the top; what has less is a handle or a spout."""
 
 
 def parts(points: Array, high: float, fewest: int) -> list[Array]:
@@ -43,7 +54,8 @@ def parts(points: Array, high: float, fewest: int) -> list[Array]:
     """
     found: list[Array] = []
     for group in by_height(points, high, fewest):
-        found += by_outline(group, fewest)
+        for piece in by_waist(group, high, fewest):
+            found += by_outline(piece, fewest)
     return found
 
 
@@ -81,6 +93,58 @@ def by_top(points: Array, high: float, fewest: int) -> list[Array]:
     nearest = np.stack([_outside(points[:, :2], g[:, :2]) for g in flat]).argmin(axis=0)
     rest = [points[beside & (nearest == k)] for k in range(len(flat))]
     return [points[~beside], *(part for group in rest for part in by_top(group, high, fewest))]
+
+
+def by_waist(points: Array, high: float, fewest: int, most: int = 3) -> list[Array]:
+    """Take apart what stands where its top has a waist, by the straight cut from its deepest notch to the other side.
+
+    Only the top is looked at: what the camera sees of the sides fills notches that are behind them.
+
+    Args:
+        points: of the cluster, shape (n, 3).
+        high: what stands rises above this height.
+        fewest: no part has fewer points.
+        most: so many cuts, one after the other, at most.
+    """
+    level = np.percentile(points[:, 2], 99)
+    top = points[points[:, 2] > level - LEVEL]
+    waist = _waist(top[:, :2]) if most and level > high and len(top) >= fewest else None
+    if waist is None:
+        return [points]
+    one, other = waist
+    across = np.array([one[1] - other[1], other[0] - one[0]])
+    share = float(np.mean((top[:, :2] - one) @ across > 0))
+    side = (points[:, :2] - one) @ across > 0
+    if min(share, 1 - share) < HALF or min(side.sum(), (~side).sum()) < fewest:
+        return [points]
+    return [part for half in (side, ~side) for part in by_waist(points[half], high, fewest, most - 1)]
+
+
+def _waist(flat: Array) -> tuple[Array, Array] | None:
+    """Return the deepest of two notches of points seen from above, and what is nearest opposite; shape (2,) each."""
+    corner = flat.min(axis=0) - CLOSED * FINE
+    pixels = np.floor((flat - corner) / FINE).astype(np.int64)
+    mask = np.zeros(pixels.max(axis=0) + CLOSED + 1, np.uint8)
+    mask[pixels[:, 0], pixels[:, 1]] = 1
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (CLOSED, CLOSED))
+    contours, _ = cv2.findContours(
+        cv2.morphologyEx(mask, cv2.MORPH_CLOSE, disc), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE
+    )
+    contour = max(contours, key=cv2.contourArea)
+    try:
+        defects = cv2.convexityDefects(contour, cv2.convexHull(contour, returnPoints=False))
+    except cv2.error:
+        return None  # an outline that touches itself, of a few scattered points
+    if defects is None:
+        return None
+    deep = sorted((d for d in defects.reshape(-1, 4) if d[3] / 256 * FINE > WAIST), key=lambda d: -d[3])
+    if len(deep) < 2:
+        return None
+    line = corner + (contour.reshape(-1, 2)[:, ::-1] + 0.5) * FINE
+    along = np.abs(np.arange(len(line)) - deep[0][2])
+    opposite = np.minimum(along, len(line) - along) > AROUND * len(line)
+    away = np.where(opposite, np.linalg.norm(line - line[deep[0][2]], axis=1), np.inf)
+    return line[deep[0][2]], line[away.argmin()]
 
 
 def by_outline(points: Array, fewest: int, most: int = 3) -> list[Array]:
