@@ -119,6 +119,7 @@ await onPage(url, async (page, { answer, button, choose, fileIs, pick }) => {
   const comment = page.getByLabel("Comment in the file");
   await comment.and(page.locator(":enabled")).fill("left or right,\nas it was told");
   await pick("left");
+  await fileIs("not saved");
   assert.match(await saved(), /\n    # left or right,\n    # as it was told\n    which:\n/);
   assert.equal(await comment.inputValue(), "");
   await pick("which");
@@ -132,11 +133,13 @@ await onPage(url, async (page, { answer, button, choose, fileIs, pick }) => {
   const head = page.getByLabel("Comment at the top of the file");
   await head.and(page.locator(":enabled")).fill("rules, waits, cases\n\nand ports");
   await pick("which");
+  await fileIs("not saved");
   assert.ok((await saved()).startsWith("# rules, waits, cases\n#\n# and ports\ngrip: 1\n"));
   await pick("lists");
   await page.waitForFunction(() => [...document.querySelectorAll("textarea")].some((area) => area.value === "rules, waits, cases\n\nand ports"));
   await head.fill("rules, waits, cases\n\nand all ports");
   await pick("which");
+  await fileIs("not saved");
   assert.ok((await saved()).startsWith("# rules, waits, cases\n#\n# and all ports\ngrip: 1\n"));
   await page.getByRole("button", { name: "comment on the task" }).first().waitFor();
 
