@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from grip_bt.catalog.component_file import load_component
 from grip_bt.catalog.component_parts import Start
-from grip_bt.catalog.equipment import MISSING, Trouble, missing_package, missing_type
+from grip_bt.catalog.equipment import MISSING, UNFIT, Trouble, missing_package, missing_type
 from grip_bt.errors import DocumentError
 
 if TYPE_CHECKING:
@@ -84,9 +84,18 @@ def components_in_need(project: Project, packages: PackagesHere | None) -> dict[
         except DocumentError:
             continue  # the project's catalogue says so
         where = f"components/{name}/component.yaml"
-        troubles = (*_lacking({file.interface}, packages, where), *_unstartable(file.start, packages, where))
+        lacking = (*_lacking({file.interface}, packages, where), *_unstartable(file.start, packages, where))
+        troubles = (*_misplaced(name, file.name, where), *lacking)
         found[f"component/{file.name}"] = troubles
     return found
+
+
+def _misplaced(folder: str, name: str, where: str) -> list[Trouble]:
+    """Return that a component lies in a folder of another name than its own, under which a run looks for it."""
+    if folder == name:
+        return []
+    said = f"{where}: the component is called {name!r}, and its folder {folder!r}, so that a run doesn't find it"
+    return [Trouble(UNFIT, said, f"rename the folder to {name!r}, or write `name: {folder}` and add it again")]
 
 
 def _lacking(types: Iterable[str], packages: PackagesHere | None, where: str, messages: bool = False) -> list[Trouble]:

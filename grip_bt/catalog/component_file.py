@@ -5,6 +5,7 @@ The user writes it beside the software; `grip component add` makes a node packag
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -73,7 +74,7 @@ class ComponentFile(Part):
         given = data.get("outcomes")
         if given is None and "/msg/" in str(data.get("interface")):
             given = {"published" if data.get("use") == "publish" else "received": "true"}
-        if isinstance(given, dict):
+        if isinstance(given, dict) and not _numbered(given):
             rules = {label: "true" if rule is True else rule for label, rule in given.items()}
             return {**data, "outcomes": tuple(given), "rules": rules}
         return data
@@ -83,6 +84,12 @@ class ComponentFile(Part):
     def _number_of_outcomes(cls, value: Any) -> Any:
         if isinstance(value, int) and not isinstance(value, bool):
             return tuple(f"outcome_{i}" for i in range(value))
+        if isinstance(value, str):
+            words = ", ".join(re.findall(r"[^,\s]+", value))
+            raise ValueError(f"a list is wanted: write [{words}], not {value!r}")
+        if isinstance(value, dict):
+            in_order = ", ".join(map(str, sorted(value, key=value.__getitem__)))
+            raise ValueError(f"they are numbered in their order: write [{in_order}], or give each a rule")
         return value
 
     @field_validator("ports", mode="before")
@@ -143,6 +150,11 @@ class ComponentFile(Part):
             elif field not in self.fixed and not (field in self.ports and self.ports[field].field):
                 found[field] = field
         return found
+
+
+def _numbered(outcomes: dict[Any, Any]) -> bool:
+    """Tell whether somebody wrote `{found: 0, none: 1}`."""
+    return bool(outcomes) and all(isinstance(n, int) and not isinstance(n, bool) for n in outcomes.values())
 
 
 def load_component(path: str | Path) -> ComponentFile:

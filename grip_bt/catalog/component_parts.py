@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import re
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints, model_validator
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, field_validator, model_validator
 
 from grip_bt.graph.frozen import FrozenDict
 
@@ -70,6 +70,16 @@ class Start(Part):
     """More environment variables."""
     run: bool = True
     """Whether we start it at all; `false` keeps what is written here for later."""
+
+    @field_validator("command", mode="before")
+    @classmethod
+    def _is_a_list_of_words(cls, value: Any) -> Any:
+        if isinstance(value, str):
+            words = ", ".join(f'"{word}"' if "{" in word else word for word in value.split())
+            raise ValueError(f"a list is wanted: write [{words}], not {value!r}")
+        if isinstance(value, list) and {"python": None} in value:
+            raise ValueError('{python} stands in quotation marks: write "{python}"')
+        return value
 
     @model_validator(mode="after")
     def _one_way(self) -> Start:

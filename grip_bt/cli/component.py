@@ -13,6 +13,8 @@ from typing import Any
 from grip_bt.errors import GripError, listing, nearest
 
 NODE_FOLDER = "node"
+_MOST = 6
+"""How many files of a package are listed."""
 
 
 def add_parser(subparsers: Any) -> None:
@@ -80,6 +82,7 @@ def _folder(what: str, args: argparse.Namespace) -> Path:
     """Return the folder of a component that is there, or make one from an interface."""
     path = Path(what)
     if path.is_dir():
+        _check_component(path)
         return path
     if path.suffix[1:] not in ("srv", "action", "msg") and (path.exists() or not _names_a_type(what)):
         _check_folder(path, args.project)
@@ -87,6 +90,30 @@ def _folder(what: str, args: argparse.Namespace) -> Path:
     from grip_bt.app.new_component import from_file, from_type
 
     return _made(from_file(path) if path.suffix else from_type(what), args)
+
+
+def _check_component(folder: Path) -> None:
+    """Check that a folder holds a component, under the name by which a run looks for it.
+
+    Raises:
+        GripError: it doesn't; it says what to give instead, or what to rename.
+    """
+    from grip_bt.app.new_component import components_folder
+    from grip_bt.catalog.component_file import FILE_NAME, load_component
+
+    if not (folder / FILE_NAME).exists():
+        kinds = ("srv", "action", "msg")
+        files = sorted(f.relative_to(folder).as_posix() for kind in kinds for f in folder.glob(f"{kind}/*.{kind}"))
+        shown = f"{', '.join(files[:_MOST])}{', ...' if len(files) > _MOST else ''}"
+        package = f"it is an interface package: give one of its files ({shown})" if files else ""
+        advice = package or "`grip component new NAME` makes a component"
+        raise GripError(f"{folder}: there is no {FILE_NAME} in it; {advice}")
+    name, home = load_component(folder).name, folder.resolve()
+    if home.name != name and home.parent == components_folder(home).resolve():
+        raise GripError(
+            f"{folder}: the component is called {name!r}, and a run looks for it in {home.parent / name}: rename the "
+            f"folder, or write `name: {home.name}` in {FILE_NAME}"
+        )
 
 
 def _names_a_type(what: str) -> bool:
@@ -123,8 +150,11 @@ def _made(wish: Any, args: argparse.Namespace) -> Path:
     wish = replace(wish, name=args.name, server=args.server or wish.server)
     failures = [label for label in args.failure.split(",") if label]
     folder = make_component(wish, components_folder(args.project), args.outcomes, failures)
-    served = load_component(folder).server
-    print(f"{folder / 'component.yaml'}: {wish.interface.type_name}, served as {served}")
+    component = load_component(folder)
+    print(f"{folder / 'component.yaml'}: {wish.interface.type_name}, served as {component.server}")
+    if len(component.outcomes) > 1 and not component.meaning:
+        said = f"all of {listing(component.outcomes)} mean success; of one that doesn't: `meaning: {{LABEL: failure}}`"
+        print(f"{said} in component.yaml, or --failure LABEL", file=sys.stderr)
     return folder
 
 

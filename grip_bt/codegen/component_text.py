@@ -45,6 +45,10 @@ def parse_outcomes(text: str) -> int | list[str] | dict[str, str]:
             raise GripError(
                 f"--outcomes {text!r}: write `label: rule; label: rule`, such as `found: count > 0; none: true`"
             )
+        labels = [label.strip() for label, _, _ in pairs]
+        if twice := sorted({label for label in labels if labels.count(label) > 1}):
+            advice = "an outcome has one rule; join what belongs together by `or`"
+            raise GripError(f"--outcomes {text!r}: {', '.join(twice)} is named twice: {advice}")
         return {label.strip(): rule.strip() for label, _, rule in pairs}
     names = [name.strip() for name in text.split(",")]
     if not all(re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name) for name in names):

@@ -6,15 +6,16 @@ rules, ports and fixed fields are checked instead. Of an action, request and res
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from grip_bt.catalog.component_file import FEEDBACK, ComponentFile
 from grip_bt.catalog.interface_spec import FieldSpec, InterfaceSpec
 from grip_bt.catalog.types import parse_type
 from grip_bt.errors import ContractError, listing, nearest
 from grip_bt.graph.expression import parse_expression
+from grip_bt.validation.expression_types import type_of
 
-from .port_fit import FieldsOf, misfits
+from .port_fit import FieldsOf, misfits, port_type
 
 INPUT, OUTCOME, RETURNED = "input", "outcome", "returned_object"
 
@@ -70,12 +71,34 @@ def _contract_problems(interface: InterfaceSpec) -> Iterator[str]:
 
 
 def _rule_problems(component: ComponentFile, interface: InterfaceSpec) -> Iterator[str]:
-    ports = set(output_ports(component, interface))
+    ports = output_ports(component, interface)
     for label, rule in component.rules.items():
-        for name in parse_expression(rule).names:
-            if name not in ports:
-                there_are = listing(sorted(ports))
-                yield f"outcomes: the rule of {label!r} reads {name!r}{nearest(name, ports)} (outputs: {there_are})"
+        unknown = [name for name in parse_expression(rule).names if name not in ports]
+        for name in unknown:
+            there_are = listing(sorted(ports))
+            yield f"outcomes: the rule of {label!r} reads {name!r}{nearest(name, ports)} (outputs: {there_are})"
+        if not unknown:
+            yield from _untrue(component, interface, ports, label, rule)
+
+
+def _untrue(
+    component: ComponentFile, interface: InterfaceSpec, ports: Mapping[str, str], label: str, rule: str
+) -> Iterator[str]:
+    """Yield why a rule can be neither true nor false, as far as the types of the outputs tell."""
+    fields = {f.name: f for f in (interface.request if component.kind == "msg" else interface.response)}
+    wrong: list[str] = []
+    types = {}
+    for port, at in ports.items():
+        try:
+            types[port] = parse_type(component.port_type(port, port_type(fields[at]) if at in fields else "Any"))
+        except ValueError:
+            return  # told of the port itself
+    given = type_of(parse_expression(rule), types, lambda part, reason: wrong.append(reason))
+    said = f"outcomes: the rule of {label!r}, `{rule}`"
+    yield from (f"{said}: {reason}" for reason in wrong)
+    if not wrong and given.name not in ("bool", "Any"):
+        example = f"`len({rule}) > 0`" if given.name in ("list", "str", "dict") else f"`{rule} > 0`"
+        yield f"{said}, gives a {given}; a rule is true or false: compare it with something, such as {example}"
 
 
 def _port_problems(component: ComponentFile, interface: InterfaceSpec) -> Iterator[str]:

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from grip_bt.catalog.component_file import FEEDBACK, ComponentFile
-from grip_bt.catalog.interface_spec import INTEGER_TYPES, FieldSpec, InterfaceSpec
+from grip_bt.catalog.interface_spec import FieldSpec, InterfaceSpec
 from grip_bt.catalog.manifest import InputPort, Manifest, OutputPort
 from grip_bt.graph.frozen import FrozenDict
 from grip_bt.graph.model import Meaning
 
 from .contract import INPUT, input_ports, output_ports
+from .port_fit import port_type
 
 CODES: dict[str, tuple[str, ...]] = {
     "srv": ("server_lost", "timed_out", "bad_reply"),
@@ -24,7 +25,6 @@ _VERBS = {
     ("msg", "receive"): "Waits for a message on",
     ("msg", "publish"): "Publishes a message on",
 }
-_BUILTINS = {"bool": "bool", "string": "str", "wstring": "str", "float32": "float", "float64": "float"}
 
 
 def class_name(component: ComponentFile) -> str:
@@ -49,12 +49,6 @@ def face(component: ComponentFile, interface: InterfaceSpec) -> Manifest:
         outcomes=FrozenDict(outcomes),
         codes=CODES[component.kind],
     )
-
-
-def port_type(field: FieldSpec) -> str:
-    """Return the type of a field as a port that no component file declares."""
-    item = "int" if field.type in INTEGER_TYPES else _BUILTINS.get(field.type, field.type)
-    return f"list[{item}]" if field.array else item
 
 
 def _input(component: ComponentFile, fields: Mapping[str, FieldSpec], port: str, at: str) -> InputPort:

@@ -29,7 +29,12 @@ def make_repository(folder: Path, name: str, language: Language) -> list[Path]:
         ProjectExistsError: the folder holds something.
     """
     if not re.fullmatch(r"[a-z](_?[a-z0-9]+)*", name):
-        raise GripError(f"{name!r} can't name a component: lower case letters, digits and single _, a letter first")
+        words = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
+        could_be = re.sub(r"^[0-9_]+|_+$", "", re.sub(r"[^a-z0-9]+", "_", words))
+        such = f", such as {could_be}" if could_be else ""
+        raise GripError(
+            f"{name!r} can't name a component: lower case letters, digits and single _, a letter first{such}"
+        )
     if folder.exists() and (not folder.is_dir() or any(entry.name != ".git" for entry in folder.iterdir())):
         raise ProjectExistsError(folder)
     camel = "".join(part.capitalize() for part in name.split("_"))

@@ -32,6 +32,13 @@ _OWN = {*VALUE_OF.values(), "DepthImage"}
 _LENGTHS, _ANGLES = ("m", "cm", "mm", "in"), ("rad", "deg")
 _MEASURED = {"Pose": _LENGTHS, "PointCloud": _LENGTHS, "JointState": _ANGLES}
 """Values that a unit can be said of."""
+_BUILTINS = {"bool": "bool", "string": "str", "wstring": "str", "float32": "float", "float64": "float"}
+
+
+def port_type(field: FieldSpec) -> str:
+    """Return the type of a field as a port that no component file declares."""
+    item = "int" if field.type in INTEGER_TYPES else _BUILTINS.get(field.type, field.type)
+    return f"list[{item}]" if field.array else item
 
 
 def misfits(component: ComponentFile, side: Sequence[FieldSpec], sent: bool, fields_of: FieldsOf) -> Iterator[str]:

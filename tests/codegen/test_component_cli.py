@@ -61,7 +61,41 @@ def test_an_interface_that_is_nowhere_is_named(component, capsys):
 
 def test_a_folder_that_is_no_component_is_named(tmp_path, capsys):
     assert main(["component", "add", str(tmp_path)]) == 1
-    assert "component.yaml" in capsys.readouterr().err
+    assert "there is no component.yaml in it; `grip component new NAME` makes a component" in capsys.readouterr().err
+    package = package_of(tmp_path, "my_msgs", {"srv/A.srv": "---\n", "msg/B.msg": "int32 a\n"})
+    assert main(["component", "add", str(package)]) == 1
+    assert "it is an interface package: give one of its files (msg/B.msg, srv/A.srv)" in capsys.readouterr().err
+
+
+def test_a_component_in_a_folder_of_another_name_is_told(project, capsys, monkeypatch):
+    monkeypatch.chdir(project)
+    assert main(["component", "new", "mine"]) == 0
+    (project / "components" / "mine").rename(project / "components" / "other")
+    capsys.readouterr()
+    assert main(["component", "add", "components/other"]) == 1
+    said = capsys.readouterr().err
+    assert "components/other: the component is called 'mine', and a run looks for it in " in said
+    assert "rename the folder, or write `name: other` in component.yaml" in said
+    (project / "task.yaml").write_text("grip: 1\nname: demo\nroot: {node: component/mine}\n")
+    main(["check", "task.yaml"])
+    assert "is called 'mine', and its folder 'other', so that a run doesn't find it" in capsys.readouterr().out
+
+
+def test_outcomes_that_all_mean_success_are_told(project, capsys, monkeypatch):
+    monkeypatch.chdir(project)
+    rules = ["--outcomes", "done: success; failed: not success"]
+    assert main(["component", "add", "std_srvs/srv/SetBool", *rules]) == 0
+    assert "all of done, failed mean success; of one that doesn't: `meaning: {LABEL: fail" in capsys.readouterr().err
+    assert main(["component", "add", "std_srvs/srv/Trigger", *rules, "--failure", "failed"]) == 0
+    assert capsys.readouterr().err == ""
+
+
+def test_a_type_without_its_kind_is_told_whole(project, capsys, monkeypatch):
+    monkeypatch.chdir(project)
+    assert main(["component", "add", "std_srvs/SetBool", "--outcomes", "done: success"]) == 1
+    assert "std_srvs/SetBool: is neither a .msg, .srv or .action file nor a type; write 'std_srvs/srv/SetBool'" in (
+        capsys.readouterr().err
+    )
 
 
 def package_of(folder: Path, name: str, files: dict[str, str], depends: str = "") -> Path:

@@ -202,7 +202,7 @@ def test_outcomes_are_read_as_a_person_writes_them():
     assert parse_outcomes("3") == 3
     assert parse_outcomes("one, several,none") == ["one", "several", "none"]
     assert parse_outcomes("found: count > 0; none: true") == {"found": "count > 0", "none": "true"}
-    for wrong in ("a b", "found:", "a,b-c"):
+    for wrong in ("a b", "found:", "a,b-c", "a: x > 0; a: true"):
         with pytest.raises(GripError, match="--outcomes"):
             parse_outcomes(wrong)
 

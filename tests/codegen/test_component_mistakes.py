@@ -114,6 +114,14 @@ def test_ports_that_do_are_left_alone(ports):
         ("[found, none]", "[found, not found]", "'not found' isn't a name: letters, digits and _, no digit first"),
         ("server: /do", "server: /do\nports: {a: {type: Pose, field: 'A.b'}}", "'A.b' isn't a path of fields"),
         ("server: /do", "server: /do\nstart: {command: python server.py}", "write [python, server.py], not"),
+        ("server: /do", "server: /do\nstart: {command: '{python} a.py'}", 'write ["{python}", a.py], not'),
+        (
+            "server: /do",
+            "server: /do\nstart: {command: [{python}, a.py]}",
+            'stands in quotation marks: write "{python}"',
+        ),
+        ("[found, none]", "found, none", "outcomes: a list is wanted: write [found, none], not 'found, none'"),
+        ("[found, none]", "{none: 1, found: 0}", "outcomes: they are numbered in their order: write [found, none]"),
     ],
 )
 def test_a_value_of_another_form_is_told_with_the_form_and_an_example(tmp_path, wrong, right, words):
@@ -130,3 +138,30 @@ def test_rules_that_would_do_are_shown_whole():
     component = {"name": "c", "interface": "std_srvs/srv/SetBool", "server": "/do", "outcomes": ("a", "b")}
     with pytest.raises(ContractError, match=r'`outcomes: \{done: "success", failed: "not success"\}`'):
         check_contract(ComponentFile.model_validate(component), plain)
+
+
+@pytest.mark.parametrize(
+    ("rule", "words"),
+    [
+        (
+            "count",
+            "the rule of 'one', `count`, gives a int; a rule is true or false: compare it with something, such as",
+        ),
+        (
+            "all",
+            "gives a list[geometry_msgs/msg/PoseStamped]; a rule is true or false: compare it with something, such as",
+        ),
+        ("len(score) > 0", "outcomes: the rule of 'one', `len(score) > 0`: "),
+        ("count > 0 and score > 0.5", ""),
+        ("returned_object.pose.position.z > 0", ""),
+    ],
+)
+def test_a_rule_that_is_neither_true_nor_false_is_told_before_anything_runs(rule, words):
+    file = {"name": "c", "interface": "my_pkg/srv/Do", "server": "/do", "outcomes": {"one": rule}}
+    component = ComponentFile.model_validate(file)
+    if not words:
+        check_contract(component, INTERFACE, INSIDE.get)
+        return
+    with pytest.raises(ContractError) as caught:
+        check_contract(component, INTERFACE, INSIDE.get)
+    assert words in caught.value.problems[0]

@@ -101,6 +101,12 @@ def test_a_name_that_cannot_be_a_packages_is_refused(tmp_path, name):
     assert not (tmp_path / "x").exists()
 
 
+@pytest.mark.parametrize(("name", "other"), [("MyGrasps", "my_grasps"), ("my-grasps", "my_grasps"), ("2d", "d")])
+def test_a_name_that_could_be_one_is_offered(tmp_path, name, other):
+    with pytest.raises(GripError, match=f"a letter first, such as {other}$"):
+        make_repository(tmp_path / "x", name, "python")
+
+
 def test_a_folder_that_holds_something_is_left_as_it_is(tmp_path):
     (tmp_path / "mine.txt").write_text("precious")
     with pytest.raises(ProjectExistsError):

@@ -84,10 +84,9 @@ def parse_interface(text: str, package: str, kind: str, name: str, source: str =
 def _installed_file(type_name: str, prefixes: Sequence[Path]) -> Path:
     parts = type_name.split("/")
     if len(parts) != 3 or parts[1] not in KINDS:
-        raise DocumentError(
-            f"{type_name!r} is neither a .msg, .srv or .action file nor a type such as "
-            f"{_meant(parts, prefixes) or 'std_srvs/srv/Trigger'!r}"
-        )
+        meant = _meant(parts, prefixes)
+        such = f"; write {meant!r}" if meant else " such as 'std_srvs/srv/Trigger'"
+        raise DocumentError(f"is neither a .msg, .srv or .action file nor a type{such}", type_name)
     package, kind, name = parts
     share = share_folder(package, search_path(prefixes))
     if share is None:
