@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from grip_bt.errors import UnknownNameError
+from grip_bt.errors import AmbiguousNameError, UnknownNameError
 from grip_bt.runtime import Event, JournalReader, Moment
 from grip_bt.runtime.breakpoints import node_path
 
@@ -42,8 +42,10 @@ def find_run(reader: JournalReader, name: str) -> str:
     fitting = [id for id in ids if id.startswith(name)]
     if name in ids or len(fitting) == 1:
         return name if name in ids else fitting[0]
+    if name and len(fitting) > 1:
+        raise AmbiguousNameError("run", name, fitting, str(reader.file), _NEAREST)
     alike = sorted(ids, key=lambda id: -_common(id, name))
-    raise UnknownNameError("run", name, (fitting or alike)[:_NEAREST], str(reader.file))
+    raise UnknownNameError("run", name, alike[:_NEAREST], str(reader.file))
 
 
 def _common(one: str, other: str) -> int:
@@ -72,7 +74,7 @@ class Until:
 
     def __init__(self, text: str):
         self.text = text
-        self._seq = int(text) if text.isdigit() else None
+        self._seq = int(text) if text.isdecimal() else None
         node, _, self._what = text.partition(":") if self._seq is None else ("", "", "")
         self._path = node_path(node) if node else ""
 

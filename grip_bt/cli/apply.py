@@ -48,11 +48,11 @@ def run(args: argparse.Namespace) -> int:
     if args.dry_run:
         put(document.text)
         return 0
+    if args.inverse:  # first: where it can't be written, the task stays as it is
+        replace_text(Path(args.inverse), json.dumps(inverses, indent=1) + "\n")
     for name, text in files.items():
         _write_new(Path(args.task).resolve(), name, text)
     replace_text(Path(args.task), document.text)
-    if args.inverse:
-        Path(args.inverse).write_text(json.dumps(inverses, indent=1) + "\n", encoding="utf-8")
     print(f"{args.task}: {len(inverses)} command{'s' * (len(inverses) != 1)} applied")
     return 0
 

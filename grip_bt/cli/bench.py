@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:  # the verbs are listed without loading what they run
+    from grip_bt.app import Project
     from grip_bt.app.campaign import Campaign, Results
 
 STOPPED = 130
@@ -58,8 +59,7 @@ def _run(path: Path, args: argparse.Namespace) -> int:
     campaign = read_campaign(path)
     check(campaign)
     first = next(iter(campaign.file.variants))
-    folder = find_project(campaign.task(first)).state_folder
-    file = args.output or folder / "campaigns" / f"{campaign.name}.jsonl"
+    file = args.output or _own_folder(find_project(campaign.task(first))) / "campaigns" / f"{campaign.name}.jsonl"
     results = begin(file, head_of(campaign), args.resume)
     left = [trial for trial in campaign.trials() if trial not in results.done]
     quiet = args.json or args.csv
@@ -87,6 +87,17 @@ def _run(path: Path, args: argparse.Namespace) -> int:
         _say(quiet, f"\nstopped: {total - len(results.rows)} of {total} trials are left; --resume runs them")
         return STOPPED
     return 0
+
+
+def _own_folder(project: Project) -> Path:
+    from grip_bt.errors import NotWritableError
+
+    try:
+        return project.state_folder
+    except NotWritableError as error:
+        cause = error.__cause__ if isinstance(error.__cause__, OSError) else OSError(str(error))
+        advice = "results are kept there; give another file for them with -o"
+        raise NotWritableError(project.folder / ".grip", cause, advice) from error
 
 
 def _opening(campaign: Campaign, results: Results, left: int, workers: int) -> str:

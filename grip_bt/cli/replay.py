@@ -69,17 +69,21 @@ def run(args: argparse.Namespace) -> int:
 
 def _check_place(reader: JournalReader, run: str, until: Until) -> None:
     """Refuse a place that a run which is over never came to, before its events are shown."""
-    paths, last = set(), 0
+    paths: set[str] = set()
+    ends: set[str] = set()  # of the node, where its name is right
+    node, last = until.text.partition(":")[0], 0
     for event in reader.iterate(run):
         if until.reached(event):
             return
         paths.add(event.path)
+        if event.path == node and event.outcome is not None:
+            ends.add(f"{node}:{event.outcome}")
         last = event.seq
-    raise _unknown_place(until.text, run, paths, last)
+    raise _unknown_place(until.text, run, ends or paths, last)
 
 
 def _unknown_place(place: str, run: str, paths: Iterable[str], last: int) -> UnknownNameError:
-    there = [f"1 to {last}"] if place.isdigit() else sorted(paths)
+    there = [f"1 to {last}"] if place.isdecimal() else sorted(paths)
     return UnknownNameError("place in the run", place, there, f"run {run}")
 
 

@@ -22,6 +22,7 @@ if TYPE_CHECKING:  # the verbs are listed without loading what they run
 EXIT_STATUS = {"success": 0, "failure": 3, "error": 4, "stopped": 130}
 INVALID = 1
 WATCHDOG = 10.0
+MOST_SEED = 2**32 - 1
 
 
 def add_parser(subparsers: Any) -> None:
@@ -79,7 +80,9 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         action=Given,
         help="simulated, parts that do as asked, or the controllers of a real robot",
     )
-    parser.add_argument("--seed", type=int, default=0, action=Given, help="of the simulated world (default: 0)")
+    parser.add_argument(
+        "--seed", type=_seed, default=0, action=Given, metavar="N", help="of the simulated world (default: 0)"
+    )
     parser.add_argument(
         "--pace",
         type=_pace,
@@ -87,6 +90,12 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         metavar="X",
         help="simulated seconds a second (default: as fast as it goes)",
     )
+
+
+def _seed(word: str) -> int:
+    if not (word.isascii() and word.isdigit() and len(word) <= len(str(MOST_SEED)) and int(word) <= MOST_SEED):
+        raise argparse.ArgumentTypeError(f"{word!r} isn't a whole number from 0 to {MOST_SEED}")
+    return int(word)
 
 
 def _pace(word: str) -> float:

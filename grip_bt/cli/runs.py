@@ -7,7 +7,7 @@ import json
 import time
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from grip_bt.errors import UnknownNameError
 
@@ -23,8 +23,9 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--to", choices=("jsonl", "csv", "mcap"), help="export the run; mcap opens in Foxglove")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="where to, with --to")
-    parser.add_argument("--data", action="store_true", help="the last value of each variable that the run wrote")
-    parser.add_argument("--timing", action="store_true", help="how long the nodes of the run took")
+    what = parser.add_mutually_exclusive_group()
+    what.add_argument("--data", action="store_true", help="the last value of each variable that the run wrote")
+    what.add_argument("--timing", action="store_true", help="how long the nodes of the run took")
     parser.add_argument("--coverage", type=Path, metavar="TASK", help="which outcomes of a task its runs have seen")
     parser.add_argument(
         "--prune",
@@ -55,6 +56,8 @@ def run(args: argparse.Namespace) -> int:
         args.journal or find_project(Path() if one and not place.exists() else place).folder / ".grip" / "runs.sqlite"
     )
     if not journal.is_file():
+        if args.journal is not None:
+            _no_journal(journal)
         if one:
             raise UnknownNameError("run", args.what, [], f"{journal}: there are no runs yet")
         print("[]" if args.json else f"no runs yet in {journal}")
@@ -73,6 +76,13 @@ def run(args: argparse.Namespace) -> int:
         return _data(reader, found, args.json) if args.data else _list(reader, args.json, found)
 
 
+def _no_journal(file: Path) -> NoReturn:
+    """Refuse a journal that was named and isn't there."""
+    from grip_bt.runtime.journal import JournalError
+
+    raise JournalError(f"{file}: there is no such journal; name a file that runs were written to")
+
+
 def _prune(args: argparse.Namespace) -> int:
     from pydantic import ByteSize, TypeAdapter, ValidationError
 
@@ -86,6 +96,8 @@ def _prune(args: argparse.Namespace) -> int:
         args.parser.error(f"--prune {args.prune!r} isn't a size; such as 500MB or 2GiB")
     file = args.journal or project.folder / ".grip" / "runs.sqlite"
     if not file.is_file():
+        if args.journal is not None:
+            _no_journal(file)
         print(f"no runs yet in {file}")
         return 0
     pruned = make_room(file, limit, give_back=True)

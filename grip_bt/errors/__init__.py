@@ -6,6 +6,7 @@ a *bug*: it ends the run as `error` and is reported with the path of the node.
 """
 
 from .base import (
+    AmbiguousNameError,
     CanceledError,
     ExpectedError,
     GripError,
@@ -83,6 +84,7 @@ from .validation import (
 )
 
 __all__ = [
+    "AmbiguousNameError",
     "BadFileError",
     "BadReplyError",
     "CampaignError",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from functools import lru_cache
 from typing import Any
@@ -17,6 +17,8 @@ def nearest(word: str, allowed: Iterable[str]) -> str:
 def _nearest(word: str, allowed: tuple[str, ...]) -> str:
     """As above, kept: one wrong name in each of 10,000 nodes is looked for once."""
     close = get_close_matches(word, allowed, n=1, cutoff=0.6)
+    if word and not close:  # the last name of a path alone
+        close = [path for path in allowed if path.endswith(f"/{word}")][:1]
     return f"; did you mean {close[0]!r}?" if close else ""
 
 
@@ -69,6 +71,18 @@ class UnknownNameError(GripError):
         at = f"{where}: " if where else ""
         unknown = f"unknown {kind} {name!r}{nearest(name, self.allowed)}" if name else f"which {kind}? None is named"
         super().__init__(f"{at}{unknown} (there are: {listing(self.allowed)})")
+
+
+class AmbiguousNameError(UnknownNameError):
+    """A beginning of a name that several have; `allowed` are those, in an order that helps."""
+
+    def __init__(self, kind: str, name: str, allowed: Sequence[str], where: str = "", most: int = 8):
+        super().__init__(kind, name, allowed, where)
+        more = ", ..." if len(allowed) > most else ""
+        at = f"{where}: " if where else ""
+        self.args = (
+            f"{at}{len(allowed)} {kind}s begin with {name!r}: {', '.join(allowed[:most])}{more}; give more of it",
+        )
 
 
 class MissingPartError(GripError):

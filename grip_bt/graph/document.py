@@ -130,7 +130,9 @@ def read_file(path: Path | str) -> str:
         with Path(path).open("rb") as file:
             data = file.read(MAX_CHARACTERS + 1)
     except (FileNotFoundError, IsADirectoryError) as error:
-        raise DocumentError(f"can't be read: {error.strerror}{_meant(Path(path))}", name) from None
+        named = Path(path)
+        meant = f"; it leads to {named.readlink()}" if named.is_symlink() else _meant(named)
+        raise DocumentError(f"can't be read: {error.strerror}{meant}", name) from None
     except OSError as error:
         raise DocumentError(f"can't be read: {error.strerror or error}", name) from None
     except ValueError as error:
@@ -170,9 +172,15 @@ def _meant(path: Path) -> str:
         there = sorted(str(file) for part in (folder, folder / "tasks") for file in part.glob("*.yaml"))
     except OSError:
         return ""
-    there = [file for file in there if Path(file).name != "grip.yaml" and not file.endswith(".layout.yaml")]
+    there = [file for file in there if _can_be_meant(Path(file))]
     if path.is_dir():
         return f"; name a file in it, such as {there[0]}" if there else ""
     by_name = {Path(file).name: file for file in reversed(there)}
     close = get_close_matches(path.name, by_name, n=1)
     return f"; did you mean {by_name[close[0]]}?" if close else ""
+
+
+def _can_be_meant(file: Path) -> bool:
+    """Return whether a file may be a task, and its name can be put into a sentence."""
+    listed = file.name.isprintable() and file.name != "grip.yaml" and not file.name.endswith(".layout.yaml")
+    return listed and file.is_file()

@@ -25,7 +25,8 @@ def read_model(path: Path | str, model: type[M]) -> M:
         DocumentError: it can't be read or doesn't fit; with line and column, and the nearest allowed key.
     """
     source = str(path)
-    found, faults = check_model(parse(read_file(path), source), model)
+    begins = f"it holds {listing(model.model_fields)}"
+    found, faults = check_model(parse(read_file(path), source, begins=begins), model)
     if found is None:
         raise document_error(faults, source)
     return found

@@ -145,13 +145,17 @@ def _first_odd(text: str) -> re.Match[str] | None:
     return None
 
 
-def parse(text: str, source: str = "", *, lists: bool = False) -> Value:
+_BEGINS = "a task begins with `grip: 1`"
+
+
+def parse(text: str, source: str = "", *, lists: bool = False, begins: str = _BEGINS) -> Value:
     """Read one YAML document.
 
     Args:
         text: the document.
         source: what errors call it.
         lists: whether a list is expected too; where it isn't, one is read slowly, if only to be refused.
+        begins: what an empty document is told.
 
     Raises:
         DocumentError: it isn't one, or it uses what tasks don't need.
@@ -164,7 +168,7 @@ def parse(text: str, source: str = "", *, lists: bool = False) -> Value:
             return root
     elif len(text) > PATIENCE:
         raise _too_odd(text, source)
-    return _patiently(text, source)
+    return _patiently(text, source, begins)
 
 
 def _quickly(text: str, source: str = "", lists: bool = False) -> Value | None:
@@ -213,7 +217,7 @@ def _place(text: str, at: int) -> tuple[int, int]:
     return text.count("\n", 0, at) + 1, at - text.rfind("\n", 0, at)
 
 
-def _patiently(text: str, source: str) -> Value:
+def _patiently(text: str, source: str, begins: str = _BEGINS) -> Value:
     """Read by a parser in Python: slow, exact in its messages, and of YAML 1.2 in every corner."""
     from ruamel.yaml import YAML
     from ruamel.yaml.error import MarkedYAMLError, YAMLError
@@ -236,7 +240,7 @@ def _patiently(text: str, source: str) -> Value:
         # the parser's own trouble with odd input, such as "\\UFFFFFFFF" or a directive
         raise DocumentError(f"not valid YAML: {error}", source, 1, 1) from error
     if builder.root is None:
-        raise DocumentError("the file is empty; a task begins with `grip: 1`", source, 1, 1)
+        raise DocumentError(f"the file is empty; {begins}", source, 1, 1)
     return builder.root
 
 

@@ -8,6 +8,7 @@ that nothing is seen that could be lost. The tables are described in `docs/journ
 from __future__ import annotations
 
 import logging
+import os
 import secrets
 import sqlite3
 import threading
@@ -85,7 +86,8 @@ class Journal:
             seed: of the simulation, if any.
         """
         run = time.strftime("%Y%m%d-%H%M%S-") + secrets.token_hex(3)
-        row = (run, task_name, task_path, task_text, target, seed, time.time(), None, "running", None)
+        path = os.fsencode(task_path).decode(errors="backslashreplace")  # a name of bytes that are no text
+        row = (run, task_name, path, task_text, target, seed, time.time(), None, "running", None)
         self.execute("INSERT INTO runs VALUES(?,?,?,?,?,?,?,?,?,?)", row)
         return RunLog(self, run)
 

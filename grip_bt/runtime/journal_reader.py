@@ -91,7 +91,10 @@ class JournalReader:
             raise JournalError(f"{self.file}: there is no journal; runs are written to it as soon as there is one")
         self._lock = threading.Lock()
         self._names: dict[str, list[_Names]] = {}
-        self._database = sqlite3.connect(self.file, timeout=30, check_same_thread=False)
+        try:
+            self._database = sqlite3.connect(self.file, timeout=30, check_same_thread=False)
+        except sqlite3.OperationalError as error:
+            raise JournalError(f"{self.file}: can't be read: {error}; mend its rights, or name another file") from error
         try:
             self._database.execute("PRAGMA query_only=ON")
             refuse_newer(self._database)

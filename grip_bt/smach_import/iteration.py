@@ -10,6 +10,9 @@ from .concurrence import RefusedError
 from .found import FoundContainer, Opaque
 from .keys import plain_literal
 
+MOST_ITEMS = 10_000
+"""Of a range; they stand in the task one by one."""
+
 
 @dataclass(frozen=True)
 class Iteration:
@@ -73,10 +76,30 @@ def iteration_of(found: FoundContainer) -> Iteration:
 
 
 def _given(items: Any) -> Any:
-    """Return items; those of a function that only returns a literal are that."""
+    """Return items; those of a function that only returns a literal, or a range between literals, are that."""
     if isinstance(items, Opaque) and isinstance(items.expression, ast.Lambda):
+        body = items.expression.body
         try:
-            return ast.literal_eval(items.expression.body)
-        except ValueError:
+            return _range(body) if isinstance(body, ast.Call) else ast.literal_eval(body)
+        except (TypeError, ValueError):
             return items
     return items
+
+
+def _range(call: ast.Call) -> list[int]:
+    """Return what `range(0, 5)` holds, or `list(range(0, 5))`, also in Python 2's spelling.
+
+    Raises:
+        TypeError, ValueError: it is none, none of literals, or longer than a task should be.
+    """
+    name, given = getattr(call.func, "id", ""), call.args
+    if call.keywords:
+        raise ValueError(name)
+    if name == "list" and len(given) == 1 and isinstance(given[0], ast.Call):
+        return _range(given[0])
+    if name not in ("range", "xrange"):
+        raise ValueError(name)
+    items = range(*(ast.literal_eval(argument) for argument in given))
+    if len(items) > MOST_ITEMS:
+        raise ValueError(name)
+    return list(items)

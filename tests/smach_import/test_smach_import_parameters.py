@@ -126,3 +126,47 @@ def build():
     made = [c for c in imported.containers if c.verdict == "failed" and c.outcomes == ["done", "lost"]]
     assert (len(made), len(imported.containers)) == (1, 2)
     assert "of a state is known only by a run" in told(imported)
+
+
+COUNTING = """
+@smach.cb_interface(input_keys=['index', 'total'], output_keys=['total'], outcomes=['next'])
+def add(userdata):
+    userdata.total = userdata.total + userdata.index
+    return 'next'
+
+def build():
+    sm = smach.StateMachine(outcomes=['done'])
+    sm.userdata.total = 0
+    with sm:
+        each = smach.Iterator(outcomes=['done'], input_keys=['total'], output_keys=['total'],
+                              it=lambda: ITEMS, it_label='index', exhausted_outcome='done')
+        with each:
+            smach.Iterator.set_contained_state('ADD', smach.CBState(add), loop_outcomes=['next'])
+        smach.StateMachine.add('COUNT', each, {'done': 'done'})
+    return sm
+"""
+
+
+@pytest.mark.parametrize("items", ["range(0, 5)", "list(range(3))", "range(4, 0, -2)", "[7, 8]"])
+def test_an_iterator_over_a_range_does_what_smach_does(tmp_path, monkeypatch, items):
+    monkeypatch.setitem(sys.modules, "rospy", SimpleNamespace())
+    file, imported = read(tmp_path, COUNTING.replace("ITEMS", items))
+    assert [container.verdict for container in imported.containers] == ["exact", "exact"]
+    imported, paths = write(file, tmp_path)
+    ((name, path),) = paths.items()
+    outcome, ends, _ = run_task(path, "bt")
+    legacy_outcome, legacy_ends = run_legacy(build_legacy(imported, name))
+    assert outcome == legacy_outcome
+    added = [end for end in ends if end[0].endswith("ADD")]
+    assert len(added) == len([end for end in legacy_ends if end[0].endswith("ADD")]) == len(eval(items))
+
+
+def test_an_iterator_over_a_range_of_python_2_is_read(tmp_path):
+    _, imported = read(tmp_path, COUNTING.replace("ITEMS", "xrange(4, 0, -2)") + "    print 'built'\n")
+    assert [container.verdict for container in imported.containers] == ["exact", "exact"]
+
+
+@pytest.mark.parametrize("items", ["range(n)", "range(0, 5, 0)", "range(99999)", "range(1.5)", "sorted([2, 1])"])
+def test_an_iterator_over_what_only_a_run_knows_is_left(tmp_path, items):
+    _, imported = read(tmp_path, COUNTING.replace("ITEMS", items))
+    assert f"its items are `lambda: {items}`, which only a run knows" in told(imported)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +14,8 @@ from grip_bt.app.mocks import Script
 from grip_bt.errors import CampaignError
 from grip_bt.graph.settings_file import read_model
 
+MOST_SEED, MOST_SEEDS = 2**32 - 1, 100_000
+Seed = Annotated[int, Field(ge=0, le=MOST_SEED)]
 Key = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]
 
 
@@ -23,8 +26,8 @@ class _Config(BaseModel):
 class SeedRange(_Config):
     """Seeds one after the other."""
 
-    first: int = 0
-    count: int = Field(ge=1)
+    first: Seed = 0
+    count: int = Field(ge=1, le=MOST_SEEDS)
 
 
 class Variant(_Config):
@@ -48,7 +51,7 @@ class CampaignFile(_Config):
     task: str | None = None
     """The task's file, for variants that name none."""
     robot: Literal["sim", "fake"] = "sim"
-    seeds: SeedRange | list[int] = SeedRange(count=10)
+    seeds: SeedRange | list[Seed] = SeedRange(count=10)
     """Of the worlds: every variant meets each of them once."""
     timeout: float = Field(default=600.0, gt=0)
     """How long one trial may take, start-up included [s of wall time]."""
@@ -126,7 +129,7 @@ def read_campaign(path: Path) -> Campaign:
     campaign = Campaign(path, file)
     if not campaign.seeds:
         raise CampaignError(str(path), "`seeds` is empty: give a list of numbers, or first and count")
-    twice = sorted({seed for seed in campaign.seeds if campaign.seeds.count(seed) > 1})
+    twice = sorted(seed for seed, times in Counter(campaign.seeds).items() if times > 1)
     if twice:
         raise CampaignError(str(path), f"seeds that are there twice: {', '.join(map(str, twice))}; each is run once")
     return campaign

@@ -83,7 +83,11 @@ def read(path: Path) -> Results:
     try:
         lines = path.read_text().split("\n")
         rows = [json.loads(line) for line in lines[:-1] if line]
-    except (OSError, ValueError) as error:
+    except OSError as error:
+        raise CampaignError(
+            str(path), f"can't be read: {error.strerror}; `grip bench CAMPAIGN` writes results"
+        ) from error
+    except ValueError as error:
         raise CampaignError(str(path), f"can't be read as results of a campaign: {error}") from error
     if not rows or not isinstance(rows[0], dict) or rows[0].get("campaign") != FORMAT:
         raise CampaignError(str(path), "these aren't results of a campaign: `grip bench CAMPAIGN` writes them")
