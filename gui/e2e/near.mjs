@@ -10,7 +10,7 @@ const [folder] = rest;
 const many = Array.from({ length: 230 }, (_, i) => `    step_${i}: {node: flow/wait}`).join("\n");
 writeFileSync(join(folder, "tasks/many.yaml"), `grip: 1\nname: many\nroot:\n  kind: sequence\n  children:\n${many}\n`);
 
-await onPage(url, async (page, { button, choose, fileIs, item, pick, still }) => {
+await onPage(url, async (page, { button, choose, dragUntil, fileIs, item, pick }) => {
   const zoomIn = async (times) => {
     for (let i = 0; i < times; i++) await page.getByRole("button", { name: "Zoom In" }).click();
   };
@@ -34,7 +34,8 @@ await onPage(url, async (page, { button, choose, fileIs, item, pick, still }) =>
   await near.getByLabel("message").press("Enter");
   await broken.getByText("a box is in the way").waitFor();
   await fileIs("not saved");
-  await near.getByLabel("message").dblclick();
+  // The event alone: a chart that is laid out anew just then would leave the pointer beside the field.
+  await near.getByLabel("message").dispatchEvent("dblclick");
   assert.equal(await button("Tree").getAttribute("aria-pressed"), "true", "a double click in a field stays in the field");
   await check(page, "fields at a node");
   await page.keyboard.press("Escape");
@@ -49,11 +50,7 @@ await onPage(url, async (page, { button, choose, fileIs, item, pick, still }) =>
   const inner = page.locator('.flow [data-path="machine/b"]');
   await inner.waitFor();
   await page.getByRole("button", { name: "Fit View" }).click();
-  const at = await still(inner.locator(".node-name"));
-  await page.mouse.down();
-  await page.mouse.move(at.x + at.width / 2, at.y + 60, { steps: 6 });
-  await page.mouse.up();
-  await page.getByRole("button", { name: "Tidy up (1 pinned)" }).waitFor();
+  await dragUntil(inner.locator(".node-name"), 40, 60, page.getByRole("button", { name: "Tidy up (1 pinned)" }));
   await page.keyboard.press("Control+s");
   await fileIs("saved");
   const [, x, y] = /machine\/b: \[(-?\d+), (-?\d+)\]/.exec(readFileSync(join(folder, "tasks/short.layout.yaml"), "utf8"));
