@@ -91,7 +91,7 @@ def apply_mocks(task: Task, catalog: Catalog, mocks: Mapping[str, Any]) -> tuple
         mocks: node -> steps, as `read_mocks` returns them.
 
     Raises:
-        UnknownNameError: there is no such node, outcome, output or variable; it lists those that there are.
+        UnknownNameError: there is no such node, outcome, code, output or variable; it lists those that there are.
         DocumentError: a step isn't one.
     """
     parts = {part.path: part for part in resolve(task, catalog).root.walk()}
@@ -113,6 +113,7 @@ def _checked(path: str, parts: Mapping[str, Part], script: Sequence[Mapping[str,
         raise UnknownNameError("node", path, parts, "a mock")
     part = parts[path]
     ports = part.manifest.outputs if part.manifest is not None else part.around.visible()
+    codes = part.manifest.codes if part.manifest is not None else ()
     steps = []
     for given in script:
         try:
@@ -121,6 +122,8 @@ def _checked(path: str, parts: Mapping[str, Part], script: Sequence[Mapping[str,
             raise DocumentError(str(error), f"mock of {path}") from None
         if step.outcome not in part.meaning:
             raise UnknownNameError("outcome", step.outcome, part.meaning, f"mock of {path}")
+        if step.code and codes and step.code not in codes:
+            raise UnknownNameError("failure code", step.code, codes, f"mock of {path}")
         for port in step.outputs:
             if port not in ports:
                 raise UnknownNameError("output", port, ports, f"mock of {path}")

@@ -126,6 +126,8 @@ def read_file(path: Path | str) -> str:
         DocumentError: there is no such file, or it isn't UTF-8 text of a sensible size.
     """
     name = str(path)
+    if not name:  # of an unset variable of a shell, say; to `Path` it is the folder around
+        raise DocumentError("a file's name is needed; this one is empty", "''")
     try:
         with Path(path).open("rb") as file:
             data = file.read(MAX_CHARACTERS + 1)

@@ -55,11 +55,11 @@ def run(tmp_path: Path) -> Any:
 
 @pytest.mark.parametrize("target", ["bt", "sm"])
 def test_leaves_and_containers_play_their_scripts_without_a_robot(run: Any, target: str) -> None:
-    result, events, _ = run("attempt/look=failure.no_data,success", "/attempt/pick=missed,held", target=target)
+    result, events, _ = run("attempt/look=failure.time_out,success", "/attempt/pick=missed,held", target=target)
     assert (result.status, result.outcome) == ("success", "done")
     ends = [(e.path, e.outcome, e.code) for e in events if e.event == "exit"]
     look, pick = ([(o, c) for p, o, c in ends if p == path] for path in ("attempt/look", "attempt/pick"))
-    assert look == [("failure", "no_data"), ("success", None), ("success", None)]
+    assert look == [("failure", "time_out"), ("success", None), ("success", None)]
     assert [o for o, _ in pick] == ["missed", "held"]
 
 
@@ -89,6 +89,10 @@ def test_the_command_line_replaces_what_the_file_says_of_a_node(run: Any) -> Non
     [
         ("attempt/lok=success", "a mock: unknown node 'attempt/lok'; did you mean 'attempt/look'"),
         ("attempt/pick=success", "mock of attempt/pick: unknown outcome 'success'.*there are: held, missed"),
+        (
+            "attempt/look=failure.no_sucess",
+            "mock of attempt/look: unknown failure code .no_sucess. .there are: aborted, canceled",
+        ),
     ],
 )
 def test_what_is_not_in_the_task_is_refused_with_what_is(run: Any, mock: str, said: str) -> None:

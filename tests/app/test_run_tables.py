@@ -56,11 +56,11 @@ def test_a_reason_is_counted_where_it_arose() -> None:
 
 
 def test_the_summary_of_a_run_says_why_leaves_failed_though_the_task_recovered(task: str, capfd) -> None:
-    mocked = "both/look=failure.no_data,failure.no_data,success"
+    mocked = "both/look=failure.time_out,failure.time_out,success"
     assert main(["run", task, "--mock", mocked]) == 0
     said, *reasons = capfd.readouterr().out.splitlines()
     assert said.startswith("success: success; ")
-    assert reasons == ["    2x both/look: no_data: mocked", "    2x both/other: tired"]
+    assert reasons == ["    2x both/look: time_out: mocked", "    2x both/other: tired"]
 
 
 def test_coverage_grows_with_runs_and_names_what_is_missing(task: str, capfd) -> None:
@@ -74,12 +74,12 @@ def test_coverage_grows_with_runs_and_names_what_is_missing(task: str, capfd) ->
         "  never seen: both/look: failure",
         "  never seen: both/other: failure",
     ]
-    assert main(["run", task, "--mock", "both/look=failure.no_data", "--json"]) == 3
+    assert main(["run", task, "--mock", "both/look=failure.time_out", "--json"]) == 3
     capfd.readouterr()
     assert main(["runs", "--coverage", task, "--json"]) == 0
     found = json.loads(capfd.readouterr().out)
     assert (found["outcomes_seen"], found["outcomes"], found["runs"], found["missing"]) == (7, 7, 2, {})
-    assert {"node": "both/look", "outcome": "failure", "codes": {"no_data": 3}} in found["codes"]
+    assert {"node": "both/look", "outcome": "failure", "codes": {"time_out": 3}} in found["codes"]
 
 
 def test_the_times_of_a_run_are_listed(task: str, capfd, monkeypatch) -> None:

@@ -91,6 +91,8 @@ def test_bytes_that_are_no_text_are_refused_with_their_place(tmp_path):
         load(tmp_path / "none.yaml")
     with pytest.raises(DocumentError, match="directory"):
         load(tmp_path)
+    with pytest.raises(DocumentError, match="'': a file's name is needed; this one is empty"):
+        read("")
 
 
 def test_a_file_too_large_is_refused_without_reading_it_all(tmp_path):

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, get_args
 
+from grip_bt.app.worlds import WORLDS
 from grip_bt.catalog.component_parts import Unit
 from grip_bt.catalog.sensor_config import MESSAGES
 from grip_bt.errors import GripError, listing, nearest
@@ -33,7 +34,6 @@ _NONE_YET = {
     "ros/controllers/?": "name it under `arms` or `hands` first",
     "ros/cameras/?": "no sensor says `camera`: write `sensors: {NAME: {camera: overhead}}`",
 }
-WORLDS = ["table"]
 
 
 def options_of(kind: str, data: Any, folder: Path) -> dict[str, list[str]]:
@@ -121,7 +121,7 @@ def _project(data: Mapping[str, Any], folder: Path) -> dict[str, list[str]]:
         "ros/cameras/?": cameras_in(data),
         "ros/cameras/*/mount/on": list(known.get("frames", ["world"])),
         "arms/*/hand": _keys(data, "hands"),
-        "world": WORLDS,
+        "world": list(WORLDS),
         "sensors/*/camera": ["overhead"],
         "sensors/*/topics/*/type": sorted(MESSAGES),
         "sensors/*/topics/*/message": sorted(set(MESSAGES.values())),
