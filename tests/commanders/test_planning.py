@@ -1,8 +1,19 @@
 import dataclasses
+import itertools
 
 import numpy as np
 import pytest
-from table_top import joined, named, place_things, robot_model, room, side_grasp, side_grasps, situation
+from table_top import (
+    endless_request,
+    joined,
+    named,
+    place_things,
+    robot_model,
+    room,
+    side_grasp,
+    side_grasps,
+    situation,
+)
 
 from grip_bt.commanders.collision import CollisionChecker
 from grip_bt.commanders.planning.free import planners
@@ -156,6 +167,14 @@ def test_joints_that_a_goal_does_not_name_stay_and_unknown_ones_are_refused():
     assert goal.as_mapping() == pytest.approx(home)
     with pytest.raises(UnknownNameError, match="panda_joint7"):
         answer(model, PlanTo(start, JointState(("panda_joint77",), [0.1])), never)
+
+
+@pytest.mark.parametrize("planner", ["RRTConnect", "AORRTC", "BiTRRT"])
+def test_who_cancels_may_say_so_as_numpy_does(planner):
+    """A comparison of an array's elements isn't Python's bool, which OMPL's bindings insist on."""
+    asked = itertools.count()
+    with pytest.raises(CanceledError):
+        answer(robot_model(), endless_request(planner), lambda: np.bool_(next(asked) > 50))
 
 
 def test_a_cancelled_plan_ends_as_cancelled(chosen):

@@ -120,7 +120,7 @@ def plan_free(
     motion_free = MotionCheck(checker, resolution)
 
     def over() -> bool:
-        return canceled() or budget.over
+        return bool(canceled()) or budget.over  # a bool of numpy's is none to OMPL's bindings
 
     if planner == BITRRT:
         path = bitrrt(checker, motion_free, start, goal, np.random.default_rng(seed), over)
