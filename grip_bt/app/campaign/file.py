@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError, field_validator
 
 from grip_bt.app.mocks import Script
 from grip_bt.errors import CampaignError
@@ -62,6 +62,16 @@ class CampaignFile(_Config):
     measure: dict[Key, str] = {}
     """Name -> expression over what is known of a trial."""
     variants: dict[Key, Variant] = {}
+
+    @field_validator("seeds", mode="wrap")
+    @classmethod
+    def _told_as_one(cls, value: Any, check: Callable[[Any], Any]) -> Any:
+        try:
+            return check(value)
+        except ValidationError:  # it would say of each form why it isn't that
+            forms = f"whole numbers from 0 to {MOST_SEED}, such as [1, 2, 3], or {{first: 0, count: 10}}"
+            most = f"; a count is 1 to {MOST_SEEDS}"
+            raise ValueError(f"{forms}{most}, not {value!r:.60}") from None
 
 
 @dataclass(frozen=True)
