@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from grip_bt.catalog.component_file import ComponentFile, load_component
 from grip_bt.catalog.equipment import UNFIT, Trouble
 from grip_bt.errors import DocumentError, UnknownNameError, nearest
+from grip_bt.validation.wording import take_hint
 
 if TYPE_CHECKING:
     from grip_bt.catalog.process_config import ProcessConfig
@@ -44,11 +45,11 @@ def frames_in_doubt(project: Project, links: Collection[str], robot_known: bool)
         return {}
     fixed = {ROOT, *links, *mounted}
     found: dict[str, tuple[Trouble, ...]] = {}
-    for name, sensor in project.file.sensors.items():
-        if sensor.topics and sensor.given_in is not None:
-            published = fixed | _published(project)
-            where = f"grip.yaml: sensors/{name}/given_in"
-            found[f"sensor/{name}"] = tuple(_unknown([(where, sensor.given_in)], published, by_tf=True))
+    given = {n: s.given_in for n, s in project.file.sensors.items() if s.topics and s.given_in is not None}
+    published = fixed | _published(project) if given else fixed
+    for name, frame in given.items():
+        where = f"grip.yaml: sensors/{name}/given_in"
+        found[f"sensor/{name}"] = tuple(_unknown([(where, frame)], published, by_tf=True))
     for file, named in _named_by_components(project):
         found[f"component/{file.name}"] = tuple(_unknown(named, fixed, by_tf=False))
     return found
@@ -61,8 +62,7 @@ def _unknown(named: Iterable[tuple[str, str]], known: Collection[str], by_tf: bo
             continue
         doubt = "; only TF could have it, when the task runs" if by_tf else "; TF isn't asked for a component's frames"
         otherwise = "name one of these, or see that TF publishes it" if by_tf else "name one of these"
-        hint = nearest(frame, tuple(sorted(known)))
-        fix = f"write {hint.split(chr(39))[1]!r}" if hint else otherwise
+        fix = take_hint(nearest(frame, tuple(sorted(known))), otherwise)
         yield Trouble(UNFIT, f"{UnknownNameError('frame', frame, known, where)}{doubt}", fix)
 
 

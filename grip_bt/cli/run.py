@@ -22,7 +22,6 @@ if TYPE_CHECKING:  # the verbs are listed without loading what they run
 EXIT_STATUS = {"success": 0, "failure": 3, "error": 4, "stopped": 130}
 INVALID = 1
 WATCHDOG = 10.0
-MOST_SEED = 2**32 - 1
 
 
 def add_parser(subparsers: Any) -> None:
@@ -93,6 +92,8 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _seed(word: str) -> int:
+    from grip_bt.app.campaign.file import MOST_SEED  # here, since the help needs none of it
+
     if not (word.isascii() and word.isdigit() and len(word) <= len(str(MOST_SEED)) and int(word) <= MOST_SEED):
         raise argparse.ArgumentTypeError(f"{word!r} isn't a whole number from 0 to {MOST_SEED}")
     return int(word)

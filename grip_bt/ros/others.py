@@ -69,8 +69,7 @@ def instead(name: str, wanted: str, services: Names, actions: Names, domain: int
         return f"; {wanted} is served {where} as {listing(same[:MOST])}"
     names = sorted(served for served, _ in ours if served != name)
     kind = "services" if "/srv/" in wanted else "actions"
-    more = f" and {len(names) - MOST} more" if len(names) > MOST else ""
-    return f"{nearest(name, names)} ({kind} {where}: {listing(names[:MOST])}{more})"
+    return f"{nearest(name, names)} ({kind} {where}: {_some(names, MOST)})"
 
 
 def other_servers(node: Node, name: str) -> str:
