@@ -17,6 +17,8 @@ from .judging import judged
 
 Trial = tuple[str, int]
 Told = Callable[[Mapping[str, Any]], None]
+WAKE = 0.2
+"""How often who waits for the trials looks up [s]: a Ctrl-C that another thread is given by the system wakes nobody."""
 
 
 class Trials:
@@ -49,7 +51,8 @@ class Trials:
         for thread in threads:
             thread.start()
         for thread in threads:
-            thread.join()
+            while thread.is_alive():
+                thread.join(WAKE)
         if self._error is not None:
             raise self._error
 
