@@ -118,8 +118,8 @@ def _container(part: Part, face: control.Face, children: list[Behaviour]) -> Nod
             return control.Retry(face, children[0], attempts)
         case model.Repeat(times=times):
             return control.Repeat(face, children[0], times)
-        case model.Timeout(seconds=seconds):
-            return control.Timeout(face, children[0], seconds)
+        case model.Timeout(seconds=seconds, child_first=child_first):
+            return control.Timeout(face, children[0], seconds, child_first)
         case model.Invert():
             return control.Invert(face, children[0])
         case model.Force(as_=outcome):

@@ -141,10 +141,15 @@ class Repeat(Decorator):
 
 
 class Timeout(Decorator):
-    """Fails with the reason `time_out` when the child is still running after `seconds` of the run's clock."""
+    """Fails with the reason `time_out` when the child is still running after `seconds` of the run's clock.
+
+    The clock is looked at once a tick, before the child: from the deadline on nothing in it begins or goes on.
+    """
 
     kind: Literal["timeout"]
     seconds: float = Field(gt=0)
+    child_first: bool = False
+    """The child is ticked before the clock is looked at, as by py_trees: what ends at the deadline has ended."""
 
 
 class Guard(Decorator):

@@ -51,7 +51,20 @@ _FIELDS_ONLY = frozenset({"x"}).union(n for shape in _SHAPES for n, f in shape.m
 """Names of fields that aren't keys of a file."""
 _ORDER = (
     *("grip", "name", "kind", "node", "type", "value", "doc"),
-    *("precondition", "initial", "times", "seconds", "if", "while", "on_value", "cases", "default", "items", "item"),
+    *(
+        "precondition",
+        "initial",
+        "times",
+        "seconds",
+        "child_first",
+        "if",
+        "while",
+        "on_value",
+        "cases",
+        "default",
+        "items",
+        "item",
+    ),
     *("policy", "memory", "rules", "wait_for", "cancel", "retick", "prompt", "order", "as"),
     *("task", "behaviour", "args", "with", "in", "out", "meaning", "outcomes", "exits", "on"),
     *("inputs", "outputs", "data", "root", "children", "child"),

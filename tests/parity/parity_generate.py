@@ -274,6 +274,7 @@ class Maker:
         child = next(iter(children.items()))
         only = {"child": {child[0]: child[1]}}
         endless = any("script" in str(below) for below in child[1:])  # who does nothing would do so for ever
+        late = {"child_first": True} if self.chance(0.3) else {}
         limit = {} if endless and self.chance(0.2) else {"times": times}
         made: dict[str, dict[str, Any]] = {
             "switch": {"kind": "switch", **self.cases(children, seen), "children": children},
@@ -294,7 +295,7 @@ class Maker:
             },
             "retry": {"kind": "retry", "times": times, **only},
             "repeat": {"kind": "repeat", **limit, **only},
-            "timeout": {"kind": "timeout", "seconds": self.random.randint(1, 6), **only},
+            "timeout": {"kind": "timeout", "seconds": self.random.randint(1, 6), **late, **only},
             "guard": {"kind": "guard", "if": self.condition(seen), **only},
             "invert": {"kind": "invert", **only},
             "force": {"kind": "force", "as": self.random.choice(("success", "failure")), **only},

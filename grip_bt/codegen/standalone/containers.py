@@ -65,10 +65,11 @@ def _class_of(part: Part, plan: Plan) -> tuple[str, dict[str, Any]]:
             return "py_trees.decorators.Retry", {"num_failures": times}
         case model.Repeat(times=times):
             return "py_trees.decorators.Repeat", {"num_success": _FOREVER if times is None else times}
-        case model.Timeout(seconds=seconds):
-            if plan.grip:
-                plan.parts.add("timeout")
-            return ("Timeout" if plan.grip else "py_trees.decorators.Timeout"), {"duration": seconds}
+        case model.Timeout(seconds=seconds, child_first=child_first):
+            if child_first and not plan.grip:
+                return "py_trees.decorators.Timeout", {"duration": seconds}
+            plan.parts.add("timeout")
+            return "Timeout", {"duration": seconds, **({"child_first": True} if child_first else {})}
         case model.Guard(if_=text):
             if plan.codes:
                 plan.parts.add("guard")

@@ -22,7 +22,7 @@ _KNOWN: dict[type[Any], set[str]] = {
     model.StateMachine: {*_CONTAINER, "initial", "children"},
     model.Retry: {*_CONTAINER, "child", "exits", "times"},
     model.Repeat: {*_CONTAINER, "child", "exits", "times"},
-    model.Timeout: {*_CONTAINER, "child", "exits", "seconds"},
+    model.Timeout: {*_CONTAINER, "child", "exits", "seconds", "child_first"},
     model.Guard: {*_CONTAINER, "child", "exits", "if_"},
     model.Foreign: {*_COMMON, "kind", "behaviour", "args"},
     model.Invert: {*_CONTAINER, "child", "exits"},

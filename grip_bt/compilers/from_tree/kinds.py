@@ -97,7 +97,8 @@ def _repeat(node: Any) -> Equal:
 def _timeout(node: Any) -> Equal:
     if node.duration <= 0:
         raise NoEqual(f"a Timeout of {node.duration:g} s is over at once")
-    return Equal({"kind": "timeout", "seconds": float(node.duration)}, remark="its time is that of the run's clock now")
+    own = {"kind": "timeout", "seconds": float(node.duration), "child_first": True}
+    return Equal(own, remark="its time is that of the run's clock now")
 
 
 def _timer(node: Any) -> Equal:

@@ -95,7 +95,7 @@ def _keys(node: Node) -> dict[str, Any]:
     if base is control.Repeat:
         return {"kind": "repeat", **({"times": node.num_success} if node.num_success > 0 else {})}
     if base is control.Timeout:
-        return {"kind": "timeout", "seconds": float(node.duration)}
+        return {"kind": "timeout", "seconds": float(node.duration), "child_first": node.child_first}
     if base is control.Cooldown:
         return {"kind": "cooldown", "seconds": float(node.rule.seconds)}
     if base is control.Loop and node.rule.condition is None:

@@ -35,6 +35,7 @@ _KEYS = {
         "cancel",
         "times",
         "seconds",
+        "child_first",
         "as_",
         "if_",
     ),
@@ -113,8 +114,11 @@ def _container(part: Part) -> tuple[str, dict[str, str]]:
             return "Retry", {"num_failures": str(attempts)}
         case model.Repeat(times=times):
             return "Repeat", {"num_success": str(-1 if times is None else times)}
-        case model.Timeout(seconds=seconds):
+        case model.Timeout(seconds=seconds, child_first=True):
             return "Timeout", {"duration": str(seconds)}
+        case model.Timeout():
+            what = "a timeout that looks at the clock before its child (py_trees' looks after it: `child_first: true`)"
+            raise NotExpressibleError(part.path, what, _TARGET)
         case model.Guard(if_="true"):
             return "PassThrough", {}
         case model.Guard():

@@ -10,6 +10,7 @@ from grip_bt.values import Failure
 
 from ..node import STATUS
 from .container import Container, Face
+from .guard import _Gate
 
 FOREVER = -1
 """What py_trees' Repeat takes for a number without limit."""
@@ -48,43 +49,45 @@ def _next_attempt(node: Retry | Repeat, status: Status) -> Status:
     return status
 
 
-class Timeout(Container, decorators.Timeout):
+class Timeout(Container, _Gate, decorators.Timeout):
     """Fails with the reason `time_out` when its child still runs `seconds` [s] of the run's clock after it began.
 
-    The time is looked at after the child was ticked: a child that finishes at the deadline has finished.
+    The clock is looked at once a tick, before the child: from the deadline on the child is halted, and nothing in it
+    begins or is ticked any more. With `child_first` it is looked at after the child, as py_trees' own does.
     """
 
-    def __init__(self, face: Face, child: Behaviour, seconds: float):
+    finish_time: float
+    initialise = Behaviour.initialise  # py_trees' would set another deadline, by the wall's clock
+
+    def __init__(self, face: Face, child: Behaviour, seconds: float, child_first: bool = False):
         decorators.Timeout.__init__(self, face.name, child, seconds)
         self.take(face)
-        self.timed_out = False
+        self.child_first, self.timed_out = child_first, False
 
-    def initialise(self) -> None:
-        """Set the deadline and ask to be ticked then."""
-        self.timed_out = False
-        self.finish_time = self.context.clock.now() + self.duration
-        self.context.wake_at(self.finish_time)
+    def open(self) -> bool:
+        """Set the deadline on entry, and ask to be ticked then; look at the clock, unless the child comes first."""
+        if self.status != Status.RUNNING:
+            self.finish_time = self.context.clock.now() + self.duration
+            self.context.wake_at(self.finish_time)
+        self.timed_out = not self.child_first and self.over()
+        return not self.timed_out
+
+    def over(self) -> bool:
+        """Tell whether the deadline is reached."""
+        return self.context.clock.now() >= self.finish_time
 
     def update(self) -> Status:
-        """Pass on what the child ended with, or interrupt it when its time is over."""
-        if self.decorated.status != Status.RUNNING:
+        """Pass on what the child ended with; with `child_first` interrupt it when its time is over."""
+        if self.decorated.status != Status.RUNNING or not self.child_first or not self.over():
             return self.decorated.status
-        if self.context.clock.now() < self.finish_time:
-            return Status.RUNNING
         self.timed_out = True
-        self.decorated.stop(Status.INVALID)
         return Status.FAILURE
 
     def reason(self) -> Failure | None:
         """Return `time_out`, or the child's reason when it failed in time."""
         if not self.timed_out:
             return super().reason()
-        return time_out(self.decorated.name, self.duration)
-
-
-def time_out(child: str, seconds: float) -> Failure:
-    """Return the reason of a timeout."""
-    return Failure("time_out", f"{child} was still running after {seconds:g} s")
+        return Failure("time_out", f"{self.decorated.name} was still running after {self.duration:g} s")
 
 
 class Invert(Container, decorators.Inverter):

@@ -1,4 +1,4 @@
-"""A decorator whose child runs only as long as a condition holds."""
+"""Decorators whose child runs only while a gate is open; the guard's gate is a condition."""
 
 from __future__ import annotations
 

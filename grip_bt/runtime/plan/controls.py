@@ -129,7 +129,7 @@ def turns(node: Any, parts: Sequence[Part], visit: Visit | None, ended: Ended) -
 
 
 def gate(node: Any, inner: Tick, stop: Stop, visit: Visit | None) -> Tick:
-    """The tick of our guard: that of a decorator while it is open."""
+    """The tick of our guard and timeout: that of a decorator while it is open."""
 
     def tick() -> Status:
         if node.open():

@@ -37,7 +37,7 @@ class Kind(Enum):
     TURNS = auto()
     """Our switch, loop, for_each and cooldown."""
     GATE = auto()
-    """Our guard."""
+    """Our guard and our timeout."""
     FOREIGN = auto()
     """By its own generator."""
 

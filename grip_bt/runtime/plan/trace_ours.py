@@ -1,7 +1,8 @@
 """Traces through nodes of ours: what of their ticks is left while nothing changes, and which of them have such ticks.
 
 While a node of ours and its children run on, no activation begins or ends, so that nobody is told of anything. A guard
-looks at its condition, a timeout at the clock; a parallel whose children's ends are as they were decides as it did.
+looks at its condition, a timeout at the clock, both before the child; a parallel whose children's ends are as they were
+decides as it did.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from .writer import Writer
 
 _WAITING = {cls.update for cls in (control.Retry, control.Repeat, control.Invert, control.Force, control.Subtask)}
 """Updates of our decorators that do nothing but return RUNNING while the child runs."""
+_GATES = {(cls.open, cls.update) for cls in (Guard, control.Timeout)}
 
 
 def stays(node: Any, kind: Kind) -> bool:
@@ -30,9 +32,9 @@ def stays(node: Any, kind: Kind) -> bool:
         case Kind.SEQUENCE | Kind.SELECTOR:
             return bool(node.memory)
         case Kind.DECORATOR:
-            return cls.update in _WAITING or cls.update is control.Timeout.update
+            return cls.update in _WAITING
         case Kind.GATE:
-            return cls.open is Guard.open and cls.update is Guard.update
+            return (cls.open, cls.update) in _GATES
         case Kind.ROUNDS:
             return cls.settle is Parallel.settle and cls.ends is Parallel.ends
         case Kind.STEPS:
@@ -44,9 +46,9 @@ def stays(node: Any, kind: Kind) -> bool:
 
 def watches_time(node: Any) -> bool:
     """Tell whether the node looks at the clock after its child was ticked."""
-    return bool(type(node).update is control.Timeout.update)
+    return isinstance(node, control.Timeout) and node.child_first
 
 
 def emit_deadline(write: Writer, name: str, at: int) -> None:
     """Write that the trace is left where the time is over."""
-    write(f"if not {name}.context.clock.now() < {name}.finish_time: return missed({at})")
+    write(f"if {name}.over(): return missed({at})")

@@ -240,7 +240,16 @@ def test_times_are_those_of_the_clock() -> None:
     world = World("<Timeout msec='1500'><A/></Timeout>", {"A": ".........s"})
     assert world.ticks(1) == ["A RUNNING"]
     world.clock.advance(1.6)
-    assert world.ticks(1) == ["A halt A FAILURE"]
+    assert world.ticks(1) == ["halt A FAILURE"]
+    # Ticked every 20 ms; BT.CPP halts what runs after 50 ms, and nothing begins after that.
+    world = World("<Timeout msec='50'><Sequence><A/><B/><C/></Sequence></Timeout>", {"A": "..s"})
+    for expected in ("A RUNNING", "A RUNNING", "A B C SUCCESS"):
+        assert world.ticks(1) == [expected]
+        world.clock.advance(0.02)
+    world = World("<Timeout msec='50'><Sequence><A/><B/><C/></Sequence></Timeout>", {"A": "...s"})
+    for expected in ("A RUNNING", "A RUNNING", "A RUNNING", "halt A FAILURE"):
+        assert world.ticks(1) == [expected]
+        world.clock.advance(0.02)
     world = World("<Delay delay_msec='500'><A/></Delay>")
     assert world.ticks(1) == ["RUNNING"]
     world.clock.advance(0.5)

@@ -6,6 +6,8 @@ from typing import Any
 
 import pytest
 from control_world import World, leaf
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from py_trees.common import Status
 
 from grip_bt.errors import DataError, NodeError
@@ -65,12 +67,47 @@ def test_a_timeout_interrupts_its_child_at_the_deadline() -> None:
     assert world.halted == ["c"]
 
 
-def test_a_child_that_finishes_at_the_deadline_has_finished() -> None:
-    world = World(over("timeout", seconds=2.0), {"c": ".success"})
+steps = st.lists(
+    st.tuples(st.integers(0, 4), st.sampled_from(["success", "success", "failure"])), min_size=1, max_size=4
+)
+
+
+@settings(deadline=None)
+@given(steps, st.lists(st.sampled_from([0.0, 0.25, 0.5, 1.0, 3.0]), min_size=20, max_size=20), st.booleans())
+def test_from_its_deadline_on_nothing_in_a_timeout_is_ticked_and_what_ran_is_halted_once(
+    script: list[tuple[int, str]], waits: list[float], memory: bool
+) -> None:
+    inner = {"kind": "sequence", "memory": memory, "children": {f"s{i}": leaf() for i in range(len(script))}}
+    scripts = {f"s{i}": "." * ticks + word for i, (ticks, word) in enumerate(script)}
+    world = World({"kind": "timeout", "seconds": 2.0, "child": {"c": inner}}, scripts)
+    for wait in (*waits, 3.0, 0.0):
+        before, halted = len(world.ticked), len(world.halted)
+        running = [node.path for node in world.root.iterate() if node.status == Status.RUNNING and not node.children]
+        if world.tick() != Status.RUNNING:
+            break
+        assert len(world.ticked) > before
+        assert world.clock.now() < 2.0
+        world.clock.advance(wait)
+    over_at = world.clock.now() >= 2.0
+    assert world.root.status != Status.RUNNING
+    assert (world.reason == "time_out") == over_at
+    if over_at:
+        assert len(world.ticked) == before
+        assert world.halted[halted:] == running
+
+
+def test_with_the_child_first_what_ends_at_the_deadline_has_ended_and_what_runs_is_halted() -> None:
+    world = World(over("timeout", seconds=2.0, child_first=True), {"c": ".success"})
     world.tick()
+    assert world.wake_times == [2.0]
     world.clock.advance(5.0)
     assert world.tick() == Status.SUCCESS
     assert world.root.failure is None
+    world = World(over("timeout", seconds=2.0, child_first=True), {"c": "..success"})
+    world.tick()
+    world.clock.advance(2.0)
+    assert world.tick() == Status.FAILURE
+    assert (world.reason, world.ticked, world.halted) == ("time_out", ["c", "c"], ["c"])
 
 
 def test_a_timeout_passes_on_the_reason_of_a_child_that_failed_in_time() -> None:
