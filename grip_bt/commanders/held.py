@@ -20,34 +20,40 @@ from grip_bt.ports import Executor, HandPort, Steerable
 from grip_bt.values import JointState, Trajectory
 
 from .steering import spliced
+from .trajectory.braking import accelerations_of, paced
 
 J = TypeVar("J")
-RAMP = 0.5
-"""How long a motion takes to come up to its speed again [s]."""
+RAMP = 5.0
+"""How long a motion may take at most to come up to its speed again [s]."""
 SHORTEST = 0.1
 """A rest of a motion takes no less than this [s]."""
 ASIDE = 0.1
 """Joints that are further from the path than this [rad or m] were moved by something else meanwhile."""
+_ASIDE_PART = 0.1
+"""What part of the joints' accelerations brings them back to the path; `paced` leaves as much."""
 _GRID, _DOUBT = 0.005, 0.01
 """Spacing of the search for where on its path a motion is [s]; what a second that it is early or late weighs [rad]."""
 
 
-def rest_of(trajectory: Trajectory, measured: NDArray[np.float64], passed: float) -> Trajectory:
+def rest_of(
+    trajectory: Trajectory, measured: NDArray[np.float64], passed: float, acceleration: NDArray[np.float64]
+) -> Trajectory:
     """Return what is left of a trajectory that was stopped: the same path, from rest.
 
-    It begins at the point of the path that is nearest to where the joints are, by their distance and by the time; time
-    runs on from there evenly faster during `RAMP`, then as before. What the joints are off the path fades meanwhile.
+    It begins at the point of the path that is nearest to where the joints are, by their distance and by the time, and
+    comes up to its speed as quickly as the joints' limits allow. What the joints are off the path fades meanwhile.
 
     Args:
         trajectory: what was under way.
         measured: where its joints are, in its order.
         passed: how long it had been under way [s].
+        acceleration: limits of its joints, shape (n,) [rad/s^2 or m/s^2].
 
     Raises:
         ExecutionAbortedError: the joints are too far from the path.
     """
     times = np.linspace(0.0, trajectory.duration, max(2, int(trajectory.duration / _GRID)))
-    away = np.abs(_sampled(trajectory.positions, trajectory, times) - measured).max(axis=1)
+    away = np.abs(trajectory.sampled(times)[0] - measured).max(axis=1)
     nearest = int((away + _DOUBT * np.abs(times - passed)).argmin())
     if away[nearest] > ASIDE:
         raise ExecutionAbortedError(
@@ -55,29 +61,21 @@ def rest_of(trajectory: Trajectory, measured: NDArray[np.float64], passed: float
             error=float(away[nearest]),
         )
     begin = float(times[nearest])
-    left = trajectory.duration - begin
-    faster = min(RAMP / 2, left)
-    ramp = max(2 * faster, SHORTEST)
-    part = np.linspace(0.0, 1.0, max(3, round(ramp / 0.02)))
-    later = trajectory.times[trajectory.times > begin + faster + 1e-6]
-    there = np.concatenate([begin + faster * part**2, later])
-    pace = np.concatenate([2 * faster / ramp * part, np.ones(len(later))])
-    offset = np.zeros((len(there), len(measured)))
-    drift = np.zeros_like(offset)
     aside = measured - trajectory.at(begin)
-    offset[: len(part)] = np.outer(1 - 3 * part**2 + 2 * part**3, aside)
-    drift[: len(part)] = np.outer(6 * (part**2 - part) / ramp, aside)
-    velocities = trajectory.velocities
+    fading = max(SHORTEST, float(np.sqrt(6 * np.abs(aside) / (_ASIDE_PART * acceleration)).max()))
+    rest = paced(trajectory, begin, 0.0, 1.0, acceleration, RAMP).stretched(fading)
+    if rest.duration == 0.0:
+        rest = Trajectory(
+            rest.names, np.array([0.0, fading]), np.tile(rest.positions, (2, 1)), np.zeros((2, len(aside)))
+        )
+    part = np.clip(rest.times / fading, 0.0, 1.0)
+    assert rest.velocities is not None
     return Trajectory(
-        trajectory.names,
-        np.concatenate([ramp * part, ramp + later - begin - faster]),
-        _sampled(trajectory.positions, trajectory, there) + offset,
-        None if velocities is None else _sampled(velocities, trajectory, there) * pace[:, None] + drift,
+        rest.names,
+        rest.times,
+        rest.positions + np.outer(1 - 3 * part**2 + 2 * part**3, aside),
+        rest.velocities + np.outer(6 * (part**2 - part) / fading, aside),
     )
-
-
-def _sampled(values: NDArray[np.float64], trajectory: Trajectory, times: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.stack([np.interp(times, trajectory.times, column) for column in values.T], axis=1)
 
 
 class _Motion(Generic[J]):
@@ -225,10 +223,14 @@ class HeldExecutor:
     """Implements `grip_bt.ports.Executor` and `Pausable` over an executor that can be stopped.
 
     A motion that is held ends with ExecutionAbortedError where the joints were moved by something else meanwhile.
+
+    Args:
+        executor: moves the joints, and can stop them.
+        accelerations: joint -> limit [rad/s^2 or m/s^2]; see `trajectory.braking.accelerations_of`.
     """
 
-    def __init__(self, executor: Executor):
-        self._executor = executor
+    def __init__(self, executor: Executor, accelerations: Mapping[str, float] | None = None):
+        self._executor, self._accelerations = executor, accelerations or {}
         self._parts = _Parts(executor.execute, self._rest)
 
     @property
@@ -262,7 +264,7 @@ class HeldExecutor:
             measured = self._executor.state().ordered(trajectory.names)
         except ExpectedError as error:
             raise ExecutionAbortedError(f"the motion was held, and {error.message}", cause=error.code) from None
-        return rest_of(trajectory, measured, passed)
+        return rest_of(trajectory, measured, passed, accelerations_of(trajectory.names, self._accelerations))
 
 
 class HeldSteerable(HeldExecutor):
@@ -271,8 +273,8 @@ class HeldSteerable(HeldExecutor):
     A motion that was held in its middle isn't changed any more; it goes on to its end.
     """
 
-    def __init__(self, executor: Executor):
-        super().__init__(executor)
+    def __init__(self, executor: Executor, accelerations: Mapping[str, float] | None = None):
+        super().__init__(executor, accelerations)
         assert isinstance(executor, Steerable)
         self._steerable: Steerable = executor
 
@@ -289,9 +291,10 @@ class HeldSteerable(HeldExecutor):
         self._steerable.expect(at)
 
 
-def held(executor: Executor) -> HeldExecutor:
-    """Return an executor that can be held, and steered where `executor` can be."""
-    return HeldSteerable(executor) if isinstance(executor, Steerable) else HeldExecutor(executor)
+def held(executor: Executor, accelerations: Mapping[str, float] | None = None) -> HeldExecutor:
+    """Return an executor that can be held, and steered where `executor` can be; see `HeldExecutor`."""
+    kind = HeldSteerable if isinstance(executor, Steerable) else HeldExecutor
+    return kind(executor, accelerations)
 
 
 class HeldHand:

@@ -103,8 +103,32 @@ class Trajectory(ComparesArrays):
         return float(self.times[-1])
 
     def at(self, time: float) -> NDArray[np.float64]:
-        """Return the positions at `time` [s], shape (n,), linear between points and clamped at the ends."""
-        return np.array([np.interp(time, self.times, column) for column in self.positions.T])
+        """Return the positions at `time` [s], shape (n,), as `sampled` interpolates."""
+        position: NDArray[np.float64] = self.sampled(np.array([time]))[0][0]
+        return position
+
+    def sampled(
+        self, times: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Return positions, velocities and accelerations at times, each of shape (m, n).
+
+        Between two points as ros2_control's joint_trajectory_controller draws them: a quintic where accelerations are
+        given, a cubic where velocities are, else a straight line. Before the first point and after the last one the
+        joints stand.
+
+        Args:
+            times: shape (m,) [s].
+        """
+        if len(self.times) == 1:
+            still = np.zeros((len(times), len(self.names)))
+            return np.repeat(self.positions, len(times), axis=0), still, still
+        row = np.clip(np.searchsorted(self.times, times, side="right") - 1, 0, len(self.times) - 2)
+        span = (self.times[row + 1] - self.times[row])[:, None]
+        part = (np.clip(times, 0.0, self.duration)[:, None] - self.times[row][:, None]) / span
+        found = _between(self, row, span, part)
+        outside = (times < 0.0) | (times > self.duration)
+        found[1][outside] = found[2][outside] = 0.0
+        return found
 
     def stretched(self, duration: float) -> Trajectory:
         """Return the same path, slowed down to last `duration` [s]; itself when it lasts that long already."""
@@ -118,6 +142,36 @@ class Trajectory(ComparesArrays):
     def end(self) -> JointState:
         """Return the last point as a state."""
         return JointState(self.names, self.positions[-1], time=self.duration)
+
+
+def _between(
+    trajectory: Trajectory, row: NDArray[np.intp], span: NDArray[np.float64], part: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Return positions, velocities and accelerations a part (m, 1) of the way from points `row` to the next ones."""
+    p0, way = trajectory.positions[row], trajectory.positions[row + 1] - trajectory.positions[row]
+    zero = np.zeros_like(p0)
+    if trajectory.velocities is None:
+        factors = [p0, way, zero, zero, zero, zero]
+    else:
+        v0, v1 = trajectory.velocities[row] * span, trajectory.velocities[row + 1] * span
+        if trajectory.accelerations is None:
+            factors = [p0, v0, 3 * way - 2 * v0 - v1, v0 + v1 - 2 * way, zero, zero]
+        else:
+            a0, a1 = trajectory.accelerations[row] * span**2, trajectory.accelerations[row + 1] * span**2
+            factors = [
+                p0,
+                v0,
+                a0 / 2,
+                10 * way - 6 * v0 - 4 * v1 - (3 * a0 - a1) / 2,
+                -15 * way + 8 * v0 + 7 * v1 + (3 * a0 - 2 * a1) / 2,
+                6 * way - 3 * (v0 + v1) - (a0 - a1) / 2,
+            ]
+    found = [np.zeros_like(p0) for _ in range(3)]
+    for factor in reversed(factors):  # Horner's scheme for the polynomial and its derivatives
+        found[2] = found[2] * part + 2 * found[1]
+        found[1] = found[1] * part + found[0]
+        found[0] = found[0] * part + factor
+    return found[0], found[1] / span, found[2] / span**2
 
 
 @dataclass(frozen=True, slots=True, eq=False)

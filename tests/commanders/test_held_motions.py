@@ -16,6 +16,7 @@ from grip_bt.runtime.clock import ManualClock
 from grip_bt.values import JointState, Trajectory
 
 NAMES = ("a", "b")
+LIMITS = np.array([8.0, 8.0])
 
 
 def arc(duration: float = 3.0, turns: float = 0.4) -> Trajectory:
@@ -37,7 +38,7 @@ def arc(duration: float = 3.0, turns: float = 0.4) -> Trajectory:
 def test_the_rest_begins_where_the_joints_are_and_ends_where_the_motion_did(passed: float, aside: float, late: float):
     whole = arc()
     measured = whole.at(max(0.0, passed - late)) + aside
-    rest = rest_of(whole, measured, passed)
+    rest = rest_of(whole, measured, passed, LIMITS)
     assert rest.positions[0] == pytest.approx(measured, abs=0.02 + abs(aside))
     assert rest.positions[0] == pytest.approx(measured, abs=1e-9)
     assert rest.positions[-1] == pytest.approx(whole.positions[-1], abs=1e-9)
@@ -47,7 +48,7 @@ def test_the_rest_begins_where_the_joints_are_and_ends_where_the_motion_did(pass
 @given(passed=st.floats(0.0, 2.9))
 def test_the_rest_stays_on_the_path_and_begins_at_rest(passed: float):
     whole = arc()
-    rest = rest_of(whole, whole.at(passed), passed)
+    rest = rest_of(whole, whole.at(passed), passed, LIMITS)
     assert np.linalg.norm(rest.positions, axis=1) == pytest.approx(1.0, abs=1e-3), "on the circle"
     assert rest.velocities is not None
     assert np.abs(rest.velocities[0]).max() < 1e-9
@@ -60,8 +61,8 @@ def test_the_rest_stays_on_the_path_and_begins_at_rest(passed: float):
 def test_a_path_that_crosses_itself_is_gone_on_with_where_the_time_says():
     to_and_fro = np.concatenate([np.linspace(0, 1, 101), np.linspace(1, 0, 101)[1:]])[:, None]
     whole = Trajectory(("a",), np.linspace(0, 4, 201), to_and_fro)
-    assert rest_of(whole, np.array([0.5]), 1.1).positions.max() == pytest.approx(1.0, abs=0.01)
-    assert rest_of(whole, np.array([0.5]), 3.1).positions.max() == pytest.approx(0.5, abs=0.01)
+    assert rest_of(whole, np.array([0.5]), 1.1, LIMITS[:1]).positions.max() == pytest.approx(1.0, abs=0.01)
+    assert rest_of(whole, np.array([0.5]), 3.1, LIMITS[:1]).positions.max() == pytest.approx(0.5, abs=0.01)
 
 
 def test_joints_that_were_moved_meanwhile_end_the_motion():
