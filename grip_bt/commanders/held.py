@@ -85,7 +85,7 @@ class _Motion(Generic[J]):
         self.job = job
         self.whole: Operation[JointState] = Operation()
         self.part: Operation[JointState] | None = None
-        self.held = self.parted = False
+        self.held = self.parted = self.starting = False
         self.began = self.passed = 0.0
 
 
@@ -132,7 +132,7 @@ class _Parts(Generic[J]):
         with self._lock:
             self._paused = False
             motion = self._motion
-            ready = motion is not None and motion.held and motion.part is None
+            ready = motion is not None and motion.held and motion.part is None and not motion.starting
         if motion is not None and ready:
             self._go_on(motion)
 
@@ -157,13 +157,14 @@ class _Parts(Generic[J]):
 
     def _start(self, motion: _Motion[J]) -> None:
         with self._lock:
-            if self._paused:
-                motion.held = True
-                return
-            motion.held = False
+            motion.held, motion.starting = self._paused, not self._paused
+        if not motion.starting:
+            if motion.whole.cancel_asked:
+                motion.whole.fail(CanceledError("the motion was stopped"))
+            return
         part = self._do(motion.job)
         with self._lock:
-            motion.part, motion.began, motion.passed = part, time.monotonic(), 0.0
+            motion.part, motion.began, motion.passed, motion.starting = part, time.monotonic(), 0.0, False
             again = self._paused
         part.add_done_callback(lambda: self._ended(motion, part))
         if motion.whole.cancel_asked:
@@ -198,6 +199,8 @@ class _Parts(Generic[J]):
             motion.whole.succeed(result)
 
     def _go_on(self, motion: _Motion[J]) -> None:
+        with self._lock:
+            motion.starting = True
         if motion.whole.cancel_asked:
             motion.whole.fail(CanceledError("the motion was stopped"))
             return
@@ -212,10 +215,10 @@ class _Parts(Generic[J]):
 
     def _cancel(self, motion: _Motion[J]) -> None:
         with self._lock:
-            part = motion.part
+            part, starting = motion.part, motion.starting
         if part is not None:
             part.cancel()
-        else:
+        elif not starting:  # it is held at rest
             motion.whole.fail(CanceledError("the motion was stopped"))
 
 

@@ -39,6 +39,8 @@ class _All:
         self._first: list[BaseException] = []
         for name, start in starts.items():
             self._parts[name] = _started(start) if not self._first else Operation.failed(self._first[0])
+            if self._first or self.whole.cancel_asked:  # another one has failed while this one was being started
+                self._parts[name].cancel()
             self._parts[name].add_done_callback(partial(self._ended, self._parts[name]))
         if not starts:
             self.whole.succeed({})

@@ -72,59 +72,35 @@ class Line:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._waiting: deque[tuple[Operation[Any], Callable[[], Operation[Any]]]] = deque()
+        self._waiting: deque[tuple[Operation[None], Operation[Any]]] = deque()
         self._busy = False
 
     def join(self, begin: Callable[[], Operation[T]]) -> Operation[T]:
         """Have `begin` called when it is its turn; cancelling before that ends it at once."""
-        part: list[Operation[T]] = []
-
-        def cancel() -> None:
-            if part:
-                part[0].cancel()
-            else:
-                whole.fail(CanceledError("canceled before its turn"))
-
-        whole: Operation[T] = Operation(on_cancel=cancel)
-
-        def start() -> Operation[T]:
-            started = begin()
-            part.append(started)
-            if whole.cancel_asked:
-                started.cancel()
-            started.add_done_callback(lambda: _pass_on(started, whole))
-            return started
-
+        turn: Operation[None] = Operation(on_cancel=lambda: self._leave(turn))
+        began: Operation[Any] = turn.then(lambda _: begin())
         with self._lock:
-            self._waiting.append((whole, start))
+            self._waiting.append((turn, began))
         self._next()
-        return whole
+        return began
+
+    def _leave(self, turn: Operation[None]) -> None:
+        with self._lock:
+            waits = any(one is turn for one, _ in self._waiting)
+            self._waiting = deque(pair for pair in self._waiting if pair[0] is not turn)
+        if waits:
+            turn.fail(CanceledError("canceled before its turn"))
 
     def _next(self) -> None:
-        while True:
-            with self._lock:
-                if self._busy or not self._waiting:
-                    return
-                whole, start = self._waiting.popleft()
-                if whole.done():
-                    continue
-                self._busy = True
-            try:
-                started = start()
-            except BaseException as error:  # noqa: BLE001 - handed to the owner
-                whole.fail(error)
-                started = Operation.finished(None)
-            started.add_done_callback(self._freed)
-            return
+        with self._lock:
+            if self._busy or not self._waiting:
+                return
+            turn, began = self._waiting.popleft()
+            self._busy = True
+        began.add_done_callback(self._freed)
+        turn.succeed(None)
 
     def _freed(self) -> None:
         with self._lock:
             self._busy = False
         self._next()
-
-
-def _pass_on(source: Operation[T], target: Operation[T]) -> None:
-    try:
-        target.succeed(source.result())
-    except BaseException as error:  # noqa: BLE001 - copied to the target
-        target.fail(error)
