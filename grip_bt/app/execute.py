@@ -20,7 +20,7 @@ from grip_bt.runtime.durable import Durable
 from grip_bt.runtime.keeping import Kept
 from grip_bt.validation import Issue, Report, validate
 
-from .going_on import GoOn, begin_again, options_text, policy_of, process_facts
+from .going_on import GoOn, begin_again, options_text, policy_of
 from .journal_room import keep_to_limit
 from .keeping import BroughtBack, changes, kept_parts
 from .mocks import apply_mocks
@@ -174,7 +174,6 @@ def open_session(
             reliving=reliving,
             facts={
                 "options": options_text(vars(options)),
-                "process": process_facts(),
                 "keeps": sorted(kept),
                 **({"restored": back.restored} if back.restored else {}),
                 **({"anew": back.anew} if back.anew else {}),

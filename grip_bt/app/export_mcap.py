@@ -24,6 +24,7 @@ _EVENT = {
         "outcome": {"type": ["string", "null"]},
         "code": {"type": ["string", "null"]},
         "data": {"type": "object"},
+        "meaning": {"type": ["string", "null"]},
     },
 }
 _SCHEMAS = {**SCHEMAS, "grip.Event": _EVENT, "grip.Value": _ANY}
@@ -109,5 +110,11 @@ def _line(event: Event) -> tuple[str, int]:
         key: value for key, value in event.data.items() if key in ("text", "message", "variable", "preview", "status")
     }
     text = " ".join([event.event, *([event.outcome + code] if event.outcome else []), *map(str, said.values())])
-    level = _ERROR if event.event == "error" else _WARNING if event.code or event.event == "interrupted" else _INFO
+    level = (
+        _ERROR
+        if event.event in ("error", "damaged")
+        else _WARNING
+        if event.meaning == "failure" or event.event == "interrupted"
+        else _INFO
+    )
     return text, level

@@ -11,7 +11,7 @@ from pathlib import Path
 from grip_bt.errors import DocumentError, UnknownNameError
 from grip_bt.runtime import JournalReader
 
-COLUMNS = ("seq", "t", "wall", "path", "event", "outcome", "code", "data")
+COLUMNS = ("seq", "t", "wall", "path", "event", "outcome", "code", "data", "meaning")
 
 
 def export_run(reader: JournalReader, run: str, file: Path, to: str) -> int:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import json
-import os
-import socket
+import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
+from itertools import takewhile
 from typing import Any
 
 from grip_bt.catalog import Manifest, check_value
@@ -30,6 +29,7 @@ from grip_bt.runtime import (
     WallClock,
 )
 from grip_bt.runtime.breakpoints import node_path
+from grip_bt.runtime.journal_events import DAMAGED
 from grip_bt.runtime.keeping import KEPT, Kept
 from grip_bt.runtime.run_log import Noted
 from grip_bt.runtime.value_codec import snapshot
@@ -39,6 +39,8 @@ from .replay import Until
 
 MOVES = ("arm", "hand", "component", "ros")
 """What nodes of these kinds have begun outside of the process isn't known after its death."""
+CLOSING = 10.0
+"""How long [s] the process of a run that was cut off may take to close its parts."""
 _NODES = ("enter", "exit", "interrupted", "write")
 
 
@@ -82,45 +84,28 @@ class Question:
 # --- which events ---
 
 
+def undamaged(reader: JournalReader, run: str) -> list[Event]:
+    """Return the events of a run up to the first one that can't be read."""
+    return list(takewhile(lambda event: event.event != DAMAGED, reader.iterate(run)))
+
+
 def recorded_options(events: Iterable[Event]) -> dict[str, Any]:
     """Return the options with which a run was started, as far as its journal has them."""
     started = next((event for event in events if event.event == "run_started"), None)
     return dict(started.data.get("options", {})) if started is not None else {}
 
 
-def process_facts() -> dict[str, Any]:
-    """Return who this process is, for whoever wants to know later whether it lives."""
-    return {"pid": os.getpid(), "since": _begun(os.getpid()), "host": socket.gethostname()}
+def see_off(reader: JournalReader, run: str) -> None:
+    """Wait until the process of a run that was cut off has closed its parts: two mustn't move one robot.
 
-
-def _begun(pid: int) -> int | None:
-    """Return when a process began [ticks since boot]; None when there is none.
-
-    One that has ended and whose parent hasn't taken note of it doesn't count: in a container nobody may ever.
+    Raises:
+        ResumeError: it doesn't end.
     """
-    try:
-        facts = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-        return None if facts[0] in "ZX" else int(facts[19])
-    except (OSError, ValueError, IndexError):
-        return None
-
-
-def lives(events: Iterable[Event]) -> bool:
-    """Tell whether the process that executes a run is there, as far as this machine knows."""
-    return _is_there(events) is True
-
-
-def gone(events: Iterable[Event]) -> bool:
-    """Tell whether the process that executed a run is known not to be there any more."""
-    return _is_there(events) is False
-
-
-def _is_there(events: Iterable[Event]) -> bool | None:
-    """Tell whether a run's process is there; None where that isn't known, such as of another machine."""
-    facts = [e.data["process"] for e in events if e.event in ("run_started", "run_resumed") and "process" in e.data]
-    if not facts or facts[-1].get("host") != socket.gethostname() or facts[-1].get("since") is None:
-        return None
-    return bool(_begun(facts[-1]["pid"]) == facts[-1]["since"])
+    deadline = time.monotonic() + CLOSING
+    while reader.lives(run):
+        if time.monotonic() > deadline:
+            raise ResumeError(f"run {run} was cut off, and its process is still closing its parts; end that first")
+        time.sleep(0.05)
 
 
 def before_the_end(events: Sequence[Event]) -> int:
@@ -151,11 +136,11 @@ def resumable(record: RunRecord, events: Sequence[Event]) -> None:
         ResumeError: it has ended, or is under way; it says what can be done.
     """
     errors = [event for event in events if event.event == "error"]
-    if record.status == "running" and lives(events):
+    if record.status == "running":
         raise ResumeError(f"run {record.id} is under way in another process; stop it first")
     if not any(event.event in _NODES for event in events):
         raise ResumeError(f"run {record.id} died before it began; run the task anew: grip run {record.task_path}")
-    if record.status == "running" or (record.status == "error" and errors and _died(errors[-1])):
+    if record.status in ("died", "lost") or (record.status == "error" and errors and _died(errors[-1])):
         return
     at = before_the_end(events)
     why = f"it has ended: {record.status}" + (f", {errors[-1].path} raised" if errors else "")

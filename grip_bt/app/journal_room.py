@@ -8,8 +8,6 @@ from pathlib import Path
 from grip_bt.runtime import JournalError, JournalReader
 from grip_bt.runtime.journal_limit import Pruned, prune, size_of
 
-from .going_on import lives
-
 _log = logging.getLogger(__name__)
 
 
@@ -27,7 +25,7 @@ def make_room(file: Path, limit: int, give_back: bool = False) -> Pruned:
         JournalError: it is no journal, or can't be written.
     """
     with JournalReader(file) as reader:
-        return prune(file, limit, lambda run: lives(reader.events(run)), give_back)
+        return prune(file, limit, reader.lives, give_back)
 
 
 def keep_to_limit(file: Path, limit: int) -> None:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
 from grip_bt.errors import AmbiguousNameError, UnknownNameError
-from grip_bt.runtime import Event, JournalReader, Moment
+from grip_bt.runtime import Event, JournalReader, Moment, RunRecord
 from grip_bt.runtime.breakpoints import node_path
 
 from .project import find_project
@@ -21,11 +21,18 @@ GLYPHS = {
     "write": "=",
     "error": "‼",
     "zombie": "☠",
+    "damaged": "‼",
 }
+ENDS: Mapping[str | None, str] = {"success": "✓", "failure": "✗", None: "■"}
+"""What an end means; journals of earlier versions don't say what a task's own outcomes mean."""
 WENT_ON = {
     "resume": "goes on with what was under way",
     "restart": "is started again",
     "result": "has ended as somebody said",
+}
+NO_END = {
+    "died": "the run died: the process that executed it isn't there any more",
+    "lost": "the run has no end, and its process isn't one of this machine, or of an earlier GRIP",
 }
 _NEAREST = 8
 
@@ -96,7 +103,7 @@ def events_of(reader: JournalReader, run: str, follow: bool = True) -> Iterator[
     Args:
         reader: of the journal.
         run: its id.
-        follow: whether to wait for more of a run whose process lives, or may live.
+        follow: whether to wait for more of a run whose process lives.
     """
     after = 0
     while True:
@@ -153,7 +160,7 @@ def line_of(event: Event) -> str:
 
 def _glyph(event: Event) -> str:
     if event.event == "exit":
-        return "✗" if event.code or event.outcome == "failure" else "✓"
+        return ENDS[event.meaning]
     return GLYPHS.get(event.event, "•")
 
 
@@ -181,17 +188,25 @@ def _words(event: Event) -> str:
         case "kept":
             return f" its {data.get('part')} is kept for going on"
         case "run_ended":
-            return f" ended: {data.get('status')}" + (f", {event.outcome}" if event.outcome else "")
+            why = f" ({data['message']})" if data.get("message") else ""
+            return f" ended: {data.get('status')}" + (f", {event.outcome}" if event.outcome else "") + why
     more = ", ".join(f"{key} {value}" for key, value in data.items() if isinstance(value, str | int | float))
     return f" {event.event.replace('_', ' ')}" + (f": {more}" if more else "")
 
 
-def moment_lines(moment: Moment) -> list[str]:
-    """Return what runs, and the variables, at a moment."""
+def moment_lines(moment: Moment, record: RunRecord | None = None) -> list[str]:
+    """Return what runs, and the variables, at a moment.
+
+    Args:
+        moment: of a run.
+        record: the run, where that is its last moment.
+    """
     active = moment.active()
     leaves = [path for path in active if not any(other.startswith(f"{path}/") for other in active)]
     leaves = [path for path in leaves if path != "/" or len(active) == 1]
     running = ", ".join(leaves) or "nothing"
     lines = [f"after event {moment.seq}, at {moment.t:.3f} s: {moment.state}; running: {running}"]
     lines += [f"  {name} = {event.data.get('preview')}" for name, event in moment.variables.items()]
+    if record is not None and record.status in NO_END:
+        lines.append(f"  {NO_END[record.status]}; grip run --resume {record.id} goes on with it")
     return lines

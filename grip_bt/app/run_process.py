@@ -28,7 +28,10 @@ def main() -> int:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     faulthandler.enable(os.fdopen(channels["trace"], "w"))
     commands, events = os.fdopen(channels["commands"]), os.fdopen(channels["events"], "w")
-    order = json.loads(commands.readline())
+    parent, line = os.getppid(), commands.readline()
+    if not line:
+        return 1  # who would have told us what to run has gone
+    order = json.loads(line)
     from grip_bt.runtime.control import Control  # after the signals: importing takes a moment
 
     main_thread = threading.get_ident()
@@ -36,10 +39,12 @@ def main() -> int:
     try:
         signal.signal(signal.SIGUSR1, _interrupted)  # in here: a stop may be the very next command
         control.start()
-        signal.signal(signal.SIGTERM, lambda *_: control.stop())
+        # Whoever ends what a parent has left behind doesn't stop the run; that the parent has gone is why it ends.
+        signal.signal(signal.SIGTERM, lambda *_: control.stop(lost=os.getppid() != parent))
         return _run_or_say_why(order, channels, control)
     except StoppedEarlyError:
-        control.send("ended", status="stopped", outcome=None, code=None, message="before the task began", zombies=[])
+        status = "died" if control.lost else "stopped"
+        control.send("ended", status=status, outcome=None, code=None, message="before the task began", zombies=[])
         return 130
 
 
@@ -77,12 +82,16 @@ def _run(order: dict[str, Any], channels: dict[str, int], control: Any) -> int:
         control.send(PROGRESS, part=part, detail=detail)
 
     with open_session(order["task"], options, progress, hold=channels.get("hold")) as session:
-        paths = list(parts_of(session.runner.compiled))
-        pulse = Pulse(channels["pulse"], paths)
-        session.runner.observe(pulse)
-        control.send("nodes", paths=paths)
-        control.attach(session.runner)
-        signal.signal(signal.SIGUSR1, signal.SIG_IGN)
+        try:
+            paths = list(parts_of(session.runner.compiled))
+            pulse = Pulse(channels["pulse"], paths)
+            session.runner.observe(pulse)
+            control.send("nodes", paths=paths)
+            control.attach(session.runner)
+            signal.signal(signal.SIGUSR1, signal.SIG_IGN)
+        except StoppedEarlyError:
+            control.end(session.runner)  # the run is in the journal: how it has ended is entered there
+            raise
         pulse.start()
         runner = session.runner
         assert runner.run_id is not None, "a session's runs are in its journal"

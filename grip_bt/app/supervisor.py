@@ -56,7 +56,7 @@ class Supervisor:
         self._own_input = own_input
         self._lock = threading.RLock()
         self._acknowledged, self._over = threading.Event(), threading.Event()
-        self._stopping = False
+        self._stopping = self._lost = self._told_all = False
         self._why = ""
         self._begun = time.monotonic()
         self._paths: list[str] = []
@@ -111,12 +111,16 @@ class Supervisor:
         else:
             self._send(command)
 
-    def stop(self) -> None:
-        """Stop the run, or its start; whatever the process does. May be called from a signal handler."""
+    def stop(self, lost: bool = False) -> None:
+        """Stop the run, or its start; whatever the process does. May be called from a signal handler.
+
+        Args:
+            lost: nobody has asked for that, but whoever controls the run has gone: it can be gone on with.
+        """
         with self._lock:
             if self._stopping:
                 return
-            self._stopping = True
+            self._stopping, self._lost = True, lost
         threading.Thread(target=self._stop, args=(time.monotonic(),), name="grip_stop", daemon=True).start()
 
     def wait(self) -> Mapping[str, Any]:
@@ -129,7 +133,7 @@ class Supervisor:
         if self._ended is None:
             self._ended = self._obituary(status)
             self._told(self._ended)
-        os.close(self._command_end)
+        self._say_no_more()
         self._hold_end.close()
         self._memory.close()
         self._trace.close()
@@ -141,12 +145,23 @@ class Supervisor:
         line = json.dumps(command, default=str).encode() + b"\n"
         try:
             with self._lock:
-                os.write(self._command_end, line)
+                if not self._told_all:
+                    os.write(self._command_end, line)
         except OSError:
             return  # it has ended, which is noticed elsewhere
 
+    def _say_no_more(self) -> None:
+        """Close the commands; a process that hears of it before a stop knows that it is on its own."""
+        with self._lock:
+            if not self._told_all:
+                self._told_all = True
+                os.close(self._command_end)
+
     def _stop(self, called: float) -> None:
-        self._send({"command": "stop"})
+        if self._lost:
+            self._say_no_more()
+        else:
+            self._send({"command": "stop"})
         if not self._acknowledged.wait(called + ACKNOWLEDGE - time.monotonic()):
             held = self._hold()
             self._told({"event": "state", "state": "stopping"})
@@ -231,7 +246,7 @@ class Supervisor:
             message = f"{path}: {message}; last node entered: {last}"
             message += f"; also active: {', '.join(others)}" if others else ""
             message += f"; {_place(trace)}" if trace else ""
-        end = "stopped" if stopped else "error"
+        end = "died" if stopped and self._lost else "stopped" if stopped else "error"
         if self._run is not None:
             self._enter(path if self._paths else "/", end, message, trace)
         return {

@@ -26,7 +26,8 @@ def run(args: argparse.Namespace) -> int:
         found = find_run(reader, args.run_name)
         file = args.output or Path(f"{found}.html")
         made = write_capsule(reader, found, file)
-    print(f"{file}: {made.events} events of run {found}, {made.size / 1000:.0f} kB")
-    if made.left_out:
-        print(f"  left out: {made.left_out}")
+        print(f"{file}: {made.events} events of run {found}, {made.size / 1000:.0f} kB")
+        if made.left_out:
+            print(f"  left out: {made.left_out}")
+        reader.raise_if_damaged()
     return 0

@@ -63,7 +63,8 @@ def run(args: argparse.Namespace) -> int:
         if not reached:
             raise _unknown_place(args.until, found, moment.nodes, moment.seq)
         if not args.json:
-            print("\n".join(moment_lines(moment)))
+            print("\n".join(moment_lines(moment, None if until else reader.run(found))))
+        reader.raise_if_damaged()
     return 0
 
 

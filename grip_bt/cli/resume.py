@@ -92,7 +92,17 @@ def prepare(args: argparse.Namespace, options: RunOptions, given: frozenset[str]
         ResumeError: it can't be gone on with; it says what can be done.
     """
     from grip_bt.app import check_task
-    from grip_bt.app.going_on import GoOn, agree, place_in, questions, read_results, recorded_options, resumable
+    from grip_bt.app.going_on import (
+        GoOn,
+        agree,
+        place_in,
+        questions,
+        read_results,
+        recorded_options,
+        resumable,
+        see_off,
+        undamaged,
+    )
     from grip_bt.app.keeping import MESSAGES, unreadable
     from grip_bt.app.mocks import apply_mocks
     from grip_bt.app.replay import find_run, journal_of
@@ -102,12 +112,21 @@ def prepare(args: argparse.Namespace, options: RunOptions, given: frozenset[str]
     file = journal_of(args.task, args.journal)
     with JournalReader(file) as reader:
         record = reader.run(find_run(reader, args.resume or args.fork))
-        events = reader.events(record.id)
+        known = len(reader.damage)
+        events = undamaged(reader, record.id)
+        if args.resume and len(reader.damage) > known:
+            raise ResumeError(
+                f"run {record.id} can't be gone on with, since it is damaged: {'; '.join(reader.damage[known:])}. "
+                f"As a new run, from any event up to {len(events)}: grip run --fork {record.id} --at {len(events)}"
+            )
     at = None
     if args.fork:
         at = place_in(record, events, args.at)
     else:
         resumable(record, events)
+        if record.status == "died":
+            with JournalReader(file) as reader:
+                see_off(reader, record.id)
     task = _file_of(args.task, record.task_path, file)
     was = recorded_options(events)
     values = dict(options.data)

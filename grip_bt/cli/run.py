@@ -17,9 +17,10 @@ from .resume import Given, add_resume_options, check_usage, fork_often, prepare
 
 if TYPE_CHECKING:  # the verbs are listed without loading what they run
     from grip_bt.app import RunOptions
+    from grip_bt.app.supervisor import Supervisor
     from grip_bt.runtime import Runner, RunResult
 
-EXIT_STATUS = {"success": 0, "failure": 3, "error": 4, "stopped": 130}
+EXIT_STATUS = {"success": 0, "failure": 3, "error": 4, "died": 4, "stopped": 130}
 INVALID = 1
 WATCHDOG = 10.0
 
@@ -177,7 +178,7 @@ def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> tu
             if args.control or not args.json:
                 progress(event["part"], event["detail"])
         elif args.control and event["event"] != "failed":
-            _print_line(json.dumps(event), supervisor.stop)
+            _print_line(json.dumps(event), lambda: supervisor.stop(lost=True))
         elif prompt is not None:
             prompt.told(event)
 
@@ -191,7 +192,7 @@ def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> tu
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: supervisor.stop())
     if args.control:
-        _in_background(lambda: _pass_on(supervisor.send))
+        _in_background(lambda: _pass_on(supervisor))
     elif prompt is not None:
         _in_background(lambda: prompt.listen(sys.stdin))
     end = supervisor.wait()
@@ -217,18 +218,18 @@ def _tell_failures(started: Mapping[str, Any], said: str) -> None:
             print(f"  {count:>3}x {path}: {code}" + (f": {message}" if message else ""))
 
 
-def _pass_on(send: Callable[[Mapping[str, Any]], None]) -> None:
-    """Pass commands on, line by line; the end of input is a stop."""
+def _pass_on(supervisor: Supervisor) -> None:
+    """Pass commands on, line by line; at the end of input whoever gave them has gone."""
     try:
         for line in open(0, closefd=False):  # not sys.stdin, whose lock would be held at our exit
             try:
                 command = json.loads(line)
             except ValueError:
                 command = {"command": line.strip()}  # the run refuses it, with the words for that
-            send(command if isinstance(command, dict) else {"command": command})
+            supervisor.send(command if isinstance(command, dict) else {"command": command})
     except (OSError, ValueError):
         pass  # closed under our feet, which is an end too
-    send({"command": "stop"})
+    supervisor.stop(lost=True)
 
 
 def _print_line(line: str, gone: Callable[[], None]) -> None:

@@ -5,14 +5,14 @@ from __future__ import annotations
 import argparse
 import json
 import time
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from grip_bt.errors import UnknownNameError
 
 if TYPE_CHECKING:
-    from grip_bt.runtime import JournalReader, RunRecord
+    from grip_bt.runtime import JournalReader
 
 
 def add_parser(subparsers: Any) -> None:
@@ -64,16 +64,24 @@ def run(args: argparse.Namespace) -> int:
         return 0
     with JournalReader(journal) as reader:
         if args.coverage is not None:
-            return _coverage(reader, args.coverage, args.json)
-        if not one:
-            return _list(reader, args.json)
-        name = "last" if place.exists() else args.what
-        found = find_run(reader, name)
-        if args.to is not None:
-            return _export(reader, found, args.output, args.to)
-        if args.timing:
-            return _timing(reader, found, args.json)
-        return _data(reader, found, args.json) if args.data else _list(reader, args.json, found)
+            _coverage(reader, args.coverage, args.json)
+        elif not one:
+            _list(reader, args.json)
+        else:
+            _one(reader, args, find_run(reader, "last" if place.exists() else args.what))
+        reader.raise_if_damaged()
+    return 0
+
+
+def _one(reader: JournalReader, args: argparse.Namespace, run: str) -> None:
+    if args.to is not None:
+        _export(reader, run, args.output, args.to)
+    elif args.timing:
+        _timing(reader, run, args.json)
+    elif args.data:
+        _data(reader, run, args.json)
+    else:
+        _list(reader, args.json, run)
 
 
 def _no_journal(file: Path) -> NoReturn:
@@ -110,42 +118,38 @@ def _prune(args: argparse.Namespace) -> int:
     return 0
 
 
-def _export(reader: JournalReader, run: str, file: Path, to: str) -> int:
+def _export(reader: JournalReader, run: str, file: Path, to: str) -> None:
     from grip_bt.app.export_run import export_run
 
     count = export_run(reader, run, file, to)
     print(f"{file}: {count} events of run {run}")
-    return 0
 
 
-def _data(reader: JournalReader, run: str, as_json: bool) -> int:
+def _data(reader: JournalReader, run: str, as_json: bool) -> None:
     written = reader.variables(run)
     if as_json:
         print(json.dumps({name: asdict(event) for name, event in written.items()}))
-        return 0
+        return
     for name, event in written.items():
-        print(
-            f"{name:<20} {event.data.get('type', ''):<16} {event.data['preview']}  (by {event.path}, {event.t:.3f} s)"
-        )
-    return 0
+        what = f"{event.data.get('type', ''):<16} {event.data.get('preview', '')}"
+        print(f"{name:<20} {what}  (by {event.path}, {event.t:.3f} s)")
 
 
-def _timing(reader: JournalReader, run: str, as_json: bool) -> int:
+def _timing(reader: JournalReader, run: str, as_json: bool) -> None:
     from grip_bt.app.run_tables import timings
 
     rows = timings(reader.events(run))
     if as_json:
         print(json.dumps([asdict(row) for row in rows]))
-        return 0
+        return
     width = max([len(row.path) for row in rows] + [4])
     print(f"{'node':<{width}}  {'count':>6} {'halted':>6} {'total [s]':>11} {'median [s]':>11} {'max [s]':>11}")
     for row in rows:
         times = f"{row.total:>11.4f} {row.median:>11.4f} {row.max:>11.4f}"
         print(f"{row.path:<{width}}  {row.count:>6} {row.interrupted:>6} {times}")
-    return 0
 
 
-def _coverage(reader: JournalReader, task: Path, as_json: bool) -> int:
+def _coverage(reader: JournalReader, task: Path, as_json: bool) -> None:
     from grip_bt.app.run_tables import coverage
 
     found = coverage(reader, str(task))
@@ -154,31 +158,20 @@ def _coverage(reader: JournalReader, task: Path, as_json: bool) -> int:
         codes = [{"node": n, "outcome": o, "codes": c} for (n, o), c in found.codes.items()]
         facts = {"runs": found.runs, "seen": found.seen, "missing": found.missing, "codes": codes}
         print(json.dumps({"outcomes_seen": seen, "outcomes": there, **facts}))
-        return 0
+        return
     print(f"{seen} of {there} outcomes seen in {found.runs} run{'s' if found.runs != 1 else ''} of {task}")
     for path, outcomes in found.missing.items():
         print(f"  never seen: {path}: {', '.join(outcomes)}")
-    return 0
 
 
-def _as_it_is(reader: JournalReader, record: RunRecord) -> RunRecord:
-    """Return a run with its present status: one that has no end, and whose process isn't there any more, has died."""
-    from grip_bt.app.going_on import gone
-
-    if record.status == "running" and gone(reader.iterate(record.id)):
-        return replace(record, status="died")
-    return record
-
-
-def _list(reader: JournalReader, as_json: bool, only: str | None = None) -> int:
+def _list(reader: JournalReader, as_json: bool, only: str | None = None) -> None:
     runs = sorted(reader.runs(), key=lambda record: record.started)
-    runs = [_as_it_is(reader, record) for record in runs if only in (None, record.id)]
+    runs = [record for record in runs if only in (None, record.id)]
     if as_json:
         print(json.dumps([asdict(record) for record in runs]))
-        return 0
+        return
     for record in runs:
         began = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(record.started))
         took = f"{record.ended - record.started:7.1f} s" if record.ended else "        -"
         ended = f"{record.status:<8} {record.outcome or '-':<12}"
         print(f"{record.id}  {began}  {took}  {record.target}  {ended} {record.task_name}")
-    return 0

@@ -4,7 +4,8 @@ from .clock import ManualClock, WallClock
 from .context import RunContext
 from .control import serve_control
 from .journal import Journal, JournalError
-from .journal_reader import Event, JournalReader, RunRecord
+from .journal_events import Event
+from .journal_reader import JournalReader, RunRecord
 from .moment import Moment, NodeState
 from .pacing import Pacing
 from .plan import Plan

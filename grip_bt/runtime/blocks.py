@@ -20,9 +20,16 @@ def pack_numbers(ids: NDArray[np.int64]) -> bytes:
     return bytes([width]) + _squeezed(ids.astype(f"<u{width}").tobytes())
 
 
-def unpack_numbers(packed: bytes) -> NDArray[np.int64]:
-    """Undo `pack_numbers`."""
-    return np.frombuffer(_expanded(packed[1:]), f"<u{packed[0]}").astype(np.int64)
+def unpack_numbers(packed: bytes, count: int) -> NDArray[np.int64]:
+    """Undo `pack_numbers`.
+
+    Raises:
+        ValueError: these aren't `count` numbers.
+    """
+    width = packed[0]
+    if width not in (1, 2, 4):
+        raise ValueError(f"numbers of {width} bytes")
+    return np.frombuffer(_expanded(packed[1:], width * count), f"<u{width}").astype(np.int64)
 
 
 def pack_times(times: NDArray[np.float64]) -> bytes:
@@ -31,9 +38,13 @@ def pack_times(times: NDArray[np.float64]) -> bytes:
     return _squeezed(planes.tobytes())
 
 
-def unpack_times(packed: bytes) -> NDArray[np.float64]:
-    """Undo `pack_times`."""
-    planes = np.frombuffer(_expanded(packed), np.uint8).reshape(8, -1)
+def unpack_times(packed: bytes, count: int) -> NDArray[np.float64]:
+    """Undo `pack_times`.
+
+    Raises:
+        ValueError: these aren't `count` times.
+    """
+    planes = np.frombuffer(_expanded(packed, 8 * count), np.uint8).reshape(8, -1)
     return np.ascontiguousarray(planes.T).view("<f8").reshape(-1)
 
 
@@ -45,5 +56,17 @@ def _squeezed(content: bytes) -> bytes:
     return _RAW + content
 
 
-def _expanded(packed: bytes) -> bytes:
-    return zlib.decompress(packed[1:]) if packed[:1] == _DEFLATED else packed[1:]
+def _expanded(packed: bytes, size: int) -> bytes:
+    content = expanded(packed[1:], size) if packed[:1] == _DEFLATED else packed[1:]
+    if len(content) != size:
+        raise ValueError(f"{len(content)} bytes in place of {size}")
+    return content
+
+
+def expanded(deflated: bytes, size: int) -> bytes:
+    """Return what was deflated, and no more of it than one byte over `size`.
+
+    Raises:
+        zlib.error: it wasn't.
+    """
+    return zlib.decompressobj().decompress(deflated, size + 1)

@@ -1,4 +1,6 @@
-"""Control of a run over two streams: one JSON object a line, commands in, events out; the end of input is a stop.
+"""Control of a run over two streams: one JSON object a line, commands in, events out.
+
+The end of input without a stop means that whoever controls the run has gone: it is halted, and can be gone on with.
 
 `docs/running.md` has the protocol. Commands are obeyed as soon as there are streams: a stop that comes before there is
 a run interrupts whatever starts it, everything else waits for the run.
@@ -20,6 +22,9 @@ from .runner import Runner, RunResult
 COMMANDS = ("pause", "resume", "step", "run_to", "break", "clear", "breakpoints", "inspect", "preempt", "stop")
 
 
+GONE = "whoever controlled the run has gone, without a stop"
+
+
 class Control:
     """One end of the protocol.
 
@@ -27,6 +32,9 @@ class Control:
         commands: what to obey, such as `sys.stdin`.
         events: where to tell, such as `sys.stdout`.
         interrupt: called by a stop that comes before there is a run; it has whatever starts the run end.
+
+    Attributes:
+        lost: whether whoever controls the run has gone, without a stop.
     """
 
     def __init__(self, commands: TextIO, events: TextIO, interrupt: Callable[[], None] = lambda: None):
@@ -34,31 +42,43 @@ class Control:
         self._writing, self._lock = threading.RLock(), threading.RLock()
         self._runner: Runner | None = None
         self._early: list[Mapping[str, Any]] = []
-        self._stopped = False
+        self._stopped = self.lost = False
 
     def start(self) -> None:
         """Begin to obey, in a thread of its own."""
         threading.Thread(target=self._obey, name="grip_control", daemon=True).start()
 
     def send(self, event: str, **fields: Any) -> None:
-        """Write one event, from any thread and from signal handlers; a reader that went away is a reason to stop."""
+        """Write one event, from any thread and from signal handlers; a reader that went away has gone altogether."""
         try:
             with self._writing:
                 self._events.write(json.dumps({"event": event, **fields}, default=str) + "\n")
                 self._events.flush()
         except (OSError, ValueError, RuntimeError):
-            self.stop()
+            self.stop(lost=True)
 
-    def stop(self) -> None:
-        """Stop the run, or the start of one."""
+    def stop(self, lost: bool = False) -> None:
+        """Stop the run, or the start of one.
+
+        Args:
+            lost: nobody has asked for that, but whoever controls the run has gone.
+        """
         with self._lock:
             first, self._stopped, runner = not self._stopped, True, self._runner
+            self.lost = self.lost or (lost and first)
             if runner is None and first:
                 self._interrupt()
         if runner is not None:
-            runner.stop()
+            self.end(runner)
         elif first:
             self.send("state", state="stopping")
+
+    def end(self, runner: Runner) -> None:
+        """Have a run stop, for the reason that there is."""
+        if self.lost:
+            runner.lose(GONE)
+        else:
+            runner.stop()
 
     def attach(self, runner: Runner) -> None:
         """Control this run from now on; obey what came before it."""
@@ -82,7 +102,7 @@ class Control:
             self._runner = runner
             early, self._early = self._early, []
         if self._stopped:
-            runner.stop()
+            self.end(runner)
         for command in early:
             self._do(runner, command)
 
@@ -118,7 +138,7 @@ class Control:
                 self.stop()
             elif runner is not None:
                 self._do(runner, command)
-        self.stop()
+        self.stop(lost=True)
 
     def _do(self, runner: Runner, command: Mapping[str, Any]) -> None:
         try:

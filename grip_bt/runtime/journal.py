@@ -23,6 +23,7 @@ from grip_bt.errors import GripError
 from .journal_schema import prepare_to_write
 from .journal_writer import RunWriter
 from .run_log import RunLog
+from .whereabouts import process_facts
 
 _log = logging.getLogger(__name__)
 
@@ -88,13 +89,19 @@ class Journal:
         run = time.strftime("%Y%m%d-%H%M%S-") + secrets.token_hex(3)
         path = os.fsencode(task_path).decode(errors="backslashreplace")  # a name of bytes that are no text
         row = (run, task_name, path, task_text, target, seed, time.time(), None, "running", None)
+        self._executed_here(run)  # first: no run is seen without its process
         self.execute("INSERT INTO runs VALUES(?,?,?,?,?,?,?,?,?,?)", row)
         return RunLog(self, run)
 
     def go_on(self, run: str) -> RunLog:
         """Return the log of a run whose process has died, to go on with it."""
+        self._executed_here(run)
         self.execute("UPDATE runs SET ended=NULL, status='running', outcome=NULL WHERE id=?", (run,))
         return RunLog(self, run)
+
+    def _executed_here(self, run: str) -> None:
+        who = process_facts()
+        self.execute("INSERT OR REPLACE INTO processes VALUES(?,?,?,?)", (run, who["pid"], who["since"], who["host"]))
 
     def follow(self, log: RunLog) -> None:
         """Have the writer empty this log; called by it."""

@@ -84,8 +84,14 @@ def _make_room(database: sqlite3.Connection, limit: int, keep: Callable[[str], b
             continue
         database.execute("BEGIN IMMEDIATE")
         seen = _take_note(database, users, seen)  # what was written meanwhile
-        for table, key in (("blocks", "run"), ("names", "run"), ("events", "run"), ("runs", "id")):
-            if table != "events" or has_table(database, table):
+        for table, key in (
+            ("blocks", "run"),
+            ("names", "run"),
+            ("events", "run"),
+            ("processes", "run"),
+            ("runs", "id"),
+        ):
+            if has_table(database, table):
                 database.execute(f"DELETE FROM {table} WHERE {key}=?", (run,))
         for hash, runs in list(users.items()):
             runs.discard(run)

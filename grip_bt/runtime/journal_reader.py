@@ -1,10 +1,9 @@
-"""Reading runs, also while they are written: for replay, live views, tables, exports."""
+"""Reading runs, also while they are written, and of files that are damaged: for replay, live views, tables, exports."""
 
 from __future__ import annotations
 
+import hashlib
 import json
-import sqlite3
-import threading
 import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -13,15 +12,18 @@ from typing import Any
 
 from grip_bt.errors import UnknownNameError
 
-from .blocks import unpack_numbers, unpack_times
+from .blocks import expanded
 from .journal import JournalError
-from .journal_schema import has_table, refuse_newer
-from .value_codec import decode
+from .journal_events import DAMAGED, MOST, Event, Name, is_name, is_time, sound, unpacked
+from .journal_rows import DamagedError, Rows
+from .value_codec import OpaqueValueError, decode
+from .whereabouts import is_there
 
 PAGE = 10_000
 """Events that `iterate` holds at a time."""
-
-_Names = tuple[str, str, str | None, str | None]  # of an event: path, kind, outcome and code
+_GOOD = f"typeof(first)='integer' AND typeof(last)='integer' AND last BETWEEN first AND first+{MOST - 1} AND first>0"
+"""Blocks whose place among the events is known."""
+_COLUMNS = "id, task_name, task_path, task_text, target, seed, started, ended, status, outcome"
 
 
 @dataclass(frozen=True)
@@ -37,7 +39,8 @@ class RunRecord:
         seed: of the simulation, if any.
         started: wall time [s since 1970].
         ended: wall time, None while it runs or when its process died.
-        status: running, success, failure, error or stopped.
+        status: running, success, failure, error, stopped; died: its process isn't there any more; lost: it has no end,
+            and nothing is known here about its process, which was of another machine.
         outcome: the task's outcome.
     """
 
@@ -53,33 +56,11 @@ class RunRecord:
     outcome: str | None
 
 
-@dataclass(frozen=True)
-class Event:
-    """One event of a run.
-
-    Attributes:
-        seq: 1, 2, 3 ... without a gap.
-        t: the run's clock [s].
-        wall: wall time [s since 1970].
-        path: the node; `/` for the root and for the run itself.
-        event: its kind.
-        outcome: of an end.
-        code: of a failure.
-        data: anything else.
-    """
-
-    seq: int
-    t: float
-    wall: float
-    path: str
-    event: str
-    outcome: str | None
-    code: str | None
-    data: dict[str, Any]
-
-
 class JournalReader:
     """Reads a journal; may be used from several threads.
+
+    What is damaged in it is left out: an event `damaged` stands in its place and says what that was, and so does
+    `damage`.
 
     Raises:
         JournalError: there is no such file, or it isn't a journal.
@@ -87,28 +68,30 @@ class JournalReader:
 
     def __init__(self, file: Path | str):
         self.file = Path(file)
-        if not self.file.is_file():
-            raise JournalError(f"{self.file}: there is no journal; runs are written to it as soon as there is one")
-        self._lock = threading.Lock()
-        self._names: dict[str, list[_Names]] = {}
-        try:
-            self._database = sqlite3.connect(self.file, timeout=30, check_same_thread=False)
-        except sqlite3.OperationalError as error:
-            raise JournalError(f"{self.file}: can't be read: {error}; mend its rights, or name another file") from error
-        try:
-            self._database.execute("PRAGMA query_only=ON")
-            refuse_newer(self._database)
-            self._packed = has_table(self._database, "blocks")
-            self._in_rows = has_table(self._database, "events")
-            if not self._packed and not self._in_rows:
-                raise sqlite3.DatabaseError("no such table: blocks")
-        except sqlite3.DatabaseError as error:
-            self._database.close()
-            raise JournalError(f"{self.file}: isn't a journal: {error}") from error
+        self._rows = Rows(self.file)
+        self._names: dict[str, dict[int, Name]] = {}
+        self._meanings: dict[str, dict[str, Any]] = {}
+        self._found: dict[str, list[tuple[Any, ...]]] = {}  # blocks of runs whose tables are damaged
+        self._sum = ""
+
+    @property
+    def damage(self) -> list[str]:
+        """What couldn't be read so far, in words."""
+        return list(self._rows.damage)
+
+    def raise_if_damaged(self) -> None:
+        """Say what of the things that were read until now was left out.
+
+        Raises:
+            JournalError: something was.
+        """
+        if self._rows.damage:
+            raise JournalError(f"{self.file}: is damaged, and not all of it could be read: {'; '.join(self.damage)}")
 
     def runs(self) -> list[RunRecord]:
         """Return all runs, the newest first."""
-        return [RunRecord(*row) for row in self._query("SELECT * FROM runs ORDER BY started DESC, id DESC")]
+        found = filter(None, map(self._record, self._run_rows("1")))
+        return sorted(found, key=lambda record: (record.started, record.id), reverse=True)
 
     def run(self, id: str) -> RunRecord:
         """Return a run.
@@ -116,14 +99,18 @@ class JournalReader:
         Raises:
             UnknownNameError: there is none of this id.
         """
-        rows = self._query("SELECT * FROM runs WHERE id=?", id)
-        if not rows:
-            raise UnknownNameError("run", id, [r.id for r in self.runs()[:20]], str(self.file))
-        return RunRecord(*rows[0])
+        for record in filter(None, map(self._record, self._run_rows("runs.id=?", id))):
+            return record
+        raise UnknownNameError("run", id, [r.id for r in self.runs()[:20]], str(self.file))
+
+    def lives(self, run: str) -> bool:
+        """Tell whether the process that executes a run, or has done so last, is there, as far as this machine knows."""
+        return any(self._process(row) for row in self._run_rows("runs.id=?", run))
 
     def count(self, run: str) -> int:
         """Return how many events of a run there are so far."""
-        return max(self._last(table, run) for table in self._tables())
+        tables = ["blocks"] * self._rows.packed + ["events"] * self._rows.in_rows
+        return max(self._last(table, run) for table in tables)
 
     def events(self, run: str, after_seq: int = 0, limit: int | None = None) -> list[Event]:
         """Return the events of a run that come after `after_seq`, in order.
@@ -148,26 +135,41 @@ class JournalReader:
         """Return the value that a `write` event tells of, as it was.
 
         Raises:
-            JournalError: it wasn't kept, or the event isn't a write.
+            JournalError: it wasn't kept, or is damaged, or the event isn't a write.
             OpaqueValueError: it is of a class that can't be restored.
         """
         if "value" in event.data:
-            return decode(json.dumps(event.data["value"]).encode() + b"\n")
-        if "hash" in event.data:
-            return decode(self.content(event.data["hash"]))
-        why = event.data.get("dropped", "the journal was written before values were kept")
-        raise JournalError(f"{self.file}: event {event.seq} ({event.event} at {event.path}) has no value: {why}")
+            content = json.dumps(event.data["value"]).encode() + b"\n"
+        elif "hash" in event.data:
+            content = self.content(event.data["hash"])
+        else:
+            why = event.data.get("dropped", "the journal was written before values were kept")
+            raise JournalError(f"{self.file}: event {event.seq} ({event.event} at {event.path}) has no value: {why}")
+        try:
+            return decode(content)
+        except OpaqueValueError:
+            raise
+        except Exception as error:
+            where = f"event {event.seq} ({event.event} at {event.path})"
+            raise JournalError(f"{self.file}: the value of {where} is damaged: {error}") from error
 
     def content(self, hash: str) -> bytes:
         """Return the bytes of a big value; see `docs/journal.md`.
 
         Raises:
             UnknownNameError: there is none of this hash.
+            JournalError: it is damaged.
         """
-        rows = self._query("SELECT content FROM big_values WHERE hash=?", hash) if self._packed else []
+        rows = self._rows.query("SELECT size, content FROM big_values WHERE hash=?", hash) if self._rows.packed else []
         if not rows:
-            raise UnknownNameError("value", hash, [], str(self.file))
-        return zlib.decompress(rows[0][0])
+            raise UnknownNameError("value", str(hash), [], str(self.file))
+        try:
+            content = expanded(rows[0][1], int(rows[0][0]))
+        except (zlib.error, TypeError, ValueError, OverflowError, MemoryError):
+            content = b""
+        if hashlib.blake2b(content, digest_size=16).hexdigest() != hash:
+            raise JournalError(f"{self.file}: the value {hash} is damaged: its bytes aren't those that were written")
+        return content
 
     def variables(self, run: str, until_seq: int | None = None) -> dict[str, Event]:
         """Return the last write of each variable, up to and including the event `until_seq`."""
@@ -179,7 +181,7 @@ class JournalReader:
 
     def close(self) -> None:
         """Let go of the file."""
-        self._database.close()
+        self._rows.close()
 
     def __enter__(self) -> JournalReader:
         return self
@@ -187,81 +189,197 @@ class JournalReader:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    # --- rows ---
+    # --- runs ---
 
-    def _tables(self) -> list[str]:
-        return ["blocks"] * self._packed + ["events"] * self._in_rows
+    def _run_rows(self, condition: str, *values: Any) -> list[tuple[Any, ...]]:
+        """Return rows of runs, with the process that executes each."""
+        columns = ", ".join(f"runs.{name.strip()}" for name in _COLUMNS.split(","))
+        statement = f"SELECT {columns}, pid, since, host FROM runs LEFT JOIN processes ON run=runs.id"
+        if not self._rows.columns("processes"):
+            statement = f"SELECT {columns}, NULL, NULL, NULL FROM runs"
+        return self._rows.whole(statement, "runs", condition, *values)
+
+    @staticmethod
+    def _process(row: tuple[Any, ...]) -> bool | None:
+        return is_there(dict(zip(("pid", "since", "host"), row[-3:], strict=True)))
+
+    def _record(self, row: tuple[Any, ...]) -> RunRecord | None:
+        """Return a run as it is now; None where it has no id."""
+        id, name, path, text, target, seed, started, ended, status, outcome = row[:-3]
+        if not isinstance(id, str) or not id:
+            self._rows.note(f"a run of {self.file} has no id ({id!r:.80}), and is left out")
+            return None
+        wrong = {
+            "task_name": not isinstance(name, str),
+            "task_path": not isinstance(path, str) or "\0" in path,
+            "task_text": not isinstance(text, str),
+            "target": target not in ("bt", "sm"),
+            "seed": not isinstance(seed, int | None),
+            "started": not is_time(started) or started < 0,
+            "ended": ended is not None and (not is_time(ended) or ended < 0),
+            "status": not isinstance(status, str),
+            "outcome": not isinstance(outcome, str | None),
+        }
+        for field in (field for field, bad in wrong.items() if bad):
+            self._rows.note(f"{field} of run {id} is no such thing")
+        if status == "running":
+            status = {True: "running", False: "died", None: "lost"}[self._process(row)]
+        return RunRecord(
+            id,
+            "" if wrong["task_name"] else name,
+            "" if wrong["task_path"] else path,
+            "" if wrong["task_text"] else text,
+            "bt" if wrong["target"] else target,
+            None if wrong["seed"] else seed,
+            0.0 if wrong["started"] else float(started),
+            None if wrong["ended"] or ended is None else float(ended),
+            "lost" if wrong["status"] else status,
+            None if wrong["outcome"] else outcome,
+        )
+
+    # --- events ---
 
     def _last(self, table: str, run: str) -> int:
-        column = "last" if table == "blocks" else "seq"
-        return int(self._query(f"SELECT max({column}) FROM {table} WHERE run=?", run)[0][0] or 0)
+        column, good = ("last", _GOOD) if table == "blocks" else ("seq", "typeof(seq)='integer'")
+        try:
+            return int(self._rows.query(f"SELECT max({column}) FROM {table} WHERE run=? AND {good}", run)[0][0] or 0)
+        except DamagedError:
+            return max((row[1] for row in self._all_blocks(run)), default=0)
 
     def _writes(self, run: str, until_seq: int | None) -> Iterator[Event]:
         """Yield the writes in order, of blocks that have any."""
         until = 2**62 if until_seq is None else until_seq
-        firsts: list[Any] = [None]
-        if self._packed and not self._old(run):
-            sql = "SELECT first, last FROM blocks WHERE run=? AND writes>0 AND first<=? ORDER BY first"
-            firsts = self._query(sql, run, until)
-        for bounds in firsts:
-            page = self.iterate(run) if bounds is None else self.events(run, bounds[0] - 1, bounds[1] - bounds[0] + 1)
+        bounds: list[tuple[int, int]] | None = None
+        if self._rows.packed and not self._old(run):
+            sql = f"SELECT first, last FROM blocks WHERE run=? AND writes>0 AND first<=? AND {_GOOD} ORDER BY first"
+            try:
+                bounds = [(row[0], row[1]) for row in self._rows.query(sql, run, until)]
+            except DamagedError:
+                bounds = None
+        pages = [self.iterate(run)] if bounds is None else (self.events(run, a - 1, b - a + 1) for a, b in bounds)
+        for page in pages:
             yield from (event for event in page if event.event == "write" and event.seq <= until)
 
     def _old(self, run: str) -> bool:
         """Tell whether a run was written by an earlier version, a row per event."""
-        return self._in_rows and bool(self._query("SELECT 1 FROM events WHERE run=? LIMIT 1", run))
+        return self._rows.in_rows and bool(self._rows.query("SELECT 1 FROM events WHERE run=? LIMIT 1", run))
 
     def _blocks(self, run: str, after: int, limit: int | None) -> Iterator[list[Event]]:
+        left, after = 2**62 if limit is None else limit, max(after, 0)
         if self._old(run):
-            yield self._rows(run, after, limit)
+            yield self._of_rows(run, after, left)
             return
-        left = 2**62 if limit is None else limit
-        columns = "first, last, name, t, wall, wall_offset, data"
-        sql = f"SELECT {columns} FROM blocks WHERE run=? AND last>? ORDER BY first LIMIT ?"
-        while left > 0 and self._packed:
-            rows = self._query(sql, run, after, 64)
+        t = 0.0
+        while left > 0 and self._rows.packed:
+            rows = self._page(run, after)
             for row in rows:
-                events = self._unpacked(run, row, after, left)
+                if row[1] <= after:
+                    continue  # of a damaged file: the events of another block
+                events: list[Event] = []
+                if row[0] > after + 1:
+                    events.append(self._hole(run, after + 1, row[0] - 1, t, "they aren't there"))
+                try:
+                    events += self._unpacked(run, row, after, left)
+                except ValueError as error:
+                    events.append(self._hole(run, max(row[0], after + 1), row[1], t, str(error)))
+                after, t = row[1], events[-1].t if events else t
                 left -= len(events)
                 yield events
                 if left <= 0:
                     return
             if not rows:
                 return
-            after = rows[-1][1]
+
+    def _page(self, run: str, after: int) -> list[tuple[Any, ...]]:
+        """Return the next blocks after an event, in order."""
+        if run not in self._found:
+            try:
+                if after == 0 and self._rows.query(f"SELECT 1 FROM blocks WHERE run=? AND NOT ({_GOOD}) LIMIT 1", run):
+                    self._rows.note(f"blocks of run {run} whose place among its events isn't known are left out")
+                condition = f"run=? AND last>? AND {_GOOD} ORDER BY first LIMIT 64"
+                return self._rows.query(f"{self._select()} WHERE {condition}", run, after)
+            except DamagedError:
+                self._all_blocks(run)
+        return [row for row in self._found[run] if row[1] > after][:64]
+
+    def _all_blocks(self, run: str) -> list[tuple[Any, ...]]:
+        """Return what can be found of a run's blocks in a damaged table."""
+        if run not in self._found:
+            rows = self._rows.whole(self._select(), "blocks", f"run=? AND {_GOOD}", run)
+            self._found[run] = sorted(rows, key=lambda row: (row[0], row[1]))
+        return self._found[run]
+
+    def _select(self) -> str:
+        """Return what reads blocks; those of earlier versions have no checksum."""
+        if not self._sum:
+            self._sum = "sum" if "sum" in self._rows.columns("blocks") else ""
+        return f"SELECT first, last, name, t, wall, wall_offset, data, {self._sum or 'NULL'} FROM blocks"
+
+    def _hole(self, run: str, first: int, last: int, t: float, why: str) -> Event:
+        which = f"event {first}" if first == last else f"events {first} to {last}"
+        message = f"{which} of run {run} can't be read: {why}"
+        self._rows.note(message)
+        return Event(last, t, 0.0, "/", DAMAGED, None, None, {"message": message})
 
     def _unpacked(self, run: str, row: tuple[Any, ...], after: int, most: int) -> list[Event]:
-        first, last, packed, t, wall, offset, text = row
+        first = row[0]
         since = max(0, after + 1 - first)
-        part = slice(since, min(last - first + 1, since + most))
-        numbers, times = unpack_numbers(packed)[part], unpack_times(t)[part]
-        walls = times + offset if wall is None else unpack_times(wall)[part]
-        data = {int(i): more for i, more in json.loads(text).items()} if text else {}
-        names = self._names_of(run, int(numbers.max(initial=0)))
-        rest = zip(numbers.tolist(), times.tolist(), walls.tolist(), strict=True)
-        events = []
-        for i, (number, at, wall_at) in enumerate(rest, since):
-            path, event, outcome, code = names[number]
-            events.append(Event(first + i, at, wall_at, path, event, outcome, code, data.get(i, {})))
-        return events
-
-    def _names_of(self, run: str, largest: int) -> list[_Names]:
-        """Return what the numbers of a run's events stand for; names are only ever added."""
-        names = self._names.get(run, [])
-        if len(names) <= largest:
-            names = self._query("SELECT path, event, outcome, code FROM names WHERE run=? ORDER BY id", run)
-            self._names[run] = names
-        return names
-
-    def _rows(self, run: str, after: int, limit: int | None) -> list[Event]:
-        columns = "seq, t, wall, path, event, outcome, code, data"
-        sql = f"SELECT {columns} FROM events WHERE run=? AND seq>? ORDER BY seq LIMIT ?"
-        rows = self._query(sql, run, after, -1 if limit is None else limit)
+        names = self._names.get(run, {})
+        try:
+            found = unpacked(row, names, slice(since, since + most))
+        except ValueError:
+            names = self._names_of(run)  # there are more by now
+            found = unpacked(row, names, slice(since, since + most))
         return [
-            Event(seq, t, wall, path, event, outcome, code, json.loads(data) if data else {})
-            for seq, t, wall, path, event, outcome, code, data in rows
+            Event(first + i, t, wall, *name, data, self._meaning(run, *name) if name[2] is not None else None)
+            for i, t, wall, name, data in found
         ]
 
-    def _query(self, statement: str, *values: Any) -> list[tuple[Any, ...]]:
-        with self._lock:
-            return self._database.execute(statement, values).fetchall()
+    def _names_of(self, run: str) -> dict[int, Name]:
+        """Return what the numbers of a run's events stand for; names are only ever added."""
+        columns = "id, path, event, outcome, code"
+        found: dict[int, Name] = {}
+        try:
+            rows = self._rows.query(f"SELECT {columns} FROM names WHERE run=?", run)
+        except DamagedError as error:
+            self._rows.note(f"{error}; events whose names aren't found are left out")
+            rows = []
+            for number in range(1000):
+                try:
+                    rows += self._rows.query(f"SELECT {columns} FROM names WHERE run=? AND id=?", run, number)
+                except DamagedError:
+                    continue
+        for number, *name in rows:
+            if isinstance(number, int) and is_name(*name):
+                found[number] = tuple(name)
+        self._names[run] = found
+        return found
+
+    def _meaning(self, run: str, path: str, event: str, outcome: str | None, code: str | None) -> Any:
+        """Return what an end means; labels that say so themselves, and codes of failures, need no table."""
+        if event != "exit":
+            return None
+        if run not in self._meanings:
+            self._meanings[run] = {}  # while it is being looked for
+            first = self.events(run, 0, 1)
+            self._meanings[run] = first[0].data.get("outcomes", {}) if first else {}
+        said = self._meanings[run].get(path, {})
+        meaning = said.get(outcome) if isinstance(said, dict) else None
+        if meaning in ("success", "failure"):
+            return meaning
+        return "failure" if code is not None else outcome if outcome in ("success", "failure") else None
+
+    def _of_rows(self, run: str, after: int, most: int) -> list[Event]:
+        columns = "seq, t, wall, path, event, outcome, code, data"
+        sql = f"SELECT {columns} FROM events WHERE run=? AND seq>? AND typeof(seq)='integer' ORDER BY seq LIMIT ?"
+        found = []
+        for seq, t, wall, path, kind, outcome, code, data in self._rows.query(sql, run, after, most):
+            try:
+                if not (is_time(t) and is_time(wall) and is_name(path, kind, outcome, code)):
+                    raise ValueError("it has no name or time")
+                more = sound(kind, json.loads(data) if data else {})
+                meaning = self._meaning(run, path, kind, outcome, code) if outcome is not None else None
+                found.append(Event(seq, float(t), float(wall), path, kind, outcome, code, more, meaning))
+            except (ValueError, TypeError, RecursionError) as error:
+                found.append(self._hole(run, seq, seq, 0.0, str(error)))
+        return found

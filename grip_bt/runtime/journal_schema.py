@@ -16,7 +16,10 @@ CREATE TABLE IF NOT EXISTS names(
   PRIMARY KEY(run, id)) WITHOUT ROWID;
 CREATE TABLE IF NOT EXISTS blocks(
   run TEXT, first INTEGER, last INTEGER, name BLOB, t BLOB, wall BLOB, wall_offset REAL, data TEXT, writes INTEGER,
+  sum INTEGER,
   PRIMARY KEY(run, first));
+CREATE TABLE IF NOT EXISTS processes(
+  run TEXT PRIMARY KEY, pid INTEGER, since INTEGER, host TEXT);
 CREATE TABLE IF NOT EXISTS big_values(
   hash TEXT PRIMARY KEY, type TEXT, size INTEGER, content BLOB);
 """
@@ -38,6 +41,8 @@ def prepare_to_write(database: sqlite3.Connection) -> None:
     database.execute("PRAGMA synchronous=FULL")  # a power cut loses nothing that was acknowledged
     refuse_newer(database)
     database.executescript(TABLES)
+    if all(row[1] != "sum" for row in database.execute("PRAGMA table_info(blocks)")):
+        database.execute("ALTER TABLE blocks ADD COLUMN sum INTEGER")
     database.execute(f"PRAGMA user_version={VERSION}")
 
 

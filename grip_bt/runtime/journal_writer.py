@@ -15,11 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .blocks import pack_numbers, pack_times
+from .journal_events import MOST, checksum
 from .run_log import ENTER, INTERRUPTED, Noted, RunLog
 from .value_codec import encode
 
-BLOCK = 65536
-"""Most events in one block."""
 INLINE = 512
 """Values of at most so many bytes stand in the event itself."""
 
@@ -48,6 +47,7 @@ class RunWriter:
         self._ids: dict[tuple[str, Any], int] = {}
         self._keys: dict[_Key, int] = {}
         self.last = 0
+        self._over = False
         rows = database.execute("SELECT id, path, event, outcome, code FROM names WHERE run=?", (log.id,))
         for number, *key in rows.fetchall():
             self._keys[tuple(key)] = number
@@ -59,9 +59,14 @@ class RunWriter:
         log = self._log
         stride, buffer = log.stride, log.buffer
         total = len(buffer) // stride
-        for _ in range(0, total, BLOCK):
-            taken = buffer[: stride * BLOCK]
+        for _ in range(0, total, MOST):
+            taken = buffer[: stride * MOST]
             del buffer[: len(taken)]
+            if log.last is not None and log.last in taken:
+                taken = taken[: stride * (taken[1::stride].index(log.last) + 1)]
+                self._over = True
+            elif self._over:
+                continue
             self._write_block(taken, stride)
         return total
 
@@ -89,8 +94,9 @@ class RunWriter:
         if offset is None:
             wall = pack_times(monotonic + since_epoch)
         text = json.dumps(data, default=str) if data else None
-        row = (self._log.id, self.last + 1, self.last + count, pack_numbers(names), pack_times(t), wall, offset)
-        self._database.execute("INSERT INTO blocks VALUES(?,?,?,?,?,?,?,?,?)", (*row, text, writes))
+        row = (self.last + 1, self.last + count, pack_numbers(names), pack_times(t), wall, offset, text)
+        values = (self._log.id, *row, writes, checksum(row))
+        self._database.execute("INSERT INTO blocks VALUES(?,?,?,?,?,?,?,?,?,?)", values)
         self.last += count
 
     def _name(self, path: str, what: Any) -> int:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from .journal_reader import Event
+from .journal_events import Event
 
 Phase = Literal["running", "ended", "interrupted", "error"]
 

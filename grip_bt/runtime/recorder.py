@@ -73,6 +73,10 @@ class Recorder:
         self._append(self._now(), "/", "run_ended", outcome, data={"status": status})
         self._log.end(status, outcome)
 
+    def lost(self, why: str) -> None:
+        """Whoever controlled it has gone: it is cut off here."""
+        self._log.cut(self._now(), why)
+
     # --- its nodes ---
 
     def message(self, path: str, text: str) -> None:

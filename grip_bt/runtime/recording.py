@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 
 from grip_bt.errors import DivergedError
 
-from .journal_reader import Event
+from .journal_events import Event
 
 NODES = ("enter", "exit", "interrupted", "write")
 """Kinds of events that happen again; others say something about them, but for messages of containers: a parallel says

@@ -12,7 +12,7 @@ from grip_bt.nodes import Leaf
 from grip_bt.nodes.asked import AskedBefore
 from grip_bt.values import Failure
 
-from .journal_reader import Event
+from .journal_events import Event
 from .recording import Activation, Recording
 
 if TYPE_CHECKING:

@@ -26,7 +26,7 @@ from grip_bt.nodes.observer import Observer
 from grip_bt.ports import Clock
 from grip_bt.values import Failure
 
-from .journal_reader import Event
+from .journal_events import Event
 from .pacing import Pacing
 from .recording import Recording
 from .relived_clock import CooldownClock, RelivedClock, TimeoutClock

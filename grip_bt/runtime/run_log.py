@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 ENTER, INTERRUPTED = 0, 1
 """What a transition is that isn't an end; an end is its outcome."""
 
+DIED = "died"
+"""Status of a run that was cut off: nobody has stopped it, and it can be gone on with."""
+
 LIMIT = 2_000_000
 """Events that may wait for the writer; beyond that, whoever appends waits for it."""
 
@@ -54,6 +57,7 @@ class RunLog:
         stride: how many entries an event has.
         turns: those of the `WallClock`; None where it is another.
         ended: whether the run's end was entered.
+        last: the event after which nothing is written any more; None as long as the run isn't cut off.
 
     Args:
         journal: that it belongs to.
@@ -66,6 +70,7 @@ class RunLog:
         self.stride = 4
         self.turns: list[tuple[float, float, int]] | None = None
         self.ended = False
+        self.last: Noted | None = None
         journal.follow(self)
 
     def follow(self, clock: Clock) -> None:
@@ -109,7 +114,20 @@ class RunLog:
             time.sleep(0.001)
 
     def end(self, status: str, outcome: str | None) -> None:
-        """Enter how the run has ended."""
+        """Enter how the run has ended; nothing where it was cut off."""
+        if self.last is not None and status != DIED:
+            return
         statement = "UPDATE runs SET ended=?, status=?, outcome=? WHERE id=?"
         self.journal.execute(statement, (time.time(), status, outcome, self.id))
         self.ended = True
+
+    def cut(self, t: float, why: str) -> None:
+        """End the journal of the run here, as if its process had died: it can be gone on with from here.
+
+        What happens after this, such as that everything is interrupted, isn't written.
+        """
+        if self.ended or self.last is not None:
+            return
+        self.last = Noted("run_ended", data={"status": DIED, "message": why})
+        self.note(t, "/", self.last)
+        self.end(DIED, None)

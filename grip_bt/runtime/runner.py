@@ -12,6 +12,7 @@ from typing import Any, Literal
 from py_trees.behaviour import Behaviour
 
 from grip_bt.compilers import CompiledMachine, CompiledTree, Halted, Pacer, TaskEnd
+from grip_bt.compilers.probe import parts_of
 from grip_bt.errors import NodeError
 from grip_bt.nodes.control import Foreign
 from grip_bt.nodes.observer import SILENT, Observer, Observers
@@ -46,7 +47,7 @@ ABANDON = 0.08
 LAST_MOMENT = 0.05
 """How long [s] cancelled operations may take to end when a run was stopped, before they are called zombies."""
 
-RunStatus = Literal["success", "failure", "error", "stopped"]
+RunStatus = Literal["success", "failure", "error", "stopped", "died"]
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ class RunResult:
     Attributes:
         outcome: the task's outcome; None after a stop or an error.
         meaning: `success` or `failure`; None after a stop or an error.
-        status: the meaning, or `error`, or `stopped`.
+        status: the meaning, or `error`, or `stopped`; `died` where whoever controlled it had gone.
         failure: the reason of a failure.
         ticks: how often the task was ticked.
         duration: on the run's clock [s].
@@ -124,7 +125,7 @@ class Runner:
         self.debugger = Debugger(compiled, self.pacing, self._observe_debugger)
         self.run_id: str | None = None
         self._recorder: Recorder | None = None
-        self._reliving, self._facts = reliving, facts or {}
+        self._reliving, self._facts = reliving, {**(facts or {}), **_own_labels(compiled)}
         if journal is not None:
             if log is None:
                 log = journal.begin(compiled.task.name, task_path, task_text, compiled.target, seed)
@@ -133,6 +134,7 @@ class Runner:
         self._debugged = self._stale = False
         self._plan: Plan | None = None
         self._watchdog = Watchdog(self.pacing, compiled.leaves, watchdog, self._hung) if watchdog else None
+        self._lost = False
         self._begun, self._settling, self._ended = threading.Lock(), threading.Lock(), threading.Event()
         self._thread: int | None = None
         self._start = 0.0
@@ -180,6 +182,16 @@ class Runner:
         called = time.monotonic()
         self.pacing.stop()
         in_background("stop", lambda: self._insist(called))
+
+    def lose(self, why: str) -> None:
+        """Stop, since whoever controls the run has gone without a stop; the run can be gone on with.
+
+        The journal ends here, as if the process had died; what is interrupted from now on isn't in it.
+        """
+        self._lost = True
+        if self._recorder is not None:
+            self._recorder.lost(why)
+        self.stop()
 
     def request_preempt(self) -> None:
         """Ask the task to come to an end on its own terms; leaves that care end soon, and recovery still runs."""
@@ -363,6 +375,8 @@ class Runner:
         return [in_background(f"hold of {part.name}", part.stop) for part in self.context.moving()]
 
     def _made(self, end: TaskEnd | None, status: RunStatus, error: BaseException | None = None) -> RunResult:
+        if self._lost and end is None:
+            status, error = "died", None
         return RunResult(
             outcome=end.outcome if end else None,
             meaning=end.meaning if end else None,
@@ -372,3 +386,13 @@ class Runner:
             duration=self.context.clock.now() - self._start,
             error=error,
         )
+
+
+def _own_labels(compiled: CompiledTree | CompiledMachine) -> dict[str, Any]:
+    """Return what outcomes mean that don't say so themselves: whoever reads the journal has no other way to know."""
+    found = {
+        path: own
+        for path, part in parts_of(compiled).items()
+        if (own := {name: meaning for name, meaning in part.meaning.items() if name != meaning})
+    }
+    return {"outcomes": found} if found else {}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any, Literal, Protocol
+from typing import Any, Protocol
 
 from grip_bt.errors import GripError, UnknownNameError
 from grip_bt.runtime import Event, Journal, JournalError, JournalReader, RunLog
@@ -54,8 +54,8 @@ class RunSource(Protocol):
         """
         ...
 
-    def end_run(self, run: str, status: Literal["stopped", "error"]) -> None:
-        """Enter that a run has ended whose process could not do so itself."""
+    def end_run(self, run: str) -> None:
+        """Enter that a run was stopped whose process could not do so itself."""
         ...
 
 
@@ -114,10 +114,12 @@ class JournalRuns:
             raise UnknownNameError("write of a variable", str(seq), (), f"the run {run}")
         return reader, found[0]
 
-    def end_run(self, run: str, status: Literal["stopped", "error"]) -> None:
-        """Enter that a run has ended whose process could not do so itself."""
-        with Journal(self.file) as journal:
-            RunLog(journal, run).end(status, None)
+    def end_run(self, run: str) -> None:
+        """Enter that a run was stopped whose process could not do so itself."""
+        record = self._find(run)
+        if record is not None and record.status in ("running", "died"):
+            with Journal(self.file) as journal:
+                RunLog(journal, run).end("stopped", None)
 
     def _find(self, run: str) -> JournalRecord | None:
         reader = self._reader()
@@ -148,5 +150,5 @@ class JournalRuns:
 
 def _wire_event(event: Event) -> RunEvent:
     fields = asdict(event)
-    fields.pop("wall")
+    del fields["wall"], fields["meaning"]  # pages know the task's outcomes
     return RunEvent(**fields)

@@ -6,7 +6,7 @@ import asyncio
 import logging
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from typing import Any, Literal
+from typing import Any
 
 from pydantic import ValidationError
 
@@ -165,16 +165,12 @@ class Session:
         if self.view.status is not None:
             self._set(state="ended", message=self._killed_because or self.view.message)
         elif self._killed_because:
-            await self._enter_end("stopped")
+            if self.view.run is not None:
+                await asyncio.to_thread(self._source.end_run, self.view.run)
             self._set(state="ended", status="killed", message=self._killed_because)
-        else:
-            await self._enter_end("error")
+        else:  # its journal knows that, and it can be gone on with
             self._set(state="ended", status="died", message=_obituary(exit_status, self._process.tail()))
         self._changed()
-
-    async def _enter_end(self, status: Literal["stopped", "error"]) -> None:
-        if self.view.run is not None:
-            await asyncio.to_thread(self._source.end_run, self.view.run, status)
 
     def _set(self, **changes: Any) -> None:
         if any(getattr(self.view, key) != value for key, value in changes.items()):

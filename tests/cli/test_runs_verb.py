@@ -1,12 +1,13 @@
 """`grip runs` lists what was run in a project, the newest last."""
 
 import json
+import sqlite3
 import subprocess
 import sys
+from contextlib import closing
 
 import pytest
 
-from grip_bt.app.going_on import process_facts
 from grip_bt.cli.__main__ import main
 from grip_bt.runtime import Journal
 
@@ -73,22 +74,19 @@ def test_a_journal_keeps_to_the_projects_limit_after_each_run(tmp_path, capsys):
 
 
 def test_a_run_whose_process_is_gone_has_died_and_others_run(tmp_path, capsys):
-    program = "import json; from grip_bt.app.going_on import process_facts; print(json.dumps(process_facts()))"
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    there, gone = process_facts(), json.loads(done.stdout)
-    with Journal(tmp_path / ".grip" / "runs.sqlite") as journal:
-        for name, process in (
-            ("here", there),
-            ("killed", gone),
-            ("elsewhere", {**gone, "host": "another"}),
-            ("early", None),
-        ):
-            log = journal.begin(name)
-            if process is not None:
-                log.append(0.0, "/", "run_started", data={"process": process})
+    file = tmp_path / ".grip" / "runs.sqlite"
+    begin = "import sys; from grip_bt.runtime import Journal\nwith Journal(sys.argv[1]) as j: j.begin(sys.argv[2])"
+    for name in ("killed", "elsewhere", "earlier"):
+        subprocess.run([sys.executable, "-c", begin, str(file), name], check=True)
+    with closing(sqlite3.connect(file)) as database, database:
+        of = "run = (SELECT id FROM runs WHERE task_name = ?)"
+        database.execute(f"UPDATE processes SET host = 'another' WHERE {of}", ("elsewhere",))
+        database.execute(f"DELETE FROM processes WHERE {of}", ("earlier",))
+    with Journal(file) as journal:
+        journal.begin("here")
     assert main(["runs", str(tmp_path), "--json"]) == 0
     found = {run["task_name"]: run["status"] for run in json.loads(capsys.readouterr().out)}
-    assert found == {"here": "running", "killed": "died", "elsewhere": "running", "early": "running"}
+    assert found == {"here": "running", "killed": "died", "elsewhere": "lost", "earlier": "lost"}
     assert main(["runs", str(tmp_path)]) == 0
     assert [line.split()[5] for line in capsys.readouterr().out.splitlines() if line.endswith("killed")] == ["died"]
 

@@ -83,9 +83,29 @@ def test_events_are_announced_when_they_can_be_read(tmp_path: Path) -> None:
         served.close()
 
 
-def test_the_end_of_the_commands_is_a_stop() -> None:
+@pytest.mark.parametrize("target", TARGETS)
+def test_at_the_end_of_the_commands_whoever_gave_them_has_gone(target: Any, tmp_path: Path) -> None:
+    with Journal(tmp_path / "runs.sqlite") as journal:
+        served = Served(target, leaf("wait"), journal)
+        run = served.until("started")["run"]
+        while not served.run.leaves["/"].active:
+            pass
+        served.commands.close()
+        assert served.until("ended")["status"] == "died"
+        served.close()
+    assert served.run.leaves["/"].terminated, "it was halted all the same"
+    with JournalReader(journal.file) as reader:
+        assert reader.run(run).status == "died"
+        *before, last = reader.events(run)
+    assert (last.event, last.data["status"]) == ("run_ended", "died")
+    nodes = ("enter", "exit", "interrupted")
+    assert [e.event for e in before if e.event in nodes] == ["enter"], "what was halted isn't in it, but goes on"
+
+
+def test_after_a_stop_the_end_of_the_commands_is_nothing() -> None:
     served = Served(TARGETS[0], leaf("wait"))
     served.until("started")
+    served.command("stop")
     served.commands.close()
     assert served.until("ended")["status"] == "stopped"
     served.close()
@@ -111,4 +131,4 @@ def test_a_reader_that_has_gone_away_stops_the_run() -> None:
     with os.fdopen(commands) as lines, os.fdopen(other, "w") as open_end:
         result = serve_control(run.runner, lines, Gone())
         open_end.close()
-    assert result.status == "stopped"
+    assert result.status == "died"

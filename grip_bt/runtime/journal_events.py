@@ -1,0 +1,121 @@
+"""Events as a journal has them, and what isn't one: read from a file that anybody may have damaged."""
+
+from __future__ import annotations
+
+import json
+import math
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from .blocks import unpack_numbers, unpack_times
+
+MOST = 65536
+"""Most events in one block."""
+DAMAGED = "damaged"
+"""Kind of the events that stand where others can't be read; no journal has them."""
+Meaning = Literal["success", "failure"]
+Name = tuple[str, str, str | None, str | None]
+"""Of an event: path, kind, outcome and code."""
+_LONGEST = 1e10
+"""No time of a journal is later [s]: some 300 years."""
+_WORDS = ("variable", "type", "preview", "text", "message", "status", "state", "how", "part", "where", "traceback")
+_TABLES = ("options", "restored", "anew", "forked_from", "outcomes")
+
+
+@dataclass(frozen=True)
+class Event:
+    """One event of a run.
+
+    Attributes:
+        seq: 1, 2, 3 ... without a gap.
+        t: the run's clock [s].
+        wall: wall time [s since 1970].
+        path: the node; `/` for the root and for the run itself.
+        event: its kind.
+        outcome: of an end.
+        code: of a failure.
+        data: anything else.
+        meaning: of an end's outcome: `success` or `failure`; None where the journal doesn't say.
+    """
+
+    seq: int
+    t: float
+    wall: float
+    path: str
+    event: str
+    outcome: str | None
+    code: str | None
+    data: dict[str, Any]
+    meaning: Meaning | None = None
+
+
+def is_time(value: object) -> bool:
+    """Tell whether this can be a time of a journal [s]."""
+    return isinstance(value, int | float) and math.isfinite(value) and abs(value) <= _LONGEST
+
+
+def is_name(path: object, kind: object, outcome: object, code: object) -> bool:
+    """Tell whether this can be what an event is of."""
+    plain = isinstance(path, str) and isinstance(kind, str) and bool(path) and bool(kind)
+    return plain and isinstance(outcome, str | None) and isinstance(code, str | None)
+
+
+def checksum(columns: tuple[Any, ...]) -> int:
+    """Return the CRC-32 of a block's columns, from `first` to `data`."""
+    total = 0
+    for column in columns:
+        content = column if isinstance(column, bytes) else repr(column).encode(errors="backslashreplace")
+        total = zlib.crc32(content, total)
+    return total
+
+
+def sound(kind: str, data: object) -> dict[str, Any]:
+    """Return an event's data with fields of the types that readers rely on.
+
+    Raises:
+        ValueError: it has no such data.
+    """
+    if not isinstance(data, dict) or any(not isinstance(data.get(key, {}), dict) for key in _TABLES):
+        raise ValueError(f"the data of an event ({kind}) isn't what its kind has")
+    for key in _WORDS:
+        if key in data and not isinstance(data[key], str):
+            data[key] = str(data[key])
+    if kind == "write" and "variable" not in data or kind == "kept" and "part" not in data:
+        raise ValueError(f"an event ({kind}) doesn't say of what")
+    return data
+
+
+def unpacked(
+    row: tuple[Any, ...], names: Mapping[int, Name], part: slice
+) -> list[tuple[int, float, float, Name, dict[str, Any]]]:
+    """Return what a block says of its events: index, time, wall time, what it is of, data.
+
+    Args:
+        row: first, last, name, t, wall, wall_offset, data, and the checksum, if it has one.
+        names: number -> what an event is of.
+        part: which of the events.
+
+    Raises:
+        ValueError: it is damaged.
+    """
+    *columns, total = row
+    if total is not None and total != checksum(tuple(columns)):
+        raise ValueError("its bytes aren't those that were written")
+    first, last, packed, t, wall, offset, text = columns
+    count = last - first + 1
+    try:
+        numbers, times = unpack_numbers(packed, count), unpack_times(t, count)
+        walls = times + offset if wall is None else unpack_times(wall, count)
+        data = {int(i): more for i, more in json.loads(text).items()} if text else {}
+    except (TypeError, KeyError, IndexError, AttributeError, RecursionError, zlib.error) as error:
+        raise ValueError(f"{type(error).__name__}: {error}") from error
+    if not (abs(times) <= _LONGEST).all() or not (abs(walls) <= _LONGEST).all():
+        raise ValueError("it has times that are none")
+    wanted = range(*part.indices(count))
+    unknown = {number for number in numbers[part].tolist() if number not in names}
+    if unknown:
+        raise ValueError(f"what its events are of isn't there (numbers {', '.join(map(str, sorted(unknown)[:3]))})")
+    rest = zip(wanted, numbers[part].tolist(), times[part].tolist(), walls[part].tolist(), strict=True)
+    return [(i, at, on, names[n], sound(names[n][1], data.get(i, {}))) for i, n, at, on in rest]

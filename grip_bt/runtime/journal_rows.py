@@ -1,0 +1,104 @@
+"""Rows of a journal's file, also of one that is damaged: what SQLite can still find in it."""
+
+from __future__ import annotations
+
+import sqlite3
+import threading
+from pathlib import Path
+from typing import Any
+
+from .journal import JournalError
+from .journal_schema import has_table, refuse_newer
+
+_BUSY = (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED)
+_MOST_ROWS = 100_000
+"""Rows that are looked for one by one where a table is damaged."""
+
+
+class DamagedError(JournalError):
+    """A part of the file can't be read."""
+
+
+class Rows:
+    """Reads a journal's file; may be used from several threads.
+
+    Attributes:
+        damage: what couldn't be read so far, in words, each once.
+
+    Args:
+        file: the journal.
+
+    Raises:
+        JournalError: there is no such file, or it isn't a journal.
+    """
+
+    def __init__(self, file: Path):
+        self._file, self._lock = file, threading.Lock()
+        self.damage: dict[str, None] = {}
+        if not file.is_file():
+            raise JournalError(f"{file}: there is no journal; runs are written to it as soon as there is one")
+        try:
+            self._database = sqlite3.connect(file, timeout=30, check_same_thread=False)
+            self._database.text_factory = lambda text: text.decode(errors="replace")
+        except sqlite3.OperationalError as error:
+            raise JournalError(f"{file}: can't be read: {error}; mend its rights, or name another file") from error
+        try:
+            self._database.execute("PRAGMA query_only=ON")
+            refuse_newer(self._database)
+            self.packed, self.in_rows = has_table(self._database, "blocks"), has_table(self._database, "events")
+            if not self.packed and not self.in_rows:
+                raise sqlite3.DatabaseError("no such table: blocks")
+        except sqlite3.DatabaseError as error:
+            self._database.close()
+            raise JournalError(f"{file}: isn't a journal: {error}") from error
+
+    def close(self) -> None:
+        """Let go of the file."""
+        self._database.close()
+
+    def note(self, words: str) -> None:
+        """Note that something can't be read."""
+        self.damage.setdefault(words)
+
+    def query(self, statement: str, *values: Any) -> list[tuple[Any, ...]]:
+        """Return rows.
+
+        Raises:
+            DamagedError: they can't be found, since the file is damaged.
+            JournalError: they can't be read now.
+        """
+        try:
+            with self._lock:
+                return self._database.execute(statement, values).fetchall()
+        except sqlite3.Error as error:
+            busy = getattr(error, "sqlite_errorcode", None) in _BUSY
+            raise (JournalError if busy else DamagedError)(f"{self._file}: can't be read: {error}") from error
+
+    def columns(self, table: str) -> set[str]:
+        """Return the names of a table's columns; none where there is no such table."""
+        return {row[1] for row in self.query(f"PRAGMA table_info({table})")}
+
+    def whole(self, statement: str, table: str, condition: str, *values: Any) -> list[tuple[Any, ...]]:
+        """Return the rows of a table, in the order of its rowids; of a damaged one those that can be found.
+
+        Args:
+            statement: `SELECT ... FROM ...`, without a condition.
+            table: whose rowids they have.
+            condition: which of them.
+            *values: of the condition.
+        """
+        try:
+            return self.query(f"{statement} WHERE {condition} ORDER BY {table}.rowid", *values)
+        except DamagedError as error:
+            self.note(f"{error}; what can't be found of its {table} is left out")
+        try:
+            ((last,),) = self.query(f"SELECT max(rowid) FROM {table}")
+        except DamagedError:
+            last = _MOST_ROWS
+        found: list[tuple[Any, ...]] = []
+        for rowid in range(1, min(last or 0, _MOST_ROWS) + 1):
+            try:
+                found += self.query(f"{statement} WHERE {table}.rowid={rowid} AND {condition}", *values)
+            except DamagedError:
+                continue
+        return found
