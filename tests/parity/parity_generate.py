@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from random import Random
 from typing import Any
 
-from parity_world import FACES
+from oracle.running import FACES
 
 CODES = ("no_ik", "no_plan", "time_out")
 EDGE_CODES = (*CODES, *CODES, "precondition", "guard", "no_case", "cooldown", "loop_limit")
@@ -382,3 +382,13 @@ def make_case(
         steps = random.choice(list(maker.scripts.values()))
         random.choice(steps)[random.choice(("raises", "stops"))] = True
     return case
+
+
+def outside_of(seed: int) -> dict[str, float]:
+    """Return what comes to a run from outside between two ticks: time, and in some runs a request or a stop."""
+    random = Random(f"outside {seed}")
+    chosen: dict[str, float] = {"period": random.choice((0.25, 1, 1, 2))} if random.random() < 0.7 else {}
+    for what in ("preempt_tick", "stop_tick"):
+        if random.random() < 0.15:
+            chosen[what] = random.randint(1, 12)
+    return chosen

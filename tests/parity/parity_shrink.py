@@ -44,6 +44,8 @@ def simpler(case: Case) -> Iterator[Case]:
         yield _edited(case, lambda c: c["task"].pop("data"))
     if case.get("preempt_at") is not None:
         yield _edited(case, lambda c: c.pop("preempt_at"))
+    for what in case.get("outside", {}):
+        yield _edited(case, lambda c, what=what: c["outside"].pop(what))
     yield from _shorter_scripts(case)
 
 

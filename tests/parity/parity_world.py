@@ -5,9 +5,11 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
+from itertools import groupby
 from typing import Any
 
+from oracle.running import FACES, MAX_ACTIVATIONS, MAX_TURNS, TIRED, Oracle, Run
 from py_trees.common import Status
 from py_trees.trees import BehaviourTree
 
@@ -22,10 +24,6 @@ from grip_bt.nodes.node import halt
 from grip_bt.runtime import ManualClock, Plan
 from grip_bt.runtime.plan import ticker
 
-FACES = {
-    "fuzz/plain": {"success": "success", "failure": "failure"},
-    "fuzz/rich": {"success": "success", "failure": "failure", "none": "success", "lost": "failure"},
-}
 CATALOG = Catalog(
     Manifest(
         id=id,
@@ -38,10 +36,6 @@ CATALOG = Catalog(
     )
     for id, outcomes in FACES.items()
 )
-MAX_ACTIVATIONS = 150
-TIRED = 6
-"""Activations of a leaf after which it succeeds and fails by turns, whatever its script says: so most tasks end."""
-MAX_TURNS = 3000
 PATIENCE = 60
 """Seconds until a turnstile takes it that nobody comes; only a run that differs waits so long."""
 
@@ -56,6 +50,8 @@ class World:
     """Path -> what is written down for it, of a task that was restructured; what isn't in it is left out."""
     subtasks: frozenset[str] = frozenset()
     """Paths of the subtasks of that task: what is inside of them goes with them."""
+    outside: Mapping[str, float] = field(default_factory=dict)
+    """What comes from outside, between two ticks: `period`, `preempt_tick`, `stop_tick`."""
     clock: ManualClock = field(default_factory=ManualClock)
     activations: int = 0
     turns: int = 0
@@ -131,6 +127,11 @@ class World:
         self.turns += 1
         if self.turns > MAX_TURNS:
             self.over_budget = True
+        if self.turns > 1:
+            self.clock.advance(self.outside.get("period", 0))
+        if self.turns == self.outside.get("preempt_tick"):
+            self.request_preempt()
+        self.stopped = self.stopped or self.turns == self.outside.get("stop_tick")
         if self.stopped or self.turns > MAX_TURNS:
             raise Halted
         return 0
@@ -233,19 +234,6 @@ class ScriptedLeaf(Leaf):
         self.world.trace.append(record)
 
 
-@dataclass
-class Run:
-    """What one target did."""
-
-    end: tuple[Any, ...]
-    trace: list[tuple[Any, ...]]
-    events: list[tuple[Any, ...]]
-    data: dict[Any, Any]
-    over_budget: bool
-    turns: int
-    order: list[str] = field(default_factory=list)
-
-
 def _factory(world: World) -> Any:
     def make(path: str, node: Any, manifest: Manifest) -> Leaf:
         leaf = ScriptedLeaf(path, path, manifest, dict(node.with_), dict(node.meaning))
@@ -266,7 +254,7 @@ SOURCE = bool(os.environ.get("GRIP_FUZZ_SOURCE"))
 
 def _world(case: dict[str, Any], task: Task, origin: Mapping[str, str] | None) -> World:
     subtasks = frozenset(path for path, node in walk(task.root) if isinstance(node, Subtask))
-    return World(case["scripts"], case.get("preempt_at"), origin, subtasks)
+    return World(case["scripts"], case.get("preempt_at"), origin, subtasks, case.get("outside", {}))
 
 
 def _run_of(world: World, end: tuple[Any, ...], data: Scopes) -> Run:
@@ -364,22 +352,44 @@ def projections(records: list[tuple[Any, ...]]) -> dict[str, list[tuple[Any, ...
 
 
 def difference(case: dict[str, Any]) -> str | None:
-    """Run a case as a tree by py_trees, as the same tree by a plan, and as a machine.
+    """Run a case as a tree by py_trees, as the same tree by a plan, by the oracle, and as a machine.
+
+    A machine's steps aren't ticks: what comes from outside between two ticks is left out where it is compared.
 
     Returns:
         how two of them differ, None when they don't, '' when it can't be told.
     """
     tree, planned = run_tree(case), run_tree(case, by_plan=True)
-    return _unlike(tree, planned) or compare(case, {"tree": tree, "machine": run_machine(case)})
+    unlike = _unlike(tree, planned, "plan") or _unlike(_as_said(tree), _as_said(Oracle(case).run()), "oracle")
+    if unlike:
+        return unlike
+    if case.get("outside"):
+        case = {key: said for key, said in case.items() if key != "outside"}
+        tree = run_tree(case)
+    return compare(case, {"tree": tree, "machine": run_machine(case)})
 
 
-def _unlike(tree: Run, planned: Run) -> str | None:
-    """Return how the runs of one tree by py_trees and by a plan differ: in nothing at all, that is the claim."""
+def _unlike(tree: Run, other: Run, name: str) -> str | None:
+    """Return how a tree's run differs from another, tick by tick: in nothing at all, that is the claim."""
     for field_ in fields(Run):
-        left, right = getattr(tree, field_.name), getattr(planned, field_.name)
+        left, right = getattr(tree, field_.name), getattr(other, field_.name)
         if left != right:
-            return f"{field_.name} differ\n  py_trees: {left}\n  plan:     {right}"
+            return f"{field_.name} differ\n  {'tree:':{len(name) + 1}} {left}\n  {name}: {right}"
     return None
+
+
+def _as_said(run: Run) -> Run:
+    """Return what docs/semantics.md says of a run: no words of errors or for people, no order among what is halted."""
+    events = _any_order([e for e in run.events if e[1] != "message"], "interrupted")
+    end = run.end[:2] if run.end[0] == "error" else run.end
+    return replace(run, end=end, trace=_any_order(run.trace, "halted"), events=events)
+
+
+def _any_order(records: list[tuple[Any, ...]], word: str) -> list[tuple[Any, ...]]:
+    """Return the records with those in a row that have a word sorted."""
+    return [
+        r for halted, row in groupby(records, lambda r: word in r) for r in (sorted(row, key=str) if halted else row)
+    ]
 
 
 def compare(case: dict[str, Any], runs: Mapping[str, Run]) -> str | None:
