@@ -8,6 +8,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from grip_bt.commanders.trajectory.braking import even_ramp, stop_ramp
+from grip_bt.values import Trajectory
+
 from .robot import SimRobot
 from .world import World
 
@@ -24,10 +27,17 @@ _PAST = 0.1
 
 @dataclass(frozen=True)
 class Ended:
-    """How a motion has ended: `error` is empty, `aborted` or `canceled`."""
+    """How a motion has ended.
+
+    Attributes:
+        error: empty, `aborted` or `canceled`.
+        message: what is said of that.
+        stopped: whether the joints were measured at rest.
+    """
 
     error: str = ""
     message: str = ""
+    stopped: bool = True
 
 
 class Motion(Protocol):
@@ -39,9 +49,47 @@ class Motion(Protocol):
         """Set the drives for the next step, or return how it has ended."""
         ...
 
+    def braking(self, world: World) -> Motion:
+        """Return what brings its joints to rest; itself where it does that, or moves none."""
+        ...
+
+
+class Brake:
+    """Joints come to rest by a ramp; it ends when they are measured to be there.
+
+    Args:
+        robot: whose joints.
+        rows: which joints, n of them.
+        ramp: how their targets come to rest.
+        begun: simulated time now [s].
+    """
+
+    def __init__(self, robot: SimRobot, rows: NDArray[np.intp], ramp: Trajectory, begun: float):
+        self.rows, self._robot, self._ramp, self._begun = rows, robot, ramp, begun
+
+    def advance(self, world: World) -> Ended | None:
+        """Move the targets on, and wait for the joints to stand still."""
+        t = world.time - self._begun + world.spec.dt
+        position, velocity, _ = self._ramp.sampled(np.array([t]))
+        self._robot.drive(self.rows, position[0], velocity[0])
+        if t <= self._ramp.duration:
+            return None
+        speeds = np.abs(self._robot.velocities()[self.rows])
+        if speeds.max() < STILL:
+            return Ended("canceled", "the motion was stopped")
+        if t > self._ramp.duration + GRACE:
+            joint, fast = self._ramp.names[int(speeds.argmax())], speeds.max()
+            message = f"the motion was cancelled, but {joint} still moves at {fast:.2f} rad/s {GRACE:g} s after braking"
+            return Ended("canceled", message, stopped=False)
+        return None
+
+    def braking(self, world: World) -> Motion:
+        """Go on."""
+        return self
+
 
 class Follow:
-    """Joints follow a timed path; positions and velocities between its points are linear.
+    """Joints follow a timed path, interpolated as `Trajectory.sampled` does.
 
     Args:
         robot: whose joints.
@@ -61,11 +109,12 @@ class Follow:
         velocities: Floats | None,
         begun: float,
     ):
-        self.rows, self._robot = rows, robot
+        self.rows, self._robot, self._begun = rows, robot, begun
         if velocities is None:
             velocities = np.gradient(positions, times, axis=0) if len(times) > 1 else np.zeros_like(positions)
-        self._times, self._positions, self._velocities = times, positions, velocities
-        self._begun = begun
+        self._path = Trajectory(robot.measure(rows).names, times, positions, velocities)
+        self._since = 0.0
+        """When `_path` begins, on the time of the motion [s]: what was followed long ago is forgotten."""
         self.expects: float | None = None
 
     def passed(self, time: float) -> float:
@@ -82,20 +131,28 @@ class Follow:
         Raises:
             ValueError: it begins elsewhere than this one is then.
         """
-        if self.passed(time) > at or at > self._times[-1] + 1e-6:
+        path, since = self._path, self._since
+        if self.passed(time) > at or at > since + path.duration + 1e-6:
             return False
-        off = np.abs(self._at(at, self._positions) - positions[0]).max()
+        off = np.abs(path.at(at - since) - positions[0]).max()
         if off > 1e-3:
             raise ValueError(f"what goes on begins {off:.4f} rad away from where the motion is then")
-        kept = (self._times < at - 1e-6) & (self._times > self.passed(time) - _PAST)
-        self._times = np.concatenate([self._times[kept], at + times])
-        self._positions = np.concatenate([self._positions[kept], positions])
-        self._velocities = np.concatenate([self._velocities[kept], velocities])
+        old = path.times + since
+        kept = (old < at - 1e-6) & (old > self.passed(time) - _PAST)
+        assert path.velocities is not None
+        whole = np.concatenate([old[kept], at + times])
+        self._since = float(whole[0])
+        self._path = Trajectory(
+            path.names,
+            whole - self._since,
+            np.concatenate([path.positions[kept], positions]),
+            np.concatenate([path.velocities[kept], velocities]),
+        )
         return True
 
     def wrong_start(self) -> str:
         """Return why the motion can't start here, or an empty string."""
-        error = np.abs(self._robot.positions()[self.rows] - self._positions[0])
+        error = np.abs(self._robot.positions()[self.rows] - self._path.positions[0])
         if error.max() <= START_TOLERANCE:
             return ""
         joint = self._robot.measure(self.rows).names[int(error.argmax())]
@@ -103,12 +160,13 @@ class Follow:
 
     def advance(self, world: World) -> Ended | None:
         """Aim at where the path is one step from now; after its time, wait for the joints to arrive."""
-        t = world.time - self._begun + world.spec.dt
-        end = float(self._times[-1])
-        self._robot.drive(self.rows, self._at(t, self._positions), self._at(t, self._velocities) if t < end else None)
+        t = world.time - self._begun + world.spec.dt - self._since
+        end = self._path.duration
+        position, velocity, _ = self._path.sampled(np.array([t]))
+        self._robot.drive(self.rows, position[0], velocity[0])
         if t <= end:
             return None
-        error = np.abs(self._robot.positions()[self.rows] - self._positions[-1])
+        error = np.abs(self._robot.positions()[self.rows] - self._path.positions[-1])
         slow = np.abs(self._robot.velocities()[self.rows]).max() < STILL
         if error.max() < END_TOLERANCE and slow:
             return Ended()
@@ -118,8 +176,16 @@ class Follow:
             return Ended("aborted", f"{joint} {state} {error.max():.3f} rad away from the end of the trajectory")
         return None
 
-    def _at(self, t: float, columns: Floats) -> Floats:
-        return np.array([np.interp(t, self._times, column) for column in columns.T])
+    def braking(self, world: World) -> Motion:
+        """Brake along the path; joints that something keeps off it brake from where they are."""
+        passed = self.passed(world.time) - self._since
+        measured = self._robot.measure(self.rows)
+        limits = self._robot.accelerations(self.rows)
+        if np.abs(measured.position - self._path.at(passed)).max() > START_TOLERANCE:
+            ramp = even_ramp(measured.names, measured.position, measured.velocity, limits)
+        else:
+            ramp = stop_ramp(self._path, passed, limits)
+        return Brake(self._robot, self.rows, ramp, world.time)
 
 
 class MoveHand:
@@ -150,15 +216,26 @@ class MoveHand:
         self._still = 0.0 if moving else self._still + world.spec.dt
         return Ended() if self._still > 0.1 or t > self._duration + GRACE else None
 
+    def braking(self, world: World) -> Motion:
+        """Have the targets come to rest on their way; what the fingers press on they go on to press on."""
+        names, times = self._robot.measure(self.rows).names, np.array([0.0, self._duration])
+        way = Trajectory(names, times, np.stack([self._start, self._goal]))
+        ramp = stop_ramp(way, world.time - self._begun, self._robot.accelerations(self.rows))
+        return Brake(self._robot, self.rows, ramp, world.time)
+
 
 class Wait:
     """Time passes."""
 
     rows: NDArray[np.intp] = np.array([], dtype=np.intp)
 
-    def __init__(self, until: float):
-        self._until = until
+    def __init__(self, until: float, end: Ended | None = None):
+        self._until, self._end = until, end or Ended()
 
     def advance(self, world: World) -> Ended | None:
         """Wait until the simulated time."""
-        return Ended() if world.time >= self._until else None
+        return self._end if world.time >= self._until else None
+
+    def braking(self, world: World) -> Motion:
+        """End with the next step."""
+        return Wait(world.time, Ended("canceled", "the wait was cancelled"))

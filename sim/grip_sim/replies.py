@@ -34,7 +34,10 @@ class Reply:
 def complete(operation: Operation[Reply], reply: Reply) -> None:
     """End an operation as the simulator says: with the reply, or with the error that the reply holds."""
     error, message = reply.fields.get("error", ""), reply.fields.get("message", "")
-    end(operation, _ERRORS.get(error, GripError)(message) if error else reply)
+    if error in _ERRORS:
+        end(operation, _ERRORS[error](message, **reply.fields.get("data", {})))
+    else:
+        end(operation, GripError(message) if error else reply)
 
 
 def end(operation: Operation[Reply], outcome: Reply | GripError) -> None:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grip_bt.commanders.robots import Mimic, RobotDescription
+from grip_bt.commanders.trajectory.braking import accelerations_of
 
 from .physics import ignore_each_other, physx, sapien
 
@@ -110,6 +111,10 @@ class SimRobot:
     def hold(self, rows: NDArray[np.intp]) -> None:
         """Make the present positions the targets."""
         self.drive(rows, self.positions()[rows])
+
+    def accelerations(self, rows: NDArray[np.intp]) -> Floats:
+        """Return the acceleration limits of joints [rad/s^2]."""
+        return accelerations_of([self._joints[row].name for row in rows.tolist()], self.description.acceleration_limits)
 
     def targets(self, rows: NDArray[np.intp]) -> Floats:
         """Return the drive targets [rad]."""

@@ -45,7 +45,7 @@ class Server:
         self, connection: socket.socket, spec: WorldSpec, pace: float | None, hold: socket.socket | None = None
     ):
         self._connection, self._pace, self._hold = connection, pace, hold
-        self._frozen = self._held = False
+        self._frozen = self._held = self._asked = False
         self.world = World(spec)
         self._motions: dict[int, Motion] = {}
         self._told = self._due = 0.0
@@ -96,15 +96,21 @@ class Server:
         return max(0.0, self._due - time.monotonic()) if self._motions else None
 
     def _hold_for_good(self) -> None:
-        """End every motion, move nothing any more, and say so; a channel that was closed says nothing."""
+        """Have everything come to rest, move nothing any more, and say so; a channel that was closed says nothing."""
         assert self._hold is not None, "it has said something"
         if not self._hold.recv(64):
             self._hold = None
             return
         for number in list(self._motions):
-            self._end_early(number)
-        self._held = True
-        self._hold.sendall(b"held")
+            self._brake(number)
+        self._held = self._asked = True
+        self._say_held()
+
+    def _say_held(self) -> None:
+        """Say that the robot holds, to whoever asked for that, when nothing moves any more."""
+        if self._asked and self._hold is not None and (self._frozen or not self._motions):
+            self._asked = False
+            self._hold.sendall(b"held")
 
     def _obey(self, fields: dict[str, Any], arrays: Arrays) -> None:
         number, call = fields.pop("id"), fields.pop("call")
@@ -162,10 +168,24 @@ class Server:
 
     def _finish(self, number: int, end: Ended) -> None:
         motion = self._motions.pop(number)
-        if end.error:  # not pressing on towards a goal that won't be reached
+        if end.error == "aborted":  # not pressing on towards a goal that won't be reached
             self.world.robot.hold(motion.rows)
+        self._tell_end(number, motion, end)
+        self._say_held()
+
+    def _tell_end(self, number: int, motion: Motion, end: Ended) -> None:
         said, arrays = self._measured(motion.rows)
-        self._send({"id": number, **said, "error": end.error, "message": end.message}, arrays)
+        stopped = {} if end.stopped else {"stopped": False}
+        self._send({"id": number, **said, "error": end.error, "message": end.message, "data": stopped}, arrays)
+
+    def _brake(self, number: int) -> None:
+        """Have a motion come to rest; in a pause nothing moves, so it ends at once, and comes to rest after that."""
+        motion = self._motions[number].braking(self.world)
+        if not self._frozen:
+            self._motions[number] = motion
+            return
+        self._tell_end(number, self._motions.pop(number), Ended("canceled", "the motion was stopped in a pause"))
+        self._motions[-abs(number)] = motion
 
     def _send(self, fields: dict[str, Any], arrays: Arrays | None = None) -> None:
         self._connection.sendall(pack({"time": self.world.time, **fields}, arrays))
@@ -227,22 +247,22 @@ class Server:
         self._motions[number] = Wait(self.world.time + seconds)
 
     def _stop(self, number: int, names: list[str]) -> Any:
-        self._replace(self.world.robot.rows(names))
+        for moving in self._moving(self.world.robot.rows(names)):
+            self._brake(moving)
         return {}, None
 
     def _cancel(self, number: int, motion: int) -> Any:
         if motion in self._motions:
-            self._end_early(motion)
+            self._brake(motion)
         return {}, None
 
-    def _replace(self, rows: Any) -> None:
-        """End whatever moves one of these joints; they hold where they are. What stands still keeps its targets."""
-        for number, motion in list(self._motions.items()):
-            if np.intersect1d(motion.rows, rows).size:
-                self._end_early(number)
+    def _moving(self, rows: Any) -> list[int]:
+        return [number for number, motion in self._motions.items() if np.intersect1d(motion.rows, rows).size]
 
-    def _end_early(self, number: int) -> None:
-        self._finish(number, Ended("canceled", "the motion was stopped"))
+    def _replace(self, rows: Any) -> None:
+        """End whatever moves one of these joints, for what takes its place."""
+        for number in self._moving(rows):
+            self._finish(number, Ended("canceled", "another motion has taken the place of this one"))
 
     def _state(self, number: int, names: list[str]) -> Any:
         return self._measured(self.world.robot.rows(names))

@@ -6,26 +6,17 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
-from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
 from patience import until
+from simulated_robot import PATIENCE, PROJECT, World, simulated_robot
 
 from grip_bt.errors import CanceledError, GoalRejectedError
 from grip_bt.values import JointState, Trajectory
 
-PROJECT = """grip: 1
-robot: panda_allegro
-arms: {right: {group: arm, hand: right_hand, planning_time: 60}}
-hands: {right_hand: {group: hand}}
-sensors: {overhead: {camera: overhead}}
-world: table
-"""
 TASK = """grip: 1
 name: look_and_move
 data: {cloud: PointCloud}
@@ -38,42 +29,15 @@ root:
     obstacles: {node: scene/update_from_cloud, in: {cloud: cloud}}
     close: {node: hand/close, with: {hand: right_hand}}
 """
-PATIENCE = 240.0
-
-
-@dataclass
-class World:
-    """A running `grip sim`, and the project that reaches it."""
-
-    folder: Path
-    domain: int
-    process: subprocess.Popen[str]
-    log: Path
 
 
 @pytest.fixture(scope="module")
 def world(own_domain, tmp_path_factory) -> Iterator[World]:
     """Start the simulator, and write what it says into the project's file."""
-    from grip_bt.ros.definitions import provide
-    from grip_bt.ros.process import child_environment
-
-    provide("control_msgs")
-    folder, log = tmp_path_factory.mktemp("simulated"), tmp_path_factory.mktemp("log") / "sim.txt"
-    (folder / "grip.yaml").write_text(PROJECT)
+    folder = tmp_path_factory.mktemp("simulated")
     (folder / "task.yaml").write_text(TASK)
-    command = [sys.executable, "-m", "grip_bt.cli", "sim", "table", "--seed", "4", "--room", "room.scene"]
-    with log.open("w") as out:
-        process = subprocess.Popen(
-            command, cwd=folder, env=child_environment((), own_domain), stdout=out, stderr=subprocess.STDOUT, text=True
-        )
-    deadline = time.monotonic() + PATIENCE
-    while "Ctrl-C ends it" not in log.read_text() and process.poll() is None and time.monotonic() < deadline:
-        time.sleep(0.1)
-    try:
-        yield World(folder, own_domain, process, log)
-    finally:
-        process.kill()
-        process.wait()
+    with simulated_robot(folder, own_domain, "--seed", "4", "--room", "room.scene") as running:
+        yield running
 
 
 @pytest.fixture

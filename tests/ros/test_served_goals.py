@@ -42,7 +42,7 @@ def test_an_older_goal_never_takes_the_place_of_a_newer_one(order, monkeypatch):
     served._bus = SimpleNamespace(post=lambda work: work(), node=SimpleNamespace(executor=None))
     served._executor = SimpleNamespace(
         state=lambda: JointState(("a",), np.zeros(1), np.zeros(1)),
-        execute=lambda path: followed.append(float(path.positions[-1][0])) or Operation(),
+        execute=lambda path: followed.append(float(path.positions[-1][0])) or Operation.finished(None),
     )
     served._lock, served._goals, served._newest = threading.Lock(), {}, None
     for number, end in enumerate((0.1, 0.2)):

@@ -65,22 +65,35 @@ def at_step(server, monkeypatch, when, do):
 @pytest.mark.parametrize(
     "call", [{"call": "stop", "names": ARM}, {"call": "cancel", "motion": 1}], ids=["stop", "cancel"]
 )
-def test_a_stop_takes_effect_within_20_ms_of_simulated_time(make_server, ends, monkeypatch, when, call):
+def test_a_stop_takes_effect_within_20_ms_of_simulated_time_by_a_ramp(make_server, ends, monkeypatch, when, call):
     server, ours = make_server(), ends[0]
-    asked = []
+    rows, pace, asked = server.world.robot.rows(ARM), [], []
 
     def stop():
         asked.append(server.world.time)
         ours.sendall(pack({"id": 2, **call}))
-        ours.shutdown(socket.SHUT_WR)
 
+    def look():
+        pace.append(server.world.robot.kept()["speeds"][rows])
+
+    for step in range(when, when + 240):
+        at_step(server, monkeypatch, step, look)
     at_step(server, monkeypatch, when, stop)
-    ours.sendall(pack({"id": 1, "call": "follow", "names": ARM}, arm_way(server)))
+    at_step(server, monkeypatch, when + 240, lambda: ours.shutdown(socket.SHUT_WR))
+    ours.sendall(pack({"id": 1, "call": "follow", "names": ARM}, arm_way(server, 2.0)))
+    ours.sendall(pack({"id": 3, "call": "wait", "seconds": 60.0}))
     got = answers(server, ends)
-    assert got[1][0]["error"] == "canceled"
-    assert 0 <= got[1][0]["time"] - asked[0] <= 0.020
-    rows = server.world.robot.rows(ARM)
-    assert server.world.robot.targets(rows) == pytest.approx(got[1][1]["position"])
+    fields, arrays = got[1]
+    limits = server.world.robot.accelerations(rows)
+    needed = (np.abs(pace[0]) / limits).max()
+    assert fields["error"] == "canceled"
+    assert "data" not in fields or fields["data"] == {}
+    assert np.abs(arrays["velocity"]).max() < 0.05, "it is over when the joints are at rest"
+    assert needed - 0.01 <= fields["time"] - asked[0] <= needed + 0.020 + 0.15
+    moving = np.array(pace)
+    assert (np.abs(moving[6]) < np.abs(moving[0])).all(), "braking has begun within 20 ms"
+    assert (np.abs(np.diff(moving, axis=0)) * 240 / limits).max() < 1.05, "by a ramp"
+    assert np.abs(moving[-1]).max() == 0.0
 
 
 @pytest.mark.parametrize(

@@ -2,19 +2,20 @@
 
 As ros2_control's joint_trajectory_controller does it: a goal begins when it is accepted, from where the joints are and
 as fast as they move then, by a cubic spline through its points; one that comes while another is followed takes its
-place, and the other is aborted.
+place, and the other is aborted. One that is cancelled ends as such when the joints have come to rest; until then its
+owner hears, by feedback, where the joints should be and are.
 """
 
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from rclpy.action.server import ActionServer, CancelResponse, GoalResponse
 from rclpy.task import Future
-from scipy.interpolate import CubicHermiteSpline
 
 from grip_bt.errors import CanceledError, GripError
 from grip_bt.operation import Operation
@@ -27,8 +28,10 @@ from ..definitions import provide
 from ..types import load_type
 
 ACTION = "control_msgs/action/FollowJointTrajectory"
-STEP = 0.01
-"""Trajectories are handed to the executor in steps of so long [s]."""
+AT_ONCE = 0.01
+"""How long joints take that are to be elsewhere at once [s]."""
+TELL = 0.05
+"""How often feedback tells where the joints are [s]."""
 NEAR = 1e-3
 """A first point that is due sooner is where the motion begins [s]."""
 
@@ -82,30 +85,33 @@ class ServedController:
         return GoalResponse.ACCEPT if points and fits and rising and whole and times[0] >= 0 else GoalResponse.REJECT
 
     def _accepted(self, handle: Any) -> None:
-        goal = _Goal(handle, Future(executor=self._bus.node.executor))
+        goal = _Goal(handle, self._bus, Future(executor=self._bus.node.executor))
         self._goals[bytes(handle.goal_id.uuid)] = self._newest = goal
         handle.execute()
         # Not on this thread: the executor may have to ask another process where the joints are.
         threading.Thread(target=self._follow, args=(goal,), name="grip_follow", daemon=True).start()
 
     async def _ended(self, handle: Any) -> Any:
-        goal = self._goals.pop(bytes(handle.goal_id.uuid))
-        error = await goal.future
+        error = await self._goals[bytes(handle.goal_id.uuid)].future
+        del self._goals[bytes(handle.goal_id.uuid)]
         result = self._type.Result()
         if error is None:
             handle.succeed()
             return result
-        result.error_code, result.error_string = result.PATH_TOLERANCE_VIOLATED, str(error)
+        result.error_string = str(error)
         if isinstance(error, CanceledError) and handle.is_cancel_requested:
             handle.canceled()
-        else:
-            handle.abort()
+            return result
+        replaced = isinstance(error, CanceledError)
+        result.error_code = result.INVALID_GOAL if replaced else result.PATH_TOLERANCE_VIOLATED
+        handle.abort()
         return result
 
     def _cancel(self, handle: Any) -> CancelResponse:
         goal = self._goals.get(bytes(handle.goal_id.uuid))
-        if goal is not None and goal.motion is not None:
-            goal.motion.cancel()
+        if goal is None:
+            return CancelResponse.REJECT  # it has ended
+        goal.cancel()
         return CancelResponse.ACCEPT
 
     # --- on a goal's thread ---
@@ -113,30 +119,65 @@ class ServedController:
     def _follow(self, goal: _Goal) -> None:
         with self._lock:
             if goal is not self._newest:  # threads come here in any order, and a later goal takes the place of this one
-                goal.end(self._bus, CanceledError("a newer goal came"))
+                goal.end(CanceledError("a newer goal came"))
                 return
             try:
+                if goal.cancel_asked:  # it has taken the place of another one all the same
+                    self._executor.stop()
+                    goal.end(CanceledError("canceled before it began"))
+                    return
                 asked = goal.handle.request.trajectory
                 path = continued(list(asked.joint_names), asked.points, self._executor.state())
-                goal.motion = self._executor.execute(path)
+                motion = self._executor.execute(path)
             except (GripError, ValueError) as error:
-                goal.end(self._bus, error)
+                goal.end(error)
                 return
-        if goal.handle.is_cancel_requested:
-            goal.motion.cancel()
-        motion = goal.motion
-        motion.add_done_callback(lambda: goal.end(self._bus, _error_of(motion)))
+        goal.follow(motion)
+        began = time.monotonic()
+        while not motion.wait(TELL):
+            self._tell(goal.handle, path, time.monotonic() - began)
+
+    def _tell(self, handle: Any, path: Trajectory, passed: float) -> None:
+        try:
+            now = self._executor.state()
+        except GripError:
+            return  # the motion ends of the same
+        feedback = self._type.Feedback(joint_names=list(path.names))
+        feedback.header.stamp = self._bus.node.get_clock().now().to_msg()
+        position, velocity, _ = path.sampled(np.array([passed]))
+        measured = now.ordered(path.names)
+        feedback.desired.positions, feedback.desired.velocities = position[0].tolist(), velocity[0].tolist()
+        feedback.actual.positions, feedback.error.positions = measured.tolist(), (position[0] - measured).tolist()
+        self._bus.post(lambda: handle.is_active and handle.publish_feedback(feedback))
 
 
 class _Goal:
-    """A goal that was accepted."""
+    """A goal that was accepted, and the motion that follows it; a cancel may come before that is begun."""
 
-    def __init__(self, handle: Any, future: Future):
-        self.handle, self.future = handle, future
-        self.motion: Operation[JointState] | None = None
+    def __init__(self, handle: Any, bus: Bus, future: Future):
+        self.handle, self._bus, self.future = handle, bus, future
+        self._lock = threading.Lock()
+        self._motion: Operation[JointState] | None = None
+        self.cancel_asked = False
 
-    def end(self, bus: Bus, error: BaseException | None) -> None:
-        bus.post(lambda: self.future.done() or self.future.set_result(error))
+    def cancel(self) -> None:
+        """Have the motion come to rest, or never begin."""
+        with self._lock:
+            self.cancel_asked, motion = True, self._motion
+        if motion is not None:
+            motion.cancel()
+
+    def follow(self, motion: Operation[JointState]) -> None:
+        """End as a motion does."""
+        with self._lock:
+            self._motion, asked = motion, self.cancel_asked
+        if asked:
+            motion.cancel()
+        motion.add_done_callback(lambda: self.end(_error_of(motion)))
+
+    def end(self, error: BaseException | None) -> None:
+        """Tell the client how it ended."""
+        self._bus.post(lambda: self.future.done() or self.future.set_result(error))
 
 
 def _error_of(motion: Operation[Any]) -> BaseException | None:
@@ -148,7 +189,7 @@ def _error_of(motion: Operation[Any]) -> BaseException | None:
 
 
 def continued(names: Sequence[str], points: Sequence[Any], state: JointState) -> Trajectory:
-    """Return a trajectory through given points that begins where the joints are, as fast as they move, in small steps.
+    """Return a trajectory through given points that begins where the joints are, as fast as they move.
 
     Args:
         names: the joints, in the order of the points.
@@ -159,7 +200,7 @@ def continued(names: Sequence[str], points: Sequence[Any], state: JointState) ->
     order = [names.index(name) for name in state.names]
     late = [point for point in points if seconds(point.time_from_start) > NEAR]
     if not late:  # only where it is to be at once
-        late, times = [points[-1]], np.array([0.0, STEP])
+        late, times = [points[-1]], np.array([0.0, AT_ONCE])
     else:
         times = np.array([0.0, *(seconds(point.time_from_start) for point in late)])
     positions = np.array([state.position, *(np.array(point.positions)[order] for point in late)])
@@ -169,6 +210,4 @@ def continued(names: Sequence[str], points: Sequence[Any], state: JointState) ->
     else:
         velocities = np.gradient(positions, times, axis=0)
         velocities[0], velocities[-1] = now, 0.0
-    curve = CubicHermiteSpline(times, positions, velocities)
-    steps = np.linspace(0.0, times[-1], max(2, int(np.ceil(times[-1] / STEP)) + 1))
-    return Trajectory(state.names, steps, curve(steps), curve(steps, 1))
+    return Trajectory(state.names, times, positions, velocities)
