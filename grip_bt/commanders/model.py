@@ -38,12 +38,14 @@ class Limits:
         upper: [rad].
         velocity: [rad/s].
         acceleration: [rad/s^2].
+        jerk: [rad/s^3], infinite where none is known; None: of no joint.
     """
 
     lower: NDArray[np.float64]
     upper: NDArray[np.float64]
     velocity: NDArray[np.float64]
     acceleration: NDArray[np.float64]
+    jerk: NDArray[np.float64] | None = None
 
 
 class Chain:
@@ -154,11 +156,13 @@ class RobotModel:
 
     def _limits_of(self, names: tuple[str, ...]) -> Limits:
         q = [self._columns[n] for n in names]
+        jerks = np.array([self.description.jerk_limits.get(n, np.inf) for n in names])
         return Limits(
             self.model.lowerPositionLimit[q],
             self.model.upperPositionLimit[q],
             self.model.velocityLimit[q],
             np.array([self.description.acceleration_limits[n] for n in names]),
+            jerks if np.isfinite(jerks).any() else None,
         )
 
     def chain(self, group: str, *states: JointState) -> Chain:

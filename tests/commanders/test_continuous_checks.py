@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from table_top import robot_model
 
 from grip_bt.commanders.collision import CollisionChecker, recent_checker
-from grip_bt.commanders.planning.continuous import continuously_free, half_motions
+from grip_bt.commanders.planning.continuous import continuously_free
 from grip_bt.commanders.planning.free import halving
 from grip_bt.commanders.planning.paths import interpolated
 from grip_bt.commanders.scene import Box, Cylinder, SceneObject, SceneSnapshot
@@ -128,7 +128,7 @@ def test_nothing_moves_further_than_the_bound_says(seed):
     checker = CollisionChecker(chain, SCENE, "hand")
     one, other = random_rows(chain, 2, seed)
     pair = np.stack([one, one + 0.2 * (other - one)])
-    bound = 2 * float(half_motions(pair)[0] @ checker.reaches)
+    bound = float(np.abs(pair[1] - pair[0]) @ checker.reaches)
     geometry, data = checker._geometry, checker._geometry.createData()
     places = []
     for q in pair:

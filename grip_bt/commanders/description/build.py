@@ -32,7 +32,7 @@ def build(
         urdf: as `normal` returns it.
         srdf: without errors for it.
         config: what the project adds.
-        limits: joint -> limits of a MoveIt package; accelerations are taken from here.
+        limits: joint -> limits of a MoveIt package; accelerations and jerks are taken from here.
         initial: joint -> position at the start [rad or m].
     """
     tree = Tree(urdf)
@@ -61,6 +61,7 @@ def build(
         mimics=mimics,
         rest={name: _inside(tree.joints[name], q) for name, q in (initial or {}).items() if name in tree.joints},
         end_effectors=known.end_effectors,
+        jerk_limits={n: j for n, one in (limits or {}).items() if n in tree.joints and (j := one.jerk)},
     )
 
 

@@ -22,12 +22,14 @@ class JointLimits:
         upper: [rad or m].
         velocity: [rad/s or m/s].
         acceleration: [rad/s^2 or m/s^2].
+        jerk: [rad/s^3 or m/s^3].
     """
 
     lower: float | None = None
     upper: float | None = None
     velocity: float | None = None
     acceleration: float | None = None
+    jerk: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +102,7 @@ def joint_limits(path: Path) -> dict[str, JointLimits]:
             limit("max_position", "position"),
             limit("max_velocity", "velocity"),
             limit("max_acceleration", "acceleration"),
+            limit("max_jerk", "jerk"),
         )
     return found
 

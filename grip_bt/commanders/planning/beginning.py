@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
 from grip_bt.errors import PathInvalidError, StartInCollisionError
+from grip_bt.values import Trajectory
 
 from ..collision import CollisionChecker, recent_checker
 from ..model import Chain, RobotModel
-from .continuous import continuously_free
+from ..trajectory.timing import Allowed, timed
+from .continuous import continuously_free, trajectory_free
 from .goals import out_of_limits, touching
 from .paths import Path
-from .requests import Situation
+from .requests import PlanningSettings, Situation
 
 START_SLACK = 0.03
 """A measured start may be outside the limits by this much [rad]; it is drawn in."""
@@ -70,3 +74,38 @@ def finely_free(checker: CollisionChecker, positions: NDArray[np.float64]) -> bo
     """Tell whether the motion through the rows, shape (k, n), is within limits and free all along."""
     within = checker.chain.within_limits(positions, slack=1e-3)
     return within and continuously_free(checker, positions)
+
+
+def allowed(chain: Chain, settings: PlanningSettings) -> Allowed:
+    """Return what the joints may do of what they can."""
+    limits, jerk = chain.limits, settings.jerk
+    return Allowed(
+        limits.velocity * settings.speed,
+        limits.acceleration * (settings.acceleration or settings.speed),
+        None if jerk is None or limits.jerk is None else limits.jerk * jerk,
+    )
+
+
+def timed_free(
+    checker: CollisionChecker,
+    path: Path,
+    settings: PlanningSettings,
+    also: Callable[[Trajectory], bool] = lambda _: True,
+) -> Trajectory:
+    """Return a path as a trajectory from rest to rest that is within limits, and free as it is executed.
+
+    Args:
+        checker: of the chain that moves.
+        path: shape (k, n).
+        settings: how fast it may be.
+        also: what else it has to keep to.
+
+    Raises:
+        PathInvalidError: it can't be timed so.
+    """
+    chain = checker.chain
+
+    def acceptable(trajectory: Trajectory) -> bool:
+        return also(trajectory) and trajectory_free(checker, trajectory)
+
+    return timed(chain.joints, path, chain.limits, allowed(chain, settings), acceptable, settings.timing)

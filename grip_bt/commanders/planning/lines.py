@@ -21,8 +21,7 @@ from grip_bt.values import Trajectory
 from ..collision import CollisionChecker
 from ..model import Chain, RobotModel
 from ..trajectory.joining import joined
-from ..trajectory.timing import timed
-from .beginning import chain_and_checker, drawn_in, finely_free, refuse_collisions
+from .beginning import chain_and_checker, drawn_in, refuse_collisions, timed_free
 from .free import RESOLUTION
 from .paths import Path, interpolated
 from .requests import PlanningSettings, PlanStraight
@@ -142,15 +141,7 @@ def _followed(chain: Chain, checker: CollisionChecker, lines: list[Path], settin
 
     def attempt(finer: int) -> Trajectory | None:
         rows = [lines[0][:1], *(closer(chain, line, finer)[1:] for line in lines)]
-        trajectory = timed(
-            chain.joints,
-            np.concatenate(rows),
-            chain.limits,
-            settings.speed,
-            lambda positions: finely_free(checker, positions),
-            settings.acceleration,
-            settings.timing,
-        )
+        trajectory = timed_free(checker, np.concatenate(rows), settings)
         return trajectory if wanted.kept_by(chain, trajectory.positions) else None
 
     return finer_and_finer(attempt)

@@ -20,9 +20,8 @@ from grip_bt.values import Plan, Trajectory
 
 from ..collision import CollisionChecker, recent_checker
 from ..model import Chain, RobotModel
-from ..trajectory.timing import timed
 from .along import plan_along
-from .beginning import chain_and_checker, finely_free, free_start
+from .beginning import chain_and_checker, free_start, timed_free
 from .budget import REAL, Budget, Clocks
 from .common import check_together
 from .constraints import CONSTRAINT_SLACK, kept
@@ -139,16 +138,13 @@ def _searched_and_timed(
     """Search, time and check; a path that turns out to graze something is searched again, more finely."""
     settings, constraint = request.situation.settings, request.constraint
 
-    def acceptable(positions: NDArray[np.float64]) -> bool:
-        keeping = constraint is None or kept(constraint, chain, positions, CONSTRAINT_SLACK)
-        return keeping and finely_free(checker, positions)
+    def keeping(trajectory: Trajectory) -> bool:
+        return constraint is None or kept(constraint, chain, trajectory.positions, CONSTRAINT_SLACK)
 
     for attempt in range(settings.attempts):
         path = search(seed=settings.seed + attempt, budget=budget, resolution=SEARCH / 2 ** min(attempt, 2))
         try:
-            return timed(
-                chain.joints, path, chain.limits, settings.speed, acceptable, settings.acceleration, settings.timing
-            )
+            return timed_free(checker, path, settings, keeping)
         except PathInvalidError:
             if attempt == settings.attempts - 1:
                 raise

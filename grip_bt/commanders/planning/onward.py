@@ -14,7 +14,7 @@ from ..jogging import bounded
 from ..model import Chain, RobotModel
 from ..steering import steered
 from ..stream import velocity_of
-from .continuous import continuously_free
+from .continuous import trajectory_free
 from .goals import out_of_limits, touching
 from .requests import PlanOnward
 
@@ -46,7 +46,7 @@ def plan_onward(model: RobotModel, request: PlanOnward) -> Trajectory:
         if not chain.within_limits(row, slack=1e-3):
             raise out_of_limits(chain, row, "going on, the arm would be")
     checker = recent_checker(chain, situation.scene, situation.hand, 0.0)
-    if not continuously_free(checker, step.positions):
+    if not trajectory_free(checker, step):
         met = next((pairs for row in step.positions if (pairs := checker.pairs(row))), ())
         raise PathInvalidError(f"the arm can't go on: {touching(met) if met else 'something is in the way'}", pairs=met)
     return step

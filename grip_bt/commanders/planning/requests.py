@@ -27,6 +27,7 @@ class PlanningSettings:
         seed: the same request with the same seed gives the same plan.
         parameters: of the planner, such as `("range", 0.3)`; see `planning.free.settable`.
         timing: who finds the fastest velocities along a path; see `trajectory.timing`.
+        jerk: part of the jerk limits to use, in (0, 1]; None: jerk isn't looked at.
     """
 
     planner: str = "RRTConnect"
@@ -39,11 +40,12 @@ class PlanningSettings:
     seed: int = 0
     parameters: tuple[tuple[str, float], ...] = ()
     timing: Timing = "direct"
+    jerk: float | None = None
 
     def __post_init__(self) -> None:
         if self.timing not in get_args(Timing):
             raise ValueError(f"timing is one of {', '.join(get_args(Timing))}, not {self.timing!r}")
-        for name, value in (("speed", self.speed), ("acceleration", self.acceleration)):
+        for name, value in (("speed", self.speed), ("acceleration", self.acceleration), ("jerk", self.jerk)):
             if value is not None and not 0 < value <= 1:
                 raise ValueError(f"{name} is a part of the limits, in (0, 1], not {value}")
         if self.attempts < 1:

@@ -20,8 +20,7 @@ from grip_bt.values import JointState, PathConstraint, Pose, Trajectory, WayPoin
 from ..collision import CollisionChecker
 from ..model import Chain, RobotModel
 from ..trajectory.joining import joined
-from ..trajectory.timing import timed
-from .beginning import chain_and_checker, finely_free, free_start, refuse_collisions
+from .beginning import chain_and_checker, finely_free, free_start, refuse_collisions, timed_free
 from .blends import OUTSIDE, SMALLEST, Leg, corner, distinct, largest_radius, within, without_ends
 from .budget import REAL, Budget, Clocks
 from .constraints import CONSTRAINT_SLACK, kept
@@ -240,14 +239,9 @@ def _timed(chain: Chain, checker: CollisionChecker, parts: list[Path], request: 
     """Time each part, from rest to rest, and join them."""
     settings, constraint = request.situation.settings, request.constraint
 
-    def free(positions: NDArray[np.float64]) -> bool:
-        keeping = constraint is None or kept(constraint, chain, positions, CONSTRAINT_SLACK)
-        return keeping and finely_free(checker, positions)
+    def keeping(trajectory: Trajectory) -> bool:
+        return constraint is None or kept(constraint, chain, trajectory.positions, CONSTRAINT_SLACK)
 
     for part in parts:
         refuse_collisions(checker, interpolated(part, RESOLUTION))
-    pieces = [
-        timed(chain.joints, part, chain.limits, settings.speed, free, settings.acceleration, settings.timing)
-        for part in parts
-    ]
-    return joined(pieces)
+    return joined([timed_free(checker, part, settings, keeping) for part in parts])

@@ -20,6 +20,7 @@ _MAPPINGS = (
     "finger_links",
     "drives",
     "acceleration_limits",
+    "jerk_limits",
     "grasp_frames",
     "hands",
     "mimics",
@@ -130,6 +131,7 @@ class RobotDescription:
         rest: joint -> where it is unless told otherwise [rad or m]; joints that it lacks rest as `at_rest` says.
         end_effectors: which hand sits on which arm.
         preferences: group -> field of an arm, such as `planner` -> what the robot's files prefer.
+        jerk_limits: joint -> [rad/s^3 or m/s^3], for timing; of joints whose limit isn't known, nothing.
     """
 
     name: str
@@ -149,6 +151,7 @@ class RobotDescription:
     rest: Mapping[str, float] = field(default_factory=dict)
     end_effectors: tuple[EndEffector, ...] = ()
     preferences: Mapping[str, Mapping[str, Preference]] = field(default_factory=dict)
+    jerk_limits: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not self.hands and self.hand_links:

@@ -7,18 +7,23 @@ import toppra
 import toppra.algorithm
 import toppra.constraint
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import BSpline
 
 from grip_bt.errors import PathInvalidError
 
 
 def squared_velocities(
-    grid: NDArray[np.float64], path: CubicSpline, velocity: NDArray[np.float64], acceleration: NDArray[np.float64]
+    grid: NDArray[np.float64],
+    knots: NDArray[np.float64],
+    path: BSpline,
+    velocity: NDArray[np.float64],
+    acceleration: NDArray[np.float64],
 ) -> NDArray[np.float64]:
     """Return the largest squared path velocities from rest to rest [1/s^2], shape (m + 1,), as `toppra` finds them.
 
     Args:
         grid: path positions, shape (m + 1,).
+        knots: path positions between which the path is a cubic, shape (k,).
         path: the n joints by path position.
         velocity: limits, shape (n,).
         acceleration: limits, shape (n,).
@@ -31,8 +36,9 @@ def squared_velocities(
         toppra.constraint.JointVelocityConstraint(np.stack([-velocity, velocity], axis=1)),
         toppra.constraint.JointAccelerationConstraint(np.stack([-acceleration, acceleration], axis=1)),
     ]
-    curve = toppra.SplineInterpolator(path.x, path(path.x), bc_type="natural")
+    ends = ((1, path(knots[0], 1)), (1, path(knots[-1], 1)))  # with these it is the same curve
+    curve = toppra.SplineInterpolator(knots, path(knots), bc_type=ends)
     method = toppra.algorithm.TOPPRA(limits, curve, gridpoints=grid, parametrizer="ParametrizeConstAccel")
     if method.compute_trajectory(0, 0) is None:
-        raise PathInvalidError("toppra finds no timing for the path", knots=len(path.x))
+        raise PathInvalidError("toppra finds no timing for the path", knots=len(knots))
     return np.asarray(method.problem_data.sd_vec, dtype=np.float64) ** 2

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import BSpline
 
 from grip_bt.errors import PathInvalidError
 from grip_bt.values import Trajectory
@@ -14,49 +15,122 @@ from grip_bt.values import Trajectory
 from ..model import Limits
 from . import Timing
 from .reachability import squared_velocities
+from .splines import averaged, slowed, smoothed
 
-SAMPLING = 0.02
-"""Time between two points of a trajectory [s]."""
+SAMPLING = 0.01
+"""Time between two points of a trajectory [s]; of a short one, down to `_SHORTEST`."""
+_SHORTEST, _POINTS = 0.004, 100
+STILL = 1e-6
+"""A path on which no joint moves further than this [rad or m] has been followed already."""
 _GRID = 0.02
 """Distance along the path [rad] between the points where the limits are held."""
-_FINER = 4
-"""Points of the grid between two knots that are closer than that."""
-_SPACINGS = (0.25, 0.12, 0.06)
+_FINER, _LEAST, _MOST = 4, 40, 400
+"""Points of the grid between two knots, and on the whole path."""
+_SAME = 1e-7
+"""Rows of a path that are closer than this part of all of it are one."""
+_SPACINGS = (0.25, 0.12, 0.06, 0.03)
+_SLOWER = (1.0, 1.25, 1.6, 2.0, 3.0, 5.0)
+"""Where keeping to a jerk leads too far off the path, times are made so much longer, one after the other."""
+
+
+class Allowed(NamedTuple):
+    """What the joints of a motion may do, each of shape (n,).
+
+    Attributes:
+        velocity: [rad/s].
+        acceleration: [rad/s^2].
+        jerk: [rad/s^3]; None for any.
+    """
+
+    velocity: NDArray[np.float64]
+    acceleration: NDArray[np.float64]
+    jerk: NDArray[np.float64] | None = None
 
 
 def timed(
     names: tuple[str, ...],
     path: NDArray[np.float64],
     limits: Limits,
-    speed: float,
-    acceptable: Callable[[NDArray[np.float64]], bool],
-    acceleration: float | None = None,
+    allowed: Allowed,
+    acceptable: Callable[[Trajectory], bool],
     timing: Timing = "direct",
 ) -> Trajectory:
     """Return the path as a smooth trajectory that starts and ends at rest.
 
-    A cubic spline through the path cuts its corners, by an eighth of the distance of its knots. So the spline's samples
-    are put to `acceptable`, and where they aren't, the knots are set closer.
+    Velocities, accelerations and jerks are within what is allowed at its points and wherever a controller interpolates
+    between them, since it is a cubic spline in time; see `splines`.
+
+    A B-spline along the path cuts its corners, by about a sixth of the distance of its knots. So the result is put to
+    `acceptable`, and where it isn't, the knots are set closer.
 
     Args:
         names: the n joints.
         path: shape (k, n) [rad].
-        limits: of the joints.
-        speed: part of the velocity limits to use, in (0, 1].
-        acceptable: takes the trajectory's positions, shape (m, n), and tells whether they are free.
-        acceleration: part of the acceleration limits to use, in (0, 1]; as `speed` when it isn't given.
+        limits: of the joints' positions.
+        allowed: what is used of the other limits.
+        acceptable: takes the trajectory and tells whether it is free.
         timing: who finds the velocities.
 
     Raises:
         PathInvalidError: no spacing of the knots is acceptable.
     """
-    if np.abs(path - path[0]).max() < 1e-6:
-        return Trajectory(names, np.zeros(1), path[:1], np.zeros((1, len(names))), np.zeros((1, len(names))))
-    for spacing in _SPACINGS:
-        trajectory = _timed_spline(names, _knots(path, spacing), limits, speed, acceleration or speed, timing)
-        if acceptable(trajectory.positions):
+    rows = _apart(path)
+    if len(rows) < 2:
+        still = np.zeros((1, len(names)))
+        return Trajectory(names, np.zeros(1), path[:1], still, still)
+    for trajectory in _candidates(names, rows, limits, allowed, timing):
+        if acceptable(trajectory):
             return trajectory
     raise PathInvalidError("the path can't be timed without leaving the free space", knots=len(path))
+
+
+def _apart(path: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the path without rows that are where the one before is; one row, where nothing moves."""
+    largest = np.abs(path - path[0]).max()
+    if largest <= STILL:
+        return path[:1]
+    kept = [0]
+    for k in range(1, len(path)):
+        if np.abs(path[k] - path[kept[-1]]).max() > _SAME * largest:
+            kept.append(k)
+    rows = path[kept]
+    rows[-1] = path[-1]
+    return rows
+
+
+def _candidates(
+    names: tuple[str, ...], path: NDArray[np.float64], limits: Limits, allowed: Allowed, timing: Timing
+) -> Iterator[Trajectory]:
+    slower = (1.0,) if allowed.jerk is None else _SLOWER
+    for spacing in _SPACINGS:
+        at, curve = _curve(_knots(path, spacing))
+        drive = _drive(at, curve, allowed, timing)
+        for factor in slower:
+            step, rows = _sampled(curve, drive, factor, limits)
+            if allowed.jerk is not None:
+                rows = averaged(rows, _window(rows, step, allowed.jerk))
+            yield slowed(smoothed(names, rows, step), *allowed)
+
+
+def _sampled(curve: BSpline, drive: _Drive, slower: float, limits: Limits) -> tuple[float, NDArray[np.float64]]:
+    """Return the time between positions on the path [s], and these, shape (k, n)."""
+    duration = drive.duration * slower
+    count = max(2, int(np.ceil(duration / np.clip(duration / _POINTS, _SHORTEST, SAMPLING))))
+    where = drive(np.linspace(0.0, drive.duration, count + 1))
+    rows = np.clip(curve(where), limits.lower, limits.upper)  # on a limit, rounding would be outside
+    return max(duration / count, _SHORTEST), rows
+
+
+def _window(rows: NDArray[np.float64], step: float, jerk: NDArray[np.float64]) -> int:
+    """Return of how many rows the mean is taken so that no jerk is above its limit; a power of 1.25, about."""
+    count = 1
+    while count <= len(rows):
+        mean = averaged(rows, count)
+        ends = np.concatenate([np.repeat(mean[:1], 3, axis=0), mean[1:], np.repeat(mean[-1:], 2, axis=0)])
+        if (np.abs(np.diff(ends, 3, axis=0)).max(axis=0) <= jerk * step**3).all():
+            break
+        count += max(1, count // 4)
+    return count
 
 
 def _knots(path: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
@@ -69,50 +143,41 @@ def _knots(path: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
     return np.stack(rows)
 
 
-def _timed_spline(
-    names: tuple[str, ...],
-    knots: NDArray[np.float64],
-    limits: Limits,
-    speed: float,
-    acceleration: float,
-    timing: Timing,
-) -> Trajectory:
+def _curve(knots: NDArray[np.float64]) -> tuple[NDArray[np.float64], BSpline]:
+    """Return path positions of the knots, shape (k, n), by their distances, and a cubic B-spline along them.
+
+    Its control points are on the straight lines between the knots. So the curve stays in what these span, within the
+    limits of the joints for one, and is straight where the path is.
+    """
     at = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(knots, axis=0), axis=1))])
-    spline = CubicSpline(at, knots, bc_type="natural")
+    padded = np.concatenate([np.zeros(3), at, np.full(3, at[-1])])
+    middles = (padded[1:-3] + padded[2:-2] + padded[3:-1]) / 3.0
+    controls = np.stack([np.interp(middles, at, column) for column in knots.T], axis=1)
+    return at, BSpline(padded, controls, 3)
+
+
+def _drive(at: NDArray[np.float64], curve: BSpline, allowed: Allowed, timing: Timing) -> _Drive:
     grid = _grid(at)
-    allowed = limits.velocity * speed, limits.acceleration * acceleration
     if timing == "toppra":
         from .library import squared_velocities as by_the_library  # a second to import, and seldom asked for
 
-        squared = by_the_library(grid, spline, *allowed)
+        squared = by_the_library(grid, at, curve, allowed.velocity, allowed.acceleration)
     else:
-        squared = squared_velocities(grid, spline(grid, 1), spline(grid, 2), *allowed)
-    drive = _Drive(grid, squared)
-    times = np.linspace(0.0, drive.duration, max(2, int(np.ceil(drive.duration / SAMPLING)) + 1))
-    where, velocity, change = drive(times)
-    by_path = spline(where, 1)
-    # Between knots that lie on a limit the spline swings past it a little; an executor must not see that.
-    positions = np.clip(spline(where), limits.lower, limits.upper)
-    positions[0], positions[-1] = knots[0], knots[-1]
-    velocities = by_path * velocity[:, None]
-    accelerations = by_path * change[:, None] + spline(where, 2) * (velocity**2)[:, None]
-    return Trajectory(names, times, positions, velocities, accelerations)
+        squared = squared_velocities(grid, curve(grid, 1), curve(grid, 2), allowed.velocity, allowed.acceleration)
+    return _Drive(grid, squared)
 
 
 def _grid(at: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return increasing path positions, from those of the knots, shape (k,): even, and finer where knots are close.
+    """Return increasing path positions, from those of the knots, shape (k,): the knots, and points between them.
 
-    Knots are close where the path turns sharply. With a step across such a place both its ends would have to be passed
-    with one acceleration along the path, which only a stop allows.
+    Accelerations along a cubic spline are extreme at its knots. Where they are close the path turns sharply; with a
+    step across such a place both its ends would have to be passed with one acceleration, which only a stop allows.
     """
-    even = np.linspace(0.0, at[-1], int(np.clip(np.ceil(at[-1] / _GRID), 40, 400)) + 1)
-    close = np.flatnonzero(np.diff(at) < _GRID)
-    fine = [np.linspace(at[k], at[k + 1], _FINER + 1)[1:] for k in close]
-    both = np.unique(np.concatenate([even, *fine]))
-    apart = np.concatenate([[True], np.diff(both) > 1e-6])
-    apart[-1] = True
-    grid: NDArray[np.float64] = both[apart]
-    return grid
+    gaps = np.diff(at)
+    parts = np.maximum(np.ceil(gaps / max(_GRID, at[-1] / _MOST)), _FINER)
+    parts = np.ceil(parts * max(1.0, _LEAST / parts.sum())).astype(int)
+    pieces = [begin + gap * (np.arange(1, n + 1) / n) for begin, gap, n in zip(at[:-1], gaps, parts, strict=True)]
+    return np.concatenate([at[:1], *pieces])
 
 
 class _Drive:
@@ -132,11 +197,11 @@ class _Drive:
         self._times = np.concatenate([[0.0], np.cumsum(2.0 * steps / (self._velocity[:-1] + self._velocity[1:]))])
         self.duration = float(self._times[-1])
 
-    def __call__(
-        self, times: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Return path position, its velocity and its acceleration at times in [0, duration], each of shape (k,)."""
+    def __call__(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the path position at times in [0, duration], each of shape (k,)."""
         stage = np.clip(np.searchsorted(self._times, times, side="right") - 1, 0, len(self._change) - 1)
-        since, begin, change = times - self._times[stage], self._velocity[stage], self._change[stage]
-        where = np.minimum(self._grid[stage] + begin * since + change * since**2 / 2, self._grid[-1])
-        return where, np.maximum(begin + change * since, 0.0), change
+        since = times - self._times[stage]
+        where: NDArray[np.float64] = (
+            self._grid[stage] + (self._velocity[stage] + self._change[stage] * since / 2) * since
+        )
+        return np.clip(where, self._grid[stage], self._grid[stage + 1])

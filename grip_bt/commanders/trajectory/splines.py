@@ -1,0 +1,97 @@
+"""Trajectories that controllers follow as they were checked: cubic splines in time, twice continuously differentiable.
+
+A joint_trajectory_controller of ros2_control draws a cubic between two points that have velocities, and a quintic where
+they have accelerations too. Between the points of a spline whose acceleration is linear both are that spline itself, so
+what was checked here is what any of them executes. Such a spline comes from positions at even times as those of a
+B-spline's control points: its velocity and acceleration are averages of theirs over two steps, so no extreme is added,
+other than by a spline through the positions, which rings about every switch of the acceleration.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grip_bt.values import Trajectory
+
+Array = NDArray[np.float64]
+
+
+def smoothed(names: tuple[str, ...], rows: Array, step: float) -> Trajectory:
+    """Return a trajectory from rest to rest, without acceleration at its ends, two steps longer than the rows.
+
+    Args:
+        names: n joints.
+        rows: positions at even times, shape (k, n); the first and the last are where it begins and ends.
+        step: time between two rows [s].
+    """
+    controls = np.concatenate([rows[:1], rows[:1], rows, rows[-1:], rows[-1:]])
+    before, here, after = controls[:-2], controls[1:-1], controls[2:]
+    positions = here + (before - 2.0 * here + after) / 6.0
+    times: Array = np.arange(len(positions), dtype=np.float64) * np.float64(step)
+    return Trajectory(names, times, positions, (after - before) / (2.0 * step), (before - 2.0 * here + after) / step**2)
+
+
+def averaged(rows: Array, count: int) -> Array:
+    """Return rows at even times, shape (k, n), each the mean of `count` of them, `count` - 1 rows longer.
+
+    With accelerations within limits, no jerk is then above twice the limit by the time that so many rows take, and
+    velocities and accelerations stay within theirs (moving averages as in Biagiotti and Melchiorri 2012).
+    """
+    more = count - 1
+    padded = np.concatenate([np.repeat(rows[:1], count, axis=0), rows[1:], np.repeat(rows[-1:], more, axis=0)])
+    sums = np.concatenate([np.zeros_like(rows[:1]), np.cumsum(padded - rows[0], axis=0)])
+    means: Array = rows[0] + (sums[count:] - sums[:-count]) / count
+    means[0], means[-1] = rows[0], rows[-1]
+    return means
+
+
+def peaks(trajectory: Trajectory) -> tuple[Array, Array, Array]:
+    """Return the largest velocity, acceleration and jerk of each joint, each shape (n,), on the cubics between points.
+
+    Args:
+        trajectory: its points have velocities.
+    """
+    _, first, second, third = cubics(trajectory)
+    steps = np.diff(trajectory.times)[:, None]
+    last = second + third * steps
+    with np.errstate(divide="ignore", invalid="ignore"):
+        turning = np.where(second * last < 0, first - second**2 / (2.0 * third), 0.0)
+    assert trajectory.velocities is not None
+    velocity = np.maximum(_largest(trajectory.velocities), _largest(turning))
+    return velocity, np.maximum(_largest(second), _largest(last)), _largest(third)
+
+
+def positions_at(trajectory: Trajectory, times: Array) -> Array:
+    """Return the positions at times within the trajectory [s], shape (m,) -> (m, n), on the cubics between points."""
+    begin, first, second, third = cubics(trajectory)
+    if not len(begin):
+        return np.repeat(trajectory.positions, len(times), axis=0)
+    row = np.clip(np.searchsorted(trajectory.times, times, side="right") - 1, 0, len(begin) - 1)
+    since = np.clip(times - trajectory.times[row], 0.0, None)[:, None]
+    found: Array = begin[row] + since * (first[row] + since * (second[row] / 2.0 + since * third[row] / 6.0))
+    return found
+
+
+def cubics(trajectory: Trajectory) -> tuple[Array, Array, Array, Array]:
+    """Return position, velocity, acceleration and jerk where each cubic between two points begins, shape (k - 1, n)."""
+    assert trajectory.velocities is not None
+    steps = np.diff(trajectory.times)[:, None]
+    begin, end = trajectory.positions[:-1], trajectory.positions[1:]
+    first, last = trajectory.velocities[:-1], trajectory.velocities[1:]
+    mean = (end - begin) / steps
+    return begin, first, (6.0 * mean - 4.0 * first - 2.0 * last) / steps, (first + last - 2.0 * mean) * 6.0 / steps**2
+
+
+def slowed(trajectory: Trajectory, velocity: Array, acceleration: Array, jerk: Array | None = None) -> Trajectory:
+    """Return the same path, as much slower as keeps limits, each shape (n,), on the cubics between points."""
+    fastest, hardest, sharpest = peaks(trajectory)
+    factor = max(1.0, float((fastest / velocity).max()), float((hardest / acceleration).max()) ** (1 / 2))
+    if jerk is not None:
+        factor = max(factor, float((sharpest / jerk).max()) ** (1 / 3))
+    return trajectory if factor <= 1.0 else trajectory.stretched(trajectory.duration * factor * (1 + 1e-9))
+
+
+def _largest(values: Array) -> Array:
+    found: Array = np.abs(values).max(axis=0, initial=0.0)
+    return found
