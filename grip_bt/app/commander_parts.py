@@ -142,6 +142,7 @@ def settings_of(arm: ArmConfig, robot: RobotDescription, seed: int, where: str =
         seed=seed,
         parameters=tuple(parameters.items()),
         timing=arm.timing,
+        jerk=arm.jerk,
     )
 
 

@@ -54,13 +54,19 @@ def faults_of_hand(project: Project, name: str, robot: RobotDescription) -> Iter
         yield _no_group(robot, group, f"grip.yaml: hands/{name}")
 
 
-def faults_of_fields(arm: ArmConfig, robot: RobotDescription, where: str) -> Iterator[UnknownNameError]:
-    """Yield which of an arm's solver and planner, its own or those that the robot's files prefer, aren't there."""
+def faults_of_fields(arm: ArmConfig, robot: RobotDescription, where: str) -> Iterator[GripError]:
+    """Yield what an arm asks for, by its own fields or what the robot's files prefer, and isn't there."""
     solver, planner = field_of(arm, robot, "kinematics"), field_of(arm, robot, "planner")
     if solver not in SOLVERS:
         yield UnknownNameError("kinematics solver", solver, SOLVERS, where)
     if planner not in PLANNERS and planner != MOVE_GROUP:
         yield UnknownNameError("planner", planner, (*PLANNERS, MOVE_GROUP), where)
+    unlimited = [joint for joint in robot.groups.get(arm.group, ()) if joint not in robot.jerk_limits]
+    if arm.jerk is not None and unlimited:
+        yield GripError(
+            f"{where}: jerk is a part of the joints' jerk limits, and those of {', '.join(unlimited)} aren't known; "
+            "give them `max_jerk` in joint_limits.yaml, or leave the field out"
+        )
 
 
 def field_of(arm: ArmConfig, robot: RobotDescription, name: str) -> Any:

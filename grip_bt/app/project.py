@@ -48,6 +48,8 @@ class ArmConfig(_Config):
     """Fraction of the joints' speed limits."""
     acceleration: float | None = Field(default=None, gt=0, le=1)
     """Fraction of the joints' acceleration limits; as `speed` when it isn't given."""
+    jerk: float | None = Field(default=None, gt=0, le=1)
+    """Fraction of the joints' jerk limits (`max_jerk` in `joint_limits.yaml`); any jerk when it isn't given."""
     planning_time: float = Field(default=2.0, gt=0)
     """CPU time for one request, all attempts together [s]; wall time ends it at 20 times as much."""
     attempts: int = Field(default=3, ge=1)

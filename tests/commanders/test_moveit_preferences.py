@@ -18,13 +18,14 @@ from grip_bt.commanders.robots.description import Preference
 from grip_bt.errors import UnknownNameError
 
 PLANNING = """planner_configs:
+  Both: {type: geometric::RRTConnect, range: 0.7}
   TRRTkConfigDefault: {type: geometric::TRRT}
   PRMkConfigDefault: {type: geometric::PRM}
   Bold: {type: geometric::RRT, range: 0.3, goal_bias: 0.4, projection: here}
   Shy: {type: geometric::RRT, range: 0.1}
 manipulator:
   default_planner_config: DEFAULT
-  planner_configs: [TRRTkConfigDefault, PRMkConfigDefault, Shy, Bold]
+  planner_configs: [TRRTkConfigDefault, PRMkConfigDefault, Shy, Bold, Both]
 """
 SCALING = "default_velocity_scaling_factor: 0.2\ndefault_acceleration_scaling_factor: 0.1\n"
 
@@ -86,15 +87,18 @@ def test_what_is_not_here_is_said_and_the_usual_taken(tmp_path):
     package(tmp_path, "TRRTkConfigDefault", "bio_ik/BioIKKinematicsPlugin")
     made = robot(tmp_path)
     preferred = made.preferences["manipulator"]["planner"]
-    assert preferred == Preference(None, "ompl_planning.yaml", "TRRT", {"RRT": {"range": 0.1}})
+    assert preferred == Preference(
+        None, "ompl_planning.yaml", "TRRT", {"RRT": {"range": 0.1}, "RRTConnect": {"range": 0.7}}
+    )
     settings = settings_of(ArmConfig(group="manipulator"), made, seed=0)
     assert (settings.planner, settings.kinematics) == ("RRTConnect", "damped_least_squares")
 
 
-def test_without_a_default_the_first_planner_that_is_here_is_taken(tmp_path):
+def test_without_a_default_rrt_connect_is_taken_with_the_files_parameters_wherever_it_is_listed(tmp_path):
     package(tmp_path, '""', "kdl_kinematics_plugin/KDLKinematicsPlugin")
     preferred = robot(tmp_path).preferences["manipulator"]
-    assert (preferred["planner"].value, preferred["kinematics"].value) == ("PRM", "damped_least_squares")
+    assert (preferred["planner"].value, preferred["kinematics"].value) == ("RRTConnect", "damped_least_squares")
+    assert dict(settings_of(ArmConfig(group="manipulator"), robot(tmp_path), seed=0).parameters) == {"range": 0.7}
 
 
 def test_preferences_follow_their_group_into_a_world_of_several_robots(tmp_path):
@@ -125,7 +129,7 @@ def test_show_prints_what_is_in_force_and_where_it_comes_from(tmp_path, capsys):
         "value": "PRM",
         "source": "ompl_planning.yaml",
         "unknown": "",
-        "parameters": {"RRT": {"range": 0.1}},
+        "parameters": {"RRT": {"range": 0.1}, "RRTConnect": {"range": 0.7}},
     }
 
 

@@ -10,6 +10,9 @@ from ..robots.description import Preference
 from .package import MoveItPackage
 from .settings import PlannerChoice
 
+USUAL = "RRTConnect"
+"""The planner of a group without `default_planner_config`: MoveIt leaves it to OMPL then, whose choice this is, other
+than for a group with a `projection_evaluator` (LBKPIECE1)."""
 _PLUGINS = (("trac_ik", "trac_ik"), ("kdl", "damped_least_squares"), ("lma", "damped_least_squares"))
 """Part of a plugin's name -> the solver here that works like it."""
 
@@ -32,9 +35,8 @@ def preferences_of(
         if group in package.planners:
             choice = package.planners[group]
             default = choice.planners.get(choice.default, choice.default)
-            wanted = [default] if default else list(choice.planners.values())
             fields["planner"] = replace(
-                _first(wanted, known, "ompl_planning.yaml"), parameters=_parameters(choice, known)
+                _first([default or USUAL], known, "ompl_planning.yaml"), parameters=_parameters(choice, known)
             )
         if group in package.kinematics:
             plugin = package.kinematics[group]

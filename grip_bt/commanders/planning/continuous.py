@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from grip_bt.values import Trajectory
 
 from ..collision import CollisionChecker
-from ..trajectory.splines import cubics, positions_at
+from ..trajectory.splines import cubics
 from .paths import Path
 
 FINE = 0.001
@@ -69,7 +69,8 @@ def continuously_free(checker: CollisionChecker, positions: Path) -> bool:
 
     def between(where: NDArray[np.float64]) -> Path:
         begin = np.minimum(where.astype(int), len(positions) - 2)
-        return positions[begin] + (positions[begin + 1] - positions[begin]) * (where - begin)[:, None]
+        rows: Path = positions[begin] + (positions[begin + 1] - positions[begin]) * (where - begin)[:, None]
+        return rows
 
     return _free(checker, between, _Pieces(rows[:-1], rows[1:], np.zeros((len(rows) - 1, positions.shape[1]))))
 
@@ -90,7 +91,7 @@ def trajectory_free(checker: CollisionChecker, trajectory: Trajectory) -> bool:
     hardest = np.maximum.reduceat(np.maximum(np.abs(second), np.abs(last)), rows[:-1], axis=0)
     at = trajectory.times[rows]
     pieces = _Pieces(at[:-1], at[1:], hardest * (np.diff(at)[:, None] ** 2 / 8))
-    return _free(checker, lambda where: positions_at(trajectory, where), pieces)
+    return _free(checker, lambda where: trajectory.sampled(where)[0], pieces)
 
 
 def _free(checker: CollisionChecker, curve: Curve, pieces: _Pieces) -> bool:

@@ -62,17 +62,6 @@ def peaks(trajectory: Trajectory) -> tuple[Array, Array, Array]:
     return velocity, np.maximum(_largest(second), _largest(last)), _largest(third)
 
 
-def positions_at(trajectory: Trajectory, times: Array) -> Array:
-    """Return the positions at times within the trajectory [s], shape (m,) -> (m, n), on the cubics between points."""
-    begin, first, second, third = cubics(trajectory)
-    if not len(begin):
-        return np.repeat(trajectory.positions, len(times), axis=0)
-    row = np.clip(np.searchsorted(trajectory.times, times, side="right") - 1, 0, len(begin) - 1)
-    since = np.clip(times - trajectory.times[row], 0.0, None)[:, None]
-    found: Array = begin[row] + since * (first[row] + since * (second[row] / 2.0 + since * third[row] / 6.0))
-    return found
-
-
 def cubics(trajectory: Trajectory) -> tuple[Array, Array, Array, Array]:
     """Return position, velocity, acceleration and jerk where each cubic between two points begins, shape (k - 1, n)."""
     assert trajectory.velocities is not None
