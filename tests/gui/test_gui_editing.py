@@ -137,6 +137,15 @@ def test_what_cannot_be_done_says_why_and_changes_nothing(pen: Pen) -> None:
     assert pen.view["text"] == TASK
 
 
+def test_an_edit_that_is_many_revisions_late_reaches_the_node_that_it_was_made_for(pen: Pen) -> None:
+    base = pen.view["revision"]
+    for number in range(40):
+        pen.edit(do="rename", path=f"n{number}" if number else "first", name=f"n{number + 1}")
+    for late in (39, 38, 20, 1, 0):
+        pen.edit(base=base + late, do="set", path=f"n{late}" if late else "first", key=["doc"], value=f"late by {late}")
+        assert [node["doc"] for node in pen.view["task"]["nodes"] if node["name"] == "n40"] == [f"late by {late}"]
+
+
 def test_a_late_edit_follows_a_rename_and_is_refused_after_a_removal(page: TestClient) -> None:
     one, two = Pen(page), Pen(page)
     one.edit(do="rename", path="machine", name="steps")

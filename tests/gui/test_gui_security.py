@@ -52,6 +52,8 @@ def test_a_request_from_another_origin_is_refused(page: TestClient, origin: str)
     body = {"command": "stop"}
     answer = page.post("/api/session/control", json=body, headers={"origin": origin})
     assert answer.status_code == 403
+    for ask in (page.get, page.head):
+        assert ask("/api/project", headers={"origin": origin}).status_code == 403
     with pytest.raises(WebSocketDisconnect), page.websocket_connect(SOCKET, headers={"origin": origin}):
         pass
 

@@ -61,7 +61,7 @@ def test_an_optional_field_is_sent_when_it_is_bound(world, serve):
 
 @pytest.mark.parametrize("outcome", [2, -1, None, "0", True, 0.5])
 def test_an_outcome_outside_the_contract_is_the_failure_bad_reply(world, tick, serve, outcome):
-    serve({"outcome": outcome, "returned_object": []})
+    serve({"outcome": outcome, "returned_object": [], "why": "nothing else is wrong"})
     assert tick(world.leaf(MANIFEST, input="cloud")) == ("FAILURE", "failure", "bad_reply")
     assert world.data == {}
 

@@ -65,12 +65,23 @@ def test_a_rule_without_conditions_is_for_the_rest() -> None:
 
 @pytest.mark.parametrize(
     ("wait_for", "ticks", "outcome"),
-    [("any", 1, "success"), (2, 2, "failure"), (["c"], 3, "failure"), ("all", 3, "failure")],
+    [("any", 2, "success"), (2, 3, "failure"), (["c"], 4, "failure"), (["a"], 2, "success"), ("all", 5, "failure")]
+    + [(3, 4, "failure"), (4, 5, "failure"), (["a", "c"], 4, "failure"), (9, 5, "failure")],
 )
 def test_nothing_is_decided_before_those_who_are_waited_for_have_ended(wait_for: Any, ticks: int, outcome: str) -> None:
-    world = World(parallel("a", "b", "c", wait_for=wait_for), {"b": ".failure", "c": "..success"})
+    scripts = {"a": ".success", "b": "..failure", "c": "...success", "d": "....success"}
+    world = World(parallel("a", "b", "c", "d", wait_for=wait_for), scripts)
     assert world.run() == ticks
     assert world.root.outcome == outcome
+
+
+def test_an_exit_waits_for_those_who_are_waited_for_and_a_rule_for_the_rest_no_longer() -> None:
+    root = parallel("a", "b", "c", wait_for=["b"], exits={"a.failure": "won"}, outcomes=WON)
+    world = World(root, {"a": "failure", "b": "..success", "c": "....success"})
+    assert (world.run(), world.root.outcome) == (3, "won")
+    root = parallel("a", "b", "c", wait_for=2, rules=[{"then": "won"}], outcomes=WON)
+    world = World(root, {"b": "..failure", "c": "....success"})
+    assert (world.run(), world.root.outcome, world.halted) == (3, "won", ["c"])
 
 
 def test_who_is_asked_sees_a_preempt_request_and_is_waited_for() -> None:
