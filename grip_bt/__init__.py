@@ -4,6 +4,11 @@ Importing this package loads no ROS, no simulator, no web server and no numerics
 first use.
 """
 
+import sys
+
+if sys.argv[:1] == ["-m"] and not sys.flags.safe_path and {"grip_bt.cli", "grip_bt.cli.__main__"} & {*sys.orig_argv}:
+    del sys.path[0]  # `python -m grip_bt.cli`: a `random.py` of the current folder isn't Python's
+
 from importlib import import_module
 from typing import Any
 

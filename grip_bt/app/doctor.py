@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from typing import Literal
 
+from grip_bt.interpreter import python_command
+
 INSTALL = "make demo (sets up .venv), or: pip install 'grip-bt[{extra}]'"
 
 
@@ -47,7 +49,7 @@ def _python() -> Finding:
 def _imports(part: str, extra: str, modules: dict[str, str], needed: bool = True) -> Finding:
     """Import in a fresh interpreter, so that a library that crashes is a finding and not the end of us."""
     code = "import " + ", ".join(modules)
-    done = subprocess.run([sys.executable, "-W", "ignore", "-c", code], capture_output=True, text=True, timeout=120)
+    done = subprocess.run(python_command("-W", "ignore", "-c", code), capture_output=True, text=True, timeout=120)
     if done.returncode == 0:
         return Finding(part, "ok", ", ".join(f"{d} {_version(d)}" for d in modules.values()), needed=needed)
     reason = (done.stderr.strip().splitlines() or [f"ended with status {done.returncode}"])[-1]

@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from grip_bt.errors import GripError
+from grip_bt.interpreter import python_command
 from grip_bt.runtime.pulse import LARGEST, PulseReader
 
 ACKNOWLEDGE = 0.05
@@ -87,7 +88,7 @@ class Supervisor:
         }
         try:
             self._process = subprocess.Popen(
-                [sys.executable, "-m", "grip_bt.app.run_process", json.dumps(channels)],
+                python_command("-m", "grip_bt.app.run_process", json.dumps(channels)),
                 pass_fds=list(channels.values()),
                 stdin=None if self._own_input else subprocess.DEVNULL,
             )

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 import subprocess
-import sys
 import threading
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import IO, Any, Protocol
 
 from grip_bt.errors import CanceledError, PlannerLostError
+from grip_bt.interpreter import python_command
 from grip_bt.operation import Operation
 from grip_bt.values import Plan
 
@@ -128,7 +128,7 @@ class PlanningProcess:
         self._ready.clear()
         self._settled.clear()
         self._child = child = subprocess.Popen(
-            [sys.executable, "-m", PROGRAM],
+            python_command("-m", PROGRAM),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             # Threads that wait by spinning would take a core from the simulator.

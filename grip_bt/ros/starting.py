@@ -8,6 +8,7 @@ from pathlib import Path
 
 from grip_bt.catalog.component_parts import Start
 from grip_bt.errors import listing, nearest
+from grip_bt.interpreter import python_command
 
 from .packages import PackageError, executable_of, launch_file_of
 
@@ -45,7 +46,7 @@ def launch_command(file: Path, arguments: dict[str, str]) -> list[str]:
     ros2 = shutil.which("ros2")
     if ros2 is not None:
         return [ros2, "launch", str(file), *given]
-    return [sys.executable, "-m", "grip_bt.cli", "launch", str(file), *given]
+    return python_command("-m", "grip_bt.cli", "launch", str(file), *given)
 
 
 def text_of(value: str | bool | int | float) -> str:

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from grip_bt.errors import DocumentError
+from grip_bt.interpreter import python_command
 
 from .files import ImportedFile, distinct, make_tasks
 from .found import Added, Found, FoundContainer, Opaque, Span
@@ -40,7 +41,7 @@ class Record:
 
 def record(file: Path, root: Path, given: Mapping[str, Mapping[str, Any]], timeout: float = TIMEOUT) -> Record:
     """Run a module in a process of its own and return what it built; what it had built in time, at least."""
-    command = [sys.executable, "-m", f"{__package__}.recorder", str(file), json.dumps(given)]
+    command = python_command("-m", f"{__package__}.recorder", str(file), json.dumps(given))
     paths = [str(file.parent), str(root), str(root / "src"), *map(str, sorted(root.glob("*/src")))]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([*filter(None, sys.path), *paths])}
     try:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import asyncio
 import json
 import os
-import sys
 from collections import deque
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from secrets import token_hex
 from typing import Any, Protocol
+
+from grip_bt.interpreter import python_command
 
 from .processes import MARK, end_marked
 from .run_messages import Robot, Target
@@ -19,6 +20,7 @@ from .run_messages import Robot, Target
 LINES_KEPT = 40
 """How many of the last lines of output are kept, to say why a process died."""
 LONGEST_LINE = 1 << 20
+COMMAND = python_command("-m", "grip_bt.cli")
 
 
 @dataclass(frozen=True)
@@ -85,7 +87,7 @@ class Launcher(Protocol):
 class CommandLineLauncher:
     """Runs `grip run --control` with this interpreter, in a process group of its own."""
 
-    def __init__(self, command: tuple[str, ...] = (sys.executable, "-m", "grip_bt.cli")):
+    def __init__(self, command: Sequence[str] = COMMAND):
         self.command = command
 
     async def start(self, task_file: Path, journal: Path, options: RunOptions) -> RunProcess:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import socket
 import subprocess
-import sys
 import threading
 from collections import deque
+
+from grip_bt.interpreter import python_command
 
 LINES = 40
 """How many of the last lines are kept for the message about its end."""
@@ -24,7 +25,7 @@ class SimProcess:
 
     def __init__(self, connection: socket.socket, hold: int | None = None):
         descriptors = [connection.fileno(), *([] if hold is None else [hold])]
-        command = [sys.executable, "-m", "grip_sim", *map(str, descriptors)]
+        command = python_command("-m", "grip_sim", *map(str, descriptors))
         # What it prints is kept from our standard output, which may carry a protocol.
         self._process = subprocess.Popen(
             command,

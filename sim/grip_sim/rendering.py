@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import subprocess
-import sys
+
+from grip_bt.interpreter import python_command
 
 _PROBE = "import sapien; sapien.render.RenderSystem(); print(sapien.render.get_device_summary())"
 
@@ -13,7 +14,7 @@ def render_support() -> str:
 
     The renderer is tried in a process of its own, since a bad driver can end it.
     """
-    command = [sys.executable, "-W", "ignore", "-c", _PROBE]
+    command = python_command("-W", "ignore", "-c", _PROBE)
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=60)
         works = done.returncode == 0

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 
 from grip_bt.errors import DocumentError
+from grip_bt.interpreter import python_command
 
 from . import expansions
 from .packages import Packages
@@ -41,7 +41,7 @@ def expand(path: Path, arguments: Mapping[str, object], packages: Packages) -> s
         return text
     try:
         done = subprocess.run(
-            [sys.executable, "-m", MODULE], input=json.dumps(request), capture_output=True, text=True, timeout=TIME
+            python_command("-m", MODULE), input=json.dumps(request), capture_output=True, text=True, timeout=TIME
         )
         reply = json.loads(done.stdout)
     except subprocess.TimeoutExpired:

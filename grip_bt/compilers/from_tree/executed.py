@@ -16,6 +16,7 @@ from typing import Any
 
 from grip_bt.errors import GripError
 from grip_bt.graph import model
+from grip_bt.interpreter import python_command
 
 from .convert import to_task
 from .result import Imported, RefusedTreeError, Remark
@@ -29,15 +30,15 @@ def import_from_code(where: str, folder: Path, timeout: float = TIMEOUT) -> Impo
 
     Args:
         where: `package.module:factory`: a function that is called without arguments, a class, or a tree that is there.
-        folder: where modules are looked for first, such as the current folder.
+        folder: where modules are looked for last, such as the current folder.
         timeout: how long [s] the code may take.
 
     Raises:
         RefusedTreeError: behaviours of the tree have no equal in a task.
         GripError: the code can't be imported, fails, takes too long, or gives something else than a tree.
     """
-    paths = os.pathsep.join([str(folder.resolve()), *filter(None, sys.path)])
-    command = [sys.executable, "-m", __name__, where]
+    paths = os.pathsep.join(filter(None, sys.path))
+    command = python_command("-m", __name__, where, str(folder.resolve()))
     try:
         done = subprocess.run(
             command,
@@ -90,6 +91,7 @@ def _told(where: str) -> dict[str, Any]:
 
 def main(arguments: list[str]) -> None:
     """Tell on the last line of stdout what one factory builds; what the code itself prints goes to stderr."""
+    sys.path.append(arguments[1])
     stdout, sys.stdout = sys.stdout, sys.stderr
     told = json.dumps(_told(arguments[0]))
     sys.stderr.flush()

@@ -8,6 +8,8 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
+from grip_bt.interpreter import python_command
+
 from ..process import child_environment
 from .errors import LaunchError
 from .group import Member
@@ -46,7 +48,7 @@ def members_of_file(
     if ros2 is not None:
         return [Member(path.name, [ros2, "launch", str(path), *given], Path.cwd(), env)], []
     if path.suffix == ".py" and has_launch_package():
-        command = [sys.executable, "-m", "grip_bt.ros.launch.with_package", str(path), *given]
+        command = python_command("-m", "grip_bt.ros.launch.with_package", str(path), *given)
         return [Member(path.name, command, Path.cwd(), env)], []
     launch = read_launch_file(path, arguments)
     return [member_of(process, env) for process in launch.processes], launch.events

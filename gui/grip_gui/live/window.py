@@ -11,11 +11,11 @@ import contextlib
 import itertools
 import json
 import os
-import sys
 from pathlib import Path
 from typing import Any
 
 from grip_bt.errors import GripError
+from grip_bt.interpreter import python_command
 
 IDLE = 60.0
 """How long it stays without a question [s]; a connection to ROS takes a second to come up, and costs a little CPU."""
@@ -97,7 +97,7 @@ class RosWindow:
 
     async def _start(self) -> asyncio.subprocess.Process:
         process = self._process = await asyncio.create_subprocess_exec(
-            *(sys.executable, "-m", "grip_gui.live.worker"),
+            *python_command("-m", "grip_gui.live.worker"),
             cwd=self._project,
             stdin=asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.PIPE,

@@ -15,6 +15,8 @@ from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import fromstring
 
+from grip_bt.interpreter import python_command
+
 PATIENCE = 60.0
 """How long the process may take [s]."""
 FILES, LONGEST_PATH = 500, 1000
@@ -46,7 +48,7 @@ def is_path(robot: str, folder: Path) -> bool:
 
 @lru_cache(maxsize=16)
 def _asked(robot: str, folder: str, stamp: float) -> dict[str, Any]:
-    command = [sys.executable, "-m", "grip_gui.setup.facts", robot, folder]
+    command = python_command("-m", "grip_gui.setup.facts", robot, folder)
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
         found = json.loads(done.stdout.splitlines()[-1]) if done.returncode == 0 else {}

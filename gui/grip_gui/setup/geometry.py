@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grip_bt.app.motion_bodies import coarse
+from grip_bt.interpreter import python_command
 
 from .facts import PATIENCE, stamp_of
 
@@ -48,7 +49,7 @@ def geometry(robot: object, hands: Mapping[str, str], folder: Path) -> dict[str,
 
 @lru_cache(maxsize=4)
 def _asked(asked: str, folder: str, stamp: float) -> dict[str, Any]:
-    command = [sys.executable, "-m", "grip_gui.setup.geometry", asked, folder]
+    command = python_command("-m", "grip_gui.setup.geometry", asked, folder)
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
         return dict(json.loads(done.stdout.splitlines()[-1]))

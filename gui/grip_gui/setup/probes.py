@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import json
 import os
-import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -13,6 +12,7 @@ from secrets import token_hex
 from typing import Any
 
 from grip_bt.errors import GripError
+from grip_bt.interpreter import python_command
 
 from ..processes import MARK, end_marked
 from ..project import ProjectFolder
@@ -82,7 +82,7 @@ class Prober:
         if self._busy.locked():
             raise GripError("another try is under way; wait for its end")
         async with self._busy:
-            return await _ended((sys.executable, "-m", module, *words), self._folder.folder, given)
+            return await _ended(python_command("-m", module, *words), self._folder.folder, given)
 
 
 async def _ended(command: Sequence[str], folder: Path, given: str) -> tuple[bool, str]:
