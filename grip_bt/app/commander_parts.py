@@ -7,6 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from grip_bt.errors import UnknownNameError
 from grip_bt.ports import Executor, HandPort
@@ -79,6 +80,11 @@ def open_commanders(
     def palm_of(arm: str) -> Pose:
         return model.grasp_pose(executors[arm].state(), group=file.arms[arm].group)
 
+    states = {name: executor.state for name, executor in executors.items()} | {n: p.state for n, p in ports.items()}
+
+    def shapes(at: JointState | None) -> Sequence[NDArray[np.float64]]:
+        return model.hulls(*(measure() for measure in states.values()), *(() if at is None else (at,)))
+
     scene = PlanningScene(
         {hand: partial(palm_of, arm) for arm, hand in hand_of.items() if hand},
         boxes,
@@ -93,8 +99,8 @@ def open_commanders(
             for arm, hand in hand_of.items()
             if hand
         },
+        shapes,
     )
-    states = {name: executor.state for name, executor in executors.items()} | {n: p.state for n, p in ports.items()}
     resources.arms = {
         arm: ArmCommander(
             arm,

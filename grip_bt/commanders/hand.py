@@ -9,7 +9,7 @@ import numpy as np
 from grip_bt.errors import NoContactError, UnknownNameError
 from grip_bt.operation import Operation
 from grip_bt.ports import HandPort
-from grip_bt.values import JointState
+from grip_bt.values import Closing, JointState
 
 from .synergy import Synergies, finger_posture
 from .taught import Taught
@@ -56,6 +56,7 @@ class HandCommander:
         self._fingers = {finger: tuple(joints) for finger, joints in (fingers or {}).items()}
         self._limits = dict(limits or {})
         self._taught = taught if taught is not None else Taught()
+        self._closing: Closing | None = None
 
     @property
     def name(self) -> str:
@@ -84,7 +85,7 @@ class HandCommander:
         Raises:
             UnknownNameError: there is no such posture or joint.
         """
-        return self._port.move(self._posture(posture), self._opening_time)
+        return self.move(posture, seconds=self._opening_time)
 
     def close(self, posture: JointState | str = "closed", torque_limit: float | None = None) -> Operation[JointState]:
         """Close towards a posture until the fingers stop; the result is what was measured then.
@@ -95,7 +96,12 @@ class HandCommander:
             UnknownNameError: there is no such posture or joint.
             ValueError: the torque limit isn't positive.
         """
-        return self.move(posture, torque_limit, self._closing_time).then(self._held)
+        goal = self._posture(posture)
+        return self.move(goal, torque_limit, self._closing_time).then(lambda measured: self._held(goal, measured))
+
+    def closing(self) -> Closing | None:
+        """Return what the hand did when it closed; see `ports.Hand`."""
+        return self._closing
 
     def move(
         self, posture: JointState | str, torque_limit: float | None = None, seconds: float | None = None
@@ -104,7 +110,9 @@ class HandCommander:
         for what, number in (("torque limit [N m]", torque_limit), ("time [s]", seconds)):
             if number is not None and not 0 < number < np.inf:
                 raise ValueError(f"hand {self._name!r}: a {what} is a positive number, not {number}")
-        return self._port.move(self._posture(posture), seconds or self._opening_time, torque_limit)
+        goal = self._posture(posture)
+        self._closing = None
+        return self._port.move(goal, seconds or self._opening_time, torque_limit)
 
     def finger_posture(self, closing: Mapping[str, float]) -> JointState:
         """Return the posture of some fingers; see `ports.Hand`."""
@@ -149,7 +157,8 @@ class HandCommander:
         opened = self._postures["open"].as_mapping()
         return [JointState.from_mapping(opened | posture.as_mapping()) for posture in self._postures.values()]
 
-    def _held(self, measured: JointState) -> Operation[JointState]:
+    def _held(self, goal: JointState, measured: JointState) -> Operation[JointState]:
+        self._closing = Closing(goal, measured)
         if self.contacts():
             return Operation.finished(measured)
         return Operation.failed(NoContactError(f"hand {self._name!r} closed without touching anything"))

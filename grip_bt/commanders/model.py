@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from grip_bt.values import JointState, Pose
 
-from .outline import Outline, outlined, radii, shape_reaches
+from .outline import Outline, corners, outlined, radii, shape_reaches
 from .robots import RobotDescription
 from .shapes import simplified
 
@@ -149,6 +149,20 @@ class RobotModel:
         with self._lock:  # leaves, callbacks and the scene ask from several threads
             pin.framesForwardKinematics(self.model, self.data, self.configuration(*states))
             return Pose.from_matrix(self.data.oMf[frame].homogeneous)
+
+    def hulls(self, *states: JointState) -> list[NDArray[np.float64]]:
+        """Return points of each collision shape, shape (k, 3) in world [m], whose convex hull contains the shape."""
+        with self._lock:
+            pin.forwardKinematics(self.model, self.data, self.configuration(*states))
+            placed = [self.data.oMi[joint].copy() for joint, _ in self._shape_corners]
+        return [
+            points @ place.rotation.T + place.translation
+            for place, (_, points) in zip(placed, self._shape_corners, strict=True)
+        ]
+
+    @cached_property
+    def _shape_corners(self) -> list[tuple[int, NDArray[np.float64]]]:
+        return [(shape.parentJoint, corners(shape)) for shape in self.geometry.geometryObjects]
 
     def limits(self, group: str) -> Limits:
         """Return the limits of a group's joints, in the group's order."""

@@ -43,7 +43,7 @@ def outlined(geometry: pin.GeometryModel, grouped: Iterable[int]) -> Outline:
         if k not in hulled:
             place[k] = outline.addGeometryObject(pin.GeometryObject(shape))
     for group in groups:
-        points = np.vstack([_corners(shapes[k]) for k in group])
+        points = np.vstack([corners(shapes[k]) for k in group])
         body = pin.GeometryObject(
             f"hull/{shapes[group[0]].name}", shapes[group[0]].parentJoint, pin.SE3.Identity(), _hull(points)
         )
@@ -59,7 +59,7 @@ def radii(model: pin.Model, shapes: Iterable[pin.GeometryObject]) -> NDArray[np.
     """Return how far from each joint's frame the shapes that move with it reach [m], shape (njoints,)."""
     result = np.zeros(model.njoints)
     for shape in shapes:
-        result[shape.parentJoint] = max(result[shape.parentJoint], np.linalg.norm(_corners(shape), axis=1).max())
+        result[shape.parentJoint] = max(result[shape.parentJoint], np.linalg.norm(corners(shape), axis=1).max())
     return result
 
 
@@ -95,7 +95,7 @@ def shape_reaches(model: pin.Model, shapes: Iterable[pin.GeometryObject]) -> NDA
     columns = []
     for shape in shapes:
         column, joint = np.zeros(model.nv), shape.parentJoint
-        radius = float(np.linalg.norm(_corners(shape), axis=1).max()) if joint else 0.0
+        radius = float(np.linalg.norm(corners(shape), axis=1).max()) if joint else 0.0
         while joint:
             kind, stroke = model.joints[joint], 0.0
             if kind.shortname() in _SLIDING:
@@ -131,7 +131,7 @@ def _by_body(geometry: pin.GeometryModel, grouped: Iterable[int]) -> list[list[i
     return [group for body, group in bodies.items() if body > 0]
 
 
-def _corners(shape: pin.GeometryObject) -> NDArray[np.float64]:
+def corners(shape: pin.GeometryObject) -> NDArray[np.float64]:
     """Return points in the body's frame, shape (k, 3), whose convex hull contains the shape."""
     solid = shape.geometry
     if isinstance(solid, coal.ConvexBase):

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grip_bt.errors import UnknownNameError
-from grip_bt.values import Pose
+from grip_bt.values import JointState, Pose
 from grip_bt.values.pose import check_frame
 from grip_bt.values.solids import Box, CellMap, Cylinder, Mesh, Solid
 
@@ -119,6 +119,7 @@ class PlanningScene:
         links: name -> links that it stands for in allowed collisions: a hand's or an arm's, for instance.
         folder: that relative paths of scene and mesh files begin in.
         carriers: hand -> where it is on the robot; arms avoid what other hands hold only of these.
+        robot: returns the robot's shapes, see `ports.Scene`; without it, its geometry isn't known.
     """
 
     def __init__(
@@ -129,7 +130,9 @@ class PlanningScene:
         links: Mapping[str, Sequence[str]] | None = None,
         folder: Path | None = None,
         carriers: Mapping[str, Carrier] | None = None,
+        robot: Callable[[JointState | None], Sequence[NDArray[np.float64]]] | None = None,
     ):
+        self._robot = robot
         self._folder = folder or Path()
         self._hands = dict(hands)
         self._links = {name: tuple(names) for name, names in (links or {}).items()}
@@ -161,6 +164,10 @@ class PlanningScene:
                 self._hand(item.hand)
         with self._lock:
             self._snapshot = snapshot
+
+    def robot(self, at: JointState | None = None) -> Sequence[NDArray[np.float64]]:
+        """Return the points of the robot's shapes; see `ports.Scene`."""
+        return () if self._robot is None else self._robot(at)
 
     def put(self, name: str, solid: Solid, pose: Pose) -> None:
         """Add or replace an object of any shape; see `ports.Scene`."""

@@ -58,6 +58,7 @@ from .robots import (
     SensorError,
     StartInCollisionError,
     UnfitSolverError,
+    ViewBlockedError,
 )
 from .ros import (
     BadReplyError,
@@ -142,6 +143,7 @@ __all__ = [
     "UnfitServerError",
     "UnfitSolverError",
     "UnknownNameError",
+    "ViewBlockedError",
     "WrongTypeError",
     "listing",
     "nearest",

@@ -129,6 +129,12 @@ class NotTaughtError(ExpectedError):
     code = "not_taught"
 
 
+class ViewBlockedError(ExpectedError):
+    """The robot hides what a camera is to see; `data['hidden']` tells how much of the view, 0..1."""
+
+    code = "view_blocked"
+
+
 class SensorError(ExpectedError):
     """A sensor gave nothing usable."""
 

@@ -2,73 +2,122 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from typing import Any
+
+import numpy as np
 
 from grip_bt.errors import SensorError
 from grip_bt.operation import Operation
-from grip_bt.ports import Camera
-from grip_bt.values import Grasp, RgbdFrame
+from grip_bt.ports import Camera, Context
+from grip_bt.values import Grasp, PointCloud, RgbdFrame
 
 from .difference import Change, Thresholds, compare
+from .evidence import image_voice
 from .leaf import OperationLeaf, Status
 from .objects import closing_point
+from .sight import robot_pixels, share, within
+
+
+@dataclass(frozen=True, slots=True)
+class _Look:
+    """A frame, and what the robot hides of it: a share of the region, 0..1; `points` are None where nobody asks."""
+
+    frame: RgbdFrame
+    hidden: float
+    points: PointCloud | None
 
 
 class Capture(OperationLeaf):
-    """Take one frame with the sensor that the manifest's `settings` name."""
+    """Take one frame with the sensor that the manifest's `settings` name.
+
+    What the robot hides is known from its joints and its description (`sight`). A frame of which it hides more than
+    `max_hidden` is the failure `view_blocked`: nothing that isn't seen in it is known to be absent.
+    """
 
     camera: Camera
 
     def prepare(self) -> None:
         """Look the sensor up."""
         self.camera = self.context.camera(self.manifest.settings["sensor"])
+        check_region(self.path, self.params["region"])
 
-    def start(self) -> Operation[RgbdFrame]:
-        """Ask for a frame."""
-        return self.camera.capture()
+    def start(self) -> Operation[_Look]:
+        """Ask for a frame, and find the robot in it."""
+        return self.camera.capture().then(lambda frame: self.context.run_in_worker(lambda: self._looked(frame)))
 
-    def finish(self, result: RgbdFrame) -> Status:
+    def finish(self, result: _Look) -> Status:
         """Hand out the frame, and its points where somebody takes them."""
-        points = {"points": result.cloud()} if "points" in self.writers else {}
-        return self.end(frame=result, **points)
+        most = self.params["max_hidden"]
+        if result.hidden > most:
+            text = f"the robot hides {result.hidden:.0%} of the view; {most:.0%} at most may be hidden"
+            return self.fail("view_blocked", text, outputs={"hidden": result.hidden}, hidden=result.hidden)
+        points = {"points": result.points} if result.points is not None else {}
+        return self.end(frame=result.frame, hidden=result.hidden, **points)
+
+    def _looked(self, frame: RgbdFrame) -> _Look:
+        depth, p = frame.depth, self.params
+        robot = robot_pixels(depth, self.context.scene().robot())
+        hidden = share(robot, within(depth.info, p["region"], p["table"]))
+        if "points" not in self.writers:
+            return _Look(frame, hidden, None)
+        beside = replace(frame, depth=replace(depth, depth=np.where(robot, np.float32(0), depth.depth)))
+        return _Look(frame, hidden, beside.cloud())
+
+
+def check_region(path: str, region: list[float]) -> None:
+    """Raise ValueError unless a region is empty, or x from, x to, y from, y to."""
+    if region and not (len(region) == 4 and region[0] < region[1] and region[2] < region[3]):
+        raise ValueError(f"{path}: `region` is x from, x to, y from, y to [m], or empty, not {region}")
 
 
 class ImageDifference(OperationLeaf):
-    """Decide from a frame before and one after a pick whether the object was taken.
+    """Decide from a frame before and one after a pick whether the object has left its place.
 
     This is GRIP's image-difference check, with depth added: `compare` says how pixels are classified. The object
-    counts as held when enough of its pixels show the table now, and when not much has appeared elsewhere on the
+    counts as taken when enough of its pixels show the table now, and when not much has appeared elsewhere on the
     table: what was only pushed aside, or fell out of the hand, appears there. What left the camera's view altogether
-    can't be told from what is held. Without a grasp, everything above the table is looked at.
+    can't be told from what is held: `hand/holds` asks the hand too. Without a grasp, everything above the table is
+    looked at.
     """
 
     def start(self) -> Operation[Change]:
         """Compare in a worker."""
-        before: RgbdFrame = self.read("before")
-        after: RgbdFrame = self.read("after")
-        grasp: Grasp | None = self.read("grasp")
-        if before.depth.info != after.depth.info:
-            raise SensorError("the two frames were not taken by one camera that stood still")
         p = self.params
         limits = Thresholds(p["color_threshold"], p["depth_threshold"], p["table"], p["max_height"], p["radius"])
-        place = None if grasp is None else closing_point(grasp)
-        return self.context.run_in_worker(lambda: compare(before, after, place, limits))
+        return changed(self.context, self.read("before"), self.read("after"), self.read("grasp"), limits)
 
     def finish(self, result: Change) -> Status:
         """Judge."""
         p = self.params
-        if result.object_pixels < p["min_pixels"]:
-            raise SensorError(
-                f"only {result.object_pixels} pixels showed an object before the pick; {p['min_pixels']} are needed",
-                object_pixels=result.object_pixels,
-            )
-        vacated, appeared = result.vacated, result.appeared
-        measured: dict[str, Any] = {"vacated": vacated, "appeared": appeared, "object_pixels": result.object_pixels}
-        outputs = {"fraction": vacated}
-        if vacated < p["min_vacated"]:
-            text = f"only {vacated:.0%} of the object's place is empty; {p['min_vacated']:.0%} are needed"
-            return self.fail("not_held", text, outputs=outputs, **measured)
-        if appeared > p["max_appeared"]:
-            text = f"something as large as {appeared:.0%} of the object appeared elsewhere on the table"
-            return self.fail("not_held", text, outputs=outputs, **measured)
-        return self.end(**outputs)
+        voice = image_voice(result, p["min_vacated"], p["max_appeared"], p["min_pixels"])
+        measured: dict[str, Any] = {
+            "vacated": result.vacated,
+            "appeared": result.appeared,
+            "object_pixels": result.object_pixels,
+        }
+        if voice.held is None:
+            raise SensorError(voice.why, object_pixels=result.object_pixels)
+        outputs = {"fraction": result.vacated}
+        return self.end(**outputs) if voice.held else self.fail("not_held", voice.why, outputs=outputs, **measured)
+
+
+def changed(
+    context: Context, before: RgbdFrame, after: RgbdFrame, grasp: Grasp | None, limits: Thresholds
+) -> Operation[Change]:
+    """Compare two frames in a worker.
+
+    Args:
+        context: of the run.
+        before: taken before the pick.
+        after: taken after it.
+        grasp: where the object was, or None.
+        limits: what counts as a change.
+
+    Raises:
+        SensorError: they aren't of one camera that stood still.
+    """
+    if before.depth.info != after.depth.info:
+        raise SensorError("the two frames were not taken by one camera that stood still")
+    place = None if grasp is None else closing_point(grasp)
+    return context.run_in_worker(lambda: compare(before, after, place, limits))

@@ -13,6 +13,7 @@ from grip_bt.errors import ExpectedError, NoGraspError, NoRoomError, NoTargetErr
 from grip_bt.operation import Operation
 from grip_bt.values import Grasp, JointState, Pose
 
+from .evidence import Limits, hand_voices
 from .grasping import ArmHandLeaf
 from .motion import first_of, go, go_straight, tolerant, widened
 from .objects import PLACED, TABLE_GAP, Region, free_name, objects_near, region_of, rename
@@ -48,7 +49,12 @@ class Place(ArmHandLeaf):
             raise NothingHeldError(f"the scene has nothing attached to the hand {self.hand.name!r}")
         self._object = held[0]
         region = self._region()
-        return self.context.run_in_worker(lambda: self._candidates(region)).then(self._go).then(self._release)
+        return (
+            self.context.run_in_worker(lambda: self._candidates(region))
+            .then(self._go)
+            .then(self._verify)
+            .then(self._release)
+        )
 
     # --- where ---
 
@@ -149,6 +155,13 @@ class Place(ArmHandLeaf):
     def _come(self, spot: Grasp) -> Operation[Grasp]:
         there = go(self.arm, spot.pre_grasp).then(lambda _: go_straight(self.arm, [spot.pose]))
         return there.then(lambda _: Operation.finished(spot))
+
+    def _verify(self, spot: Grasp) -> Operation[Grasp]:
+        """Ask the hand, before it lets go, whether it still holds what it is to put down."""
+        against = [voice for voice in hand_voices(self.hand, Limits()) if voice.held is False]
+        if against:
+            raise NothingHeldError(f"it was lost on the way: {'; '.join(map(str, against))}")
+        return Operation.finished(spot)
 
     def _release(self, spot: Grasp) -> Operation[JointState]:
         holding = self.hand.state()

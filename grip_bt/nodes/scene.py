@@ -11,10 +11,24 @@ from grip_bt.ports import Scene
 from grip_bt.values import PointCloud, Pose
 
 from .clusters import clusters_above, upright_box
-from .leaf import OperationLeaf, Status
+from .leaf import Leaf, OperationLeaf, Status
 from .objects import HELD, SEEN, distances_to_box, region_of
 
 Box = tuple[NDArray[np.float64], Pose]
+
+
+class NothingSeen(Leaf):
+    """Tell whether the last look has found nothing on the table, and if not, what is left and where."""
+
+    def update(self) -> Status:
+        """Look into the scene."""
+        scene = self.context.scene()
+        left = [scene.box(name)[1].position for name in scene.names() if name.startswith(SEEN)]
+        if not left:
+            return self.end()
+        places = ", ".join(f"({x:.2f}, {y:.2f})" for x, y, _ in left)
+        things = "1 thing is" if len(left) == 1 else f"{len(left)} things are"
+        return self.fail("something_left", f"{things} left, at {places} [m]", count=len(left))
 
 
 class UpdateFromCloud(OperationLeaf):

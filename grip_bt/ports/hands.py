@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Protocol, runtime_checkable
 
 from grip_bt.operation import Operation
-from grip_bt.values import JointState
+from grip_bt.values import Closing, JointState
 
 
 @runtime_checkable
@@ -118,6 +118,10 @@ class Hand(Protocol):
 
     def close(self, posture: JointState | str = "closed", torque_limit: float | None = None) -> Operation[JointState]:
         """Close towards a posture until the fingers stop. Ends with NoContactError when nothing was touched."""
+        ...
+
+    def closing(self) -> Closing | None:
+        """Return what the hand did when it closed; None when it has moved in another way since, or never closed."""
         ...
 
     def stop(self) -> None:

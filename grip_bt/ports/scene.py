@@ -8,7 +8,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.values import Pose
+from grip_bt.values import JointState, Pose
 from grip_bt.values.solids import Mesh, Solid
 
 
@@ -84,6 +84,13 @@ class Scene(Protocol):
 
         Raises:
             UnknownNameError: it isn't there.
+        """
+        ...
+
+    def robot(self, at: JointState | None = None) -> Sequence[NDArray[np.float64]]:
+        """Return the robot's shapes, each as points, shape (k, 3) in world [m], whose convex hull contains it.
+
+        Its joints are where they are measured, but for those in `at`. Nothing where its geometry isn't known.
         """
         ...
 

@@ -68,6 +68,19 @@ class JointState(ComparesArrays):
         return np.array([mine[n] for n in names])
 
 
+@dataclass(frozen=True, slots=True)
+class Closing:
+    """What a hand did when it last closed.
+
+    Attributes:
+        goal: the posture that it was sent to.
+        reached: what was measured when the fingers had stopped.
+    """
+
+    goal: JointState
+    reached: JointState
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Trajectory(ComparesArrays):
     """A timed path of named joints.

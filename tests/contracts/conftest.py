@@ -64,14 +64,18 @@ def fake_hand_port() -> Iterator[HandRig]:
     clock = ManualClock()
     opened, closed, thing = _fingers()
     port = FakeHand(opened, OnClock(clock))
-    yield HandRig(port, clock.advance, opened, closed, lambda: setattr(port, "thing", thing), exact=True)
+
+    def put(what: JointState | None) -> None:
+        port.thing = what
+
+    yield HandRig(port, clock.advance, opened, closed, lambda: put(thing), lambda: put(None), exact=True)
 
 
 @contextmanager
 def commanded_fake_hand() -> Iterator[HandRig]:
     with fake_hand_port() as rig:
         states = build_robot("panda_allegro").named_states["hand"]
-        yield HandRig(HandCommander("right", rig.port, states), rig.let_pass, rig.open, rig.closed, rig.offer)
+        yield HandRig(HandCommander("right", rig.port, states), rig.let_pass, rig.open, rig.closed, rig.offer, rig.take)
 
 
 @contextmanager
@@ -113,7 +117,7 @@ def held_executor() -> Iterator[ExecutorRig]:
 @contextmanager
 def held_hand_port() -> Iterator[HandRig]:
     with fake_hand_port() as rig:
-        yield HandRig(HeldHand(rig.port), rig.let_pass, rig.open, rig.closed, rig.offer)
+        yield HandRig(HeldHand(rig.port), rig.let_pass, rig.open, rig.closed, rig.offer, rig.take)
 
 
 @contextmanager

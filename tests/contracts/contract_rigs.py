@@ -61,6 +61,8 @@ class HandRig(Rig):
     closed: JointState
     offer: Callable[[], None]
     """Puts a thing between the fingers."""
+    take: Callable[[], None] | None = None
+    """Takes it away again. None: the fingers stay where they were stopped then, and nothing in the hand can tell."""
     slow_down: Callable[[], None] = lambda: None
     """Makes motions slow where a duration doesn't, as with a gripper that has its own speed."""
 

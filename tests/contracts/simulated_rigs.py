@@ -45,14 +45,23 @@ def simulated_hand_port() -> Iterator[HandRig]:
         assert there.wait(PATIENCE)
         there.result()
         hand = simulation.hand("hand")
-        yield HandRig(hand, simulation.settle, opened, part, lambda: simulation.referee.move_object("thing", SPOT))
+
+        def take() -> None:
+            simulation.referee.move_object("thing", Pose(THING.position))
+            simulation.settle(0.5)
+
+        yield HandRig(
+            hand, simulation.settle, opened, part, lambda: simulation.referee.move_object("thing", SPOT), take
+        )
 
 
 @contextmanager
 def commanded_simulated_hand() -> Iterator[HandRig]:
     with simulated_hand_port() as rig:
         states = build_robot("panda_allegro").named_states["hand"]
-        yield HandRig(HandCommander("right", rig.port, states), rig.let_pass, rig.open, states["closed"], rig.offer)
+        yield HandRig(
+            HandCommander("right", rig.port, states), rig.let_pass, rig.open, states["closed"], rig.offer, rig.take
+        )
 
 
 @contextmanager

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from grip_bt.errors import NoContactError, UnknownNameError
+from grip_bt.nodes.evidence import Limits, hand_voices, holds
 from grip_bt.ports import Hand
 
 
@@ -57,3 +58,34 @@ def test_contacts_are_told_while_a_thing_is_held(hand_rig):
 def test_a_taught_posture_is_a_named_one(hand_rig):
     taught = hand_rig.port.teach("shown")
     assert hand_rig.port.named_states()["shown"] == taught
+
+
+def test_how_it_closed_is_known_until_the_fingers_go_elsewhere(hand_rig):
+    assert hand_rig.port.closing() is None
+    hand_rig.offer()
+    measured = hand_rig.wait(hand_rig.port.close(torque_limit=0.5)).result()
+    closing = hand_rig.port.closing()
+    assert closing.reached == measured
+    assert closing.goal.ordered(hand_rig.closed.names) == pytest.approx(hand_rig.closed.position)
+    hand_rig.wait(hand_rig.port.open())
+    assert hand_rig.port.closing() is None
+
+
+def test_what_is_taken_out_of_the_hand_is_told_by_the_hand(hand_rig):
+    """Contact, fingers, or both: whatever the hand has to tell it by, nobody has to look."""
+    if hand_rig.take is None:
+        pytest.skip("its controller has given up pressing, and measures no effort: only a camera can tell")
+    hand_rig.offer()
+    hand_rig.wait(hand_rig.port.close(torque_limit=0.5)).result()
+    assert holds(hand_voices(hand_rig.port, Limits()))
+    hand_rig.take()
+    hand_rig.let_pass(0.5)
+    voices = hand_voices(hand_rig.port, Limits())
+    assert not holds(voices), voices
+    assert any(voice.held is False for voice in voices)
+
+
+def test_what_has_closed_on_nothing_holds_nothing(hand_rig):
+    with pytest.raises(NoContactError):
+        hand_rig.wait(hand_rig.port.close()).result()
+    assert not holds(hand_voices(hand_rig.port, Limits()))

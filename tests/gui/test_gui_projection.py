@@ -55,8 +55,8 @@ def test_edges_of_a_machine_say_whether_they_leave_it() -> None:
 
 def test_exits_are_shown_at_the_child_they_belong_to() -> None:
     nodes = {node.path: node for node in project_task(load(EXAMPLE), "x.yaml", find).nodes}
-    assert [(e.outcome, e.target, e.ends) for e in nodes["next_object/attempt/propose"].on] == [
-        ("none", "nothing_left", True)
+    assert [(e.outcome, e.target, e.ends) for e in nodes["next_object/attempt/todo"].on] == [
+        ("nothing_left", "nothing_left", True)
     ]
 
 
@@ -78,7 +78,7 @@ def test_containers_say_their_settings() -> None:
     labels = {node.path: node.label for node in project_task(load(EXAMPLE), "x.yaml", find).nodes}
     assert labels["next_object"] == "at most 5 attempts"
     assert labels["next_object/attempt/propose"] == "at most 30 s"
-    assert labels["next_object/attempt/ready/home"] == "arm/move_to"
+    assert labels["next_object/attempt/ready/away"] == "arm/clear_view"
 
 
 def test_a_broken_file_is_shown_with_the_reason_and_its_line(page: TestClient, project: Path) -> None:

@@ -131,8 +131,21 @@ class FakeArm(Steps):
 class FakeHand(Steps):
     name = "right_hand"
 
+    def __init__(self):
+        super().__init__()
+        self.touched, self.closed, self.at = {"finger": 5.0}, None, 0.0
+
+    def contacts(self):
+        return self.touched
+
+    def closing(self):
+        return self.closed
+
+    def named_states(self):
+        return {"open": JointState(("f",), [0.0]), "closed": JointState(("f",), [1.0])}
+
     def state(self):
-        return JointState(("f",), [0.0])
+        return JointState(("f",), [self.at])
 
     def open(self, posture="open"):
         return self.operation("open", posture, self.state)

@@ -127,7 +127,7 @@ def test_capture_hands_out_the_frame_and_its_points(world, tick):
     assert world.data["points"].points.shape == (320 * 240, 3)
     world.data.clear()
     world.leaf(sensor_manifest("overhead"), unbound=["points"]).tick_once()
-    assert set(world.data) == {"frame"}
+    assert set(world.data) == {"frame", "hidden"}
 
 
 def test_a_camera_without_a_picture_is_the_failure_no_data(world, tick):

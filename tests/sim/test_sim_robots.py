@@ -72,3 +72,30 @@ def test_a_torque_limit_is_that_of_the_joints_that_follow_too():
     both = world.robot.rows(("panda_finger_joint1", "panda_finger_joint2"))
     world.robot.limit_torque(world.robot.group_rows("hand"), 5.0)
     assert world.robot.kept()["limits"][both].tolist() == [5.0, 5.0]
+
+
+@pytest.mark.parametrize("name", ["panda_allegro_left", "ur10_shadow", "ur5_robotiq", "xarm7_allegro"])
+def test_what_a_robot_hides_of_the_view_is_known_from_its_joints_and_its_description(name):
+    """The camera's segmentation is the judge: hulls, drawn without it, hide what the robot does and hardly more."""
+    from dataclasses import replace
+
+    from grip_bt.commanders.model import RobotModel
+    from grip_bt.nodes.sight import robot_pixels
+    from grip_bt.values import DepthImage, JointState
+    from grip_sim.geometry import camera_info
+    from grip_sim.tables import table_world
+    from grip_sim.world import World
+
+    robot = load_robot(name)
+    world = World(replace(table_world(2), robot=name))
+    world.step()
+    taken = world.look("overhead")
+    links = {link.name for link in world.robot.links}
+    shown = np.array([name in links for name in taken.names] + [False])[taken.labels]
+    measured = world.robot.measure(world.robot.rows(tuple(robot.joints)))
+    hulls = RobotModel(robot).hulls(JointState(measured.names, measured.position))
+    mine = robot_pixels(DepthImage(taken.depth, camera_info(world.spec.cameras[0])), hulls)
+    assert (shown & ~mine).mean() < 1e-3
+    assert (mine & ~shown).mean() < 5e-3
+    if name == "ur10_shadow":  # at home it stands between the camera and the table
+        assert 0.45 < mine.mean() < 0.55

@@ -18,6 +18,8 @@ from .trajectory import LATE, as_motion
 ACTION = "control_msgs/action/GripperCommand"
 UNKNOWN_FORCE = 1.0
 """Force of a contact where the gripper tells none [N]: that there is one, not how strong."""
+GAVE_WAY = 2e-3
+"""Fingers that have moved further than this since something stopped them [m or rad] don't touch it any more."""
 
 
 class GripperHand:
@@ -37,7 +39,7 @@ class GripperHand:
         self._client = bus.action(self._type, action, wait=wait)
         self._action, self._joint, self._states = action, joint, states
         self._motion: Operation[JointState] | None = None
-        self._force = 0.0
+        self._force, self._stopped_at = 0.0, 0.0
 
     @property
     def joint_names(self) -> tuple[str, ...]:
@@ -67,8 +69,10 @@ class GripperHand:
         return self._motion
 
     def contacts(self) -> Mapping[str, float]:
-        """Return the gripper's effort when something has stopped its fingers."""
-        return {self._joint: self._force} if self._force else {}
+        """Return the gripper's effort when something has stopped its fingers, and they are still there."""
+        if not self._force or abs(self.state().position[0] - self._stopped_at) > GAVE_WAY:
+            return {}
+        return {self._joint: self._force}
 
     def stop(self) -> None:
         """Hold the fingers where they are."""
@@ -86,6 +90,10 @@ class GripperHand:
 
     def _ended(self, ended: GoalEnd) -> Operation[JointState]:
         result = ended.result
-        if result.stalled and not result.reached_goal:
-            self._force = abs(result.effort) or UNKNOWN_FORCE
-        return measured(self._states, self.joint_names)
+        force = abs(result.effort) or UNKNOWN_FORCE if result.stalled and not result.reached_goal else 0.0
+
+        def note(state: JointState) -> Operation[JointState]:
+            self._force, self._stopped_at = force, float(state.position[0])
+            return Operation.finished(state)
+
+        return measured(self._states, self.joint_names).then(note)
