@@ -37,12 +37,13 @@ def _forced(outcome: str) -> Reader:
 
 
 def _unskipped(reading: Reading, element: Element, where: Where) -> Made:
-    """Return the child of a decorator that tries again, which can't be skipped."""
+    """Return the child of a decorator that remembers something beyond its end, which can't be skipped."""
     child = reading.only(element, where)
     if child.skips:
         below = element.children[0]
+        kept = "clock" if element.tag == "Timeout" else "count"
         reading.refuse(
-            below, where, f"may be skipped inside of <{element.tag}>, whose count BT.CPP then keeps for the next time"
+            below, where, f"may be skipped inside of <{element.tag}>, whose {kept} BT.CPP then keeps for the next time"
         )
     return child
 
@@ -75,7 +76,7 @@ def _keep_running(reading: Reading, element: Element, where: Where) -> Made:
 
 def _timeout(reading: Reading, element: Element, where: Where) -> Made:
     seconds = reading.seconds(element, where, "msec")
-    child = reading.only(element, where)
+    child = _unskipped(reading, element, where) if seconds else reading.only(element, where)
     made = around("timeout", child, where.meaning, seconds=seconds) if seconds else child
     made.instant = False
     return made

@@ -21,18 +21,23 @@ class Reference:
 
     def __init__(self, body: str, scripts: Mapping[str, str]):
         self.trace: list[str] = []
+        self.now = 0.0
+        self.nodes: list[Node] = []
         self.scripts = {name: script.split() for name, script in scripts.items()}
         self.root = Node(ET.fromstring(body), self)
 
-    def ticks(self, times: int) -> list[str]:
-        """Return what each tick showed: leaves ticked, `halt LEAF`, then the status."""
+    def ticks(self, times: int, period: float = 0.0) -> list[str]:
+        """Return what each tick showed, with the period [s] before it: leaves ticked, `halt LEAF`, then the status."""
         said = []
         for _ in range(times):
-            self.trace.clear()
             status = self.root.tick()
             if status != R:
                 self.root.reset()
             said.append(" ".join([*self.trace, status]))
+            self.trace.clear()
+            self.now += period
+            for node in self.nodes:
+                node.ring()
         return said
 
 
@@ -46,6 +51,9 @@ class Node:
         self.done: dict[int, str] = {}
         self.once = ""
         self.script = list(tree.scripts.get(element.tag, ["s"]))
+        self.deadline: float | None = None
+        self.timed_out = False
+        tree.nodes.append(self)
 
     def tick(self) -> str:
         if self.status == IDLE and self.said.get("_failureIf") == "true":
@@ -67,7 +75,7 @@ class Node:
                 self.tree.trace.append(f"halt {self.tag}")
             if self.tag != "SequenceWithMemory":
                 self.at = 0
-            self.count, self.done = 0, {}
+            self.count, self.done, self.deadline = 0, {}, None
             for child in self.children:
                 child.halt()
         self.status = IDLE
@@ -80,6 +88,22 @@ class Node:
     def reset_children(self) -> None:
         for child in self.children:
             child.halt()
+
+    def ring(self) -> None:
+        """Do what the timer of a Timeout does when it is over: halt the child, whoever is being ticked."""
+        if self.deadline is not None and self.tree.now >= self.deadline and self.children[0].status == R:
+            self.timed_out = True
+            self.children[0].halt()
+
+    def Timeout(self) -> str:
+        if self.deadline is None:
+            self.deadline, self.timed_out = self.tree.now + int(self.said["msec"]) / 1000, False
+        self.status = R
+        status = F if self.timed_out else self.children[0].tick()
+        if status in (S, F):
+            self.deadline = None
+            self.reset_children()
+        return status
 
     def leaf(self) -> str:
         if self.status != R:

@@ -106,12 +106,13 @@ class World:
         (self.plan.tick if self.plan is not None else self.tree.root.tick_once)()
         return "running" if self.tree.root.status == Status.RUNNING else str(self.tree.root.outcome)
 
-    def ticks(self, times: int) -> list[str]:
-        """Return what each of some ticks showed: the trace, then how the tree ended."""
+    def ticks(self, times: int, period: float = 0.0) -> list[str]:
+        """Return what each of some ticks showed, so long [s] after one another: the trace, then how the tree ended."""
         said = []
         for _ in range(times):
             end = self.tick()
             said.append(" ".join([*self.trace, end.upper()]))
+            self.clock.advance(period)
         return said
 
     def value(self, variable: str) -> Any:

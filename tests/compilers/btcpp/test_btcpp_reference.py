@@ -72,3 +72,34 @@ def test_an_imported_tree_shows_what_bt_cpp_shows(body: str, scripts: dict[str, 
     expected = Reference(body, scripts).ticks(8)
     assert World(body, scripts).ticks(8) == expected
     assert World(body, scripts, planned=True).ticks(8) == expected
+
+
+def timed(below: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
+    """Return containers, many of them with a deadline; what may be skipped isn't inside of one."""
+    limited = st.builds(
+        lambda ms, child: join("Timeout", [child], f" msec='{ms}'"),
+        st.sampled_from([500, 1000, 1500, 2000, 3500]),
+        below,
+    )
+    series = st.sampled_from(["Sequence", "Fallback", "ReactiveSequence", "ReactiveFallback"])
+    some = st.lists(below, min_size=1, max_size=3)
+    both = st.lists(below, min_size=2, max_size=2).map(
+        lambda c: join("Parallel", c, " success_count='1' failure_count='1'")
+    )
+    turned = st.builds(lambda child: join("Inverter", [child]), below)
+    return st.one_of(limited, limited, st.builds(join, series, some), both, turned)
+
+
+def told(ticks: list[str]) -> list[tuple[list[str], list[str]]]:
+    """Return of each tick who was ticked and how it ended; and who was halted, since BT.CPP's timer does so before."""
+    halted = [re.findall("halt ([A-Z])", tick) for tick in ticks]
+    return [(re.sub("halt [A-Z]", "", tick).split(), sorted(row)) for tick, row in zip(ticks, halted, strict=True)]
+
+
+@settings(max_examples=int(os.environ.get("GRIP_FUZZ_TASKS", "60")), deadline=None)
+@given(st.recursive(BARE, timed, max_leaves=8), SCRIPTS)
+def test_imported_deadlines_are_those_of_bt_cpp(body: str, scripts: dict[str, str]) -> None:
+    assume("Timeout" in body)
+    expected = told(Reference(body, scripts).ticks(9, 1.0))
+    assert told(World(body, scripts).ticks(9, 1.0)) == expected
+    assert told(World(body, scripts, planned=True).ticks(9, 1.0)) == expected
