@@ -62,6 +62,8 @@ fuzz: $(STAMP) ## the long proofs; figures go to docs/proofs.md
 	@GRIP_FUZZ_EDITS=12000 $(BIN)/pytest -q -s --timeout 7200 tests/gui/test_gui_random_edits.py
 	@GRIP_FUZZ_RESUME_KILLS=100 $(BIN)/pytest -q -s --timeout 7200 tests/parity/test_parity_resumed.py tests/app/test_resumed_runs.py
 	@GRIP_FUZZ_ROBOTS=6 $(BIN)/pytest -q -s --timeout 7200 tests/commanders/test_robot_fuzz.py
+	@GRIP_FUZZ_DEATHS=$${GRIP_FUZZ_DEATHS:-60} $(BIN)/pytest -q -s --timeout 7200 tests/app/test_killed_runs.py
+	@GRIP_FUZZ_DAMAGE=$${GRIP_FUZZ_DAMAGE:-400} $(BIN)/pytest -q -n 2 --timeout 7200 tests/cli/test_damaged_journals.py
 	@GRIP_FUZZ_KILLS=100 $(BIN)/pytest -q -s --timeout 7200 tests/runtime/test_runtime_journal_blocks.py
 	@GRIP_FUZZ_DELAYS=20000 $(BIN)/pytest -q -s --timeout 7200 tests/ros/test_late_changes.py
 	@GRIP_FUZZ_TASKS=250 $(BIN)/pytest -q -s -n 2 --timeout 7200 tests/smach_import/test_smach_import_lowerings.py

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -49,6 +50,7 @@ class AttemptRecorder(Silent):
         clock: the run's clock.
         truth: asks the referee, or None where there is none.
         on_end: called with each attempt that ended.
+        meaning: of the attempt node's outcomes.
     """
 
     def __init__(
@@ -58,9 +60,11 @@ class AttemptRecorder(Silent):
         clock: Callable[[], float],
         truth: Truth | None = None,
         on_end: Callable[[Attempt], None] = lambda attempt: None,
+        meaning: Mapping[str, str] = MappingProxyType({"failure": "failure"}),
     ):
         self._path, self._check, self._clock, self._truth, self._on_end = attempt, check, clock, truth, on_end
         self.attempts: list[Attempt] = []
+        self._meaning = meaning
         self._began = 0.0
         self._first: Failure | None = None
 
@@ -100,7 +104,7 @@ class AttemptRecorder(Silent):
         attempt = self.attempts[-1]
         attempt.outcome = outcome
         # A recovery that succeeded leaves a failed attempt without a reason of its own: what it recovered from is it.
-        attempt.failure = failure or (self._first if outcome == "failure" else None)
+        attempt.failure = failure or (self._first if self._meaning.get(outcome or "") == "failure" else None)
         attempt.duration = self._clock() - self._began
         self._on_end(attempt)
 

@@ -71,10 +71,10 @@ def write_capsule(reader: JournalReader, run: str, file: Path, most: int | None 
     columns, left_out = columns_of(events)
     page = _page(record, task, _catalog(record), columns, left_out)
     try:
-        file.write_text(page, encoding="utf-8")
+        file.write_text(page, encoding="utf-8", errors="backslashreplace")
     except OSError as error:
         raise DocumentError(f"can't be written: {error.strerror}", str(file)) from None
-    return Capsule(len(events), len(page.encode()), left_out)
+    return Capsule(len(events), file.stat().st_size, left_out)
 
 
 def _catalog(record: RunRecord) -> Catalog:
@@ -145,7 +145,9 @@ def columns_of(events: list[Event]) -> tuple[dict[str, Any], str]:
     """
     kinds: dict[tuple[Any, ...], int] = {}
     numbers = np.fromiter(
-        (kinds.setdefault((e.path, e.event, e.outcome, e.code), len(kinds)) for e in events), np.uint32, len(events)
+        (kinds.setdefault((e.path, e.event, e.outcome, e.code, e.meaning), len(kinds)) for e in events),
+        np.uint32,
+        len(events),
     )
     since = np.round(np.array([e.t for e in events], float) * _MICRO).astype(np.int64)
     steps = np.diff(since, prepend=0)

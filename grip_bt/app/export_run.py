@@ -39,7 +39,7 @@ def export_run(reader: JournalReader, run: str, file: Path, to: str) -> int:
 
 def _jsonl(reader: JournalReader, run: str, file: Path) -> int:
     count = 0
-    with file.open("w", encoding="utf-8") as lines:
+    with file.open("w", encoding="utf-8", errors="backslashreplace") as lines:
         for event in reader.iterate(run):
             lines.write(json.dumps(asdict(event), ensure_ascii=False) + "\n")
             count += 1
@@ -48,7 +48,7 @@ def _jsonl(reader: JournalReader, run: str, file: Path) -> int:
 
 def _csv(reader: JournalReader, run: str, file: Path) -> int:
     count = 0
-    with file.open("w", encoding="utf-8", newline="") as table:
+    with file.open("w", encoding="utf-8", newline="", errors="backslashreplace") as table:
         writer = csv.writer(table)
         writer.writerow(COLUMNS)
         for event in reader.iterate(run):

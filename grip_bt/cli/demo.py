@@ -68,6 +68,7 @@ def run(args: argparse.Namespace) -> int:
 def _recorder(demo: Demo, session: Session, say: Any) -> AttemptRecorder:
     from grip_bt.app.attempts import AttemptRecorder
     from grip_bt.app.report import attempt_line
+    from grip_bt.compilers.probe import parts_of
 
     referee = session.resources.referee
     clock = session.runner.context.clock
@@ -77,6 +78,7 @@ def _recorder(demo: Demo, session: Session, say: Any) -> AttemptRecorder:
         clock.now,
         referee.truth if referee is not None else None,
         lambda attempt: say(attempt_line(attempt)),
+        parts_of(session.runner.compiled)[demo.attempt].meaning,
     )
 
 

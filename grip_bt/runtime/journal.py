@@ -151,7 +151,7 @@ class Journal:
         try:
             database = sqlite3.connect(self.file, timeout=30, isolation_level=None)
             prepare_to_write(database)
-        except sqlite3.Error as error:
+        except (sqlite3.Error, UnicodeError) as error:
             opened.append(error)
             return
         finally:

@@ -61,7 +61,7 @@ def prune(file: Path, limit: int, keep: Callable[[str], bool] = lambda run: Fals
             if give_back:
                 _vacuum(database)
             return Pruned(tuple(removed), before, _in_use(database))
-    except sqlite3.Error as error:
+    except (sqlite3.Error, UnicodeError, TypeError) as error:
         raise JournalError(f"{file}: runs can't be removed: {error}") from error
 
 

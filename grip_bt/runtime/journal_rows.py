@@ -11,6 +11,8 @@ from .journal import JournalError
 from .journal_schema import has_table, refuse_newer
 
 _BUSY = (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED)
+BAD = (sqlite3.Error, UnicodeError, OverflowError, MemoryError, ValueError, TypeError)
+"""What sqlite3 raises for files that are damaged; their names of tables are in its words, decoded."""
 _MOST_ROWS = 100_000
 """Rows that are looked for one by one where a table is damaged."""
 
@@ -48,7 +50,7 @@ class Rows:
             self.packed, self.in_rows = has_table(self._database, "blocks"), has_table(self._database, "events")
             if not self.packed and not self.in_rows:
                 raise sqlite3.DatabaseError("no such table: blocks")
-        except sqlite3.DatabaseError as error:
+        except BAD as error:
             self._database.close()
             raise JournalError(f"{file}: isn't a journal: {error}") from error
 
@@ -70,7 +72,7 @@ class Rows:
         try:
             with self._lock:
                 return self._database.execute(statement, values).fetchall()
-        except sqlite3.Error as error:
+        except BAD as error:
             busy = getattr(error, "sqlite_errorcode", None) in _BUSY
             raise (JournalError if busy else DamagedError)(f"{self._file}: can't be read: {error}") from error
 

@@ -98,11 +98,11 @@ def test_the_capsule_has_every_event_of_the_run(capsule):
     file, events = capsule
     columns = json.loads(Page(file.read_text()).facts)["events"]
     found = events_in(columns)
-    assert [event[1:5] for event in found] == [(e.path, e.event, e.outcome, e.code) for e in events]
+    assert [event[1:6] for event in found] == [(e.path, e.event, e.outcome, e.code, e.meaning) for e in events]
     assert [event[0] for event in found] == pytest.approx([e.t for e in events], abs=1e-6)
     failure = next(e for e in found if e[1] == "attempts/broken" and e[2] == "exit")
-    assert failure[5] == {"message": "the way is blocked"}
-    assert [e[5]["preview"] for e in found if e[2] == "write"] == ["1", "2"]
+    assert failure[6] == {"message": "the way is blocked"}
+    assert [e[6]["preview"] for e in found if e[2] == "write"] == ["1", "2"]
 
 
 def test_both_drawings_name_every_node_and_share_no_identifiers(capsule):
@@ -176,7 +176,7 @@ def test_columns_hold_any_events(rows):
     ]
     found = events_in(columns_of(events)[0])
     assert [e[1:3] for e in found] == [(e.path, e.event) for e in events]
-    assert [e[5] for e in found] == [e.data for e in events]
+    assert [e[6] for e in found] == [e.data for e in events]
     assert [e[0] for e in found] == pytest.approx([e.t for e in events], abs=1e-6)
 
 

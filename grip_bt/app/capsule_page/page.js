@@ -2,7 +2,7 @@
 (async () => {
   const byId = (id) => document.getElementById(id);
   const facts = JSON.parse(byId("facts").textContent);
-  const GLYPHS = { running: "▶", success: "✓", ended: "✓", failure: "✗", error: "‼", interrupted: "⊘" };
+  const GLYPHS = { running: "▶", success: "✓", ended: "■", failure: "✗", error: "‼", interrupted: "⊘" };
   const seconds = (t) => `${t.toFixed(t < 100 ? 3 : 1)} s`;
 
   // --- events: columns, deflated ---
@@ -26,8 +26,8 @@
     times[i] = t / 1e6;
   }
   const eventAt = (i) => {
-    const [path, event, outcome, code] = kinds[kindOf[i]];
-    return { path, event, outcome, code, data: said[i] ?? {}, t: times[i] };
+    const [path, event, outcome, code, meaning] = kinds[kindOf[i]];
+    return { path, event, outcome, code, meaning, data: said[i] ?? {}, t: times[i] };
   };
 
   // --- what a moment is like; the same rules as on GRIP's page ---
@@ -38,20 +38,16 @@
     if (path !== "/") below.get("/")?.push(path);
     for (let at = path.lastIndexOf("/"); at > 0; at = path.lastIndexOf("/", at - 1)) below.get(path.slice(0, at))?.push(path);
   }
-  function phaseOf(path, outcome, code) {
-    const meaning = facts.nodes[path]?.outcomes[outcome];
-    if (meaning) return meaning;
-    if (outcome === "success" || outcome === "failure") return outcome;
-    return code ? "failure" : "ended";
-  }
+  // What an end means is in the journal; those of earlier versions don't say it of a task's own outcomes, which stand in the task.
+  const phaseOf = ({ path, outcome, meaning }) => meaning ?? facts.nodes[path]?.outcomes[outcome] ?? "ended";
   function apply(state, i) {
-    const { path, event, outcome, code, data, t } = eventAt(i);
+    const { path, event, outcome, code, meaning, data, t } = eventAt(i);
     const before = state.nodes.get(path) ?? { activations: 0 };
     if (event === "enter") {
       for (const other of below.get(path) ?? []) state.nodes.delete(other);
       state.nodes.set(path, { phase: "running", since: t, activations: before.activations + 1 });
     } else if (event === "exit") {
-      const how = { phase: phaseOf(path, outcome, code), since: t, outcome, code, message: data.message };
+      const how = { phase: phaseOf({ path, outcome, meaning }), since: t, outcome, code, message: data.message };
       state.nodes.set(path, { ...how, activations: before.activations });
     } else if (event === "interrupted") state.nodes.set(path, { phase: event, since: t, activations: before.activations });
     else if (event === "message") state.nodes.set(path, { ...before, message: data.text });
@@ -161,12 +157,12 @@
     byId("variables").replaceChildren(...(rows.length ? rows : [element("caption", "Nothing was written yet.")]));
   }
   function eventText(i) {
-    const { path, event, outcome, code, data, t } = eventAt(i);
-    const phase = event === "enter" ? "running" : event === "exit" ? phaseOf(path, outcome, code) : event;
+    const { path, event, outcome, code, meaning, data, t } = eventAt(i);
+    const phase = event === "enter" ? "running" : event === "exit" ? phaseOf({ path, outcome, meaning }) : event;
     const more = { exit: `${outcome}${code ? `.${code}` : ""}${data.message ? ` (${data.message})` : ""}`, message: data.text,
       write: `${data.variable ?? ""} = ${data.preview ?? "…"}`, state: data.state, run_ended: data.status,
       error: `${data.type}: ${data.message}`, enter: "begins", interrupted: "is halted",
-      run_resumed: "the run goes on in another process", went_on: { resume: "goes on", restart: "is started again" }[data.how] ?? "has ended as somebody said",
+      damaged: data.message, run_resumed: "the run goes on in another process", went_on: { resume: "goes on", restart: "is started again" }[data.how] ?? "has ended as somebody said",
       kept: `its ${data.part} is kept for going on`, zombie: `left behind in ${data.where}` }[event];
     return `${i + 1}  ${seconds(t)}  ${GLYPHS[phase] ?? "·"} ${path} ${more ?? event.replace("_", " ")}`;
   }
@@ -196,7 +192,7 @@
     const open = new Map();
     const lanes = [];
     for (let i = 0; i < count; i++) {
-      const { path, event, outcome, code, t } = eventAt(i);
+      const { path, event, outcome, meaning, t } = eventAt(i);
       if (!leaves.has(path)) continue;
       if (event === "enter") {
         let lane = lanes.findIndex((busy) => !busy);
@@ -207,7 +203,7 @@
         const span = open.get(path);
         open.delete(path);
         lanes[span.lane] = false;
-        spans.push({ ...span, to: t, phase: event === "exit" ? phaseOf(path, outcome, code) : event });
+        spans.push({ ...span, to: t, phase: event === "exit" ? phaseOf({ path, outcome, meaning }) : event });
       }
     }
     spans.push(...open.values());
@@ -231,7 +227,7 @@
       for (const span of spans) {
         const [left, top, tall] = [x(span.from), (span.lane / lanes) * height, height / lanes - 2];
         const wide = Math.max(1, x(span.to) - left - 0.5);
-        ink.fillStyle = colour(span.phase === "ended" ? "success" : span.phase === "error" ? "failure" : span.phase);
+        ink.fillStyle = colour(span.phase === "ended" ? "interrupted" : span.phase === "error" ? "failure" : span.phase);
         ink.globalAlpha = 0.28;
         ink.fillRect(left, top, wide, tall);
         ink.globalAlpha = 1;
