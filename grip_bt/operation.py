@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Generator
-from contextlib import suppress
+from contextlib import AbstractContextManager, nullcontext, suppress
+from contextvars import ContextVar
 from typing import Any, Generic, TypeVar
 
 from .errors import CanceledError
@@ -17,12 +18,13 @@ from .errors import CanceledError
 T = TypeVar("T")
 U = TypeVar("U")
 
+WAITS: ContextVar[Callable[[Operation[Any]], AbstractContextManager[object]] | None]
+WAITS = ContextVar("grip_waits", default=None)
+"""In code that works for a run: entered while that code waits for an operation, so that the run doesn't wait for it."""
+
 
 class Operation(Generic[T]):
     """Something that will have a result.
-
-    Attributes:
-        busy: whether code that can't be interrupted works for it, also after its end; set by whoever runs that code.
 
     Args:
         on_cancel: called once, by the first `cancel()` before the end; it asks the work to stop and returns at once.
@@ -38,7 +40,8 @@ class Operation(Generic[T]):
         self._callbacks: list[Callable[[], None]] = []
         self._cancel_asked = False
         self._progress: Callable[[], Any] = lambda: None
-        self.busy = False
+        self._inner: Operation[T] | None = None
+        self._working = False
 
     @classmethod
     def finished(cls, result: T) -> Operation[T]:
@@ -74,6 +77,13 @@ class Operation(Generic[T]):
 
     def wait(self, timeout: float | None = None) -> bool:
         """Block until it ends, at most `timeout` [s]; for scripts and tests, never for a leaf's `update`."""
+        if self._ended.is_set():
+            return True
+        with _waiting(self):
+            return self._ended.wait(timeout)
+
+    def wait_here(self, timeout: float | None = None) -> bool:
+        """Likewise for what is answered in no time, by whom the run itself doesn't work; the run stands still."""
         return self._ended.wait(timeout)
 
     def __await__(self) -> Generator[Any, None, T]:
@@ -96,7 +106,8 @@ class Operation(Generic[T]):
 
         self.add_done_callback(tell)
         try:
-            yield from ended
+            with nullcontext() if self.done() else _waiting(self):
+                yield from ended
         except asyncio.CancelledError:
             self.cancel()
             raise
@@ -112,6 +123,15 @@ class Operation(Generic[T]):
             self.fail(CanceledError("canceled"))
         else:
             self._on_cancel()
+
+    @property
+    def busy(self) -> bool:
+        """Whether code that can't be interrupted works for it, also after its end; set by whoever runs that code."""
+        return self._working or (self._inner is not None and self._inner.busy)
+
+    @busy.setter
+    def busy(self, works: bool) -> None:
+        self._working = works
 
     @property
     def lingers(self) -> bool:
@@ -202,6 +222,23 @@ class Operation(Generic[T]):
 
         self.add_done_callback(first_ended)
         return whole
+
+    def in_turn(self, hand_in: Callable[[Operation[T], Callable[[], None]], None]) -> Operation[T]:
+        """Return this operation for somebody to whom its end comes when it is its turn.
+
+        Args:
+            hand_in: called when this one has ended, in the thread that ended it, with what was returned and what ends
+                that.
+        """
+        whole: Operation[T] = Operation(on_cancel=self.cancel)
+        whole._inner, whole._progress = self, lambda: self.progress
+        self.add_done_callback(lambda: hand_in(whole, lambda: _copy_end(self, whole)))
+        return whole
+
+
+def _waiting(operation: Operation[Any]) -> AbstractContextManager[object]:
+    waits = WAITS.get()
+    return nullcontext() if waits is None else waits(operation)
 
 
 def _copy_end(source: Operation[T], target: Operation[T]) -> None:

@@ -15,6 +15,7 @@ from .project import Project
 
 if TYPE_CHECKING:
     from grip_bt.runtime import RunContext
+    from grip_bt.runtime.lockstep import Lockstep
 
     from .fake_state import FakeState
 
@@ -43,6 +44,7 @@ class Resources:
     world: Any = None
     fakes: FakeState | None = None
     pausable: Sequence[Pausable] = ()
+    lockstep: Lockstep | None = None
 
     def context(self, clock: Clock | None = None) -> RunContext:
         """Return what a run gives to its leaves; `clock` in place of the parts' own."""
@@ -59,6 +61,7 @@ class Resources:
             ros=self.ros,
             messages=self.messages,
             pausable=self.pausable,
+            lockstep=self.lockstep,
         )
 
 

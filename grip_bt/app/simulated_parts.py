@@ -6,6 +6,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 
 from grip_bt.errors import GripError, MissingPartError
+from grip_bt.runtime.lockstep import InTurn, Lockstep
 from grip_bt.values import Pose
 
 from .commander_parts import open_commanders
@@ -56,11 +57,15 @@ def open_robot(
     spec = replace(table_world(seed), robot=project.robot_source)
     simulation = stack.enter_context(start_simulation(spec, pace, hold))
     progress("simulator", f"SAPIEN in process {simulation.pid}: {', '.join(o.name for o in spec.objects)} on the table")
+    plans = with_move_group(project, description, planner, stack)
+    if pace is None:
+        resources.lockstep = Lockstep(simulation)
+        plans = InTurn(plans, resources.lockstep, patient=True)
     open_commanders(
         project,
         resources,
         description,
-        with_move_group(project, description, planner, stack),
+        plans,
         {name: simulation.executor(arm.group) for name, arm in file.arms.items()},
         {name: simulation.hand(hand.group) for name, hand in file.hands.items()},
         {box.name: (box.size, Pose(box.centre)) for box in spec.boxes()},

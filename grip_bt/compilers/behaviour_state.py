@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
 from py_trees.common import Status
@@ -13,7 +14,7 @@ from grip_bt.ports import Context
 from grip_bt.smach_compat import State
 from grip_bt.values import Failure
 
-from .drive import Halted, Pacer, Rushing, halt_after
+from .drive import Halted, Pacer, Rushing, alone, halt_after
 from .leaves import prepare
 
 RUNNING = Status.RUNNING
@@ -54,6 +55,16 @@ class MachineRun:
     def wake(self) -> None:
         """Have every state look."""
         self.pacer.wake()
+
+    def fork(self, count: int) -> list[AbstractContextManager[object]]:
+        """Return what threads enter that this thread starts, each for as long as it works."""
+        fork = getattr(self.pacer, "fork", alone)  # a pacer may say in which order they work
+        return fork(count)
+
+    def joined(self) -> AbstractContextManager[object]:
+        """Return what this thread enters while it waits for them."""
+        joined: Callable[[], AbstractContextManager[object]] = getattr(self.pacer, "joined", nullcontext)
+        return joined()
 
     def fail(self, error: BaseException) -> None:
         """Keep the first error and have the other states end."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -35,6 +36,11 @@ class Pacer(Protocol):
     def wake(self) -> None:
         """Have every `rest` return."""
         ...
+
+
+def alone(count: int) -> list[AbstractContextManager[object]]:
+    """Return what threads enter that work as they like, `count` of them."""
+    return [nullcontext() for _ in range(count)]
 
 
 class Rushing:

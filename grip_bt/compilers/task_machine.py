@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
 from typing import Any
 
 from grip_bt import smach_compat
@@ -175,6 +177,17 @@ class TaskConcurrence(TaskContainer, Concurrence):
         if State.preempt_requested(self):
             self._ask_children()
         return super().execute(parent_ud)
+
+    def _run_children(self) -> None:
+        self._branches: dict[str, AbstractContextManager[object]] = dict(
+            zip(self._states, self.run.fork(len(self._states)), strict=True)
+        )
+        with self.run.joined():
+            super()._run_children()
+
+    def _run_child(self, label: str, ready: threading.Event) -> None:
+        with self._branches[label]:
+            super()._run_child(label, ready)
 
     def request_preempt(self) -> None:
         """Ask every child to stop; the concurrence itself ends when they have ended."""

@@ -11,7 +11,7 @@ from .messages import Messages
 from .motion import FREEDOMS, Arm, Executor, Steerable
 from .scene import Scene
 from .sensing import Camera, Sensor
-from .timing import Clock, Pausable
+from .timing import Clock, InTurnOf, Pausable, Stepped
 
 __all__ = [
     "Arm",
@@ -23,10 +23,12 @@ __all__ = [
     "FREEDOMS",
     "Hand",
     "HandPort",
+    "InTurnOf",
     "Messages",
     "Pausable",
     "Ros",
     "Scene",
     "Sensor",
     "Steerable",
+    "Stepped",
 ]

@@ -24,10 +24,13 @@ from grip_bt.ports import (
 )
 
 from .clock import WallClock
+from .lockstep import InTurn, Lockstep
 from .waker import Waker
 from .workers import Workers
 
 T = TypeVar("T")
+MESSAGES = ("next", "recent", "together")
+"""What waits for messages that somebody may send at any time, and isn't a call with an answer."""
 
 
 class RunContext:
@@ -45,6 +48,7 @@ class RunContext:
         messages: the project's named values, where there are some.
         workers: how many threads run blocking code at most.
         pausable: what stands still while the run is paused, besides its clock: a simulator, an arm, a hand.
+        lockstep: with the simulated world with which the run takes turns, where there is one.
     """
 
     def __init__(
@@ -61,11 +65,17 @@ class RunContext:
         messages: Messages | None = None,
         workers: int = 4,
         pausable: Sequence[Pausable] = (),
+        lockstep: Lockstep | None = None,
     ):
         self._clock: Clock = clock if clock is not None else WallClock()
         self._arms, self._hands = dict(arms or {}), dict(hands or {})
         self._cameras, self._components = dict(cameras or {}), dict(components or {})
         self._scene, self._sensors, self._ros = scene, dict(sensors or {}), ros
+        self.lockstep = lockstep
+        if lockstep is not None:
+            self._components = {name: InTurn(part, lockstep) for name, part in self._components.items()}
+            self._sensors = {name: InTurn(part, lockstep) for name, part in self._sensors.items()}
+            self._ros = None if ros is None else InTurn(ros, lockstep, waiting=MESSAGES)
         self._messages = messages
         self._workers = Workers(workers)
         self._preempt_requests = 0
@@ -105,7 +115,7 @@ class RunContext:
 
     def run_in_worker(self, work: Callable[[], T]) -> Operation[T]:
         """Run blocking code in a worker thread."""
-        return self._workers.run(work)
+        return self._workers.run(work) if self.lockstep is None else self.lockstep.work(self._workers.run, work)
 
     def hold_with(self, part: Pausable) -> Callable[[], None]:
         """Have `part` stand still whenever the run is paused, at once if it is; call what is returned to end that."""

@@ -5,9 +5,11 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from typing import Literal
 
 from grip_bt.compilers import Halted
+from grip_bt.compilers.drive import alone
 
 from .waker import Waker
 
@@ -83,6 +85,16 @@ class Pacing:
             self._waker.wait(seen, self.poll)
         else:
             self._keep_time(self.rate)
+
+    def fork(self, count: int) -> list[AbstractContextManager[object]]:
+        """Return what threads enter that this thread starts, each for as long as it works."""
+        lockstep = self._waker.lockstep
+        return alone(count) if lockstep is None else lockstep.fork(count)
+
+    def joined(self) -> AbstractContextManager[object]:
+        """Return what this thread enters while it waits for them."""
+        lockstep = self._waker.lockstep
+        return alone(1)[0] if lockstep is None else lockstep.joined()
 
     def _keep_time(self, rate: float) -> None:
         """Wait for the next multiple of the period; ticks that came too late are left out, not made up for."""

@@ -23,6 +23,7 @@ from .context import RunContext
 from .debugger import Debugger
 from .journal import Journal
 from .keeping import Keeper, Kept
+from .lockstep import Lockstep, WakeOnWrite
 from .pacing import Pacing, State
 from .plan import Plan, ticker
 from .recorder import Recorder
@@ -141,6 +142,7 @@ class Runner:
         self._result: RunResult | None = None
         if self._recorder is not None:
             self.pacing.on_state(self._recorder.state)
+        self._lockstep = context.lockstep if reliving is None else None
         self.pacing.on_state(self._hold_parts)
 
     def observe(self, observer: Observer) -> None:
@@ -209,6 +211,8 @@ class Runner:
         if state == "paused":
             self.context.pause()
         elif state == "stopping":
+            if self._lockstep is not None:
+                self._lockstep.end()
             self.context.release()
         else:
             self.context.resume()
@@ -223,6 +227,9 @@ class Runner:
         """
         if not self._begun.acquire(blocking=False):
             raise RuntimeError("a runner runs once; compile the task again for another run")
+        if self._lockstep is not None:
+            self._lockstep.enter()
+            self._observers.append(WakeOnWrite(self.context))
         self._install()
         if self._recorder is not None:
             if self._reliving is None:
@@ -261,6 +268,8 @@ class Runner:
             self.compiled.prepare(self.context)
             if self._reliving is not None:
                 self._reliving.install(self.context.wake)
+            if self._lockstep is not None:
+                self._take_turns(self._lockstep)
             end = self._execute()
         except Halted:
             return self._made(None, "stopped")
@@ -269,8 +278,18 @@ class Runner:
                 self._recorder.error(error, "".join(traceback.format_exception(error)))
             return self._made(None, "error", error)
         finally:
+            if self._lockstep is not None:
+                self._lockstep.end()
             self.compiled.release()
         return self._made(end, "success" if end.meaning == "success" else "failure")
+
+    def _take_turns(self, lockstep: Lockstep) -> None:
+        """Take turns with the simulated world; a leaf is polled where it isn't known to wake the run."""
+        own = (type(leaf).update.__module__ for leaf in self.compiled.leaves.values())
+        foreign = any(isinstance(node, Foreign) for node in self.compiled.by_path.values())
+        if not foreign and all(name.startswith("grip_bt.") for name in own):
+            self.pacing.poll = None
+        lockstep.begin(self.context.waker)
 
     def _execute(self) -> TaskEnd:
         pacer: Pacer = self.pacing if self._reliving is None else RelivingPacer(self.pacing, self._reliving)
@@ -362,6 +381,8 @@ class Runner:
             for zombie in self._result.zombies:
                 self._recorder.zombie(zombie.path, zombie.where)
             self._recorder.finished(result.outcome, result.status)
+        if self._lockstep is not None:
+            self._lockstep.leave()
         self._ended.set()
 
     def _see_off(self) -> None:

@@ -9,12 +9,15 @@ import queue
 import select
 import socket
 import threading
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from numpy.typing import NDArray
 
 from grip_bt.errors import SimulatorLostError
 from grip_bt.operation import Operation
+from grip_bt.ports import InTurnOf
 
 from .clock import SimClock
 from .process import SimProcess
@@ -30,6 +33,10 @@ SILENCE = 120.0
 class SimClient:
     """Owns one simulator process.
 
+    Attributes:
+        clock: the run's.
+        sent: how many requests were sent, without what is said of turns.
+
     Args:
         spec: the world to make.
         pace: simulated seconds per second; None for as fast as it goes.
@@ -44,8 +51,10 @@ class SimClient:
         self._lock = threading.Lock()  # over what is pending and lost, and the order of completions
         self._sending = threading.Lock()  # apart: a full pipe must not keep the reader from emptying the other one
         self._pending: dict[int, tuple[Operation[Reply], bool]] = {}
-        self._completions: queue.SimpleQueue[tuple[Operation[Reply], Reply] | None] = queue.SimpleQueue()
-        self._count = 0
+        self._completions: queue.SimpleQueue[Callable[[], None] | None] = queue.SimpleQueue()
+        self.sent = 0
+        self._in_turn: InTurnOf | None = None
+        self._stood: Callable[[], None] = lambda: None
         self._lost: SimulatorLostError | None = None
         self._connection, theirs = socket.socketpair()
         with theirs:
@@ -76,7 +85,8 @@ class SimClient:
 
     def request(self, call: str, /, **fields: Any) -> Operation[Reply]:
         """Call something that advances no physics, without waiting."""
-        return self._send({"call": call, **fields})
+        operation = self._send({"call": call, **fields})
+        return operation if self._in_turn is None else self._in_turn(operation, holds=True)
 
     def move(self, call: str, /, arrays: Arrays | None = None, **fields: Any) -> Operation[Reply]:
         """Begin something that advances the physics; cancelling it stops that motion."""
@@ -87,7 +97,34 @@ class SimClient:
             self.clock.end()
             raise
         operation.add_done_callback(self.clock.end)
-        return operation
+        return operation if self._in_turn is None else self._in_turn(operation, holds=False)
+
+    def take_turns(self, in_turn: InTurnOf, stood: Callable[[], None]) -> None:
+        """Have simulated time stand still but for `go`; see `grip_bt.ports.Stepped`."""
+        self.ask("take_turns")
+        self._in_turn, self._stood = in_turn, stood
+
+    def go(self, until: float | None) -> bool:
+        """Have simulated time go on; False when the simulator is lost."""
+        return not self._tell("go", until=until)
+
+    def stand(self) -> None:
+        """Have it stand still now."""
+        self._tell("stand")
+
+    def go_freely(self) -> None:
+        """Have it go by itself again."""
+        self._in_turn = None
+        self._tell("go_freely")
+
+    def _tell(self, call: str, **fields: Any) -> bool:
+        """Say something about turns, to which there is no answer; return whether nobody is there any more."""
+        try:
+            with self._sending:
+                self._connection.sendall(pack({"id": 0, "call": call, **fields}))
+        except OSError:
+            pass  # the reader notices the end
+        return self._lost is not None
 
     def close(self) -> None:
         """End the process; pending operations fail. Harmless when it was closed before."""
@@ -110,8 +147,8 @@ class SimClient:
         waited_for: bool = False,
     ) -> Operation[Reply]:
         with self._lock:
-            self._count += 1
-            number = self._count
+            self.sent += 1
+            number = self.sent
         message = pack({"id": number, **fields}, arrays)
         operation: Operation[Reply] = Operation((lambda: self._cancel(number)) if cancelable else None)
         with self._lock:
@@ -129,7 +166,7 @@ class SimClient:
         self._send({"call": "cancel", "motion": number})
 
     def _await(self, operation: Operation[Reply], seconds: float) -> Reply:
-        if not operation.wait(seconds):
+        if not operation.wait_here(seconds):
             raise SimulatorLostError(f"the simulator (process {self.pid}) gives no answer within {seconds:.0f} s")
         return operation.result()
 
@@ -161,14 +198,16 @@ class SimClient:
             if operation is not None and not waited_for:
                 # Callbacks may ask for more and wait for it, so they aren't called in the thread that reads answers.
                 # Under the lock: once nothing is pending and all is lost, the last completion is in the queue.
-                self._completions.put((operation, reply))
+                self._completions.put(partial(complete, operation, reply))
                 return
+            if fields.get("stands"):  # behind the ends that came before
+                self._completions.put(self._stood)
         if operation is not None:
             complete(operation, reply)
 
     def _complete_all(self) -> None:
         while (completion := self._completions.get()) is not None:
-            complete(*completion)
+            completion()
 
     def _lose(self, error: SimulatorLostError) -> None:
         with self._lock:
@@ -179,6 +218,7 @@ class SimClient:
             self._completions.put(None)
         for operation, _ in pending:
             end(operation, error)
+        self._stood()
 
     def _hang_up(self) -> None:
         try:

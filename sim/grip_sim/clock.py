@@ -7,10 +7,10 @@ import time
 
 
 class SimClock:
-    """Simulated time while something moves, our own time while nothing does; it never decreases.
+    """Simulated time while something moves, our own time while nothing does; it never decreases but once.
 
-    Physics stands still while a task thinks, so that a seed gives the same physics however long planning takes. A
-    time-out on something that never answers must fire all the same: therefore time goes on between motions.
+    Physics stands still between motions, and whoever moves the robot by hand has time-outs all the same. A run that
+    takes turns with the simulator has simulated time alone: nothing in it depends on how long anything takes us.
     """
 
     def __init__(self) -> None:
@@ -20,7 +20,7 @@ class SimClock:
         self._idle_since: float | None = time.monotonic()
         self._moving = 0
         self._latest = 0.0
-        self._paused = False
+        self._paused = self._simulated_only = False
 
     def now(self) -> float:
         """Return the time [s]."""
@@ -64,8 +64,19 @@ class SimClock:
                 self._paused = False
                 self._let_idle()
 
+    def keep_to_simulated(self, only: bool) -> None:
+        """Show simulated time alone, from which our own is taken out again; or let our own go on."""
+        with self._lock:
+            if only == self._simulated_only:
+                return
+            self._simulated_only = only
+            if only:
+                self._idle, self._idle_since, self._latest = 0.0, None, self._simulated
+            else:
+                self._let_idle()
+
     def _let_idle(self) -> None:
-        if self._moving == 0 and not self._paused:
+        if self._moving == 0 and not self._paused and not self._simulated_only:
             self._idle_since = time.monotonic()
 
     def told(self, simulated: float) -> None:

@@ -21,6 +21,8 @@ GRACE = 1.0
 """How long a motion may take to come to rest after its time [s]."""
 STILL = 0.05
 """Joints slower than this stand still [rad/s]."""
+STILL_TIME = 0.1
+"""Fingers have come to rest when they stood still for so long [s]."""
 _PAST = 0.1
 """What was followed longer ago is forgotten when a motion is amended [s]."""
 
@@ -203,7 +205,7 @@ class MoveHand:
         self.rows, self._robot, self._goal = rows, robot, goal
         self._start = robot.targets(rows)
         self._duration, self._begun = duration, begun
-        self._still = 0.0
+        self._still_since: float | None = None
 
     def advance(self, world: World) -> Ended | None:
         """Move the targets; the end is when the time is over and the fingers stand still, or the grace is over."""
@@ -212,9 +214,12 @@ class MoveHand:
         self._robot.drive(self.rows, self._start + (self._goal - self._start) * part)
         if t <= self._duration:
             return None
-        moving = np.abs(self._robot.velocities()[self.rows]).max() > STILL
-        self._still = 0.0 if moving else self._still + world.spec.dt
-        return Ended() if self._still > 0.1 or t > self._duration + GRACE else None
+        if np.abs(self._robot.velocities()[self.rows]).max() > STILL:
+            self._still_since = None
+        elif self._still_since is None:
+            self._still_since = world.time
+        still = 0.0 if self._still_since is None else world.time - self._still_since
+        return Ended() if still > STILL_TIME or t > self._duration + GRACE else None
 
     def braking(self, world: World) -> Motion:
         """Have the targets come to rest on their way; what the fingers press on they go on to press on."""

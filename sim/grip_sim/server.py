@@ -46,6 +46,8 @@ class Server:
     ):
         self._connection, self._pace, self._hold = connection, pace, hold
         self._frozen = self._held = self._asked = False
+        self._in_turns = self._going = False
+        self._until: float | None = None
         self.world = World(spec)
         self._motions: dict[int, Motion] = {}
         self._told = self._due = 0.0
@@ -59,6 +61,10 @@ class Server:
             "wait": self._wait,
             "pause": self._pause,
             "resume": self._resume,
+            "take_turns": self._take_turns,
+            "go": self._go,
+            "stand": self._stand,
+            "go_freely": self._go_freely,
             "stop": self._stop,
             "cancel": self._cancel,
             "state": self._state,
@@ -80,9 +86,9 @@ class Server:
                     self._hold_for_good()
                 elif ready:
                     self._obey(*receive(self._connection))
-                elif self._frozen:
+                elif self._stands:
                     self._send({"id": 0})
-                elif self._motions:
+                elif self._motions or self._going:
                     self._advance()
         except (ClosedError, BrokenPipeError, ConnectionResetError):
             return
@@ -90,10 +96,15 @@ class Server:
     def _listened_to(self) -> list[socket.socket]:
         return [self._connection] if self._hold is None else [self._hold, self._connection]
 
+    @property
+    def _stands(self) -> bool:
+        """Whether time stands still, whatever is under way."""
+        return self._frozen or (self._in_turns and not self._going)
+
     def _patience(self) -> float | None:
-        if self._frozen:
+        if self._stands:
             return SIGN_OF_LIFE
-        return max(0.0, self._due - time.monotonic()) if self._motions else None
+        return max(0.0, self._due - time.monotonic()) if self._motions or self._going else None
 
     def _hold_for_good(self) -> None:
         """Have everything come to rest, move nothing any more, and say so; a channel that was closed says nothing."""
@@ -101,6 +112,9 @@ class Server:
         if not self._hold.recv(64):
             self._hold = None
             return
+        if self._going:
+            self._stand()
+        self._in_turns = False
         for number in list(self._motions):
             self._brake(number)
         self._held = self._asked = True
@@ -130,13 +144,17 @@ class Server:
     def _advance(self) -> None:
         began = time.monotonic()
         for _ in range(STEPS_PER_LOOK):
-            if self._pace is None and self._awaited():
+            if self._in_turns:
+                if self._until is not None and self.world.time >= self._until:
+                    return self._stand()
+            elif self._pace is None and self._awaited():
                 return
-            for number, motion in list(self._motions.items()):
-                end = motion.advance(self.world)
-                if end is not None:
-                    self._finish(number, end)
-            if not self._motions:
+            ends = [(number, end) for number, motion in self._motions.items() if (end := motion.advance(self.world))]
+            for number, end in ends:
+                self._finish(number, end)
+            if ends and self._in_turns:
+                return self._stand()
+            if not self._motions and not self._in_turns:
                 return
             self.world.step()
         if self._pace is not None:  # messages are obeyed meanwhile, so that a stop isn't late
@@ -200,6 +218,25 @@ class Server:
     def _resume(self, number: int) -> Any:
         self._frozen = False
         return {}, None
+
+    def _take_turns(self, number: int) -> Any:
+        self._in_turns, self._going = True, False
+        return {}, None
+
+    def _go(self, number: int, until: float | None) -> None:
+        """Go on up to a moment [s], or to the end of a motion."""
+        self._until, self._going = until, True
+        if not self._in_turns:  # the robot was told to hold
+            self._stand()
+
+    def _stand(self, number: int = 0) -> None:
+        """Stand still, and say so behind everything that was said before."""
+        if self._going:
+            self._going = False
+            self._send({"id": 0, "stands": True})
+
+    def _go_freely(self, number: int) -> None:
+        self._in_turns = self._going = False
 
     def _allow_motion(self) -> None:
         if self._held:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grip_bt.commanders.description.load import load_robot
 from grip_bt.errors import UnknownNameError
+from grip_bt.ports import InTurnOf
 
 from .adapters import SimCamera, SimExecutor, SimHand, SimReferee, check_positive
 from .client import SimClient
@@ -21,7 +22,7 @@ SETTLE = 0.5
 
 
 class Simulation:
-    """A running simulator. Physics advances only while something is under way.
+    """A running simulator. Physics advances only while something is under way. Implements `grip_bt.ports.Stepped`.
 
     Attributes:
         spec: the world.
@@ -100,6 +101,31 @@ class Simulation:
         """Have the world go on."""
         self.clock.resume()
         self._client.ask("resume")
+
+    @property
+    def sent(self) -> int:
+        """How many requests the simulator was sent."""
+        return self._client.sent
+
+    def keep_to_simulated(self, only: bool) -> None:
+        """Have the clock show simulated time alone, or let ours go on in it while nothing moves."""
+        self.clock.keep_to_simulated(only)
+
+    def take_turns(self, in_turn: InTurnOf, stood: Callable[[], None]) -> None:
+        """Have simulated time stand still but for `go`; see `grip_bt.ports.Stepped`."""
+        self._client.take_turns(in_turn, stood)
+
+    def go(self, until: float | None) -> bool:
+        """Have it go on up to a moment [s], or until a motion ends; False when the simulator is lost."""
+        return self._client.go(until)
+
+    def stand(self) -> None:
+        """Have it stand still now."""
+        self._client.stand()
+
+    def go_freely(self) -> None:
+        """Have it go by itself again."""
+        self._client.go_freely()
 
     def close(self) -> None:
         """End the simulator's process."""

@@ -1,0 +1,422 @@
+"""A run and a simulated world take turns, so that a seed gives the same run again, bit by bit.
+
+Simulated time stands still while the run works: during ticks and callbacks, and while something is pending that isn't
+physics: a plan, a component's answer, a frame, code in a worker. What ends is told to the run one thing after the
+other, in the order in which they were asked for and not in the order in which they were quicker, each when the run has
+reacted to the one before. Only when nothing is pending does the world go on, up to the next end of a motion or the next
+moment that somebody waits for. Concurrent threads of a machine work one at a time, in the document's order.
+
+A call that isn't answered holds time for so long of ours as the next moment is away that the run waits for, and at
+least `GRACE`. Then time goes on without it, and a time-out around it ends at its own moment of the run's clock.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextvars import ContextVar
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any, TypeVar
+
+from grip_bt.errors import CanceledError
+from grip_bt.nodes.observer import Silent
+from grip_bt.operation import WAITS, Operation
+from grip_bt.ports import Stepped
+
+from .waker import Waker
+
+T = TypeVar("T")
+GRACE = 10.0
+"""A call holds time for so long [s of ours] at least."""
+IDLE = 0.1
+"""Where nobody is known to wait for anything, time passes as ours does, in parts of this [s]."""
+_log = logging.getLogger(__name__)
+
+
+@dataclass(eq=False)
+class _Thread:
+    """A thread of the run. `key` orders those of a machine as the document does."""
+
+    key: tuple[int, ...]
+    ready: Callable[[], bool] = lambda: True
+    look_at: float | None = None
+    branches: int = 0
+
+
+@dataclass(eq=False)
+class _Pending:
+    """Something under way that will end.
+
+    Attributes:
+        key: orders what is pending as it was asked for; what code in a worker asks for comes after that code.
+        holds: whether time stands still for it; not for a motion, nor for what was waited for too long.
+        patient: whether that lasts until it ends, because it surely does.
+        finish: tells the end; None before it.
+        waits: for what the code that works for it waits.
+    """
+
+    key: tuple[int, ...]
+    holds: bool
+    patient: bool
+    asked: float
+    whole: Operation[Any] | None = None
+    finish: Callable[[], None] | None = None
+    waits: list[Operation[Any]] = field(default_factory=list)
+    count: int = 0
+
+    def holds_now(self) -> bool:
+        """Tell whether time stands still for it; not while it waits for something else."""
+        return self.holds and (not self.waits or any(operation.done() for operation in self.waits))
+
+
+_CALLER: ContextVar[_Pending | None] = ContextVar("grip_caller", default=None)
+"""For whom the code in this worker works."""
+
+
+class Lockstep:
+    """The turns of one run at a time and its simulated world.
+
+    Before `begin` and after `end` it changes nothing: the world goes by itself, and ends come when they come.
+
+    Args:
+        world: whose time stands still.
+    """
+
+    def __init__(self, world: Stepped):
+        self._world, self._now = world, world.clock.now
+        self._on = False
+        self._waker: Waker | None = None
+        self._changed = threading.Condition()
+
+    @property
+    def on(self) -> bool:
+        """Whether run and world take turns now."""
+        return self._on
+
+    # --- for the runner ---
+
+    def enter(self) -> None:
+        """Have the run's clock show simulated time alone, until `leave`: from before the run's first event."""
+        self._world.keep_to_simulated(True)
+
+    def leave(self) -> None:
+        """Let our time go on in the clock: after the run's last event."""
+        self._world.keep_to_simulated(False)
+
+    def begin(self, waker: Waker) -> None:
+        """Take turns from now on; called by the run's thread, whose turn it is."""
+        self._waker, self._changed = waker, waker.condition
+        self._first = _Thread(())
+        self._threads: dict[int, _Thread] = {threading.get_ident(): self._first}
+        self._turn: _Thread | None = self._first
+        self._waiting: list[_Thread] = []
+        self._pending: list[_Pending] = []
+        self._count, self._going, self._known = 0, False, -1
+        self._driver: int | None = None
+        WAITS.set(self._until_done)
+        self._on = True
+        waker.lockstep = self
+        self._world.take_turns(partial(self.through, patient=True), self._stood)
+
+    def end(self) -> None:
+        """Let the world go by itself again; calls that have been answered end as cancelled. Harmless if repeated."""
+        self._let_go(canceled=True)
+
+    def _let_go(self, canceled: bool) -> None:
+        with self._changed:
+            if not self._on:
+                return
+            self._on = False
+            ready = [pending for pending in sorted(self._pending, key=_key) if pending.finish is not None]
+            self._changed.notify_all()
+        self._world.go_freely()
+        for pending in ready:
+            _tell(pending, canceled)
+
+    # --- what is pending ---
+
+    def through(self, operation: Operation[T], *, holds: bool = True, patient: bool = False) -> Operation[T]:
+        """Return an operation for the run, which hears of its end in turn.
+
+        Args:
+            operation: what was begun just now.
+            holds: whether time stands still until then.
+            patient: whether it surely ends, however long that takes.
+        """
+        return self._told(self._ask(holds, patient), operation) if self._on else operation
+
+    def work(self, run: Callable[[Callable[[], T]], Operation[T]], work: Callable[[], T]) -> Operation[T]:
+        """Run code in a worker; time stands still for it but while it waits for an operation itself."""
+        if not self._on:
+            return run(work)
+        pending = self._ask(holds=True, patient=False)
+
+        def known() -> T:
+            caller, waits = _CALLER.set(pending), WAITS.set(partial(self._while_waiting, pending))
+            try:
+                return work()
+            finally:
+                _CALLER.reset(caller)
+                WAITS.reset(waits)
+
+        return self._told(pending, run(known))
+
+    def _ask(self, holds: bool, patient: bool) -> _Pending:
+        caller = _CALLER.get()
+        with self._changed:
+            if caller is None:
+                self._count += 1
+                key: tuple[int, ...] = (self._count,)
+            else:
+                caller.count += 1
+                key = (*caller.key, caller.count)
+            pending = _Pending(key, holds, patient, time.monotonic())
+            self._pending.append(pending)
+        return pending
+
+    def _told(self, pending: _Pending, operation: Operation[T]) -> Operation[T]:
+        return operation.in_turn(partial(self._hand_in, pending))
+
+    def _hand_in(self, pending: _Pending, whole: Operation[Any], finish: Callable[[], None]) -> None:
+        with self._changed:
+            if self._on and pending in self._pending:
+                pending.whole, pending.finish = whole, finish
+                self._changed.notify_all()
+                return
+        finish()
+
+    @contextmanager
+    def _while_waiting(self, pending: _Pending, operation: Operation[Any]) -> Iterator[None]:
+        with self._changed:
+            pending.waits.append(operation)
+            self._changed.notify_all()
+        try:
+            yield
+        finally:
+            with self._changed:
+                pending.waits.remove(operation)
+                pending.asked = time.monotonic()
+
+    # --- for the threads of the run ---
+
+    def rest(self, seen: int, poll: float | None) -> None:
+        """Return when there was a wake later than number `seen`, or after `poll` [s] of the run's clock."""
+        waker, thread = self._waker, self._thread()
+        assert waker is not None, "it has begun"
+        look_at = None if poll is None else self._now() + poll
+        thread.look_at = look_at
+        thread.ready = lambda: waker.wakes != seen or (look_at is not None and self._now() >= look_at)
+        self._give_turn(thread)
+        thread.look_at = None
+
+    def fork(self, count: int) -> list[AbstractContextManager[object]]:
+        """Return what threads enter that this thread starts, each for as long as it works."""
+        if not self._on:
+            return [nullcontext() for _ in range(count)]
+        parent = self._thread()
+        with self._changed:
+            parent.branches = count
+            branches = [_Thread((*parent.key, number)) for number in range(count)]
+            self._waiting += branches
+        return [self._branch(parent, thread) for thread in branches]
+
+    @contextmanager
+    def joined(self) -> Iterator[None]:
+        """Let the threads that were started work, until they have ended."""
+        if not self._on:
+            yield
+            return
+        thread = self._thread()
+        thread.ready = lambda: thread.branches == 0
+        self._rest_from_now(thread)
+        try:
+            yield
+        finally:
+            self._take_turns(thread)
+
+    @contextmanager
+    def _branch(self, parent: _Thread, thread: _Thread) -> Iterator[None]:
+        with self._changed:
+            self._threads[threading.get_ident()] = thread
+        WAITS.set(self._until_done)
+        self._take_turns(thread)
+        try:
+            yield
+        finally:
+            with self._changed:
+                parent.branches -= 1
+                del self._threads[threading.get_ident()]
+                if self._turn is thread:
+                    self._turn = None
+                self._changed.notify_all()
+
+    @contextmanager
+    def _until_done(self, operation: Operation[Any]) -> Iterator[None]:
+        """Go on until an operation has ended for which a thread of the run waits, blocking."""
+        me = threading.get_ident()
+        if self._on and me in self._threads and me != self._driver:  # a callback that waits has others wait
+            thread = self._thread()
+            thread.ready = operation.done
+            self._give_turn(thread)
+        yield
+
+    def _thread(self) -> _Thread:
+        return self._threads.get(threading.get_ident(), self._first)
+
+    def _give_turn(self, thread: _Thread) -> None:
+        self._rest_from_now(thread)
+        self._take_turns(thread)
+
+    def _rest_from_now(self, thread: _Thread) -> None:
+        with self._changed:
+            self._waiting.append(thread)
+            if self._turn is thread:
+                self._turn = None
+            self._changed.notify_all()
+
+    def _take_turns(self, thread: _Thread) -> None:
+        """Return when it is this thread's turn; until then one of those that wait has the next thing happen."""
+        while True:
+            with self._changed:
+                if not self._on or self._turn is thread:
+                    return
+                if self._turn is not None or self._driver is not None:
+                    self._changed.wait()
+                    continue
+                action = self._next()
+                if action is None:
+                    continue
+                self._driver = threading.get_ident()
+            try:
+                action()
+            finally:
+                with self._changed:
+                    self._driver = None
+                    self._changed.notify_all()
+
+    # --- what happens next ---
+
+    def _next(self) -> Callable[[], None] | None:
+        """Give a thread its turn, or wait a little, or return what is to be done; nothing of the run works."""
+        waker = self._waker
+        assert waker is not None, "it has begun"
+        waker.ring()
+        ready = min((thread for thread in self._waiting if thread.ready()), key=_key, default=None)
+        if ready is not None:
+            self._waiting.remove(ready)
+            self._turn = ready
+            self._changed.notify_all()
+            return None
+        if self._known != self._world.sent:  # what was sent may have ended motions
+            return partial(self._go, self._now(), waker.wakes)
+        for pending in sorted(self._pending, key=_key):
+            if pending.finish is not None:
+                self._pending.remove(pending)
+                return partial(_tell, pending)
+            if pending.holds_now():
+                self._wait_for(pending, waker.due)
+                return None
+        moments = [t for t in (waker.due, *(thread.look_at for thread in self._waiting)) if t is not None]
+        moving = any(pending.patient and not pending.holds for pending in self._pending)
+        if waker.due is None and not moving:  # polled leaves may look at what isn't simulated
+            least = min([IDLE, *(moment - self._now() for moment in moments)])
+            if self._changed.wait(least):
+                return None
+            moments.append(self._now() + least)
+        return partial(self._go, min(moments, default=None), waker.wakes)
+
+    def _wait_for(self, pending: _Pending, due: float | None) -> None:
+        left = None
+        if not pending.patient:
+            patience = GRACE if due is None else max(GRACE, due - self._now())
+            left = pending.asked + patience - time.monotonic()
+            if left <= 0:
+                pending.holds = False
+                return
+        self._changed.wait(left)
+
+    def _go(self, until: float | None, wakes: int) -> None:
+        """Let the world go on up to a moment, or to the end of a motion, or until the run has something to do.
+
+        Args:
+            until: the moment [s].
+            wakes: how many there were when this was decided.
+        """
+        waker = self._waker
+        assert waker is not None, "it has begun"
+        self._going, before, told = True, self._now(), False
+        self._known = self._world.sent
+        if not self._world.go(until):
+            self._let_go(canceled=False)
+            return
+        with self._changed:
+            while self._going and self._on:
+                if told or (waker.wakes == wakes and not any(pending.finish for pending in self._pending)):
+                    self._changed.wait()
+                else:
+                    told = True
+                    self._world.stand()
+            if until is not None and before < until and self._now() == before:
+                self._changed.wait(IDLE)  # a world that was told to stand for good
+
+    def _stood(self) -> None:
+        """The world has gone as far as it should; all ends until then were handed in."""
+        with self._changed:
+            self._going = False
+            self._changed.notify_all()
+
+
+class InTurn:
+    """A part of the robot, or a component, the ends of whose operations come in turn.
+
+    Args:
+        part: whose methods are called.
+        lockstep: whose turn it is.
+        patient: whether what it begins surely ends.
+        waiting: names of methods that wait for what happens outside: time goes on meanwhile.
+    """
+
+    def __init__(self, part: Any, lockstep: Lockstep, patient: bool = False, waiting: tuple[str, ...] = ()):
+        self._part, self._lockstep, self._patient, self._events = part, lockstep, patient, waiting
+
+    def __getattr__(self, name: str) -> Any:
+        found = getattr(self._part, name)
+        return partial(self._call, name, found) if callable(found) else found
+
+    def _call(self, name: str, method: Callable[..., Any], *args: Any, **named: Any) -> Any:
+        begun = method(*args, **named)
+        if not isinstance(begun, Operation):
+            return begun
+        return self._lockstep.through(begun, holds=name not in self._events, patient=self._patient)
+
+
+def _key(ordered: _Thread | _Pending) -> tuple[int, ...]:
+    return ordered.key
+
+
+def _tell(pending: _Pending, canceled: bool = False) -> None:
+    """Tell the end of something; of a call that was cancelled meanwhile, that, whichever was quicker."""
+    whole = pending.whole
+    assert pending.finish is not None, "it has ended"
+    assert whole is not None, "it has ended"
+    try:
+        if pending.holds and (canceled or whole.cancel_asked):
+            whole.fail(CanceledError("canceled"))
+        pending.finish()
+    except Exception:  # noqa: BLE001 - one callback mustn't keep other operations from ending
+        _log.exception("a callback of an operation failed")
+
+
+class WakeOnWrite(Silent):
+    """An observer that has the run look again after each write, since nobody polls for what it may change."""
+
+    def __init__(self, context: Any):
+        self._wake = context.wake
+
+    def wrote(self, path: str, variable: str, type_name: str, value: Any) -> None:
+        """A node wrote a variable."""
+        self._wake()

@@ -1,0 +1,94 @@
+"""A run that takes turns with its world is the same run whatever is slow: answers, threads, the world itself."""
+
+from __future__ import annotations
+
+import os
+import random
+import threading
+from typing import Any
+
+import pytest
+from stepped_world import KINDS, runner_of
+
+from grip_bt.compilers import to_machine, to_tree
+from grip_bt.runtime import lockstep
+
+TARGETS = (to_tree, to_machine)
+TASKS = int(os.environ.get("GRIP_FUZZ_TURNS", "6"))
+
+
+def leaf(kind: str, number: int) -> tuple[str, dict[str, Any]]:
+    return f"{kind}{number}", {"node": f"test/{kind}", "out": {"x": "last"}}
+
+
+def random_root(rng: random.Random) -> dict[str, Any]:
+    """Return parallels in sequences in parallels, of leaves that ask, move, plan and work."""
+    count = iter(range(1000))
+
+    def node(depth: int) -> tuple[str, dict[str, Any]]:
+        kind = rng.choice(("leaf", "sequence", "parallel")) if depth else "leaf"
+        if kind == "leaf":
+            return leaf(rng.choice(KINDS[:4]), next(count))
+        return f"{kind}_{next(count)}", {"kind": kind, "children": dict(node(depth - 1) for _ in range(3))}
+
+    return {"kind": "parallel", "children": dict(node(2) for _ in range(3))}
+
+
+@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize("number", range(TASKS))
+def test_events_values_and_their_times_do_not_depend_on_what_is_slow(target, number):
+    root = random_root(random.Random(number))
+    traces = []
+    for delays in range(4):
+        runner, trace, _ = runner_of(target, root, delays)
+        result = runner.run()
+        assert result.status == "success", result
+        traces.append((result.ticks, result.duration, trace.events))
+    assert len(traces[0][2]) > 10
+    assert all(trace == traces[0] for trace in traces)
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_a_call_that_nobody_answers_holds_time_for_a_while_and_its_timeout_ends_at_its_own_moment(target, monkeypatch):
+    monkeypatch.setattr(lockstep, "GRACE", 0.05)
+    limited = {"kind": "timeout", "seconds": 0.2, "child": dict([leaf("never", 0)])}
+    ways = {"limited": limited, "way": {"kind": "sequence", "children": dict(leaf("plan", n) for n in range(3))}}
+    root = {"kind": "parallel", "policy": "all", "children": ways}
+    traces = []
+    for delays in range(3):
+        runner, trace, _ = runner_of(target, root, delays)
+        assert runner.run().status == "failure"
+        traces.append(trace.events)
+    assert traces[0] == traces[1] == traces[2]
+    (end,) = [event for event in traces[0] if event[1] == "limited" and event[2] == "failure"]
+    assert end[0] == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_a_stop_ends_a_run_that_waits_for_an_answer_or_for_its_world(target):
+    for kind in ("never", "move"):
+        runner, trace, world = runner_of(target, {"kind": "sequence", "children": dict([leaf(kind, 0)])}, 0)
+        if kind == "move":
+            world.move = lambda seconds, move=world.move: move(1e9)
+        entered = threading.Event()
+        trace.entered = lambda path, entered=entered: entered.set()
+        ended = []
+        thread = threading.Thread(target=lambda runner=runner, ended=ended: ended.append(runner.run()), daemon=True)
+        thread.start()
+        assert entered.wait(60)
+        runner.stop()
+        thread.join(60)
+        assert ended[0].status == "stopped"
+
+
+def test_a_request_to_end_reaches_a_task_whose_world_goes_on():
+    runner, trace, world = runner_of(to_tree, {"kind": "sequence", "children": dict([leaf("move", 0)])}, 0)
+    world.move = lambda seconds, move=world.move: move(1e9)
+    entered, ended = threading.Event(), []
+    trace.entered = lambda path: entered.set()
+    thread = threading.Thread(target=lambda: ended.append(runner.run()), daemon=True)
+    thread.start()
+    assert entered.wait(60)
+    runner.request_preempt()
+    thread.join(60)
+    assert ended[0].failure.code == "preempted"
