@@ -15,6 +15,8 @@ from typing import Any, Generic, TypeVar
 
 from .errors import CanceledError
 
+STOPPED = "stopped"
+"""In the data of an error: False where what it ended wasn't confirmed to have stopped."""
 T = TypeVar("T")
 U = TypeVar("U")
 
@@ -137,6 +139,11 @@ class Operation(Generic[T]):
     def lingers(self) -> bool:
         """Whether something still works for it although it was asked to stop."""
         return self._cancel_asked and (self.busy or not self.done())
+
+    @property
+    def given_up(self) -> str:
+        """Why it ended without a word of who worked for it, who may still work; empty where that isn't so."""
+        return str(self._error) if getattr(self._error, "data", {}).get(STOPPED) is False else ""
 
     @property
     def cancel_asked(self) -> bool:

@@ -37,8 +37,6 @@ from grip_bt.runtime.value_codec import snapshot
 from .keeping import ANEW, WORDS, BroughtBack, bring_back, parts_lost
 from .replay import Until
 
-MOVES = ("arm", "hand", "component", "ros")
-"""What nodes of these kinds have begun outside of the process isn't known after its death."""
 CLOSING = 10.0
 """How long [s] the process of a run that was cut off may take to close its parts."""
 _NODES = ("enter", "exit", "interrupted", "write")
@@ -188,8 +186,7 @@ def policy_of(manifest: Manifest) -> str:
     """
     if manifest.resume is not None:
         return manifest.resume
-    outside = manifest.id.partition("/")[0] in MOVES or not manifest.implementation.startswith("grip_bt.")
-    return "ask" if outside else "restart"
+    return "ask" if manifest.outside else "restart"
 
 
 def questions(

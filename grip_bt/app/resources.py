@@ -8,7 +8,9 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from grip_bt.errors import DocumentError, UnknownNameError
+from grip_bt.operation import Operation
 from grip_bt.ports import Arm, Camera, Clock, Component, Hand, Messages, Pausable, Ros, Scene, Sensor
+from grip_bt.values import JointState
 
 from .own_needs import ROBOT, parts_asked_for
 from .project import Project
@@ -45,6 +47,7 @@ class Resources:
     fakes: FakeState | None = None
     pausable: Sequence[Pausable] = ()
     lockstep: Lockstep | None = None
+    measure: Callable[[Sequence[str]], Operation[JointState]] | None = None
 
     def context(self, clock: Clock | None = None) -> RunContext:
         """Return what a run gives to its leaves; `clock` in place of the parts' own."""
@@ -62,6 +65,7 @@ class Resources:
             messages=self.messages,
             pausable=self.pausable,
             lockstep=self.lockstep,
+            measure=self.measure,
         )
 
 

@@ -75,6 +75,7 @@ def open_robot(project: Project, resources: Resources, seed: int, stack: ExitSta
     progress("robot", f"{len(measured)} joints measured on {settings.joint_states}")
     executors = {name: held(_executor(settings, name, bus, joints[name], states)) for name in alone}
     ports = {name: HeldHand(_hand(settings, name, bus, joints[name], states)) for name in file.hands}
+    resources.measure = states.fresh
     resources.pausable = [*executors.values(), *ports.values()]
     open_commanders(project, resources, description, planner, executors, ports, {}, seed)
     resources.cameras = _cameras(project, settings, bus, progress)

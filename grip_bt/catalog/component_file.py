@@ -59,6 +59,9 @@ class ComponentFile(Part):
     """Fields of the request that are always sent with one value, and are no ports."""
     start: Start | None = None
     timeouts: Timeouts = Timeouts()
+    moves: bool = True
+    """Whether its work may move something. Then nothing else that may begins before it has ended; a call that was
+    halted, which can't be stopped, before it is answered."""
 
     @property
     def kind(self) -> Kind:

@@ -11,6 +11,8 @@ from grip_bt.graph.model import Meaning, Name
 
 from .equipment import Names
 
+MOVES = ("arm", "hand", "component", "ros")
+"""Groups of built-in nodes whose work reaches beyond this process."""
 NodeId = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*(/[A-Za-z0-9_]+)+$")]
 
 
@@ -72,7 +74,22 @@ class Manifest(_Face):
 
     Without it: nodes that move something or ask somebody else, and nodes of projects, are asked about; others restart.
     """
+    moves: bool | None = None
+    """Whether its work may move something, so that it has to have ended, or been stopped, before another begins.
+
+    Without it: built-in nodes of arms and hands, nodes that ask somebody else, and nodes of projects may.
+    """
     kind: Literal["leaf"] = "leaf"
+
+    @property
+    def may_move(self) -> bool:
+        """Whether its work may move something; see `moves`."""
+        return self.outside if self.moves is None else self.moves
+
+    @property
+    def outside(self) -> bool:
+        """Whether its work reaches beyond this process: it moves a robot, asks somebody else, or is a project's own."""
+        return self.id.partition("/")[0] in MOVES or not self.implementation.startswith("grip_bt.")
 
     def outcomes_for(self, meaning: dict[str, Meaning]) -> dict[str, Meaning]:
         """Return the outcomes with a task's own `meaning` applied."""

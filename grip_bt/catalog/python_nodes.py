@@ -22,7 +22,7 @@ from .manifest import InputPort, Manifest, OutputPort, Parameter
 from .types import check_value, parse_type
 
 _DECORATORS = ("grip_bt.leaf", "grip_bt.nodes.function.leaf")
-_ARGUMENTS = ("id", "doc", "outputs", "codes", "outcomes", "quick")
+_ARGUMENTS = ("id", "doc", "outputs", "codes", "outcomes", "quick", "moves")
 _PORTS = ("Input", "Output", "Param")
 _Definition = ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef
 
@@ -61,6 +61,10 @@ def _is_read(file: Path) -> bool:
     return not any(part.startswith(("_", ".")) for part in file.parts) and not file.name.startswith("test_")
 
 
+def _all_arguments(item: ast.FunctionDef | ast.AsyncFunctionDef) -> list[ast.arg]:
+    return [*item.args.posonlyargs, *item.args.args, *item.args.kwonlyargs]
+
+
 class _Source:
     """One file.
 
@@ -89,6 +93,8 @@ class _Source:
             outputs = {**outputs, **self._outputs(said.pop("outputs"))}
         doc = said.pop("doc", None) or ast.get_docstring(item) or str(said.get("id", ""))
         said.pop("quick", None)
+        if not isinstance(item, ast.ClassDef) and not any(map(self._is_context, _all_arguments(item))):
+            said.setdefault("moves", False)
         try:
             return Manifest(
                 doc=doc,

@@ -260,7 +260,8 @@ def sentence(end: Mapping[str, Any]) -> str:
     """Return how a run ended, in a line, from the facts of the event `ended`."""
     left = f"; left behind: {', '.join(end['zombies'])}" if end.get("zombies") else ""
     if end["outcome"] is None:
-        return f"{end['status']}" + (f": {end['message']}" if end["message"] else "") + left
+        rest = f"; {end['rest']}" if end.get("rest") else ""
+        return f"{end['status']}" + (f": {end['message']}" if end["message"] else "") + rest + left
     reason = f" ({end['message']})" if end["message"] else ""
     return f"{end['status']}: {end['outcome']}{reason}{left}"
 

@@ -48,6 +48,7 @@ def face(component: ComponentFile, interface: InterfaceSpec) -> Manifest:
         outputs=FrozenDict(outputs),
         outcomes=FrozenDict(outcomes),
         codes=CODES[component.kind],
+        moves=None if component.moves else False,
     )
 
 

@@ -26,6 +26,8 @@ def manifest_text(manifest: Manifest, header: str) -> str:
     data["outcomes"] = _flow(dict(manifest.outcomes))
     if manifest.codes:
         data["codes"] = _flow(list(manifest.codes))
+    if manifest.moves is not None:
+        data["moves"] = manifest.moves
     if manifest.settings:
         data["settings"] = dict(manifest.settings)
     yaml = YAML()

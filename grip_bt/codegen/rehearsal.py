@@ -55,6 +55,9 @@ class _Scripted:
     def wake(self) -> None:
         """Nobody waits: the answer is there at once."""
 
+    def unfinished(self) -> tuple[str, ...]:
+        return ()
+
 
 def rehearse(
     package: Path, reply: Mapping[str, Any], inputs: Mapping[str, Any] | None = None, feedback: Any = None

@@ -75,6 +75,7 @@ from .runs import (
     HungError,
     LivelockError,
     NodeError,
+    NotStoppedError,
     ResumeError,
     SimulatorLostError,
 )
@@ -123,6 +124,7 @@ __all__ = [
     "NoRoomError",
     "NoTargetError",
     "NodeError",
+    "NotStoppedError",
     "NotExpressibleError",
     "NotTaughtError",
     "NotWritableError",

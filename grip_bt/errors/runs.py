@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from .base import GripError
+from collections.abc import Iterable
+
+from .base import GripError, listing
 
 
 class NodeError(GripError):
@@ -21,6 +23,21 @@ class HungError(GripError):
         super().__init__(
             f"{where} hasn't returned for {seconds:g} s; a leaf's update() never blocks: "
             "return self.running() and come back, or do the work with self.context.run_in_worker(...)"
+        )
+
+
+class NotStoppedError(GripError):
+    """What was told to stop hasn't, so that nothing else that moves is begun; it ends the run as `error`.
+
+    Attributes:
+        paths: the nodes whose work goes on.
+    """
+
+    def __init__(self, paths: Iterable[str], why: str):
+        self.paths = tuple(paths)
+        super().__init__(
+            f"{listing(map(repr, self.paths))}: was told to stop, but {why}; nothing else that may move something is"
+            " begun. Look at the robot, and at what was asked; if that moves nothing, say `moves: false` there"
         )
 
 

@@ -73,6 +73,7 @@ def leaf(
     codes: tuple[str, ...] = (),
     outcomes: Mapping[str, str] | None = None,
     quick: bool = False,
+    moves: bool | None = None,
 ) -> Callable[[Any], Any]:
     """Make a leaf of a function or a coroutine, or mark a class as one.
 
@@ -84,6 +85,8 @@ def leaf(
         codes: failure codes that it may end with.
         outcomes: outcome -> `success` or `failure`; these two alone by default.
         quick: call the function in the tick, for what takes microseconds; else it runs in a worker.
+        moves: whether its work may move something; see `Manifest.moves`. A function that gets no context doesn't,
+            unless this says so.
 
     Raises:
         TypeError: a parameter has no annotation, or takes any number of arguments; a class isn't a `Leaf`.
@@ -114,6 +117,7 @@ def leaf(
             inputs=FrozenDict(inputs),
             outputs=FrozenDict({n: OutputPort(type=type_name(t)) for n, t in (outputs or {}).items()}),
             codes=codes,
+            moves=False if moves is None and not contexts else moves,
             **({"outcomes": FrozenDict(outcomes)} if outcomes else {}),
         )
         members = {

@@ -19,7 +19,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status as Status
 
 from grip_bt.catalog.manifest import Manifest
-from grip_bt.errors import CanceledError, DataError, ExpectedError, NodeError
+from grip_bt.errors import CanceledError, DataError, ExpectedError, NodeError, NotStoppedError
 from grip_bt.operation import Operation
 from grip_bt.ports import Context
 from grip_bt.values import Failure
@@ -29,6 +29,9 @@ from .beginning import begin
 from .node import LABEL, STATUS, Node
 
 T = TypeVar("T")
+STOPPING = 60.0
+"""How long a leaf waits at most for what was told to stop, before it begins something that moves [s]. Actions and
+controllers have shorter limits of their own; this is for calls that can't be stopped, and code that doesn't return."""
 
 
 class Leaf(Node):
@@ -155,6 +158,16 @@ class Leaf(Node):
         """Whether work of an interrupted activation is still under way although it was asked to stop."""
         return False
 
+    @property
+    def unended(self) -> bool:
+        """Whether an interrupted operation hasn't ended."""
+        return False
+
+    @property
+    def given_up(self) -> str:
+        """Why nobody can say whether an interrupted operation has ended; empty where that isn't so."""
+        return ""
+
     # --- py_trees' side ---
 
     def setup(self, **kwargs: Any) -> None:
@@ -205,11 +218,19 @@ class OperationLeaf(Leaf):
     while the operation is under way cancels it; when it has really ended, the leaf fails with the code `preempted`,
     or ends with the result that was quicker. A leaf that begins after the request is part of the recovery and runs as
     usual.
+
+    What may move something (`Manifest.may_move`) begins only when everything that was told to stop has stopped: until
+    then the leaf runs without having started, at most `STOPPING`, which ends the run with NotStoppedError.
+
+    Attributes:
+        waits: whether it waits for that; as `Manifest.may_move` where it is None.
     """
 
     operation: Operation[Any] | None = None
+    waits: ClassVar[bool | None] = None
     _left: Operation[Any] | None = None
     _preempted_before: bool = False
+    _since: float | None = None
 
     def start(self) -> Operation[Any]:
         """Begin the work of this activation."""
@@ -231,7 +252,9 @@ class OperationLeaf(Leaf):
         """Start, wait, finish; an `ExpectedError` becomes a failure with its code."""
         try:
             if self.operation is None:
-                self._preempted_before = self.context.preempt_requested
+                held_back = self._held_back()
+                if held_back is not None:
+                    return held_back
                 self.operation = self.start()
                 self.operation.add_done_callback(self.context.wake)
             if not self.operation.done():
@@ -245,15 +268,52 @@ class OperationLeaf(Leaf):
 
     def terminate(self, new_status: Status) -> None:
         """Cancel what is under way."""
-        operation, self.operation = self.operation, None
+        operation, self.operation, self._since = self.operation, None, None
         if operation is not None and not operation.done():
             operation.cancel()
-            self._left = operation
+            self._note_left(operation)
 
     @property
     def zombie(self) -> bool:
         """Whether a cancelled operation, or the code that worked for it, hasn't ended."""
         return self._left is not None and self._left.lingers
+
+    @property
+    def unended(self) -> bool:
+        """Whether a cancelled operation hasn't ended."""
+        return self._left is not None and not self._left.done()
+
+    @property
+    def given_up(self) -> str:
+        """Why nobody can say whether a cancelled operation has ended; empty where that isn't so."""
+        return "" if self._left is None else self._left.given_up
+
+    def _note_left(self, operation: Operation[Any]) -> None:
+        self._left = operation
+        if self.manifest.may_move:
+            self.context.left(self)
+
+    def _held_back(self) -> Status | None:
+        """Return how the leaf stands while something else has still to stop; None when it may begin.
+
+        Raises:
+            NotStoppedError: that takes too long, or nobody could say that it has stopped.
+        """
+        if self._since is None:
+            self._preempted_before = self.context.preempt_requested
+        waits = self.manifest.may_move if self.waits is None else self.waits
+        paths = self.context.unfinished() if waits else ()
+        if not paths:
+            return None
+        now = self.context.clock.now()
+        if self._since is None:
+            self._since = now
+            self.context.wake_at(now + STOPPING)
+        if self._preempted_now():
+            return self._fail_for("preempted", CanceledError("asked to end before it began"))
+        if now >= self._since + STOPPING:
+            raise NotStoppedError(paths, f"hasn't stopped for {STOPPING:g} s")
+        return self.running(f"waits for {', '.join(paths)} to stop")
 
     def _preempted_now(self) -> bool:
         return self.context.preempt_requested and not self._preempted_before
@@ -265,6 +325,8 @@ class OperationLeaf(Leaf):
         return self.running("stopping, since the task was asked to end")
 
     def _fail_for(self, code: str, error: ExpectedError) -> Status:
+        if self.operation is not None and self.operation.given_up:
+            self._note_left(self.operation)
         self.failure = Failure(code, error.message, dict(error.data))
         self.feedback_message = str(self.failure)
         return self.end("failure", **self.outputs_of_failure())

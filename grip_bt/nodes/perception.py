@@ -36,6 +36,7 @@ class Capture(OperationLeaf):
     """
 
     camera: Camera
+    waits = True  # a frame that was taken while the arm still brakes shows neither before nor after
 
     def prepare(self) -> None:
         """Look the sensor up."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Protocol, TypeVar
 
 from grip_bt.operation import Operation
@@ -16,6 +16,22 @@ from .sensing import Camera, Sensor
 from .timing import Clock, Pausable
 
 T = TypeVar("T")
+
+
+class Lingering(Protocol):
+    """A leaf whose interrupted work may not have ended."""
+
+    path: str
+
+    @property
+    def zombie(self) -> bool:
+        """Whether it hasn't ended."""
+        ...
+
+    @property
+    def given_up(self) -> str:
+        """Why nobody can say whether it has ended; empty where that isn't so."""
+        ...
 
 
 class Context(Protocol):
@@ -41,6 +57,18 @@ class Context(Protocol):
 
     def run_in_worker(self, work: Callable[[], T]) -> Operation[T]:
         """Run blocking code in a worker thread."""
+        ...
+
+    def left(self, leaf: Lingering) -> None:
+        """Take note of a leaf whose work was told to stop, and may move something until it has."""
+        ...
+
+    def unfinished(self) -> Sequence[str]:
+        """Return the paths of the leaves of which that was said and whose work hasn't ended.
+
+        Raises:
+            NotStoppedError: of one of them nobody can say whether it has.
+        """
         ...
 
     def hold_with(self, part: Pausable) -> Callable[[], None]:

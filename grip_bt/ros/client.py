@@ -105,15 +105,19 @@ class ServiceClient:
 
     # --- from any thread ---
 
-    def call(self, request: Any, timeout: float | None = None, wait: float | None = None) -> Operation[Any]:
-        """Send a request; the result is the response. Cancelling abandons it: a service can't be told to stop.
+    def call(
+        self, request: Any, timeout: float | None = None, wait: float | None = None, abandon: bool = True
+    ) -> Operation[Any]:
+        """Send a request; the result is the response. A service can't be told to stop.
 
         Args:
             request: a message of `type.Request`.
             timeout: how long it may take in all [s].
             wait: how long to wait for the server to appear [s].
+            abandon: whether cancelling ends the operation at once, with the server at work for nobody; else it ends
+                when the server has answered, is gone, or the time is over. What isn't sent yet is dropped.
         """
-        return self._begin(request, timeout or self._timeout, self._wait if wait is None else wait)
+        return self._begin(request, timeout or self._timeout, self._wait if wait is None else wait, abandon)
 
     def wait_ready(self, timeout: float) -> Operation[None]:
         """End when there is a server that fits; with ServerLostError after `timeout` [s]."""
@@ -138,11 +142,15 @@ class ServiceClient:
 
         self._bus.post(start)
 
-    def _begin(self, request: Any, timeout: float, wait: float) -> Operation[Any]:
-        def abandon() -> None:
-            self._bus.post(lambda: self._finish(call, CanceledError("canceled")))
+    def _begin(self, request: Any, timeout: float, wait: float, abandon: bool = True) -> Operation[Any]:
+        def cancel() -> None:
+            if abandon or call not in self._sent:
+                self._finish(call, CanceledError("canceled"))
 
-        operation: Operation[Any] = Operation(on_cancel=abandon)
+        def ask() -> None:
+            self._bus.post(cancel)
+
+        operation: Operation[Any] = Operation(on_cancel=ask)
         now = time.monotonic()
         call = _Call(operation, request, now, now + wait, now + timeout)
         if request is not None and self._sent_at_once(call):

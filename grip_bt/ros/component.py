@@ -56,7 +56,8 @@ class RosComponent:
     def _begin(self, request: Mapping[str, Any]) -> Operation[Mapping[str, Any]]:
         client = self._client
         if isinstance(client, ServiceClient):
-            return client.call(self._adapter.pack(request, client.type.Request)).then(self._unpack)
+            asked = self._adapter.pack(request, client.type.Request)
+            return client.call(asked, abandon=not self.file.moves).then(self._unpack)
         if isinstance(client, ActionClient):
             goal = self._adapter.pack(request, client.type.Goal)
             sent = client.send(goal, cancel_within=self.file.timeouts.cancel)

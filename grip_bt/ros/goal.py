@@ -4,9 +4,11 @@
                                |                   |                    |
                                +--- the owner was told something else --+--> LOOSE_SENT, LOOSE --> OVER
 
-The owner of a goal is told exactly once how it ended, and never later than its patience allows. What the server still
-works on when its owner has been told (a time-out, a cancel that nobody answered) is *loose*: it is cancelled, by its
-id, and again until the server answers, so that nothing goes on moving for nobody.
+The owner of a goal is told exactly once how it ended, and never later than its patience allows. A goal whose time is
+over is cancelled, and its owner told of the time-out when the server has said that it ended: nothing else may begin
+before. What the server may still work on when its owner has been told (a cancel that nobody answered) is *loose*: it is
+cancelled, by its id, and again until the server answers, so that nothing goes on moving for nobody; what the owner is
+told says that it isn't known to have stopped.
 
 The server's acceptance may be lost, for instance when the server doesn't know our ear yet. So a goal is accepted, too,
 when the server publishes its status or agrees to cancel it; and it is cancelled although nobody knows whether it was
@@ -19,7 +21,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any, Literal
 
-from grip_bt.errors import CanceledError, GoalRejectedError, ServerLostError, ServerTimeOutError
+from grip_bt.errors import CanceledError, ExpectedError, GoalRejectedError, ServerLostError, ServerTimeOutError
+from grip_bt.operation import STOPPED
 
 Status = Literal["succeeded", "aborted", "canceled"]
 STATUSES: dict[int, Status] = {4: "succeeded", 5: "canceled", 6: "aborted"}
@@ -127,6 +130,7 @@ class Goal:
         self.phase, self.refused = Phase.WAITING, False
         self._began = now
         self._cancel_since: float | None = None
+        self._late: Exception | None = None  # what the owner is told when a goal whose time is over has ended
         self._sent = now
         self._asked: float | None = None  # when the last cancel request was sent, None when it was answered
         self._unknown_since: float | None = None  # since when the server says that it doesn't know a loose goal
@@ -190,7 +194,7 @@ class Goal:
     def rejected(self) -> list[Command]:
         """The server doesn't take the goal."""
         if self._cancel_since is not None:
-            return self._over_or_tell(self._canceled("canceled, and rejected by the server"))
+            return self._over_or_tell(self._late or self._canceled("canceled, and rejected by the server"))
         return self._over_or_tell(GoalRejectedError(f"{self.name}: the server rejected the goal", server=self.name))
 
     def result(self, status: int, result: Any) -> list[Command]:
@@ -202,7 +206,7 @@ class Goal:
             return []
         if status not in STATUSES:
             return self._tell(self._lost("the server doesn't know the goal any more; was it restarted?"), Phase.OVER)
-        return self._tell(GoalEnd(STATUSES[status], result), Phase.OVER)
+        return self._tell(self._late or GoalEnd(STATUSES[status], result), Phase.OVER)
 
     def status(self, status: int, now: float) -> list[Command]:
         """What the server publishes of the goal; to be said at every look. The result comes by another way, or not."""
@@ -250,13 +254,14 @@ class Goal:
         """The owner wants it to stop."""
         if self.phase is Phase.WAITING:
             return self._tell(self._canceled("canceled before it was sent"), Phase.OVER)
-        if self._cancel_since is None and self.phase in LIVE:
-            self._cancel_since = now
-            if self.phase is Phase.RUNNING:
-                self.phase = Phase.CANCELING
-                return self._ask_cancel(now)
-            return self._ask_again(now)
-        return []
+        return self._stop(now) if self._cancel_since is None and self.phase in LIVE else []
+
+    def _stop(self, now: float) -> list[Command]:
+        self._cancel_since = now
+        if self.phase is Phase.RUNNING:
+            self.phase = Phase.CANCELING
+            return self._ask_cancel(now)
+        return self._ask_again(now)
 
     def close(self, now: float) -> list[Command]:
         """The connection is being closed."""
@@ -275,10 +280,12 @@ class Goal:
             if now >= self._began + self.patience.result:
                 return self._tell(self._timed_out("the goal wasn't sent", now), Phase.OVER)
             return []
-        if self.phase in LIVE:
-            error = self._impatience(now)
-            if error is not None:
-                return [*self._let_go(error), *self.tick(now)]
+        if self.phase in LIVE and self._cancel_since is None and now >= self._began + self.patience.result:
+            what = "the server didn't take the goal" if self.phase is Phase.SENT else "no result"
+            self._late = self._timed_out(what, now)
+            return self._stop(now)
+        if self.phase in LIVE and self._cancel_since is not None and now >= self._cancel_since + self.patience.cancel:
+            return [*self._let_go(self._unanswered()), *self.tick(now)]
         return self._ask_again(now)
 
     def _ask_again(self, now: float) -> list[Command]:
@@ -293,16 +300,12 @@ class Goal:
             due = loose and (self._asked is None or now >= self._asked + RECANCEL)
         return self._ask_cancel(now) if due else []
 
-    def _impatience(self, now: float) -> Exception | None:
-        if self._cancel_since is not None:
-            if now < self._cancel_since + self.patience.cancel:
-                return None
-            what = "the server refused to stop" if self.refused else "the server doesn't say that it stopped"
-            return self._canceled(f"canceled, but {what}")
-        if now < self._began + self.patience.result:
-            return None
-        what = "the server didn't take the goal" if self.phase is Phase.SENT else "no result"
-        return self._timed_out(what, now)
+    def _unanswered(self) -> ExpectedError:
+        """Return what the owner is told of a goal that wasn't said to have ended in its time."""
+        what = "the server refused to stop" if self.refused else "the server doesn't say that it stopped"
+        if self._late is None:
+            return CanceledError(f"{self.name}: canceled, but {what}", server=self.name, **{STOPPED: False})
+        return ServerTimeOutError(f"{self._late}, and {what}", server=self.name, **{STOPPED: False})
 
     # --- parts ---
 

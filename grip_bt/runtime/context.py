@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from typing import TypeVar
 
-from grip_bt.errors import MissingPartError, UnknownNameError
+from grip_bt.errors import MissingPartError, NotStoppedError, UnknownNameError
 from grip_bt.operation import Operation
 from grip_bt.ports import (
     Arm,
@@ -22,9 +22,11 @@ from grip_bt.ports import (
     Scene,
     Sensor,
 )
+from grip_bt.ports.context import Lingering
 
 from .clock import WallClock
 from .lockstep import InTurn, Lockstep
+from .rest import Measure, Rest, measured_rest
 from .waker import Waker
 from .workers import Workers
 
@@ -49,6 +51,7 @@ class RunContext:
         workers: how many threads run blocking code at most.
         pausable: what stands still while the run is paused, besides its clock: a simulator, an arm, a hand.
         lockstep: with the simulated world with which the run takes turns, where there is one.
+        measure: measures joints anew, where the last state that is known of them may be old.
     """
 
     def __init__(
@@ -66,6 +69,7 @@ class RunContext:
         workers: int = 4,
         pausable: Sequence[Pausable] = (),
         lockstep: Lockstep | None = None,
+        measure: Measure | None = None,
     ):
         self._clock: Clock = clock if clock is not None else WallClock()
         self._arms, self._hands = dict(arms or {}), dict(hands or {})
@@ -80,6 +84,8 @@ class RunContext:
         self._workers = Workers(workers)
         self._preempt_requests = 0
         self._pausable = [part for part in (*pausable, self._clock) if isinstance(part, Pausable)]
+        self._left: list[Lingering] = []
+        self._measure = measure
         self._used: dict[int, Arm | Hand] = {}
         self._pausing = threading.RLock()  # a part that goes on may end what has another one let go
         self._paused = False
@@ -116,6 +122,24 @@ class RunContext:
     def run_in_worker(self, work: Callable[[], T]) -> Operation[T]:
         """Run blocking code in a worker thread."""
         return self._workers.run(work) if self.lockstep is None else self.lockstep.work(self._workers.run, work)
+
+    def left(self, leaf: Lingering) -> None:
+        """Take note of a leaf whose work was told to stop, and may move something until it has."""
+        with self._pausing:
+            kept = [other for other in self._left if other is not leaf and (other.zombie or other.given_up)]
+            self._left = [*kept, leaf]
+
+    def unfinished(self) -> Sequence[str]:
+        """Return the paths of the leaves of which that was said and whose work hasn't ended.
+
+        Raises:
+            NotStoppedError: of one of them nobody can say whether it has.
+        """
+        left = self._left
+        for leaf in left:
+            if leaf.given_up:
+                raise NotStoppedError([leaf.path], leaf.given_up)
+        return [leaf.path for leaf in left if leaf.zombie]
 
     def hold_with(self, part: Pausable) -> Callable[[], None]:
         """Have `part` stand still whenever the run is paused, at once if it is; call what is returned to end that."""
@@ -211,6 +235,10 @@ class RunContext:
                 if self._paused and isinstance(part, (Executor, Arm, HandPort)):
                     part.stop()
             self.resume()
+
+    def rest(self, within: float) -> Rest:
+        """Measure the arms and hands that leaves have asked for until they stand still, at most `within` [s]."""
+        return measured_rest(self.moving(), self._measure, within)
 
     def moving(self) -> list[Arm | Hand]:
         """Return the arms and hands that leaves have asked for: what has to hold when the run is stopped."""

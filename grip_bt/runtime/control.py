@@ -214,6 +214,8 @@ def result_facts(result: RunResult) -> dict[str, Any]:
         "duration": result.duration,
         "ticks": result.ticks,
         "zombies": [str(zombie) for zombie in result.zombies],
+        "rest": str(result.rest),
+        "unconfirmed": dict(result.rest.unconfirmed),
     }
 
 

@@ -68,9 +68,10 @@ class Recorder:
         """A node's code hasn't returned and was left behind."""
         self._append(self._now(), path, "zombie", data={"where": where})
 
-    def finished(self, outcome: str | None, status: str) -> None:
-        """The run has ended."""
-        self._append(self._now(), "/", "run_ended", outcome, data={"status": status})
+    def finished(self, outcome: str | None, status: str, rest: str = "") -> None:
+        """The run has ended; `rest` tells what was measured of the robot then."""
+        data = {"status": status, "rest": rest} if rest else {"status": status}
+        self._append(self._now(), "/", "run_ended", outcome, data=data)
         self._log.end(status, outcome)
 
     def lost(self, why: str) -> None:

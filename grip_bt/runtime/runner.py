@@ -13,8 +13,9 @@ from py_trees.behaviour import Behaviour
 
 from grip_bt.compilers import CompiledMachine, CompiledTree, Halted, Pacer, TaskEnd
 from grip_bt.compilers.probe import parts_of
-from grip_bt.errors import NodeError
+from grip_bt.errors import NodeError, NotStoppedError
 from grip_bt.nodes.control import Foreign
+from grip_bt.nodes.leaf import STOPPING
 from grip_bt.nodes.observer import SILENT, Observer, Observers
 from grip_bt.ports import Clock
 from grip_bt.values import Failure
@@ -28,6 +29,7 @@ from .pacing import Pacing, State
 from .plan import Plan, ticker
 from .recorder import Recorder
 from .reliving import News, Reliving, RelivingPacer
+from .rest import Rest, ended
 from .run_log import RunLog
 from .stopping import (
     Gone,
@@ -37,6 +39,7 @@ from .stopping import (
     join_all,
     left_working,
     lock_out,
+    still_moving,
     terminate_outside,
 )
 from .watchdog import Watchdog
@@ -46,7 +49,10 @@ INSIST = 0.03
 ABANDON = 0.08
 """How long [s] after a stop what hangs is left behind; the robot holds, all of it, within 0.1 s."""
 LAST_MOMENT = 0.05
-"""How long [s] cancelled operations may take to end when a run was stopped, before they are called zombies."""
+"""How long [s] code that works for cancelled operations may take to return when a run was stopped, before it is called
+a zombie."""
+REST = 5.0
+"""How long [s] after a stop the robot may take to come to rest, as measured, until the run says that it can't tell."""
 
 RunStatus = Literal["success", "failure", "error", "stopped", "died"]
 
@@ -64,6 +70,7 @@ class RunResult:
         duration: on the run's clock [s].
         error: what a leaf raised, in a NodeError that names it; the journal has the traceback.
         zombies: leaves whose code hadn't returned at the end; it was left behind.
+        rest: what was measured of the robot after a stop or an error.
     """
 
     outcome: str | None
@@ -74,6 +81,7 @@ class RunResult:
     duration: float
     error: BaseException | None = None
     zombies: tuple[Zombie, ...] = ()
+    rest: Rest = Rest()
 
 
 class Runner:
@@ -136,7 +144,8 @@ class Runner:
         self._plan: Plan | None = None
         self._watchdog = Watchdog(self.pacing, compiled.leaves, watchdog, self._hung) if watchdog else None
         self._lost = False
-        self._begun, self._settling, self._ended = threading.Lock(), threading.Lock(), threading.Event()
+        self._begun, self._ending = threading.Lock(), threading.Lock()
+        self._returned, self._ended = threading.Event(), threading.Event()
         self._thread: int | None = None
         self._start = 0.0
         self._result: RunResult | None = None
@@ -179,7 +188,8 @@ class Runner:
         """Halt: every running leaf is terminated at once, the robot holds, and the run ends as `stopped`.
 
         Where a leaf hangs, so that the run can't look, all active leaves are terminated from here after `INSIST`; after
-        `ABANDON`, what still hangs is left behind as a zombie. May be called from a signal handler.
+        `ABANDON`, what still hangs is left behind as a zombie. The run has ended when the robot was measured to be at
+        rest, at most `REST` later: `RunResult.rest` tells. May be called from a signal handler.
         """
         called = time.monotonic()
         self.pacing.stop()
@@ -259,9 +269,9 @@ class Runner:
         if self._watchdog is not None:
             self._watchdog.start()
         result = self._attempt()
-        with self._settling:
-            if self._result is None:
-                self._settle(result)
+        self._returned.set()
+        if self._claim_end():
+            self._finish(result)
 
     def _attempt(self) -> RunResult:
         try:
@@ -274,7 +284,7 @@ class Runner:
         except Halted:
             return self._made(None, "stopped")
         except BaseException as error:  # noqa: BLE001 - a bug of a leaf is the run's result, not the runner's end
-            if self._recorder is not None and self._result is None:
+            if self._recorder is not None and not self._ending.locked():
                 self._recorder.error(error, "".join(traceback.format_exception(error)))
             return self._made(None, "error", error)
         finally:
@@ -335,8 +345,12 @@ class Runner:
 
     # --- the end ---
 
+    def _claim_end(self) -> bool:
+        """Be the one who ends the run: its own thread, or who leaves that behind."""
+        return self._ending.acquire(blocking=False)
+
     def _insist(self, called: float) -> None:
-        if self._ended.wait(called + INSIST - time.monotonic()):
+        if self._returned.wait(called + INSIST - time.monotonic()):
             return
         if self._thread is None:
             return  # not begun; it ends when it begins
@@ -345,7 +359,7 @@ class Runner:
             for path in [path for path, leaf in self.compiled.leaves.items() if leaf.active]:
                 self._recorder.message(path, "terminated from outside: the run doesn't acknowledge the stop")
         join_all(threads, called + ABANDON)
-        if not self._ended.wait(called + ABANDON - time.monotonic()):
+        if not self._returned.wait(called + ABANDON - time.monotonic()) and self._claim_end():
             self._abandon(self._made(None, "stopped"))
 
     def _hung(self, error: NodeError, trace: str) -> None:
@@ -353,44 +367,65 @@ class Runner:
         barked = time.monotonic()
         self.pacing.stop()
         join_all(terminate_outside(self.compiled.leaves) + self._hold_robot(), barked + ABANDON)
+        if not self._claim_end():
+            return
         if self._recorder is not None:
             self._recorder.error(error, trace)
         self._abandon(self._made(None, "error", error))
 
     def _abandon(self, result: RunResult) -> None:
         """End the run without its thread: what comes back from there is held off everything."""
-        with self._settling:
-            if self._result is not None:
-                return
-            leaves = self.compiled.leaves
-            hanging = code_running(leaves) or ({"/": "the run itself"} if not left_working(leaves) else {})
-            self.compiled.observe(Gone())
-            lock_out(leaves)
-            self._settle(result, [Zombie(path, where) for path, where in hanging.items()])
+        leaves = self.compiled.leaves
+        hanging = code_running(leaves) or ({"/": "the run itself"} if not left_working(leaves) else {})
+        self.compiled.observe(Gone())
+        lock_out(leaves)
+        self._finish(result, [Zombie(path, where) for path, where in hanging.items()])
 
-    def _settle(self, result: RunResult, zombies: Sequence[Zombie] = ()) -> None:
-        """Enter the result; with the lock held."""
+    def _finish(self, result: RunResult, hanging: Sequence[Zombie] = ()) -> None:
+        """Have everything come to rest, then enter the result."""
         if self._watchdog is not None:
             self._watchdog.stop()
-        if result.outcome is None and not zombies:
-            self._see_off()
-        named = {zombie.path for zombie in zombies}
-        workers = [zombie for zombie in left_working(self.compiled.leaves) if zombie.path not in named]
-        self._result = replace(result, zombies=(*zombies, *workers))
+        if result.outcome is not None:
+            result = self._seen_out(result)
+        zombies: list[Zombie] = []
+        if result.outcome is None:
+            result = replace(result, rest=self._see_off())
+            named = {zombie.path for zombie in hanging} | set(result.rest.unconfirmed)
+            workers = [zombie for zombie in left_working(self.compiled.leaves) if zombie.path not in named]
+            zombies = [*hanging, *workers]
+        self._result = replace(result, zombies=tuple(zombies))
         if self._recorder is not None:
-            for zombie in self._result.zombies:
+            for zombie in zombies:
                 self._recorder.zombie(zombie.path, zombie.where)
-            self._recorder.finished(result.outcome, result.status)
+            self._recorder.finished(result.outcome, result.status, str(result.rest))
         if self._lockstep is not None:
             self._lockstep.leave()
         self._ended.set()
 
-    def _see_off(self) -> None:
-        """After a stop or an error: hold the robot, and give cancelled operations a moment to end."""
-        deadline = time.monotonic() + LAST_MOMENT
-        join_all(self._hold_robot(), deadline)
-        while left_working(self.compiled.leaves) and time.monotonic() < deadline:
-            time.sleep(0.001)
+    def _seen_out(self, result: RunResult) -> RunResult:
+        """Return the result when all that was told to stop has stopped; an error where it hasn't, or can't be known."""
+        try:
+            left = ended(self.context.unfinished, STOPPING, lambda: self.pacing.stopped)
+            if not left:
+                return result
+            if self.pacing.stopped:
+                return self._made(None, "stopped")
+            raise NotStoppedError(left, "the task has ended, and it hasn't")
+        except NotStoppedError as error:
+            if self._recorder is not None:
+                self._recorder.error(error, str(error))
+            return self._made(None, "error", error)
+
+    def _see_off(self) -> Rest:
+        """After a stop or an error: hold the robot, and return what was measured when everything had ended."""
+        began, leaves = time.monotonic(), self.compiled.leaves
+        join_all(self._hold_robot(), began + LAST_MOMENT)
+        left = ended(lambda: still_moving(leaves), REST)
+        rest = self.context.rest(max(began + REST - time.monotonic(), 0.0))
+        ended(lambda: [zombie for zombie in left_working(leaves) if zombie.path not in left], LAST_MOMENT)
+        why = {path: leaf.given_up for path, leaf in leaves.items() if leaf.given_up}
+        why |= dict.fromkeys(left, f"its work hasn't ended for {REST:g} s")
+        return replace(rest, unconfirmed={**why, **rest.unconfirmed})
 
     def _hold_robot(self) -> list[threading.Thread]:
         return [in_background(f"hold of {part.name}", part.stop) for part in self.context.moving()]

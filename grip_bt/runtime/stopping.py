@@ -56,6 +56,8 @@ def in_background(what: str, action: Callable[[], object]) -> threading.Thread:
     def work() -> None:
         try:
             action()
+        except Halted:
+            pass  # a leaf that was left behind
         except BaseException:  # noqa: BLE001 - there is nobody who could do anything about it
             _log.exception("%s", what)
 
@@ -116,3 +118,8 @@ _OURS = ("tick", "tick_once", "stop", "setup", "_abandon", "begin", "conclude")
 def left_working(leaves: Mapping[str, Leaf]) -> list[Zombie]:
     """Return the leaves whose interrupted operations haven't ended."""
     return [Zombie(path, "worker") for path, leaf in leaves.items() if leaf.zombie]
+
+
+def still_moving(leaves: Mapping[str, Leaf]) -> list[str]:
+    """Return the leaves whose interrupted operations may move something and haven't ended."""
+    return [path for path, leaf in leaves.items() if leaf.manifest.may_move and leaf.unended]

@@ -168,6 +168,12 @@ class FakeContext:
         self.defer, self.jobs = False, []
         self.clock = SimpleNamespace(now=lambda: self.time)
 
+    def left(self, leaf):
+        """Nothing here takes its time to stop."""
+
+    def unfinished(self):
+        return ()
+
     def wake(self):
         self.wakes += 1
 

@@ -126,6 +126,12 @@ class ThreadContext:
     def __init__(self):
         self.woken = threading.Event()
 
+    def left(self, leaf):
+        """Nothing here takes its time to stop."""
+
+    def unfinished(self):
+        return ()
+
     def wake(self):
         self.woken.set()
 

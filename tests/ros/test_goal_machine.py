@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from grip_bt.errors import CanceledError, GoalRejectedError, ServerLostError, ServerTimeOutError
+from grip_bt.operation import STOPPED
 from grip_bt.ros.goal import LIVE, AskCancel, AskResult, Goal, GoalEnd, Patience, Phase, Send, Tell
 
 RACES = int(os.environ.get("GRIP_FUZZ_RACES", "200"))
@@ -97,19 +98,35 @@ def test_a_refused_cancel_ends_for_the_owner_and_says_so():
     assert made.phase is Phase.OVER
 
 
-def test_a_goal_whose_time_is_over_is_cancelled():
+@pytest.mark.parametrize("number", [4, 5, 6])
+def test_a_goal_whose_time_is_over_is_cancelled_and_its_owner_told_when_it_has_ended(number):
     made = goal(Phase.RUNNING)
-    end, cancel = made.tick(10.0)
-    assert isinstance(end.end, ServerTimeOutError)
-    assert "no result after 10.0 s" in str(end.end)
-    assert cancel == AskCancel()
-    assert made.cancel_answered(True, True, 20.0) == []
+    assert made.tick(10.0) == [AskCancel()]
+    assert made.cancel_answered(True, True, 10.1) == []
+    assert made.tick(11.9) == []
+    error = told(made.result(number, None))
+    assert isinstance(error, ServerTimeOutError)
+    assert "no result after 10.0 s" in str(error)
+    assert STOPPED not in error.data
     assert made.phase is Phase.OVER
+
+
+@pytest.mark.parametrize("phase", [Phase.SENT, Phase.RUNNING])
+def test_a_goal_that_nobody_says_has_ended_in_time_is_told_as_one_that_may_go_on(phase):
+    made = goal(phase)
+    assert made.tick(10.0) == [AskCancel()]
+    error, *more = made.tick(12.0)
+    assert isinstance(error.end, ServerTimeOutError)
+    assert error.end.data[STOPPED] is False
+    assert "doesn't say that it stopped" in str(error.end)
+    assert more == [AskCancel()]
+    assert told(goal(Phase.CANCELING).tick(2.4)).data[STOPPED] is False
 
 
 def test_a_goal_taken_after_its_time_is_cancelled_then():
     made = goal(Phase.SENT)
-    assert "didn't take the goal after 10.0 s" in str(told(made.tick(10.0)))
+    assert made.tick(10.0) == [AskCancel()]
+    assert "didn't take the goal after 10.0 s" in str(made.tick(12.0)[0].end)
     assert made.phase is Phase.LOOSE_SENT
     assert made.accepted(30.0) == [AskCancel()]
 
@@ -137,28 +154,29 @@ def test_a_cancel_long_after_the_goal_was_sent_waits_for_no_acceptance():
 @pytest.mark.parametrize("stops", [True, False])
 def test_a_goal_that_nobody_saw_accepted_is_cancelled_when_its_time_is_over(stops):
     made = goal(Phase.SENT)
-    end, cancel = made.tick(10.0)
-    assert "didn't take the goal" in str(end.end)
-    assert cancel == AskCancel()
-    assert made.cancel_answered(stops, True, 10.1) == []
-    assert (made.phase, made.refused) == (Phase.OVER, not stops)
+    assert made.tick(10.0) == [AskCancel()]
+    assert made.cancel_answered(stops, True, 10.1) == [AskResult()]
+    assert (made.phase, made.refused) == (Phase.CANCELING, not stops)
+    assert "didn't take the goal" in str(told(made.result(5, None)))
 
 
 def test_a_cancel_that_overtakes_its_goal_is_sent_again():
     made = goal(Phase.SENT)
     made.tick(10.0)
-    assert made.cancel_answered(False, False, 10.1) == []
+    made.tick(12.0)
+    assert made.cancel_answered(False, False, 12.1) == []
     assert made.phase is Phase.LOOSE_SENT
-    assert made.tick(10.5) == [AskCancel()]
+    assert made.tick(12.5) == [AskCancel()]
 
 
 def test_a_goal_that_the_server_never_knew_is_given_up_after_long():
     made = goal(Phase.SENT)
     made.tick(10.0)
-    made.cancel_answered(False, False, 10.1)
-    made.cancel_answered(False, False, 40.0)
+    made.tick(12.0)
+    made.cancel_answered(False, False, 12.1)
+    made.cancel_answered(False, False, 42.0)
     assert made.phase is Phase.LOOSE_SENT
-    made.cancel_answered(False, False, 40.2)
+    made.cancel_answered(False, False, 42.2)
     assert made.phase is Phase.OVER
 
 
@@ -275,7 +293,7 @@ def test_any_order_of_events_tells_the_owner_at_most_once_and_surely_in_the_end(
     tells = sum(isinstance(c, Tell) for c in commands)
     assert tells == (made.phase not in (*LIVE, Phase.WAITING))
     assert sum(isinstance(c, Send) for c in commands) <= 1
-    later = made.tick(now + 100.0)
+    later = [*made.tick(now + 100.0), *made.tick(now + 200.0)]
     assert tells + sum(isinstance(c, Tell) for c in later) == 1
 
 

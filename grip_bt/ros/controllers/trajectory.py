@@ -110,7 +110,7 @@ def as_motion(sent: Operation[GoalEnd], server: str, result: Any) -> Operation[G
         except CanceledError as error:
             whole.fail(error)
         except (ServerLostError, ServerTimeOutError, GoalRejectedError) as error:
-            whole.fail(ExecutionAbortedError(error.message, cause=error.code))
+            whole.fail(ExecutionAbortedError(error.message, cause=error.code, **error.data))
         except ExpectedError as error:
             whole.fail(error)
         else:

@@ -59,7 +59,7 @@ class MoveGroupExecutor(RosExecutor):
         try:
             end = sent.result()
         except (ServerLostError, ServerTimeOutError, GoalRejectedError) as error:
-            whole.fail(ExecutionAbortedError(error.message, cause=error.code))
+            whole.fail(ExecutionAbortedError(error.message, cause=error.code, **error.data))
         except ExpectedError as error:
             whole.fail(error)
         else:

@@ -1,0 +1,245 @@
+"""What was told to stop has stopped before anything else that moves begins, and before the run has ended."""
+
+from __future__ import annotations
+
+import random
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from py_trees.common import Status
+from runtime_world import KINDS, TARGETS, Started, Waiting, leaf
+
+from grip_bt.errors import CanceledError, NodeError, NotStoppedError
+from grip_bt.nodes.leaf import OperationLeaf
+from grip_bt.operation import STOPPED, Operation
+from grip_bt.runtime import RunContext
+from grip_bt.values import JointState
+
+both = pytest.mark.parametrize("target", TARGETS)
+
+
+class Server:
+    """What does one thing at a time, and takes its time to stop; it writes down who worked when another began."""
+
+    def __init__(self, seed: int = 0) -> None:
+        self.random, self.lock = random.Random(seed), threading.Lock()
+        self.working: list[str] = []
+        self.began: list[tuple[str, tuple[str, ...]]] = []
+        self.stops_after: Callable[[], float] = lambda: 0.02
+        self.refuses = False
+        self.stops: list[Callable[[], None]] = []
+
+    def release(self) -> None:
+        """Stop everything now."""
+        for stop in self.stops:
+            stop()
+
+    def begin(self, path: str, lasts: float) -> Operation[Any]:
+        with self.lock:
+            self.began.append((path, tuple(self.working)))
+            self.working.append(path)
+        operation: Operation[Any] = Operation(on_cancel=lambda: self._later(self.stops_after(), lambda: stop()))
+        self.stops.append(lambda: stop())
+
+        def over(end: Callable[[], bool]) -> None:
+            with self.lock:
+                if operation.done():
+                    return
+                self.working.remove(path)
+            end()
+
+        def stop() -> None:
+            refused = CanceledError("the server says nothing", **{STOPPED: False})
+            over(lambda: operation.fail(refused if self.refuses else CanceledError("canceled")))
+
+        self._later(lasts, lambda: over(lambda: operation.succeed(None)))
+        return operation
+
+    def _later(self, seconds: float, action: Callable[[], None]) -> None:
+        timer = threading.Timer(seconds, action)
+        timer.daemon = True
+        timer.start()
+
+    @property
+    def overlaps(self) -> list[tuple[str, tuple[str, ...]]]:
+        return [(path, others) for path, others in self.began if others]
+
+
+class Moving(OperationLeaf):
+    server: Server
+    lasts: Callable[[], float]
+
+    def start(self) -> Operation[Any]:
+        return type(self).server.begin(self.path, type(self).lasts())
+
+
+@pytest.fixture
+def server(monkeypatch: pytest.MonkeyPatch) -> Server:
+    Moving.server, Moving.lasts = Server(), staticmethod(lambda: 30.0)
+    for kind in ("work", "obey"):
+        monkeypatch.setitem(KINDS, kind, Moving)
+    return Moving.server
+
+
+def late(seconds: float, child: dict[str, Any]) -> dict[str, Any]:
+    return {"kind": "timeout", "seconds": seconds, "child": {"w": child}}
+
+
+def either(*children: dict[str, Any]) -> dict[str, Any]:
+    return {"kind": "fallback", "children": {f"c{i}": child for i, child in enumerate(children)}}
+
+
+@both
+def test_the_next_motion_begins_when_the_one_before_has_stopped(target: Any, server: Server) -> None:
+    server.stops_after = lambda: 0.3
+    root = either(late(0.05, leaf("work")), late(0.05, leaf("work")), leaf("end"))
+    result = Started(target, root, poll=0.01).start().join()
+    assert (result.status, result.zombies, server.working) == ("success", (), [])
+    assert server.began
+    assert server.overlaps == []
+
+
+@both
+def test_of_many_motions_that_are_interrupted_at_random_no_two_overlap(target: Any, server: Server) -> None:
+    draw = random.Random(7)
+    server.stops_after = lambda: draw.uniform(0.0, 0.06)
+    Moving.lasts = staticmethod(lambda: draw.uniform(0.0, 0.12))
+    tried = either(late(0.04, leaf("work")), late(0.2, leaf("obey")), leaf("end"))
+    attempt = {"kind": "repeat", "times": 60, "child": {"a": tried}}
+    result = Started(target, attempt, poll=0.01).start().join()
+    assert result.zombies == ()
+    assert len(server.began) >= 60
+    assert server.overlaps == []
+
+
+@both
+def test_a_check_does_not_wait_for_what_has_still_to_stop(target: Any, server: Server) -> None:
+    server.stops_after = lambda: 1000.0
+    run = Started(
+        target,
+        either(late(0.05, leaf("work")), {"kind": "sequence", "children": {"e": leaf("end"), "w": leaf("wait")}}),
+        poll=0.01,
+    )
+    run.start()
+    run.wait_tick("c1/w")
+    assert server.working == ["c0/w"]
+    run.leaves["c1/w"].told.set()
+    run.context.wake()
+    while not run.runner._returned.is_set():
+        time.sleep(0.002)
+    assert run.result is None
+    server.release()
+    assert run.join().status == "success"
+    assert server.working == []  # the run has waited for it
+
+
+@both
+def test_where_the_server_never_says_that_it_stopped_nothing_else_begins(target: Any, server: Server) -> None:
+    server.refuses = True
+    result = Started(target, either(late(0.05, leaf("work")), leaf("work")), poll=0.01).start().join()
+    assert result.status == "error"
+    assert isinstance(result.error, NodeError)
+    assert isinstance(result.error.cause, NotStoppedError)
+    assert "the server says nothing" in str(result.error)
+    assert result.rest.unconfirmed == {"c0/w": "the server says nothing"}
+    assert len(server.began) == 1
+
+
+@both
+def test_a_task_that_leaves_something_moving_is_no_success(target: Any, server: Server) -> None:
+    server.refuses = True
+    result = Started(target, either(late(0.05, leaf("work")), leaf("end")), poll=0.01).start().join()
+    assert (result.status, result.outcome) == ("error", None)
+    assert "c0/w" in str(result.rest)
+
+
+@both
+def test_what_never_stops_ends_the_run_when_the_patience_is_over(
+    target: Any, server: Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for module in ("grip_bt.nodes.leaf", "grip_bt.runtime.runner"):
+        monkeypatch.setattr(f"{module}.STOPPING", 0.2)
+    monkeypatch.setattr("grip_bt.runtime.runner.REST", 0.1)
+    server.stops_after = lambda: 1000.0
+    for root in (either(late(0.05, leaf("work")), leaf("work")), either(late(0.05, leaf("work")), leaf("end"))):
+        result = Started(target, root, poll=0.01).start().join()
+        assert result.status == "error"
+        assert "hasn't" in str(result.error)
+        assert list(result.rest.unconfirmed) == ["c0/w"]
+        assert result.zombies == ()
+
+
+@both
+def test_a_leaf_that_waits_for_its_beginning_obeys_a_request_to_end(target: Any, server: Server) -> None:
+    server.stops_after = lambda: 1000.0
+    run = Started(target, either(late(0.05, leaf("work")), leaf("obey")), poll=0.01).start()
+    deadline = time.monotonic() + 120
+    while not run.leaves["c1"].active:
+        assert time.monotonic() < deadline
+        time.sleep(0.002)
+    run.runner.request_preempt()
+    while run.leaves["c1"].active:
+        assert time.monotonic() < deadline
+        time.sleep(0.002)
+    server.release()
+    result = run.join()
+    assert (result.status, result.failure and result.failure.code) == ("failure", "preempted")
+    assert [path for path, _ in server.began] == ["c0/w"]
+
+
+class Part:
+    """An arm that brakes for a while when it is told to stop."""
+
+    name = "right"
+
+    def __init__(self, brakes: float) -> None:
+        self.brakes, self.told = brakes, 0.0
+
+    def stop(self) -> None:
+        self.told = self.told or time.monotonic()
+
+    def state(self) -> JointState:
+        passed = time.monotonic() - self.told if self.told else 0.0
+        return JointState(("a",), [min(passed, self.brakes)])
+
+
+class Using(Waiting):
+    def update(self) -> Status:
+        self.context.arm("right")
+        return super().update()
+
+
+def stopped_with(target: Any, part: Any, **more: Any) -> Any:
+    KINDS["break"], before = Using, KINDS["break"]
+    try:
+        arms: Any = {"right": part}
+        run = Started(target, leaf("break"), RunContext(arms=arms, **more)).start()
+    finally:
+        KINDS["break"] = before
+    run.wait_tick("/")
+    run.runner.stop()
+    return run.join()
+
+
+@both
+def test_a_run_is_stopped_when_the_arm_was_measured_to_stand_still(target: Any) -> None:
+    part = Part(brakes=0.6)
+    result = stopped_with(target, part)
+    assert time.monotonic() - part.told >= 0.6
+    assert (result.status, result.rest.at_rest, str(result.rest)) == ("stopped", ("right",), "'right' is at rest")
+
+
+@both
+def test_what_could_not_be_measured_is_named(target: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("grip_bt.runtime.runner.REST", 0.3)
+
+    def silent(names: Any) -> Operation[JointState]:
+        return Operation.failed(CanceledError("/joint_states: no new joint states within 1 s"))
+
+    result = stopped_with(target, Part(brakes=0.0), measure=silent)
+    assert str(result.rest) == "could not confirm that 'right' stopped: /joint_states: no new joint states within 1 s"
+    result = stopped_with(target, Part(brakes=1000.0))
+    assert "still move" in result.rest.unconfirmed["right"]
