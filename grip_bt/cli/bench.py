@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import signal
 import sys
 import time
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from .signals import on_stop
 
 if TYPE_CHECKING:  # the verbs are listed without loading what they run
     from grip_bt.app import Project
@@ -71,14 +72,13 @@ def _run(path: Path, args: argparse.Namespace) -> int:
         _say(quiet, _line(row, len(results.rows), total))
 
     trials = Trials(campaign, file.with_suffix(".sqlite"), ended)
-    stopped: list[int] = []
+    stopped: list[bool] = []
 
-    def stop(number: int, _: Any) -> None:
-        stopped.append(number)
+    def stop() -> None:
+        stopped.append(True)
         trials.stop()
 
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, stop)
+    on_stop(stop)
     trials.run(left, args.workers)
     _say(quiet, f"\n{time.monotonic() - began:.0f} s; results in {file}\n")
     if results.rows:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import argparse
 import json
+import signal
 import sys
 import time
 from typing import TYPE_CHECKING, Any
 
 from grip_bt.app.demos import DEMOS, Demo, find_demo
 
-from .run import EXIT_STATUS, add_run_options, describe, options_of, stop_on_signals
+from .run import EXIT_STATUS, add_run_options, describe, options_of
+from .signals import on_hang_up, on_stop
 
 if TYPE_CHECKING:  # the verbs are listed without loading what they run
     from grip_bt.app.attempts import Attempt, AttemptRecorder
@@ -46,7 +48,7 @@ def run(args: argparse.Namespace) -> int:
     with open_session(demo.task, options_of(args), progress=lambda p, d: say(f"  {p:<11} {d}")) as session:
         nodes = sum(1 for _ in walk(session.document.task.root))
         say(f"  {'task':<11} {demo.task.name}: {nodes} nodes, no problems\n")
-        stop_on_signals(session.runner)
+        on_stop(session.runner.stop)
         recorder = _recorder(demo, session, say)
         session.runner.observe(recorder)
         result = session.runner.run()
@@ -100,6 +102,7 @@ def _summary(result: RunResult, attempts: list[Attempt], placed: int, objects: i
 def _show(demo: Demo, args: argparse.Namespace) -> int:
     from grip_gui import RunOptions, serve
 
+    on_hang_up(lambda: signal.raise_signal(signal.SIGINT))  # the server obeys that
     options = RunOptions(target=args.target, robot=args.robot, seed=args.seed, pace=args.pace or 1.0)
     return serve(
         demo.task.parent.parent,

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import signal
 from pathlib import Path
 from typing import Any
 
 from grip_bt.errors import DocumentError, MissingPartError
+
+from .signals import on_hang_up
 
 
 def add_parser(subparsers: Any) -> None:
@@ -28,5 +31,6 @@ def run(args: argparse.Namespace) -> int:
         raise MissingPartError(f"the editor ({error.name})", "pip install 'grip-bt[gui]'") from error
     if not args.path.exists():
         raise DocumentError("nothing is there; give a project folder or a task file", str(args.path))
+    on_hang_up(lambda: signal.raise_signal(signal.SIGINT))  # the server obeys that
     task = args.path if args.path.is_file() and args.path.name != "grip.yaml" else None
     return serve(args.path, task=task, port=args.port, open_browser=not args.no_browser)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import signal
 import threading
 from pathlib import Path
 from typing import Any
 
 from . import messages_client as client
+from .signals import on_stop
 
 ARCHIVE = "messages.sqlite"
 _VALUE = "YAML, as in a project's files or field by field; - for the standard input"
@@ -89,8 +89,7 @@ def run_serve(args: argparse.Namespace) -> int:
     from grip_bt.ros.managers import MessageServer
 
     over = threading.Event()
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, lambda *_: over.set())
+    on_stop(over.set)
     project = find_project(args.project)
     with Bus("grip_messages") as bus:
         with client.told_of_building():

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import json
 import math
-import signal
 import sys
 import threading
 from collections.abc import Callable, Mapping
@@ -14,11 +13,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .resume import Given, add_resume_options, check_usage, fork_often, prepare
+from .signals import on_stop
 
 if TYPE_CHECKING:  # the verbs are listed without loading what they run
     from grip_bt.app import RunOptions
     from grip_bt.app.supervisor import Supervisor
-    from grip_bt.runtime import Runner, RunResult
+    from grip_bt.runtime import RunResult
 
 EXIT_STATUS = {"success": 0, "failure": 3, "error": 4, "died": 4, "stopped": 130}
 INVALID = 1
@@ -153,7 +153,7 @@ def _run_here(args: argparse.Namespace, options: RunOptions) -> int:
     from grip_bt.runtime.control import result_facts
 
     with open_session(args.task, options, progress=_silent if args.json and not args.control else progress) as session:
-        stop_on_signals(session.runner)
+        on_stop(session.runner.stop)
         if args.control:
             result = serve_control(session.runner, sys.stdin, sys.stdout)
         else:
@@ -189,8 +189,7 @@ def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> tu
 
         prompt = Prompt(supervisor.send, lambda text: print(text, flush=True), patient=not sys.stdin.isatty())
     supervisor.start()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: supervisor.stop())
+    on_stop(supervisor.stop)
     if args.control:
         _in_background(lambda: _pass_on(supervisor))
     elif prompt is not None:
@@ -241,12 +240,6 @@ def _print_line(line: str, gone: Callable[[], None]) -> None:
 
 def _in_background(action: Callable[[], None]) -> None:
     threading.Thread(target=action, name="grip_input", daemon=True).start()
-
-
-def stop_on_signals(runner: Runner) -> None:
-    """Have SIGINT and SIGTERM stop the run: everything is halted and closed, then we exit."""
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: runner.stop())
 
 
 def describe(result: RunResult) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import signal
 import threading
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -38,10 +37,10 @@ def run(args: argparse.Namespace) -> int:
     from grip_bt.app.sim_node import serve_world
 
     from .run import progress
+    from .signals import on_stop
 
     over = threading.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: over.set())
+    on_stop(over.set)
     project = find_project(args.project)
     with serve_world(project, args.world, args.seed, args.pace, progress, args.camera_rate) as served:
         if args.room is not None:

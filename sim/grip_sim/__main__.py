@@ -13,7 +13,8 @@ from .wire import ClosedError, pack, receive
 def main() -> int:
     """Make the world that the client asks for and obey it."""
     # Ctrl-C reaches the whole process group; when to end is the client's decision, and its end is ours.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for number in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)
     connection = socket.socket(fileno=int(sys.argv[1]))
     try:
         fields, _ = receive(connection)
