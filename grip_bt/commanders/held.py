@@ -21,6 +21,7 @@ from grip_bt.values import JointState, Trajectory
 
 from .steering import spliced
 from .trajectory.braking import accelerations_of, paced
+from .trajectory.splines import slowed
 
 J = TypeVar("J")
 RAMP = 5.0
@@ -70,12 +71,13 @@ def rest_of(
         )
     part = np.clip(rest.times / fading, 0.0, 1.0)
     assert rest.velocities is not None
-    return Trajectory(
+    whole = Trajectory(
         rest.names,
         rest.times,
         rest.positions + np.outer(1 - 3 * part**2 + 2 * part**3, aside),
         rest.velocities + np.outer(6 * (part**2 - part) / fading, aside),
     )
+    return slowed(whole, np.full(len(aside), np.inf), acceleration)
 
 
 class _Motion(Generic[J]):

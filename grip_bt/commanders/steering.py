@@ -52,14 +52,12 @@ def steered(
         rows.append(q)
         speeds.append(v)
     times: NDArray[np.float64] = np.arange(len(rows), dtype=np.float64) * np.float64(SAMPLING)
-    braking = float((np.abs(v) / acceleration).max())
-    if braking > 1e-4:
-        rest = np.linspace(0.0, braking, max(2, int(np.ceil(braking / SAMPLING)) + 1))[1:]
+    if v.any():
+        braking = max(SAMPLING, float((np.abs(v) / acceleration).max()))
+        rest = np.linspace(0.0, braking, int(np.ceil(braking / SAMPLING)) + 1)[1:]
         rows.extend(q + np.outer(rest - rest**2 / (2 * braking), v))
         speeds.extend(np.outer(1.0 - rest / braking, v))
         times = np.concatenate([times, times[-1] + rest])
-    else:
-        speeds[-1] = np.zeros_like(v)
     return Trajectory(tuple(names), times, np.stack(rows), np.stack(speeds))
 
 

@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 
 from grip_bt.values import Trajectory
 
+from .splines import peaks
+
 Array = NDArray[np.float64]
 ACCELERATION = 2.0
 """Of a joint whose limit nobody says [rad/s^2 or m/s^2]."""
@@ -21,6 +23,8 @@ LATER = 0.1
 """Coming to rest on the path may take so much longer than beside it [s]; only a path beyond the limits takes more."""
 STEP = 0.01
 """Time between two points of a ramp [s]."""
+_TRIES = 4
+"""So often a ramp is made gentler because what is drawn between its points is beyond the limits."""
 _USED, _USED_AGAIN = 0.98, 0.9
 """Parts of the limits that are used to brake and to go on: what is drawn between two points swings a little past."""
 _SLOW = 1e-5
@@ -54,8 +58,16 @@ def stop_ramp(trajectory: Trajectory, time: float, acceleration: Array) -> Traje
     evenly = even_ramp(trajectory.names, position[0], velocity[0], acceleration)
     if np.abs(velocity).max() < _SLOW:
         return evenly
-    along = paced(trajectory, time, 1.0, 0.0, acceleration, evenly.duration + LATER)
-    return along if along.duration <= evenly.duration + LATER else evenly
+    limit = acceleration
+    for _ in range(_TRIES):
+        along = paced(trajectory, time, 1.0, 0.0, limit, evenly.duration + LATER)
+        if along.duration > evenly.duration + LATER:
+            return evenly
+        over = float((peaks(along)[1] / acceleration).max())
+        if over <= 1.0:
+            return along
+        limit = limit / (over * 1.005)
+    return evenly
 
 
 def even_ramp(names: Sequence[str], position: Array, velocity: Array, acceleration: Array) -> Trajectory:
