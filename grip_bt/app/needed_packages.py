@@ -76,14 +76,16 @@ def sensors_in_need(project: Project, packages: PackagesHere | None) -> dict[str
 
 
 def components_in_need(project: Project, packages: PackagesHere | None) -> dict[str, tuple[Trouble, ...]]:
-    """Return likewise for its components."""
-    found = {}
-    for name, folder in project.component_folders().items() if packages is not None else ():
+    """Return likewise for its components, and what is wrong with their files."""
+    found: dict[str, tuple[Trouble, ...]] = {}
+    for name, folder in project.component_folders().items():
+        where = f"components/{name}/component.yaml"
         try:
             file = load_component(folder)
-        except DocumentError:
-            continue  # the project's catalogue says so
-        where = f"components/{name}/component.yaml"
+        except DocumentError as error:
+            said = f"{where}: a run refuses this component: {error}"
+            found[f"component/{name}"] = (Trouble(UNFIT, said, "mend the file, and `grip component add` it again"),)
+            continue
         lacking = (*_lacking({file.interface}, packages, where), *_unstartable(file.start, packages, where))
         troubles = (*_misplaced(name, file.name, where), *lacking)
         found[f"component/{file.name}"] = troubles

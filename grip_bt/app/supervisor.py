@@ -7,8 +7,10 @@ parent holds the robot over a channel of its own and ends the process.
 
 from __future__ import annotations
 
+import errno
 import json
 import os
+import resource
 import signal
 import socket
 import subprocess
@@ -71,8 +73,14 @@ class Supervisor:
         """Start the process.
 
         Raises:
-            OSError: it can't be started.
+            GripError: it can't be started; it says what the system refuses.
         """
+        try:
+            self._start()
+        except OSError as error:
+            raise GripError(f"the run's process can't be started: {error.strerror}{_advice(error.errno)}") from None
+
+    def _start(self) -> None:
         commands, self._command_end = os.pipe()
         self._event_end, events = os.pipe()
         self._hold_end, hold = socket.socketpair()
@@ -282,6 +290,19 @@ class Supervisor:
                 log.end(status, None)
         except GripError as error:
             sys.stderr.write(f"grip: {error}\n")
+
+
+def _advice(number: int | None) -> str:
+    """Return what can be done about a refusal of the system."""
+    folder, most = tempfile.gettempdir(), resource.getrlimit(resource.RLIMIT_FSIZE)[0]
+    known = {
+        errno.EFBIG: f"; files may have {most} bytes here, and {LARGEST} are needed: ulimit -f unlimited",
+        errno.EMFILE: "; too many files are open: ulimit -n says how many may be",
+        errno.ENOSPC: f"; make room in {folder}, or name another folder in TMPDIR",
+        errno.EDQUOT: f"; make room in {folder}, or name another folder in TMPDIR",
+        errno.EAGAIN: "; too many processes run: ulimit -u says how many may",
+    }
+    return known.get(number or 0, "")
 
 
 def _how(status: int) -> str:

@@ -15,6 +15,8 @@ BAD = (sqlite3.Error, UnicodeError, OverflowError, MemoryError, ValueError, Type
 """What sqlite3 raises for files that are damaged; their names of tables are in its words, decoded."""
 _MOST_ROWS = 100_000
 """Rows that are looked for one by one where a table is damaged."""
+_PATIENCE, _STRIDE = 200, 100
+"""After so many rows that can't be read, only one of so many is tried."""
 
 
 class DamagedError(JournalError):
@@ -97,10 +99,14 @@ class Rows:
             ((last,),) = self.query(f"SELECT max(rowid) FROM {table}")
         except DamagedError:
             last = _MOST_ROWS
+        last = min(last if isinstance(last, int) else 0, _MOST_ROWS)
         found: list[tuple[Any, ...]] = []
-        for rowid in range(1, min(last or 0, _MOST_ROWS) + 1):
+        rowid, failed = 1, 0
+        while rowid <= last:
             try:
                 found += self.query(f"{statement} WHERE {table}.rowid={rowid} AND {condition}", *values)
+                failed = 0
             except DamagedError:
-                continue
+                failed += 1
+            rowid += 1 if failed < _PATIENCE else _STRIDE  # a page that leads to many others is broken
         return found

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from smally_project import write_project
@@ -15,6 +17,7 @@ from grip_bt.graph import read_text
 from grip_bt.validation import validate
 from grip_bt.validation.fixes import Fixer
 
+EXAMPLES = Path(__file__).parents[2] / "examples"
 PROJECT = """grip: 1
 robot: panda_allegro
 arms: {right: {hand: right_hand}}
@@ -158,6 +161,26 @@ def test_the_verb_tells_it_as_a_warning(tmp_path, capsys):
     ((issue,),) = [entry["issues"] for entry in json.loads(capsys.readouterr().out)]
     assert (issue["code"], issue["severity"], issue["line"]) == ("unknown-state", "warning", 3)
     assert issue["fix"] == "write 'home'"
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [("meaning:", "meanig:"), ("name: antipodal_grasps", "name: [1]"), ("{call: 60", "{call: -6"), ("\n", "\n\t{")],
+)
+def test_a_component_whose_file_is_broken_is_told_to_the_tasks_that_use_it(tmp_path, capsys, before, after):
+    shutil.copytree(EXAMPLES / "components", tmp_path / "components")
+    file = tmp_path / "components" / "antipodal_grasps" / "component.yaml"
+    text = file.read_text()
+    assert before in text
+    file.write_text(text.replace(before, after, 1))
+    (tmp_path / "grip.yaml").write_text("grip: 1\n")
+    (tmp_path / "t.yaml").write_text(
+        "grip: 1\nname: t\ndata: {c: PointCloud, g: 'list[GraspHypothesis]'}\n"
+        "root: {node: component/antipodal_grasps, in: {cloud: c}, out: {grasps: g}}\n"
+    )
+    main(["check", str(tmp_path / "t.yaml")])
+    said = capsys.readouterr()
+    assert "components/antipodal_grasps/component.yaml: a run refuses this component: " in said.out + said.err
 
 
 def test_no_library_of_motion_of_ros_or_of_the_simulator_is_loaded(tmp_path):

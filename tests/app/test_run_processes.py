@@ -288,3 +288,24 @@ def test_a_stop_that_is_the_very_first_command_ends_the_process_in_good_order(pr
     assert json.loads(os.read(told, 65536))["message"] == "before the task began"
     for number in (commands, order, told, events, trace):
         os.close(number)
+
+
+@pytest.mark.parametrize(
+    ("limit", "said"),
+    [
+        ("-f 10", "the run's process can't be started: File too large; files may have 10240 bytes here"),
+        ("-f 1060", "couldn't be written"),
+    ],
+)
+def test_a_limit_on_files_is_said_in_a_sentence(project: Path, limit: str, said: str) -> None:
+    file = project / "much.yaml"
+    nodes = (
+        f"    n{i}: {{node: flow/set, with: {{value: {os.urandom(9000).hex()}}}, out: {{value: v}}}}\n"
+        for i in range(50)
+    )
+    file.write_text(f"grip: 1\nname: much\ndata: {{v: str}}\nroot:\n  kind: sequence\n  children:\n{''.join(nodes)}")
+    command = f"ulimit {limit}; exec {sys.executable} -m grip_bt.cli run {file} --robot fake"
+    done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, timeout=600)
+    assert done.returncode == 1
+    assert said in done.stderr
+    assert "Traceback" not in done.stderr
