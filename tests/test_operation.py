@@ -1,5 +1,6 @@
 """An operation ends exactly once, tells whoever waits, and passes cancelling on."""
 
+import asyncio
 import threading
 
 import pytest
@@ -125,3 +126,29 @@ def test_work_says_how_far_it_is_also_through_what_follows_it():
     assert (first.progress, whole.progress) == (0.5, 0.5)
     first.succeed(1)
     assert (whole.result(), whole.progress) == (2, 0.5)
+
+
+def test_work_that_is_still_busy_lingers_after_its_cancelled_end():
+    operation = Operation()
+    operation.busy = True
+    operation.fail(CanceledError("canceled"))
+    assert not operation.lingers
+    operation = Operation()
+    operation.busy = True
+    operation.cancel()
+    assert (operation.done(), operation.lingers) == (True, True)
+    operation.busy = False
+    assert not operation.lingers
+
+
+def test_a_coroutine_that_waits_goes_on_when_another_thread_ends_it():
+    operation = Operation()
+
+    async def wait() -> object:
+        asyncio.get_running_loop().call_soon(threading.Thread(target=operation.succeed, args=["done"]).start)
+        return await asyncio.wait_for(asyncio.ensure_future(awaited()), 60)
+
+    async def awaited() -> object:
+        return await operation
+
+    assert asyncio.run(wait()) == "done"

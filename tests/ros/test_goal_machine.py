@@ -129,6 +129,8 @@ def test_a_goal_taken_after_its_time_is_cancelled_then():
     assert "didn't take the goal after 10.0 s" in str(made.tick(12.0)[0].end)
     assert made.phase is Phase.LOOSE_SENT
     assert made.accepted(30.0) == [AskCancel()]
+    assert made.result(5, None) == []
+    assert made.phase is Phase.OVER
 
 
 def test_a_goal_whose_acceptance_was_lost_runs_on_when_its_status_is_published():
@@ -220,6 +222,21 @@ def test_a_result_that_does_not_come_is_asked_for_again():
     assert made.status(4, 1.6) == [AskResult()]
     assert told(made.result(4, "r")) == GoalEnd("succeeded", "r")
     assert made.status(4, 9.0) == []
+
+
+def test_a_result_that_stays_away_is_asked_for_now_and_then_not_at_every_look():
+    made = goal(Phase.RUNNING)
+    asked = [tenths for tenths in range(40) if made.status(4, tenths / 10) == [AskResult()]]
+    assert asked == list(range(asked[0], 40, 5))
+
+
+def test_a_goal_that_never_answers_a_cancel_is_told_to_stop_after_its_owner_has_gone():
+    made = goal(Phase.CANCELING)
+    assert "doesn't say that it stopped" in str(told(made.tick(2.4)))
+    assert made.phase is Phase.LOOSE
+    assert [made.tick(now) for now in (2.5, 3.0)] == [[], [AskCancel()]]
+    assert made.cancel_answered(True, True, 3.1) == []
+    assert made.phase is Phase.OVER
 
 
 def test_closing_cancels_what_runs():

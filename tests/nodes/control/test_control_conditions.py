@@ -36,6 +36,7 @@ def test_a_precondition_of_a_container_sees_what_is_around_it_and_leaves_its_var
     world = World({**inner, "children": {"a": leaf()}}, data=COUNT)
     assert world.tick() == Status.FAILURE
     assert world.ticked == []
+    assert "`count > 0` is false" in world.root.feedback_message
 
 
 def test_the_code_of_a_precondition_can_be_led_somewhere() -> None:
