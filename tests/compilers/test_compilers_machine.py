@@ -11,7 +11,7 @@ from py_trees.common import Status
 from grip_bt import smach_compat
 from grip_bt.catalog import Catalog, Manifest
 from grip_bt.compilers import BehaviourState, Halted, Rushing, to_machine
-from grip_bt.errors import NotExpressibleError
+from grip_bt.errors import NodeError, NotExpressibleError
 from grip_bt.graph.model import Task
 from grip_bt.nodes import Leaf
 
@@ -28,7 +28,15 @@ class Told(Leaf):
             self.machine.request_preempt()
         self.saw_preempt.append((self.path, self.context.preempt_requested))
         code = self.told.get(self.path, "")
+        if code.startswith("runs"):
+            return self.running()
+        if code == "breaks":
+            raise RuntimeError("broken")
         return self.fail(code) if code not in ("", "ask") else self.end()
+
+    def terminate(self, new_status: Status) -> None:
+        if new_status == Status.INVALID and self.told.get(self.path) == "runs and can't be stopped":
+            raise RuntimeError("no way to stop")
 
 
 class Context:
@@ -203,3 +211,28 @@ def test_a_transition_that_is_edited_in_the_middle_is_followed_as_it_is_then() -
     during(compiled.leaves["a"], past_the_second)
     assert compiled.execute(Rushing()).outcome == "success"
     assert [path for path, _ in saw] == ["a", "c"]
+
+
+def at_once(*names: str, **more: Any) -> dict[str, Any]:
+    return {"kind": "parallel", "children": dict.fromkeys(names, LEAF), **more}
+
+
+def test_an_error_says_what_else_went_wrong_while_everything_was_stopped() -> None:
+    told = {"a": "runs and can't be stopped", "b": "breaks"}
+    machine, _ = machine_of(at_once("a", "b"), told)
+    with pytest.raises(NodeError, match="broken") as caught:
+        machine.execute(Rushing())
+    assert caught.value.path == "b"
+    assert caught.value.__notes__ == ["while stopping a: RuntimeError: no way to stop"]
+
+
+@pytest.mark.parametrize("broken", ["a", "b/c"])
+def test_an_error_in_one_thread_ends_what_runs_in_the_others(broken: str) -> None:
+    root = at_once("a", cancel="join")
+    root["children"] |= {"b": {"kind": "switch", "on_value": "1 / 0", "cases": {"c": 1}, "children": {"c": LEAF}}}
+    if broken == "a":
+        root["children"]["b"]["on_value"] = "1"
+    machine, _ = machine_of(root, {"a": "runs", "b/c": "runs", broken: "breaks"})
+    with pytest.raises(NodeError) as caught:
+        machine.execute(Rushing())
+    assert caught.value.path == ("a" if broken == "a" else "b")

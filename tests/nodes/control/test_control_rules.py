@@ -92,7 +92,9 @@ def test_who_is_asked_sees_a_preempt_request_and_is_waited_for() -> None:
     b, after = world.tree.by_path["p/b"], world.tree.by_path["after"]
     world.tick()
     assert b.context.preempt_requested
+    assert world.wakes == 1  # who is asked looks at once, without waiting for something to happen
     assert world.tick(2) == Status.RUNNING
+    assert world.wakes == 1
     assert world.halted == []
     world.tick()
     assert world.ticked.count("p/b") == 4
