@@ -150,8 +150,11 @@ class Dropper(Silent):
             if self._from is not None and self._part > 0:
                 part, self._part = self._part, 0.0
                 return self._wait(max(STEP, part * self.LASTS[self._phase]))
+        held = self._held()
+        if self._phase in ("carrying", "over the crate") and not held:
+            return None  # let go already: it can't be dropped any more
         self.dropped_at = self._session.clock.simulated
-        self.row["held_when_dropped"] = self._held()
+        self.row["held_when_dropped"] = held
         self._session.drop(self.target, self._kind, self._rng)
 
 

@@ -88,6 +88,8 @@ class ProjectFile(_Config):
     """The world that is simulated."""
     scene: str | None = None
     """A `.scene` file of what belongs to the room besides the world's own."""
+    goals: dict[str, str] = {}
+    """Task -> what the referee of a simulated world has to find when it has succeeded, such as `placed == objects`."""
     journal_limit: ByteSize = ByteSize(20 * 10**9)
     """How large the journal may become, such as `500 MB`: beyond that the oldest runs that have ended are removed."""
     simulated_time: bool = False

@@ -74,6 +74,7 @@ def _run(order: dict[str, Any], channels: dict[str, int], control: Any) -> int:
 
     from .execute import RunOptions, open_session
     from .motion_record import recorded_motion
+    from .verdict import Verdict
 
     given = order["options"]
     options = RunOptions(**{**given, "journal": Path(given["journal"]) if given["journal"] else None})
@@ -83,6 +84,7 @@ def _run(order: dict[str, Any], channels: dict[str, int], control: Any) -> int:
 
     with open_session(order["task"], options, progress, hold=channels.get("hold")) as session:
         try:
+            verdict = Verdict(session)
             paths = list(parts_of(session.runner.compiled))
             pulse = Pulse(channels["pulse"], paths)
             session.runner.observe(pulse)
@@ -96,19 +98,9 @@ def _run(order: dict[str, Any], channels: dict[str, int], control: Any) -> int:
         runner = session.runner
         assert runner.run_id is not None, "a session's runs are in its journal"
         with recorded_motion(session.resources, runner.context.clock, session.journal, runner.run_id):
-            control.run(lambda: _truth(session.resources.referee))
+            control.run(verdict.facts)
         pulse.stop()
     return 0
-
-
-def _truth(referee: Any) -> dict[str, Any]:
-    """Return what the referee says of each object in the end; nothing where there is none."""
-    if referee is None:
-        return {}
-    try:
-        return {"truth": {name: state.status for name, state in referee.truth().items()}}
-    except GripError:
-        return {}  # the simulator has gone, which is why the run has ended
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from grip_bt.app.demos import DEMOS, Demo, find_demo
 
-from .run import EXIT_STATUS, add_run_options, describe, options_of
+from .run import add_run_options, exit_status, options_of, sentence
 from .signals import on_hang_up, on_stop
 
 if TYPE_CHECKING:  # the verbs are listed without loading what they run
@@ -36,7 +36,9 @@ def run(args: argparse.Namespace) -> int:
     """Run the demonstration; 0 only when the referee agrees that everything was done."""
     from grip_bt.app import open_session
     from grip_bt.app.report import object_table
+    from grip_bt.app.verdict import Verdict
     from grip_bt.graph import walk
+    from grip_bt.runtime.control import result_facts
 
     demo = find_demo(args.name)
     if args.gui:
@@ -51,7 +53,9 @@ def run(args: argparse.Namespace) -> int:
         on_stop(session.runner.stop)
         recorder = _recorder(demo, session, say)
         session.runner.observe(recorder)
+        verdict = Verdict(session)
         result = session.runner.run()
+        end = {**result_facts(result), **verdict.facts(result)}
         truth = session.resources.referee.truth() if session.resources.referee is not None else {}
         run_id, journal = session.runner.run_id, session.journal
     wall = time.monotonic() - began
@@ -60,11 +64,9 @@ def run(args: argparse.Namespace) -> int:
         print(json.dumps(_summary(result, recorder.attempts, placed, len(truth), wall)))
     else:
         print("", *object_table(truth, recorder.attempts), "", sep="\n")
-        print(f"{describe(result)}. The referee: {placed} of {len(truth)} objects lie in the crate.")
+        print(f"{sentence(end)}. The referee: {placed} of {len(truth)} objects lie in the crate.")
         print(f"{result.duration:.1f} s on the run's clock, {wall:.1f} s in all; run {run_id} in {journal}")
-    if result.status == "success" and placed < len(truth):
-        return 3
-    return EXIT_STATUS[result.status]
+    return exit_status(end)
 
 
 def _recorder(demo: Demo, session: Session, say: Any) -> AttemptRecorder:

@@ -149,17 +149,30 @@ def run(args: argparse.Namespace) -> int:
 
 def _run_here(args: argparse.Namespace, options: RunOptions) -> int:
     from grip_bt.app import open_session
+    from grip_bt.app.verdict import Verdict
     from grip_bt.runtime import serve_control
     from grip_bt.runtime.control import result_facts
 
+    end: dict[str, Any] = {}
     with open_session(args.task, options, progress=_silent if args.json and not args.control else progress) as session:
         on_stop(session.runner.stop)
+        verdict = Verdict(session)
+
+        def more(result: RunResult) -> Mapping[str, Any]:
+            end.update(result_facts(result), **verdict.facts(result))
+            return end
+
         if args.control:
-            result = serve_control(session.runner, sys.stdin, sys.stdout)
+            serve_control(session.runner, sys.stdin, sys.stdout, more)
         else:
-            result = session.runner.run()
-            _tell({**result_facts(result), "run": session.runner.run_id}, args.json)
-    return EXIT_STATUS[result.status]
+            more(session.runner.run())
+            _tell({**end, "run": session.runner.run_id}, args.json)
+    return exit_status(end)
+
+
+def exit_status(end: Mapping[str, Any]) -> int:
+    """Return the exit status of a run, from the facts of the event `ended`; a success that is contradicted is none."""
+    return EXIT_STATUS["failure" if end.get("contradiction") else end["status"]]
 
 
 def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> tuple[int, Mapping[str, Any]]:
@@ -202,7 +215,7 @@ def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> tu
         _tell({**end, "run": run_id[0] if run_id else None}, args.json)
         if started and not args.json:
             _tell_failures(started[0], end["message"])
-    return EXIT_STATUS[end["status"]], end
+    return exit_status(end), end
 
 
 def _tell_failures(started: Mapping[str, Any], said: str) -> None:
@@ -242,13 +255,6 @@ def _in_background(action: Callable[[], None]) -> None:
     threading.Thread(target=action, name="grip_input", daemon=True).start()
 
 
-def describe(result: RunResult) -> str:
-    """Return how a run ended, in a line."""
-    from grip_bt.runtime.control import result_facts
-
-    return sentence(result_facts(result))
-
-
 def sentence(end: Mapping[str, Any]) -> str:
     """Return how a run ended, in a line, from the facts of the event `ended`."""
     left = f"; left behind: {', '.join(end['zombies'])}" if end.get("zombies") else ""
@@ -262,13 +268,17 @@ def sentence(end: Mapping[str, Any]) -> str:
 def _tell(end: Mapping[str, Any], as_json: bool) -> None:
     if as_json:
         keys = ("run", "status", "outcome", "code", "message", "duration", "ticks", "zombies")
-        said = {"truth": end["truth"]} if "truth" in end else {}
+        said = {key: end[key] for key in ("truth", "contradiction") if key in end}
         print(json.dumps({**{key: end.get(key) for key in keys}, **said}))
     else:
         took = f"{end['duration']:.1f} s, " if end.get("duration") is not None else ""
         ticks = f"{end['ticks']} ticks, " if end.get("ticks") is not None else ""
         named = f"run {end['run']}" if end.get("run") else "no run was begun"
         print(f"{sentence(end)}; {took}{ticks}{named}")
+        if "truth" in end:
+            from grip_bt.app.verdict import words
+
+            print(f"the referee: {words(end['truth'])}")
 
 
 def _silent(part: str, detail: str) -> None:

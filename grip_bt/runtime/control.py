@@ -106,17 +106,17 @@ class Control:
         for command in early:
             self._do(runner, command)
 
-    def run(self, more: Callable[[], Mapping[str, Any]] = dict) -> RunResult:
+    def run(self, more: Callable[[RunResult], Mapping[str, Any]] = lambda _: {}) -> RunResult:
         """Run to the end in this thread, and tell of it; after `attach`.
 
         Args:
-            more: returns what else is to be told of the end, as JSON data.
+            more: returns what else is to be told of the end, or in place of other facts, as JSON data.
         """
         assert self._runner is not None, "attach a runner first"
         result = self._runner.run()
         if self._runner.journal is not None:
             self._runner.journal.flush()
-        self.send("ended", **result_facts(result), **more())
+        self.send("ended", **{**result_facts(result), **more(result)})
         return result
 
     def _obey(self) -> None:
@@ -219,18 +219,24 @@ def result_facts(result: RunResult) -> dict[str, Any]:
     }
 
 
-def serve_control(runner: Runner, commands: TextIO, events: TextIO) -> RunResult:
+def serve_control(
+    runner: Runner,
+    commands: TextIO,
+    events: TextIO,
+    more: Callable[[RunResult], Mapping[str, Any]] = lambda _: {},
+) -> RunResult:
     """Run to the end in this thread, obeying commands meanwhile.
 
     Args:
         runner: not run yet.
         commands: what to obey, such as `sys.stdin`.
         events: where to tell, such as `sys.stdout`.
+        more: see `Control.run`.
     """
     control = Control(commands, events)
     control.attach(runner)
     control.start()
-    return control.run()
+    return control.run(more)
 
 
 def _lines(stream: TextIO) -> Iterator[str]:

@@ -143,7 +143,8 @@ class Session:
             case {"event": "ended", "status": str(status)}:
                 self._acknowledged.set()
                 zombies = [str(zombie)[:500] for zombie in message.get("zombies") or ()]
-                said = str(message.get("message") or "") if status == "error" else ""
+                told = status == "error" or message.get("contradiction")
+                said = str(message.get("message") or "") if told else ""
                 self._set(
                     status=status, outcome=message.get("outcome"), held=None, message=said[:4000], zombies=zombies
                 )

@@ -55,7 +55,7 @@ class CampaignFile(_Config):
     """Of the worlds: every variant meets each of them once."""
     timeout: float = Field(default=600.0, gt=0)
     """How long one trial may take, start-up included [s of wall time]."""
-    success: str = "status == 'success'"
+    success: str = "status == 'success' and not contradicted"
     """Condition over what is known of a trial."""
     count: dict[Key, str] = {}
     """Name -> path of a node whose activations are counted."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
-from typing import Any, get_args
+from typing import Any
 
 from grip_bt.app.execute import check_inputs, check_task
 from grip_bt.app.mocks import apply_mocks, scripted
@@ -13,13 +13,11 @@ from grip_bt.errors import CampaignError, EvaluationError, ExpressionError, near
 from grip_bt.graph.evaluation import condition_of, value_of
 from grip_bt.graph.expression import parse_expression
 from grip_bt.runtime import JournalReader
-from grip_sim.referee import Status
 
+from ..verdict import STATES
 from .file import Campaign
 
-STATES: tuple[str, ...] = get_args(Status)
-"""What a referee may say of an object."""
-KNOWN = ("status", "outcome", "code", "duration", "wall", "objects", *STATES)
+KNOWN = ("status", "outcome", "code", "contradicted", "duration", "wall", "objects", *STATES)
 """What is known of every trial; the referee's numbers are None where there is none."""
 
 
@@ -79,16 +77,23 @@ def judged(
         started: the event `started`; None when it didn't begin.
 
     Returns:
-        status, outcome, code, message, duration, wall, run; `truth` (object -> the referee's word) or None; `counts`,
-        `measures`, `success`, and `unclear`: what couldn't be computed, with the reason.
+        status, outcome, code, message, duration, wall, run; `truth` (object -> the referee's word) or None;
+        `contradicted`: whether that contradicts a success; `counts`, `measures`, `success`, and
+        `unclear`: what couldn't be computed, with the reason.
     """
     truth = end.get("truth")
     row: dict[str, Any] = {key: end.get(key) for key in ("status", "outcome", "code", "message", "duration")}
     row |= {"wall": round(wall, 3), "run": started["run"] if started else None, "truth": truth}
+    row["contradicted"] = bool(end.get("contradiction"))
     counts, variables = _looked_up(campaign, started)
     states = Counter((truth or {}).values())
     seen = {state: states[state] if truth is not None else None for state in STATES}
-    facts = {**variables, **seen, **counts, **{key: row.get(key) for key in ("status", "outcome", "code", "duration")}}
+    facts = {
+        **variables,
+        **seen,
+        **counts,
+        **{key: row.get(key) for key in ("status", "outcome", "code", "duration", "contradicted")},
+    }
     facts |= {"wall": row["wall"], "objects": len(truth) if truth is not None else None}
     unclear: dict[str, str] = {}
     row |= {"counts": counts, "measures": {}}

@@ -24,10 +24,10 @@ def summary(results: Results) -> dict[str, Any]:
     """Return what results say, as JSON data.
 
     Returns:
-        `campaign`, `trials`; `variants`: name -> `trials`, `successes`, `rate`, `interval` (low, high), `duration` and
-        `wall` (median, longest [s]), `measures` (name -> median, least, most, or how many are true), `failures`
-        (reason -> how often); `compared`: name -> `seeds` in common, `only_this`, `only_first`, `p`, against the first
-        variant.
+        `campaign`, `trials`; `variants`: name -> `trials`, `successes`, `false_successes` (contradicted),
+        `rate`, `interval` (low, high), `duration` and `wall` (median, longest [s]), `measures` (name -> median, least,
+        most, or how many are true), `failures` (reason -> how often); `compared`: name -> `seeds` in common,
+        `only_this`, `only_first`, `p`, against the first variant.
     """
     by_variant: dict[str, list[Mapping[str, Any]]] = {name: [] for name in results.head["variants"]}
     for row in results.rows:
@@ -55,6 +55,7 @@ def _one(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     return {
         "trials": len(rows),
         "successes": good,
+        "false_successes": sum(bool(row.get("contradicted")) for row in rows),
         "rate": good / len(rows),
         "interval": [round(float(low), 4), round(float(high), 4)],
         "duration": _times(row["duration"] for row in rows),
@@ -72,6 +73,8 @@ def reason(row: Mapping[str, Any]) -> str:
     if row["status"] in ("error", "timed_out"):
         lines = row["message"].strip().splitlines() or ["no message"]
         return f"{row['status']}: {lines[-1] if lines[0].startswith('Traceback') else lines[0]}"
+    if row.get("contradicted"):
+        return f"ended as {row['outcome']}, which the referee contradicts"
     if row["status"] == "success":
         return f"ended as {row['outcome']}, but the campaign's condition is false"
     return f"{row['outcome']}.{row['code']}" if row["code"] else f"{row['outcome']}"
@@ -107,13 +110,21 @@ def as_text(results: Results) -> str:
     lines = [f"# {said['campaign']}", ""]
     lines += [results.head["doc"], ""] if results.head.get("doc") else []
     measures = list(dict.fromkeys(name for one in said["variants"].values() for name in one["measures"]))
-    rows = [["variant", "success", "95 %", *measures, "run's clock [s]", "wall [s]"]]
+    rows = [["variant", "success", "95 %", "false successes", *measures, "run's clock [s]", "wall [s]"]]
     for name, one in said["variants"].items():
         low, high = one["interval"]
         cells = [_measure_text(one["measures"].get(measure)) for measure in measures]
         rate = f"{one['successes']} of {one['trials']} ({one['rate']:.0%})"
         rows.append(
-            [name, rate, f"{low:.0%} to {high:.0%}", *cells, _time_text(one["duration"]), _time_text(one["wall"])]
+            [
+                name,
+                rate,
+                f"{low:.0%} to {high:.0%}",
+                str(one["false_successes"]),
+                *cells,
+                _time_text(one["duration"]),
+                _time_text(one["wall"]),
+            ]
         )
     lines += _table(rows)
     for name, compared in said["compared"].items():
@@ -167,12 +178,24 @@ def _table(rows: Sequence[Sequence[str]]) -> list[str]:
 def as_csv(results: Results) -> str:
     """Return a line a trial, for spreadsheets and data frames."""
     extra = list(dict.fromkeys(name for row in results.rows for name in {**row["counts"], **row["measures"]}))
-    known = ["variant", "seed", "success", "status", "outcome", "code", "message", "duration", "wall", "run"]
+    known = [
+        "variant",
+        "seed",
+        "success",
+        "contradicted",
+        "status",
+        "outcome",
+        "code",
+        "message",
+        "duration",
+        "wall",
+        "run",
+    ]
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow([*known, *extra, "truth"])
     for row in results.rows:
         values = {**row["counts"], **row["measures"]}
         truth = " ".join(f"{name}={state}" for name, state in (row["truth"] or {}).items())
-        writer.writerow([*(row[key] for key in known), *(values.get(name) for name in extra), truth])
+        writer.writerow([*(row.get(key) for key in known), *(values.get(name) for name in extra), truth])
     return out.getvalue()
