@@ -188,7 +188,7 @@ class ServiceClient:
                 if not self._supervised or now > call.gone_since + GRACE:
                     self._finish(call, self._lost("the server that had the request is gone"))
         for call in [c for c in (*self._sent, *self._waiting) if now > c.deadline]:
-            self._finish(call, self._timed_out(call, now))
+            self._finish(call, self._timed_out(call))
         if self._waiting:
             self._advance(now)
         return bool(self._sent or self._waiting)
@@ -293,9 +293,9 @@ class ServiceClient:
     def _lost(self, reason: str, **data: float) -> ServerLostError:
         return ServerLostError(f"{self.name}: {reason}", server=self.name, **data)
 
-    def _timed_out(self, call: _Call, now: float) -> ServerTimeOutError:
+    def _timed_out(self, call: _Call) -> ServerTimeOutError:
         state = "no answer" if call.future is not None else "not sent"
-        said = f"{self.name}: {state} after {now - call.started:.1f} s{self.limit}"
+        said = f"{self.name}: {state} after {call.deadline - call.started:.1f} s{self.limit}"
         return ServerTimeOutError(said, server=self.name)
 
 

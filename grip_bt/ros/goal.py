@@ -278,11 +278,11 @@ class Goal:
                 waited = self.patience.server
                 return self._tell(self._lost(f"no server within {waited:.1f} s", waited=waited), Phase.OVER)
             if now >= self._began + self.patience.result:
-                return self._tell(self._timed_out("the goal wasn't sent", now), Phase.OVER)
+                return self._tell(self._timed_out("the goal wasn't sent"), Phase.OVER)
             return []
         if self.phase in LIVE and self._cancel_since is None and now >= self._began + self.patience.result:
             what = "the server didn't take the goal" if self.phase is Phase.SENT else "no result"
-            self._late = self._timed_out(what, now)
+            self._late = self._timed_out(what)
             return self._stop(now)
         if self.phase in LIVE and self._cancel_since is not None and now >= self._cancel_since + self.patience.cancel:
             return [*self._let_go(self._unanswered()), *self.tick(now)]
@@ -337,6 +337,6 @@ class Goal:
     def _canceled(self, reason: str) -> CanceledError:
         return CanceledError(f"{self.name}: {reason}", server=self.name)
 
-    def _timed_out(self, what: str, now: float) -> ServerTimeOutError:
-        said = f"{self.name}: {what} after {now - self._began:.1f} s{self.patience.limit}"
+    def _timed_out(self, what: str) -> ServerTimeOutError:
+        said = f"{self.name}: {what} after {self.patience.result:.1f} s{self.patience.limit}"
         return ServerTimeOutError(said, server=self.name)

@@ -294,7 +294,8 @@ class TopicWriter:
                 except Exception as error:  # noqa: BLE001 - rclpy's TypeErrors of a wrong message
                     wait.operation.fail(error)
             elif now > wait.deadline:
-                text = f"{self.name}: {there} subscribers after {now - wait.began:.1f} s, {wait.count} are needed"
+                waited = wait.deadline - wait.began
+                text = f"{self.name}: {there} subscribers after {waited:.1f} s, {wait.count} are needed"
                 text += "" if there else self._subscribers()
                 self._give_up(wait, ServerTimeOutError(text, topic=self.name))
         return bool(self._waits)

@@ -77,7 +77,7 @@ def test_a_time_out_names_the_key_that_limits_it(bus, serve, ahead):
     with pytest.raises(ServerTimeOutError, match=r"/set: no answer after .* s \(`timeouts: \{call: 0\.2\}` in comp"):
         ended(operation)
     goal = Goal("/act", Patience(server=2.0, result=1.0, limit=" (said there)"), 0.0)
-    assert str(goal.tick(1.5)[0].end) == "/act: the goal wasn't sent after 1.5 s (said there)"
+    assert str(goal.tick(1.5)[0].end) == "/act: the goal wasn't sent after 1.0 s (said there)"
 
 
 LOST, ENDED = ServerLostError("", server="/set", waited=3.0), ServerLostError("", server="/set")
