@@ -97,10 +97,16 @@ class _Parts(Generic[J]):
     Args:
         do: begins a part.
         rest: what is left of a job after so long [s]; ends the motion where it raises an `ExpectedError`.
+        now: the time [s].
     """
 
-    def __init__(self, do: Callable[[J], Operation[JointState]], rest: Callable[[J, float], J]):
-        self._do, self._rest = do, rest
+    def __init__(
+        self,
+        do: Callable[[J], Operation[JointState]],
+        rest: Callable[[J, float], J],
+        now: Callable[[], float] = time.monotonic,
+    ):
+        self._do, self._rest, self._now = do, rest, now
         self._lock = threading.RLock()  # a part that ends while it is changed is heard of in the middle of that
         self._paused = False
         self._motion: _Motion[J] | None = None
@@ -166,7 +172,7 @@ class _Parts(Generic[J]):
             return
         part = self._do(motion.job)
         with self._lock:
-            motion.part, motion.began, motion.passed, motion.starting = part, time.monotonic(), 0.0, False
+            motion.part, motion.began, motion.passed, motion.starting = part, self._now(), 0.0, False
             again = self._paused
         part.add_done_callback(lambda: self._ended(motion, part))
         if motion.whole.cancel_asked:
@@ -180,7 +186,7 @@ class _Parts(Generic[J]):
             if part is None or motion.held:
                 return
             motion.held = motion.parted = True
-            motion.passed = time.monotonic() - motion.began
+            motion.passed = self._now() - motion.began
         part.cancel()
 
     def _ended(self, motion: _Motion[J], part: Operation[JointState]) -> None:
@@ -232,11 +238,17 @@ class HeldExecutor:
     Args:
         executor: moves the joints, and can stop them.
         accelerations: joint -> limit [rad/s^2 or m/s^2]; see `trajectory.braking.accelerations_of`.
+        now: the executor's time [s].
     """
 
-    def __init__(self, executor: Executor, accelerations: Mapping[str, float] | None = None):
+    def __init__(
+        self,
+        executor: Executor,
+        accelerations: Mapping[str, float] | None = None,
+        now: Callable[[], float] = time.monotonic,
+    ):
         self._executor, self._accelerations = executor, accelerations or {}
-        self._parts = _Parts(executor.execute, self._rest)
+        self._parts = _Parts(executor.execute, self._rest, now)
 
     @property
     def joint_names(self) -> tuple[str, ...]:
@@ -278,8 +290,13 @@ class HeldSteerable(HeldExecutor):
     A motion that was held in its middle isn't changed any more; it goes on to its end.
     """
 
-    def __init__(self, executor: Executor, accelerations: Mapping[str, float] | None = None):
-        super().__init__(executor, accelerations)
+    def __init__(
+        self,
+        executor: Executor,
+        accelerations: Mapping[str, float] | None = None,
+        now: Callable[[], float] = time.monotonic,
+    ):
+        super().__init__(executor, accelerations, now)
         assert isinstance(executor, Steerable)
         self._steerable: Steerable = executor
 
@@ -296,10 +313,14 @@ class HeldSteerable(HeldExecutor):
         self._steerable.expect(at)
 
 
-def held(executor: Executor, accelerations: Mapping[str, float] | None = None) -> HeldExecutor:
+def held(
+    executor: Executor,
+    accelerations: Mapping[str, float] | None = None,
+    now: Callable[[], float] = time.monotonic,
+) -> HeldExecutor:
     """Return an executor that can be held, and steered where `executor` can be; see `HeldExecutor`."""
     kind = HeldSteerable if isinstance(executor, Steerable) else HeldExecutor
-    return kind(executor, accelerations)
+    return kind(executor, accelerations, now)
 
 
 class HeldHand:

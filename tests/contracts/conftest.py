@@ -194,7 +194,6 @@ EXECUTORS = {
     "move_group": move_group_executor,
 }
 PAUSABLE = {
-    "fake": fake_executor,
     "held": held_executor,
     "ros_trajectory_held": held_trajectory_executor,
     "ros_stream_held": held_streamed_executor,

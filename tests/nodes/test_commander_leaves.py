@@ -12,6 +12,8 @@ from grip_bt.errors import ExecutionAbortedError, NoIkError, OutOfLimitsError, P
 from grip_bt.runtime.clock import ManualClock
 from grip_bt.values import JointState, Pose, Trajectory
 
+BRAKING = 1.0
+"""A fake is at rest so long after it was told to stop [s]."""
 OPEN, CLOSED = (JointState(("finger", "thumb"), [angle, angle]) for angle in (0.0, 1.0))
 SUCCESS = ("SUCCESS", "success", None)
 
@@ -165,6 +167,7 @@ def test_an_interrupted_jog_holds(cell):
     leaf.tick_once()
     cell.clock.advance(0.5)
     leaf.stop()
+    cell.clock.advance(BRAKING)
     held = cell.arm.grasp_pose()
     cell.clock.advance(1.0)
     assert cell.arm.grasp_pose() == held
@@ -227,6 +230,7 @@ def test_jogging_without_an_end_goes_on_until_it_is_interrupted(cell):
     leaf = cell.leaf("arm/jog", linear=[0.1, 0.0, 0.0], angular=[0.0, 0.0, 0.2], seconds=None)
     assert speeds(cell, leaf, 3.0)[3:].tolist() == pytest.approx([0.1] * 56, abs=1e-3)
     leaf.stop()
+    cell.clock.advance(BRAKING)
     held = cell.arm.grasp_pose()
     cell.clock.advance(1.0)
     assert cell.arm.grasp_pose() == held
@@ -359,6 +363,7 @@ def test_holding_a_hand_ends_its_motion(cell):
     moving = cell.hand.close()
     cell.clock.advance(0.3)
     assert cell.run(cell.leaf("hand/hold")) == SUCCESS
+    cell.clock.advance(2 * BRAKING)
     assert moving.done()
 
 

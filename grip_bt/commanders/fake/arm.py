@@ -18,13 +18,14 @@ from grip_bt.operation import Operation
 from grip_bt.ports import FREEDOMS
 from grip_bt.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory, WayPoint
 
+from ..held import held
 from ..jogging import approaching, bounded, jogged, lasting
 from ..joint_names import require_joints
 from ..steering import HOLD, steered
 from ..stream import Stream, Twist, velocity_of
 from ..taught import Taught
 from .executor import FakeExecutor
-from .schedule import Schedule, Script, steps_of
+from .schedule import AtOnce, Schedule, Script, steps_of
 
 JOINTS = ("x", "y", "z", "rx", "ry", "rz")
 PLANNING = ("plan", "plan_straight", "plan_through", "plan_along", "plan_step", "choose_grasp")
@@ -65,7 +66,9 @@ class FakeArm:
         self._states = {"home": start, **(states or {})}
         self._taught = taught if taught is not None else Taught()
         scripts = dict(script or {})
-        self._executor = FakeExecutor(start, schedule, scripts.pop("execute", ()))
+        schedule = schedule or AtOnce()
+        self._gantry = FakeExecutor(start, schedule, scripts.pop("execute", ()))
+        self._executor = held(self._gantry, now=schedule.now)
         self._stream = Stream(self._executor, self._plan_step)
         self._scripts = {verb: steps_of(scripts.pop(verb, ())) for verb in PLANNING}
         if scripts:
@@ -186,7 +189,7 @@ class FakeArm:
         Raises:
             ValueError: it has another shape.
         """
-        self._executor.put_back(position)
+        self._gantry.put_back(position)
 
     def choose_grasp(self, grasps: Sequence[Grasp]) -> Operation[Grasp]:
         """Return the grasp of the highest quality."""
@@ -198,7 +201,7 @@ class FakeArm:
         return Operation.finished(max(grasps, key=lambda g: g.quality))
 
     def stop(self) -> None:
-        """Hold where it is now and end a motion under way."""
+        """Come to rest, and end a motion under way."""
         self._executor.stop()
 
     def pause(self) -> None:

@@ -1,7 +1,8 @@
-"""A fake executor: joints that follow a trajectory exactly."""
+"""A fake executor: joints that follow a trajectory exactly, and brake within their limits."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,7 @@ from grip_bt.values import JointState, Trajectory
 
 from ..joint_names import same_joints
 from ..steering import spliced
+from ..trajectory.braking import accelerations_of, stop_ramp
 from .schedule import AtOnce, Schedule, Script, steps_of
 
 START_TOLERANCE = 0.05
@@ -25,28 +27,34 @@ class _Motion:
     begin: float
     operation: Operation[JointState]
     failure: Exception | None = None
-    stood_at: float | None = None
-    due: bool = False
+    braking: bool = False
 
     @property
     def end(self) -> float:
-        return self.trajectory.duration / (2 if self.failure else 1)
+        return self.trajectory.duration / (2 if self.failure and not self.braking else 1)
 
 
 class FakeExecutor:
-    """Implements `ports.Executor`, `ports.Pausable` and `ports.Steerable`.
+    """Implements `ports.Executor` and `ports.Steerable`.
 
     Args:
         start: where the joints are at first.
         schedule: its time; at once when None.
         script: what becomes of each motion: None reaches its end, an error ends it half-way.
+        accelerations: joint -> limit, for braking; see `trajectory.braking.accelerations_of`.
     """
 
-    def __init__(self, start: JointState, schedule: Schedule | None = None, script: Script = ()):
+    def __init__(
+        self,
+        start: JointState,
+        schedule: Schedule | None = None,
+        script: Script = (),
+        accelerations: Mapping[str, float] | None = None,
+    ):
         self._schedule = schedule or AtOnce()
+        self._limits = accelerations_of(start.names, accelerations or {})
         self._position, self._names = np.array(start.position), start.names
         self._motion: _Motion | None = None
-        self._paused = False
         self._script = steps_of(script)
         self.executed: list[Trajectory] = []
 
@@ -57,10 +65,10 @@ class FakeExecutor:
 
     def state(self) -> JointState:
         """Return where the joints are now."""
-        position = self._position
+        position, velocity = self._position, np.zeros(len(self._names))
         if self._motion is not None:
-            position = self._motion.trajectory.at(self._progress(self._motion))
-        return JointState(self._names, position, np.zeros(len(position)), time=self._schedule.now())
+            (position,), (velocity,), _ = self._motion.trajectory.sampled(np.array([self._progress(self._motion)]))
+        return JointState(self._names, position, velocity, time=self._schedule.now())
 
     def execute(self, trajectory: Trajectory) -> Operation[JointState]:
         """Follow a trajectory; one under way ends as cancelled. See `ports.Executor`.
@@ -70,25 +78,22 @@ class FakeExecutor:
         """
         if trajectory.names != self._names:
             raise ValueError(f"the trajectory moves {trajectory.names}, this executor {self._names}")
-        self.stop()
+        self._end(CanceledError("another motion has taken the place of this one"))
         off = float(np.abs(trajectory.positions[0] - self._position).max())
         if off > START_TOLERANCE:
             return Operation.failed(
                 ExecutionAbortedError(f"the trajectory begins {off:.3f} rad away from the joints", error=off)
             )
         self.executed.append(trajectory)
-        operation: Operation[JointState] = Operation(on_cancel=lambda: self._cancel(operation))
+        operation: Operation[JointState] = Operation(on_cancel=lambda: self._brake(motion))
         self._motion = motion = _Motion(trajectory, self._schedule.now(), operation, next(self._script))
-        if self._paused:
-            motion.stood_at = 0.0
         self._finish_after(motion)
         return operation
 
     def stop(self) -> None:
-        """Hold where the joints are now and end a motion under way as cancelled."""
-        motion = self._hold()
-        if motion is not None:
-            motion.operation.fail(CanceledError("the motion was stopped"))
+        """Bring the joints to rest by a ramp; a motion under way ends as cancelled when they are."""
+        if self._motion is not None:
+            self._brake(self._motion)
 
     def put_back(self, position: NDArray[np.float64]) -> None:
         """Have the joints where they were; nothing may be under way.
@@ -101,33 +106,18 @@ class FakeExecutor:
         """
         self._position = same_joints(position, self._names)
 
-    def pause(self) -> None:
-        """Hold where the joints are in the middle of a motion; see `ports.Pausable`."""
-        self._paused = True
-        if self._motion is not None and self._motion.stood_at is None:
-            self._motion.stood_at = self._progress(self._motion)
-
-    def resume(self) -> None:
-        """Go on with what is left."""
-        self._paused = False
-        motion = self._motion
-        if motion is not None and motion.stood_at is not None:
-            motion.begin, motion.stood_at = self._schedule.now() - motion.stood_at, None
-            if motion.due:
-                motion.due = False
-                self._finish_after(motion)
-
     def _progress(self, motion: _Motion) -> float:
-        return self._schedule.now() - motion.begin if motion.stood_at is None else motion.stood_at
+        return self._schedule.now() - motion.begin
 
     def passed(self) -> float | None:
         """Return for how long the motion under way has been followed [s]; see `ports.Steerable`."""
-        return None if self._motion is None else self._progress(self._motion)
+        motion = self._motion
+        return None if motion is None or motion.braking else self._progress(motion)
 
     def amend(self, tail: Trajectory, at: float) -> bool:
         """Go on with another trajectory from a moment on; see `ports.Steerable`."""
         motion = self._motion
-        if motion is None or self._progress(motion) > min(at, motion.end) + 1e-9:
+        if motion is None or motion.braking or self._progress(motion) > min(at, motion.end) + 1e-9:
             return False
         motion.trajectory = spliced(motion.trajectory, tail, at)
         self.executed.append(tail)
@@ -137,33 +127,32 @@ class FakeExecutor:
         """Do nothing: its time is that of who asks."""
 
     def _finish_after(self, motion: _Motion) -> None:
-        """Finish when the motion has come to its end, however long it was held and gone on with in between."""
+        """Finish when the motion has come to its end, however much later that is by then."""
 
         def look() -> None:
-            if motion.stood_at is not None:
-                motion.due = True
-            elif self._progress(motion) < motion.end - 1e-9:
+            if self._progress(motion) < motion.end - 1e-9:
                 self._finish_after(motion)
             else:
                 self._finish(motion)
 
         self._schedule.after(max(0.0, motion.end - self._progress(motion)), look)
 
-    def _cancel(self, operation: Operation[JointState]) -> None:
-        if self._motion is not None and self._motion.operation is operation:
-            self.stop()
+    def _brake(self, motion: _Motion) -> None:
+        if self._motion is motion and not motion.braking:
+            ramp = stop_ramp(motion.trajectory, self._progress(motion), self._limits)
+            motion.trajectory, motion.begin, motion.braking = ramp, self._schedule.now(), True
+            self._finish_after(motion)
 
-    def _hold(self) -> _Motion | None:
+    def _end(self, error: Exception | None) -> None:
+        """End the motion under way where the joints are."""
         self._position = np.array(self.state().position)
         motion, self._motion = self._motion, None
-        return motion
-
-    def _finish(self, motion: _Motion) -> None:
-        if self._motion is not motion:
-            return
-        self._hold()
-        if motion.failure is None:
+        if motion is not None and error is not None:
+            motion.operation.fail(error)
+        elif motion is not None:
             self._position = np.array(motion.trajectory.positions[-1])
             motion.operation.succeed(self.state())
-        else:
-            motion.operation.fail(motion.failure)
+
+    def _finish(self, motion: _Motion) -> None:
+        if self._motion is motion:
+            self._end(CanceledError("the motion was stopped") if motion.braking else motion.failure)

@@ -10,19 +10,19 @@ from numpy.typing import NDArray
 
 from grip_bt.errors import CanceledError
 from grip_bt.operation import Operation
-from grip_bt.values import JointState
+from grip_bt.values import JointState, Trajectory
 
 from ..joint_names import same_joints
+from ..trajectory.braking import ACCELERATION, stop_ramp
 from .schedule import AtOnce, Schedule, Script, steps_of
 
 
 @dataclass
 class _Motion:
     begin: float
-    duration: float
-    start: NDArray[np.float64]
-    goal: NDArray[np.float64]
+    way: Trajectory
     operation: Operation[JointState]
+    braking: bool = False
 
 
 class FakeHand:
@@ -70,15 +70,16 @@ class FakeHand:
 
     def move(self, posture: JointState, duration: float, torque_limit: float | None = None) -> Operation[JointState]:
         """Move towards a posture; see `ports.HandPort`."""
-        self.stop()
+        self._end(CanceledError("another motion has taken the place of this one"))
         self.torque_limits.append(torque_limit)
         failure = next(self._script)
         if failure is not None:
             return Operation.failed(failure)
-        operation: Operation[JointState] = Operation(on_cancel=lambda: self._cancel(operation))
-        goal = posture.ordered(self._names)
-        self._motion = motion = _Motion(self._schedule.now(), duration, np.array(self._position), goal, operation)
-        self._schedule.after(duration, lambda: self._finish(motion))
+        operation: Operation[JointState] = Operation(on_cancel=lambda: self._brake(motion))
+        start, goal = self._position, posture.ordered(self._names)
+        times, rows = (np.array([0.0, duration]), [start, goal]) if duration > 0 else (np.zeros(1), [goal])
+        self._motion = motion = _Motion(self._schedule.now(), Trajectory(self._names, times, np.stack(rows)), operation)
+        self._schedule.after(duration, lambda: self._finish(motion, False))
         return operation
 
     def contacts(self) -> Mapping[str, float]:
@@ -86,11 +87,9 @@ class FakeHand:
         return dict(self._forces) if self._pressing().any() else {}
 
     def stop(self) -> None:
-        """Hold where the fingers are now and end a motion under way as cancelled."""
-        self._position = self._blocked(self._free_position())
-        motion, self._motion = self._motion, None
-        if motion is not None:
-            motion.operation.fail(CanceledError("the hand was stopped"))
+        """Bring the fingers to rest by a ramp; a motion under way ends as cancelled when they are."""
+        if self._motion is not None:
+            self._brake(self._motion)
 
     def kept(self) -> NDArray[np.float64]:
         """Return where its fingers are or, where a thing is in the way, would be [rad], shape (n,)."""
@@ -104,22 +103,31 @@ class FakeHand:
         """
         self._position = same_joints(position, self._names)
 
-    def _cancel(self, operation: Operation[JointState]) -> None:
-        if self._motion is not None and self._motion.operation is operation:
-            self.stop()
+    def _brake(self, motion: _Motion) -> None:
+        if self._motion is motion and not motion.braking:
+            limits = np.full(len(self._names), ACCELERATION)
+            ramp = stop_ramp(motion.way, self._schedule.now() - motion.begin, limits)
+            motion.way, motion.begin, motion.braking = ramp, self._schedule.now(), True
+            self._schedule.after(ramp.duration, lambda: self._finish(motion, True))
 
-    def _finish(self, motion: _Motion) -> None:
-        if self._motion is motion:
+    def _end(self, error: CanceledError) -> None:
+        self._position = self._blocked(self._free_position())
+        motion, self._motion = self._motion, None
+        if motion is not None:
+            motion.operation.fail(error)
+
+    def _finish(self, motion: _Motion, braking: bool) -> None:
+        if self._motion is motion and motion.braking is braking:
             # The goal is kept even where the thing is in the way: that is what presses.
-            self._position, self._motion = motion.goal, None
-            motion.operation.succeed(self.state())
+            self._position, self._motion = motion.way.positions[-1], None
+            if braking:
+                motion.operation.fail(CanceledError("the hand was stopped"))
+            else:
+                motion.operation.succeed(self.state())
 
     def _free_position(self) -> NDArray[np.float64]:
         motion = self._motion
-        if motion is None:
-            return self._position
-        part = 1.0 if motion.duration <= 0 else min((self._schedule.now() - motion.begin) / motion.duration, 1.0)
-        return motion.start + (motion.goal - motion.start) * part
+        return self._position if motion is None else motion.way.at(self._schedule.now() - motion.begin)
 
     def _blocked(self, position: NDArray[np.float64]) -> NDArray[np.float64]:
         if self.thing is None:
