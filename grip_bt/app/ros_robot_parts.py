@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from functools import partial
 from typing import TYPE_CHECKING
@@ -73,8 +73,9 @@ def open_robot(project: Project, resources: Resources, seed: int, stack: ExitSta
     measured = [joint for names in joints.values() for joint in names]
     _wait_for_controllers(settings, bus, states, measured, progress)
     progress("robot", f"{len(measured)} joints measured on {settings.joint_states}")
-    executors = {name: held(_executor(settings, name, bus, joints[name], states)) for name in alone}
-    ports = {name: HeldHand(_hand(settings, name, bus, joints[name], states)) for name in file.hands}
+    limits = description.acceleration_limits
+    executors = {name: held(_executor(settings, name, bus, joints[name], states, limits), limits) for name in alone}
+    ports = {name: HeldHand(_hand(settings, name, bus, joints[name], states, limits)) for name in file.hands}
     resources.measure = states.fresh
     resources.pausable = [*executors.values(), *ports.values()]
     open_commanders(project, resources, description, planner, executors, ports, {}, seed)
@@ -154,30 +155,44 @@ def _joints(controller: ControllerConfig, group: Sequence[str]) -> tuple[str, ..
     return controller.joints or tuple(group)
 
 
-def _executor(settings: RosRobotConfig, name: str, bus: Bus, joints: Sequence[str], states: JointStates) -> Executor:
+def _executor(
+    settings: RosRobotConfig,
+    name: str,
+    bus: Bus,
+    joints: Sequence[str],
+    states: JointStates,
+    limits: Mapping[str, float],
+) -> Executor:
     from grip_bt.ros.controllers import StreamedExecutor, TopicExecutor, TrajectoryExecutor
 
     controller = settings.controllers[name]
     if controller.trajectory is not None:
         return TrajectoryExecutor(bus, controller.trajectory, joints, states, wait=settings.ready)
     if controller.topic is not None:
-        return TopicExecutor(bus, controller.topic, joints, states)
+        return TopicExecutor(bus, controller.topic, joints, states, limits)
     if controller.move_group is not None:
         from grip_bt.ros.moveit import MoveGroupExecutor
 
         return MoveGroupExecutor(bus, controller.move_group, joints, states, settings.ready)
     if controller.positions is not None:
-        return StreamedExecutor(bus, controller.positions, joints, states)
+        return StreamedExecutor(bus, controller.positions, joints, states, accelerations=limits)
     ways = "`trajectory`, `topic`, `positions` or `move_group`"
     raise GripError(f"grip.yaml: ros/controllers/{name}: an arm isn't a gripper; say {ways}")
 
 
-def _hand(settings: RosRobotConfig, name: str, bus: Bus, joints: Sequence[str], states: JointStates) -> HandPort:
+def _hand(
+    settings: RosRobotConfig,
+    name: str,
+    bus: Bus,
+    joints: Sequence[str],
+    states: JointStates,
+    limits: Mapping[str, float],
+) -> HandPort:
     from grip_bt.ros.controllers import ControlledHand, GripperHand
 
     gripper = settings.controllers[name].gripper
     if gripper is None:
-        return ControlledHand(_executor(settings, name, bus, joints, states))
+        return ControlledHand(_executor(settings, name, bus, joints, states, limits))
     if len(joints) != 1:
         reason = f"a gripper is asked through one joint, not {len(joints)}; name it: `joints: [NAME]`"
         raise GripError(f"grip.yaml: ros/controllers/{name}: {reason}")

@@ -213,7 +213,7 @@ class _Parts(Generic[J]):
             motion.whole.fail(CanceledError("the motion was stopped"))
             return
         try:
-            if motion.began:
+            if motion.parted:
                 motion.job = self._rest(motion.job, motion.passed)
             self._start(motion)
         except ExpectedError as error:

@@ -117,8 +117,19 @@ class Trajectory(ComparesArrays):
 
     def at(self, time: float) -> NDArray[np.float64]:
         """Return the positions at `time` [s], shape (n,), as `sampled` interpolates."""
-        position: NDArray[np.float64] = self.sampled(np.array([time]))[0][0]
-        return position
+        if self.accelerations is not None:
+            position: NDArray[np.float64] = self.sampled(np.array([time]))[0][0]
+            return position
+        row = int(self.times.searchsorted(time, side="right")) - 1
+        if row < 0 or row >= len(self.times) - 1:
+            return np.array(self.positions[max(row, 0)])
+        span = self.times[row + 1] - self.times[row]
+        part = (time - self.times[row]) / span
+        begin, way = self.positions[row], self.positions[row + 1] - self.positions[row]
+        if self.velocities is None:
+            return begin + part * way
+        first, last = self.velocities[row] * span, self.velocities[row + 1] * span
+        return begin + part * (first + part * (3 * way - 2 * first - last + part * (first + last - 2 * way)))
 
     def sampled(
         self, times: NDArray[np.float64]
@@ -162,13 +173,12 @@ def _between(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Return positions, velocities and accelerations a part (m, 1) of the way from points `row` to the next ones."""
     p0, way = trajectory.positions[row], trajectory.positions[row + 1] - trajectory.positions[row]
-    zero = np.zeros_like(p0)
     if trajectory.velocities is None:
-        factors = [p0, way, zero, zero, zero, zero]
+        factors = [p0, way]
     else:
         v0, v1 = trajectory.velocities[row] * span, trajectory.velocities[row + 1] * span
         if trajectory.accelerations is None:
-            factors = [p0, v0, 3 * way - 2 * v0 - v1, v0 + v1 - 2 * way, zero, zero]
+            factors = [p0, v0, 3 * way - 2 * v0 - v1, v0 + v1 - 2 * way]
         else:
             a0, a1 = trajectory.accelerations[row] * span**2, trajectory.accelerations[row + 1] * span**2
             factors = [

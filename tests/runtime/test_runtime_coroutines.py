@@ -133,7 +133,7 @@ def test_an_arm_is_moved_by_awaiting_its_plan_and_its_motion() -> None:
     home = arm.named_states()["home"]
     arm._states["there"] = there = type(home)(home.names, home.position + 0.5)
     run = run_of(Moves, to_tree, RunContext(clock, arms={"right": arm}, pausable=[arm])).start()
-    wait_for(lambda: arm._executor.executed)
+    wait_for(lambda: arm._gantry.executed)
     clock.advance(100.0)
     assert run.join().status == "success"
     assert (arm.state().position == there.position).all()

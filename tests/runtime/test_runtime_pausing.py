@@ -77,19 +77,22 @@ def test_a_paused_run_holds_the_arm_in_the_middle_of_its_motion_and_goes_on() ->
     results: list[Any] = []
     thread = threading.Thread(target=lambda: results.append(runner.run()), daemon=True)
     thread.start()
-    while not arm._executor.executed:
+    while not arm._gantry.executed:
         time.sleep(0.001)
     clock.advance(0.4)
     half = arm.state().position
     assert 0 < np.abs(half - there.position).max() < 0.5
     runner.pause()
+    clock.advance(1.0)
+    held = arm.state().position
+    assert 0 < np.abs(held - half).max() < 0.1, "it comes to rest by a ramp"
     clock.advance(100.0)
-    assert (arm.state().position == half).all()
+    assert (arm.state().position == held).all()
     runner.resume()
     clock.advance(0.1)
     assert np.abs(arm.state().position - there.position).max() < 0.5
     assert not results
-    clock.advance(1.0)
+    clock.advance(2.0)
     thread.join(120)
     assert results[0].status == "success"
     assert arm.state().position == pytest.approx(there.position + 0.5)

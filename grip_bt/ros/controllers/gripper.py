@@ -13,6 +13,7 @@ from ..goal import GoalEnd
 from ..types import load_type
 from .joint_states import JointStates
 from .motion import measured
+from .rest import Motion
 from .trajectory import LATE, as_motion
 
 ACTION = "control_msgs/action/GripperCommand"
@@ -38,7 +39,7 @@ class GripperHand:
         self._type = load_type(ACTION)
         self._client = bus.action(self._type, action, wait=wait)
         self._action, self._joint, self._states = action, joint, states
-        self._motion: Operation[JointState] | None = None
+        self._motion: Motion | None = None
         self._force, self._stopped_at = 0.0, 0.0
 
     @property
@@ -57,16 +58,19 @@ class GripperHand:
     def move(self, posture: JointState, duration: float, torque_limit: float | None = None) -> Operation[JointState]:
         """Move to a posture with at most `torque_limit` [N or N m, as the gripper has it].
 
-        The gripper decides how long that takes. It ends also when something stops the fingers.
+        The gripper decides how long that takes. It ends also when something stops the fingers. Cancelled or given up,
+        it ends when they were measured at rest; see `RosExecutor.execute`.
         """
-        self.stop()
+        if self._motion is not None:
+            self._motion.overtake()
         goal = self._type.Goal()
         (goal.command.position,) = map(float, posture.ordered(self.joint_names))
         goal.command.max_effort = float(torque_limit or 0.0)
         self._force = 0.0
         sent = self._client.send(goal, timeout=duration + LATE)
-        self._motion = as_motion(self._stalls_are_ends(sent), self._action, self._type.Result).then(self._ended)
-        return self._motion
+        part = as_motion(self._stalls_are_ends(sent), self._action, self._type.Result).then(self._ended)
+        self._motion = Motion(part, self._states, self.joint_names)
+        return self._motion.whole
 
     def contacts(self) -> Mapping[str, float]:
         """Return the gripper's effort when something has stopped its fingers, and they are still there."""
@@ -75,9 +79,9 @@ class GripperHand:
         return {self._joint: self._force}
 
     def stop(self) -> None:
-        """Hold the fingers where they are."""
+        """Bring the fingers to rest; a motion under way ends as cancelled when they are measured to be there."""
         if self._motion is not None:
-            self._motion.cancel()
+            self._motion.whole.cancel()
 
     def _stalls_are_ends(self, sent: Operation[GoalEnd]) -> Operation[GoalEnd]:
         """Take a goal that was given up because the fingers were stopped for one that is over."""

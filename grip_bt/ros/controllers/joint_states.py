@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -62,6 +62,15 @@ class _Wait:
     operation: Operation[JointState]
 
 
+@dataclass(frozen=True)
+class _Watch:
+    names: tuple[str, ...]
+    after: float
+    date: float
+    enough: Callable[[JointState], bool]
+    operation: Operation[bool]
+
+
 class JointStates:
     """Keeps the last state of every joint.
 
@@ -76,6 +85,7 @@ class JointStates:
         self._lock = threading.Lock()
         self._joints: dict[str, _Joint] = {}
         self._waits: list[_Wait] = []
+        self._watches: list[_Watch] = []
         self._reader = bus.reader(MESSAGE, topic)
         self._reader.listen(self._heard).wait(5.0)
 
@@ -109,6 +119,34 @@ class JointStates:
         first = min(STALE, self._stale)
         self._after(first, wait, self._stale - first)
         return wait.operation
+
+    def watch(self, names: Sequence[str], enough: Callable[[JointState], bool], within: float) -> Operation[bool]:
+        """Show states of joints that are measured from now on until `enough` is True of one.
+
+        Args:
+            names: the joints.
+            enough: called on the bus's thread; a state's time is that of its oldest stamp, or of its arrival.
+            within: how long to go on [s]; the result is False when that is over.
+        """
+        watch = _Watch(tuple(names), time.monotonic(), time.time(), enough, Operation())
+        with self._lock:
+            self._watches.append(watch)
+        timer = threading.Timer(within, watch.operation.succeed, (False,))
+        timer.daemon = True
+        timer.start()
+        watch.operation.add_done_callback(timer.cancel)
+        return watch.operation
+
+    def _show(self, watch: _Watch, now: float) -> None:
+        with self._lock:
+            joints = [self._joints.get(name) for name in watch.names]
+        known = [joint for joint in joints if joint is not None]
+        heard = len(known) == len(joints) and all(joint.heard > watch.after for joint in known)
+        late = now > watch.after + STALE  # a clock that doesn't go as ours does, a simulator's: to have heard has to do
+        if heard and (late or all(joint.measured_after(watch.after, watch.date) for joint in known)):
+            state = replace(self.state(watch.names), time=min(joint.stamp or joint.heard for joint in known))
+            if watch.enough(state):
+                watch.operation.succeed(True)
 
     def _after(self, delay: float, wait: _Wait, left: float) -> None:
         timer = threading.Timer(delay, self._give_up, (wait, left))
@@ -148,8 +186,12 @@ class JointStates:
                     )
             ready = [w for w in self._waits if all(self._answers(n, w) for n in w.names)]
             self._waits = [w for w in self._waits if w not in ready]
+            self._watches = [w for w in self._watches if not w.operation.done()]
+            watches = list(self._watches)
         for wait in ready:
             wait.operation.succeed(self.state(wait.names))
+        for watch in watches:
+            self._show(watch, now)
 
     def _lag(self, name: str, now: float, stamp: float) -> tuple[float, float]:
         before = self._joints.get(name)

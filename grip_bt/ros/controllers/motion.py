@@ -16,6 +16,7 @@ from grip_bt.operation import Operation
 from grip_bt.values import JointState, Trajectory
 
 from .joint_states import JointStates
+from .rest import Motion
 
 START_TOLERANCE = 0.05
 """A trajectory begins within this distance of where the joints are [rad or m]."""
@@ -42,7 +43,7 @@ class RosExecutor(ABC):
 
     def __init__(self, names: Sequence[str], states: JointStates):
         self._names, self._states = tuple(names), states
-        self._motion: Operation[JointState] | None = None
+        self._motion: Motion | None = None
 
     @property
     def joint_names(self) -> tuple[str, ...]:
@@ -60,6 +61,9 @@ class RosExecutor(ABC):
     def execute(self, trajectory: Trajectory) -> Operation[JointState]:
         """Follow a trajectory; one under way ends as cancelled. The result is what is measured at the end.
 
+        A motion that was cancelled, or given up, ends when the joints were measured at rest. Where they aren't within
+        `rest.RESTS`, or nothing is measured, the error says so, and `stopped` in its data is False.
+
         Ends with ExecutionAbortedError when the trajectory begins elsewhere, or who moves the joints refuses it, gives
         it up or is gone; `data` tells the code and the words. See `grip_bt.ports.Executor`.
 
@@ -70,14 +74,21 @@ class RosExecutor(ABC):
             check_start(self._names, trajectory, self._states)
         except ExecutionAbortedError as error:
             return Operation.failed(error)
-        self.stop()
-        self._motion = self._begin(trajectory).then(lambda _: measured(self._states, self._names))
-        return self._motion
+        if self._motion is not None:
+            self._drop()
+            self._motion.overtake()
+        part = self._begin(trajectory).then(lambda _: measured(self._states, self._names))
+        self._motion = Motion(part, self._states, self._names)
+        return self._motion.whole
 
     def stop(self) -> None:
-        """Hold where the joints are, and end a motion under way."""
+        """Bring the joints to rest; a motion under way ends as cancelled when they are measured to be there."""
         if self._motion is not None:
-            self._motion.cancel()
+            self._motion.whole.cancel()
+
+    def _drop(self) -> None:
+        """See to it that nothing more is sent of a motion whose place another one takes."""
+        return
 
     @abstractmethod
     def _begin(self, trajectory: Trajectory) -> Operation[Any]:

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from grip_bt.commanders.trajectory.braking import accelerations_of, stop_ramp
 from grip_bt.errors import CanceledError, ExecutionAbortedError, SensorError, ServerTimeOutError
 from grip_bt.operation import Operation
 from grip_bt.values import Trajectory
@@ -24,8 +25,10 @@ from .motion import START_TOLERANCE, RosExecutor, settle
 MESSAGE = "trajectory_msgs/msg/JointTrajectory"
 END_TOLERANCE = 0.05
 """A motion has succeeded when the joints come to rest so near to its end [rad or m]."""
-BRAKE = 0.15
-"""How long the joints take to come to rest on a stop [s]."""
+GENTLY = 0.8
+"""Part of the joints' acceleration limits that braking uses: when the controller hears of it isn't known exactly."""
+SOONEST = 0.05
+"""Joints are told to rest no sooner than this after a message [s]."""
 LOOK = 0.1
 """How often it is looked at whether the joints are still measured [s]."""
 FOUND = 6.0
@@ -43,25 +46,40 @@ class TopicExecutor(RosExecutor):
         topic: the controller's, such as `/arm_controller/joint_trajectory`.
         names: its joints.
         states: where they are measured.
+        accelerations: joint -> limit, for braking; see `trajectory.braking.accelerations_of`.
     """
 
-    def __init__(self, bus: Bus, topic: str, names: Sequence[str], states: JointStates):
+    def __init__(
+        self,
+        bus: Bus,
+        topic: str,
+        names: Sequence[str],
+        states: JointStates,
+        accelerations: Mapping[str, float] | None = None,
+    ):
         super().__init__(names, states)
+        self._accelerations = accelerations or {}
         self._topic, self._writer = topic, bus.writer(MESSAGE, topic)
 
-    def stop(self) -> None:
-        """Have the joints come to rest on their path, and end a motion under way; nothing of it comes afterwards."""
-        super().stop()
-        if self._motion is not None:
-            self._motion.wait(1.0)
-
     def _begin(self, trajectory: Trajectory) -> Operation[None]:
-        stop = threading.Event()
+        self._stop, self._dropped, self._left = stop, dropped, left = [threading.Event() for _ in range(3)]
         done: Operation[None] = Operation(on_cancel=stop.set)
-        threading.Thread(target=self._follow, args=(trajectory, stop, done), name="grip_topic", daemon=True).start()
+
+        def follow() -> None:
+            self._follow(trajectory, stop, dropped, done)
+            left.set()
+
+        threading.Thread(target=follow, name="grip_topic", daemon=True).start()
         return done
 
-    def _follow(self, trajectory: Trajectory, stop: threading.Event, done: Operation[None]) -> None:
+    def _drop(self) -> None:
+        self._dropped.set()
+        self._stop.set()
+        self._left.wait(1.0)
+
+    def _follow(
+        self, trajectory: Trajectory, stop: threading.Event, dropped: threading.Event, done: Operation[None]
+    ) -> None:
         try:
             sent = self._writer.publish(trajectory_to_message(trajectory), 1, FOUND)
             if not sent.wait(FOUND + 1.0):
@@ -74,7 +92,8 @@ class TopicExecutor(RosExecutor):
             if not stop.is_set():
                 settle(self.state, trajectory.positions[-1][self._order(trajectory)], stop)
             if stop.is_set():
-                self._hold(trajectory, time.monotonic() - began)
+                if not dropped.is_set():
+                    self._brake(trajectory, time.monotonic() - began)
                 done.fail(CanceledError("the motion was stopped"))
             else:
                 self._judge(trajectory, done)
@@ -83,9 +102,15 @@ class TopicExecutor(RosExecutor):
         except BaseException as error:  # noqa: BLE001 - of this thread; the owner has to hear of it
             done.fail(error)
 
-    def _hold(self, trajectory: Trajectory, passed: float) -> None:
-        """Publish where the joints come to rest evenly: a bit further on their path, or where they are off that."""
-        rest = trajectory.at(passed + BRAKE / 2)
+    def _brake(self, trajectory: Trajectory, passed: float) -> None:
+        """Publish where and when the joints are at rest: further on their path, or where they are off that.
+
+        The controller goes there by a cubic from the position and the velocity that it has then, which for a ramp is
+        even braking, and forgives that nobody knows exactly when it hears of it.
+        """
+        limits = GENTLY * accelerations_of(trajectory.names, self._accelerations)
+        ramp = stop_ramp(trajectory, passed, limits)
+        rest, within = ramp.positions[-1], max(ramp.duration, SOONEST)
         try:
             measured = self._states.state(trajectory.names).position
             if np.abs(measured - trajectory.at(passed)).max() > START_TOLERANCE:
@@ -93,7 +118,7 @@ class TopicExecutor(RosExecutor):
         except SensorError:
             pass  # to rest on the path is the best that is known then
         still = Trajectory(trajectory.names, np.zeros(1), rest[None], np.zeros((1, len(rest))))
-        self._writer.publish(trajectory_to_message(still, BRAKE), 0)
+        self._writer.publish(trajectory_to_message(still, within), 0)
 
     def _judge(self, trajectory: Trajectory, done: Operation[None]) -> None:
         off = np.abs(self._states.state(trajectory.names).position - trajectory.positions[-1])
