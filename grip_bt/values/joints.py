@@ -127,9 +127,11 @@ class Trajectory(ComparesArrays):
         part = (time - self.times[row]) / span
         begin, way = self.positions[row], self.positions[row + 1] - self.positions[row]
         if self.velocities is None:
-            return begin + part * way
-        first, last = self.velocities[row] * span, self.velocities[row + 1] * span
-        return begin + part * (first + part * (3 * way - 2 * first - last + part * (first + last - 2 * way)))
+            there: NDArray[np.float64] = begin + part * way
+        else:
+            first, last = self.velocities[row] * span, self.velocities[row + 1] * span
+            there = begin + part * (first + part * (3 * way - 2 * first - last + part * (first + last - 2 * way)))
+        return there
 
     def sampled(
         self, times: NDArray[np.float64]
@@ -146,12 +148,14 @@ class Trajectory(ComparesArrays):
         if len(self.times) == 1:
             still = np.zeros((len(times), len(self.names)))
             return np.repeat(self.positions, len(times), axis=0), still, still
-        row = np.clip(np.searchsorted(self.times, times, side="right") - 1, 0, len(self.times) - 2)
-        span = (self.times[row + 1] - self.times[row])[:, None]
-        part = (np.clip(times, 0.0, self.duration)[:, None] - self.times[row][:, None]) / span
+        row = np.minimum(np.maximum(self.times.searchsorted(times, side="right") - 1, 0), len(self.times) - 2)
+        begin = self.times[row]
+        span = (self.times[row + 1] - begin)[:, None]
+        part = (np.minimum(np.maximum(times, 0.0), self.times[-1]) - begin)[:, None] / span
         found = _between(self, row, span, part)
-        outside = (times < 0.0) | (times > self.duration)
-        found[1][outside] = found[2][outside] = 0.0
+        outside = (times < 0.0) | (times > self.times[-1])
+        if outside.any():
+            found[1][outside] = found[2][outside] = 0.0
         return found
 
     def stretched(self, duration: float) -> Trajectory:
@@ -189,12 +193,12 @@ def _between(
                 -15 * way + 8 * v0 + 7 * v1 + (3 * a0 - 2 * a1) / 2,
                 6 * way - 3 * (v0 + v1) - (a0 - a1) / 2,
             ]
-    found = [np.zeros_like(p0) for _ in range(3)]
-    for factor in reversed(factors):  # Horner's scheme for the polynomial and its derivatives
-        found[2] = found[2] * part + 2 * found[1]
-        found[1] = found[1] * part + found[0]
-        found[0] = found[0] * part + factor
-    return found[0], found[1] / span, found[2] / span**2
+    position, velocity, curving = factors[-1], np.zeros_like(p0), np.zeros_like(p0)
+    for factor in factors[-2::-1]:  # Horner's scheme for the polynomial and its derivatives
+        curving = curving * part + velocity
+        velocity = velocity * part + position
+        position = position * part + factor
+    return position, velocity / span, 2 * curving / span**2
 
 
 @dataclass(frozen=True, slots=True, eq=False)

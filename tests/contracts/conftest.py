@@ -179,6 +179,7 @@ MARKS = {
     "ros_hand": ROS,
     "ros_controller": ROS,
     "move_group": ROS,
+    "served": (*ROS, pytest.mark.sim),
 }
 EXECUTORS = {
     "fake": fake_executor,

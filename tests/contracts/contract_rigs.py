@@ -13,6 +13,7 @@ import numpy as np
 from patience import PATIENCE
 
 from grip_bt.commanders.planning.requests import PlanningSettings
+from grip_bt.commanders.trajectory.braking import ACCELERATION
 from grip_bt.operation import Operation
 from grip_bt.ports import Arm, Executor, Hand, HandPort
 from grip_bt.values import JointState
@@ -29,11 +30,13 @@ class Rig:
         port: the adapter.
         let_pass: lets seconds pass.
         exact: whether no time passes but by `let_pass`, so that nobody is ever late.
+        braking: how hard its joints may brake, a number for all or shape (n,) [rad/s^2 or m/s^2].
     """
 
     port: Any
     let_pass: Callable[[float], None]
     exact: bool = field(default=False, kw_only=True)
+    braking: Any = field(default=ACCELERATION, kw_only=True)
 
     def wait(self, operation: Operation[Any], at_most: float = PATIENCE) -> Operation[Any]:
         """Let time pass until the operation ends."""

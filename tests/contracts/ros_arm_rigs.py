@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from contract_rigs import PATIENT, ArmRig, ExecutorRig, Patient
 from patience import PATIENCE
-from ros_rigs import SERVERS, spoilt
+from ros_rigs import SERVERS, THEIRS, spoilt
 from server_process import serving
 
 from grip_bt.commanders.held import held
@@ -51,7 +51,7 @@ def move_group_executor(ros_move_group: tuple[Any, Any]) -> Iterator[ExecutorRig
     _bring_home(executor)
     home = executor.state()
     goal = JointState(home.names, home.position + [0.5, 0, 0.2, 0, 0, 0, 0.4])
-    yield spoilt(ExecutorRig(executor, time.sleep, goal), 2.6)
+    yield spoilt(ExecutorRig(executor, time.sleep, goal, braking=THEIRS), 2.6)
 
 
 @contextmanager

@@ -18,11 +18,14 @@ from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.held import HeldHand
 from grip_bt.commanders.robots import build_robot
 from grip_bt.commanders.together import JoinedExecutor
+from grip_bt.commanders.trajectory.braking import ACCELERATION
 from grip_bt.values import JointState
 
 SERVERS = Path(__file__).parents[1] / "ros" / "data"
 NAMES = ("joint_a", "joint_b")
 FINGERS = ("finger_1", "finger_2")
+THEIRS = 4.0
+"""How hard the controllers brake that stand for real ones [rad/s^2]."""
 SIDES = {"left": {"left_joint": 0.0}, "right": {"right_joint": 0.0}}
 
 
@@ -50,7 +53,8 @@ def trajectory_executor(ros_robot: tuple[Any, Any]) -> Iterator[ExecutorRig]:
     from grip_bt.ros.controllers import TrajectoryExecutor
 
     bus, states = ros_robot
-    yield spoilt(_rig(TrajectoryExecutor(bus, "/arm/follow_joint_trajectory", NAMES, states, wait=PATIENCE)), 4.0)
+    executor = TrajectoryExecutor(bus, "/arm/follow_joint_trajectory", NAMES, states, wait=PATIENCE)
+    yield spoilt(_rig(executor, THEIRS), 4.0)
 
 
 @contextmanager
@@ -79,7 +83,7 @@ def joined_trajectory_executors(ros_robot: tuple[Any, Any]) -> Iterator[Executor
         TrajectoryExecutor(bus, f"/{side}/follow_joint_trajectory", tuple(joints), states, wait=PATIENCE)
         for side, joints in SIDES.items()
     ]
-    yield spoilt(_rig(JoinedExecutor(*parts)), 4.0)
+    yield spoilt(_rig(JoinedExecutor(*parts), THEIRS), 4.0)
 
 
 @contextmanager
@@ -121,11 +125,11 @@ def spoilt(rig: ExecutorRig, at: float) -> ExecutorRig:
     return rig
 
 
-def _rig(executor: Any) -> ExecutorRig:
+def _rig(executor: Any, braking: float = ACCELERATION) -> ExecutorRig:
     start = executor.state()
     # To and fro: the robot is one for all tests, and stands where the last one has left it.
     way = [0.5 if position < 0.5 else -0.5 for position in start.position]
-    return ExecutorRig(executor, time.sleep, JointState(start.names, start.position + way))
+    return ExecutorRig(executor, time.sleep, JointState(start.names, start.position + way), braking=braking)
 
 
 def _hand_rig(port: Any, names: Sequence[str], at: tuple[float, float], ros_robot: tuple[Any, Any]) -> HandRig:
@@ -135,7 +139,7 @@ def _hand_rig(port: Any, names: Sequence[str], at: tuple[float, float], ros_robo
     operation = port.move(opened, 1.0)
     assert operation.wait(PATIENCE)
     operation.result()
-    return HandRig(port, time.sleep, opened, closed, lambda: _offer(ros_robot, True))
+    return HandRig(port, time.sleep, opened, closed, lambda: _offer(ros_robot, True), braking=THEIRS)
 
 
 def _offer(ros_robot: tuple[Any, Any], there: bool) -> None:

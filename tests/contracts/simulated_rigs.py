@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 
 import numpy as np
 from contract_rigs import PATIENT, ArmRig, ExecutorRig, HandRig, Patient
@@ -27,7 +28,8 @@ def simulated_executor() -> Iterator[ExecutorRig]:
         executor = simulation.executor("arm")
         home = executor.state()
         goal = JointState(home.names, home.position + [0.5, 0, 0.2, 0, 0, 0, 0.4])
-        yield ExecutorRig(executor, simulation.settle, goal)
+        limits = build_robot("panda_allegro").acceleration_limits
+        yield ExecutorRig(executor, simulation.settle, goal, braking=np.array([limits[name] for name in home.names]))
 
 
 @contextmanager
@@ -50,9 +52,8 @@ def simulated_hand_port() -> Iterator[HandRig]:
             simulation.referee.move_object("thing", Pose(THING.position))
             simulation.settle(0.5)
 
-        yield HandRig(
-            hand, simulation.settle, opened, part, lambda: simulation.referee.move_object("thing", SPOT), take
-        )
+        offer = partial(simulation.referee.move_object, "thing", SPOT)
+        yield HandRig(hand, simulation.settle, opened, part, offer, take, braking=40.0)
 
 
 @contextmanager

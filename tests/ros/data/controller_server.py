@@ -24,7 +24,7 @@ from rclpy.action import ActionServer, CancelResponse
 from rclpy.executors import MultiThreadedExecutor
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, Float64MultiArray
-from trajectory_controller import TrajectoryController
+from trajectory_controller import BRAKING, TrajectoryController
 
 NAMES = ["joint_a", "joint_b"]
 OBJECT = 0.02
@@ -61,6 +61,18 @@ def grip(handle):
     return result
 
 
+def coast(speed):
+    """Let the second gripper come to rest evenly after a cancel."""
+    with lock:
+        start = positions["claw"]
+    takes, began = abs(speed) / BRAKING, time.monotonic()
+    while (now := min(time.monotonic() - began, takes)) < takes:
+        with lock:
+            place = start + speed * (now - now**2 / (2 * takes))
+            positions["claw"] = min(1.0, max(place, 0.5 if positions["thing"] else 0.0))
+        time.sleep(0.005)
+
+
 def claw(handle):
     """Open or close evenly, as far as what is between the fingers, until that is cancelled."""
     wanted, result, began = handle.request.command.position, GripperCommand.Result(), time.monotonic()
@@ -71,6 +83,7 @@ def claw(handle):
     while (passed := speed * (time.monotonic() - began)) < abs(way):
         if handle.is_cancel_requested:
             handle.canceled()
+            threading.Thread(target=coast, args=(math.copysign(speed, way),), daemon=True).start()
             return result
         with lock:
             positions["claw"] = max(start + math.copysign(passed, way), 0.5 if positions["thing"] else 0.0)

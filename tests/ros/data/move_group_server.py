@@ -41,6 +41,8 @@ from grip_bt.ros.convert_geometry import pose_from_message, trajectory_to_messag
 from grip_bt.values import JointState, PathConstraint, Pose
 from grip_bt.values.solids import Box, Cylinder, Mesh, Sphere
 
+BRAKING = 4.0
+moving = []
 namespace = sys.argv[2] if len(sys.argv) > 2 else ""
 description = load_robot(sys.argv[1], Path.cwd())
 model, thinking, telling = RobotModel(description), threading.Lock(), threading.Lock()
@@ -269,7 +271,18 @@ def inverse(request, response):
 # --- moving ---
 
 
+def brake(handle, names, start, speeds):
+    """Come to rest evenly, as the controllers do that move_group has cancelled; a newer goal takes over."""
+    takes, began, now = float(np.abs(speeds).max()) / BRAKING, time.monotonic(), 0.0
+    while moving[-1] is handle and now < takes:
+        now = min(time.monotonic() - began, takes)
+        with telling:
+            state.update(zip(names, (start + speeds * (now - now**2 / (2 * takes))).tolist(), strict=True))
+        time.sleep(0.005)
+
+
 def execute(handle):
+    moving.append(handle)
     trajectory, result = handle.request.trajectory.joint_trajectory, ExecuteTrajectory.Result()
     times = np.array([p.time_from_start.sec + p.time_from_start.nanosec * 1e-9 for p in trajectory.points])
     rows = np.array([p.positions for p in trajectory.points])
@@ -281,6 +294,10 @@ def execute(handle):
                 MoveItErrorCodes.PREEMPTED if stopped else MoveItErrorCodes.CONTROL_FAILED, "blocked"
             )
             (handle.canceled if stopped else handle.abort)()
+            before = np.array([np.interp(max(now - 0.01, 0.0), times, column) for column in rows.T])
+            here = np.array([np.interp(now, times, column) for column in rows.T])
+            braking = (handle, trajectory.joint_names, here, (here - before) / 0.01)
+            threading.Thread(target=brake, args=braking, daemon=True).start()
             return result
         state.update({n: float(np.interp(now, times, rows[:, i])) for i, n in enumerate(trajectory.joint_names)})
         time.sleep(0.005)

@@ -2,11 +2,12 @@
 
 Its state at a moment is that of the trajectory: a cubic spline where points have velocities, else straight. A goal that
 comes while another one is followed takes its place at once, and the other one is given up; until the first point of the
-new trajectory is due, the joints go there by a spline from the position and velocity that they have. On a cancel they
-hold. A trajectory that ends beyond 3 rad is given up half-way, as a path tolerance that is violated; one of other
-joints, or of points that don't lie after one another, is rejected. Feedback tells where the joints should be. Joints go
-no further than `blocked`, where that is set; they end short of their goal then, and it is given up. What comes by the
-topic `joint_trajectory` is followed likewise, and nobody is told of its end.
+new trajectory is due, the joints go there by a spline from the position and velocity that they have. On a cancel the
+goal ends at once, and the joints then brake evenly, at `BRAKING` [rad/s^2]. A trajectory that ends beyond 3 rad is
+given up half-way, as a path tolerance that is violated; one of other joints, or of points that don't lie after one
+another, is rejected. Feedback tells where the joints should be. Joints go no further than `blocked`, where that is set;
+they end short of their goal then, and it is given up. What comes by the topic `joint_trajectory` is followed likewise,
+and nobody is told of its end.
 """
 
 import threading
@@ -18,6 +19,7 @@ from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from trajectory_msgs.msg import JointTrajectory
 
 PERIOD = 0.004
+BRAKING = 4.0
 
 
 def seconds(duration):
@@ -87,8 +89,8 @@ class TrajectoryController:
         hopeless = max(abs(p) for p in trajectory.points[-1].positions) > 3
         while (now := time.monotonic() - began) < end:
             if handle.is_cancel_requested:
-                self.hold()
                 handle.canceled()
+                threading.Thread(target=self.brake, args=(handle,), daemon=True).start()
                 return result
             if self.latest is not handle:
                 result.error_code = result.INVALID_GOAL
@@ -138,6 +140,26 @@ class TrajectoryController:
                 ends = (None, None) if v0 is None or v1 is None else (v0[i], v1[i])
                 position, self.velocities[name] = spline(t0, p0[i], ends[0], t1, p1[i], ends[1], now)
                 self.positions[name] = self.reachable(position)
+
+    def brake(self, handle):
+        """Come to rest evenly, all joints at once; a newer goal takes over in the middle of that."""
+        with self.lock:
+            start, speeds = dict(self.positions), dict(self.velocities)
+        takes = max((abs(speed) for speed in speeds.values()), default=0.0) / BRAKING
+        began, ours = time.monotonic(), (None, handle)
+        while self.latest in ours and (now := time.monotonic() - began) < takes:
+            self.coast(start, speeds, now, takes)
+            time.sleep(PERIOD)
+        if self.latest in ours:
+            if takes:
+                self.coast(start, speeds, takes, takes)
+            self.hold()
+
+    def coast(self, start, speeds, now, takes):
+        with self.lock:
+            for name in self.joints:
+                self.positions[name] = self.reachable(start[name] + speeds[name] * (now - now**2 / (2 * takes)))
+                self.velocities[name] = speeds[name] * (1 - now / takes)
 
     def hold(self):
         self.velocities.update(dict.fromkeys(self.joints, 0.0))
