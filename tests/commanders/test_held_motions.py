@@ -106,7 +106,7 @@ def test_fingers_are_held_and_close_on_what_they_closed_on():
     clock.advance(0.3)
     hand.pause()
     clock.advance(100.0)
-    assert hand.state().position == pytest.approx([0.55], abs=0.01)
+    assert hand.state().position == pytest.approx([0.3 + 0.5 / 40], abs=0.002)
     assert not operation.done()
     hand.resume()
     clock.advance(1.0)

@@ -33,6 +33,7 @@ from simulated_rigs import (
 )
 
 from grip_bt.commanders.fake import FakeArm, FakeExecutor, FakeHand, OnClock
+from grip_bt.commanders.fake.hand import BRAKING
 from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.held import HeldHand, held
 from grip_bt.commanders.robots import build_robot
@@ -68,7 +69,9 @@ def fake_hand_port() -> Iterator[HandRig]:
     def put(what: JointState | None) -> None:
         port.thing = what
 
-    yield HandRig(port, clock.advance, opened, closed, lambda: put(thing), lambda: put(None), exact=True)
+    yield HandRig(
+        port, clock.advance, opened, closed, lambda: put(thing), lambda: put(None), exact=True, braking=BRAKING
+    )
 
 
 @contextmanager
@@ -117,7 +120,9 @@ def held_executor() -> Iterator[ExecutorRig]:
 @contextmanager
 def held_hand_port() -> Iterator[HandRig]:
     with fake_hand_port() as rig:
-        yield HandRig(HeldHand(rig.port), rig.let_pass, rig.open, rig.closed, rig.offer, rig.take)
+        yield HandRig(
+            HeldHand(rig.port), rig.let_pass, rig.open, rig.closed, rig.offer, rig.take, exact=True, braking=BRAKING
+        )
 
 
 @contextmanager

@@ -13,8 +13,11 @@ from grip_bt.operation import Operation
 from grip_bt.values import JointState, Trajectory
 
 from ..joint_names import same_joints
-from ..trajectory.braking import ACCELERATION, stop_ramp
+from ..trajectory.braking import stop_ramp
 from .schedule import AtOnce, Schedule, Script, steps_of
+
+BRAKING = 40.0
+"""How hard its fingers brake, as those of an Allegro hand [rad/s^2]."""
 
 
 @dataclass
@@ -105,7 +108,7 @@ class FakeHand:
 
     def _brake(self, motion: _Motion) -> None:
         if self._motion is motion and not motion.braking:
-            limits = np.full(len(self._names), ACCELERATION)
+            limits = np.full(len(self._names), BRAKING)
             ramp = stop_ramp(motion.way, self._schedule.now() - motion.begin, limits)
             motion.way, motion.begin, motion.braking = ramp, self._schedule.now(), True
             self._schedule.after(ramp.duration, lambda: self._finish(motion, True))
