@@ -236,3 +236,13 @@ def test_an_error_in_one_thread_ends_what_runs_in_the_others(broken: str) -> Non
     with pytest.raises(NodeError) as caught:
         machine.execute(Rushing())
     assert caught.value.path == ("a" if broken == "a" else "b")
+
+
+@pytest.mark.parametrize(("code", "outcome"), [("no_ik", "known"), ("no_plan", "failure")])
+def test_the_code_of_a_parallel_that_joins_leads_where_its_edge_says(code: str, outcome: str) -> None:
+    joined = at_once("a", "b", cancel="join")
+    joined["on"] = {"success": "known", "failure": "failure", "failure.no_ik": "known"}
+    ends = {"known": "success", "failure": "failure"}
+    root = {"kind": "state_machine", "initial": "p", "outcomes": ends, "children": {"p": joined}}
+    machine, _ = machine_of({**root, "on": {"known": "success"}}, {"p/b": code})
+    assert machine.execute(Rushing()).outcome == ("success" if outcome == "known" else "failure")

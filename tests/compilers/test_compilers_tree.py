@@ -225,3 +225,9 @@ def test_an_end_of_the_root_keeps_its_label_goes_by_its_meaning_or_is_refused() 
         assert tree.execute(Rushing()).outcome == expected
     with pytest.raises(InvalidTaskError, match="leads to no outcome of the task"):
         compiled(machine, outcomes={"other": "success"}, **data)
+
+
+def test_of_a_root_that_isnt_known_nothing_is_said_about_its_ends() -> None:
+    with pytest.raises(InvalidTaskError) as raised:
+        compiled({"node": "test/cop", "on": {"done": "success"}})
+    assert {issue.code for issue in raised.value.issues} == {"unknown-node"}

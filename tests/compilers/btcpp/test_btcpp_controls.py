@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from btcpp_world import World
+from btcpp_world import World, imported
 
 ABC = "<A/><B/><C/>"
 COUNTED = "<Condition ID='Ok'/>"
@@ -319,3 +319,11 @@ def test_set_blackboard_sets_by_the_type_of_the_port_that_reads() -> None:
         "<Sequence><SetBlackboard value='7' output_key='n'/><SetBlackboard value='{n}' output_key='m'/></Sequence>"
     )
     world.tick()
+
+
+def test_a_port_is_taken_as_both_only_where_no_model_says_what_it_is() -> None:
+    model = "<Action ID='A'><input_port name='p' type='int'/></Action>"
+    said = [str(remark) for remark in imported("<A p='{x}'/>", models=model).remarks]
+    assert not any("taken as both" in text for text in said)
+    said = [str(remark) for remark in imported("<A p='{x}'/>").remarks]
+    assert sum("'p'" in text and "taken as both" in text for text in said) == 1

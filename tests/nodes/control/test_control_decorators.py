@@ -188,3 +188,14 @@ def test_a_leaf_that_raises_is_named_and_terminated() -> None:
     assert raised.value.path == "b"
     assert world.tree.by_path["b"].status == Status.INVALID
     assert ("interrupted", "b") in world.events
+
+
+@pytest.mark.parametrize("mark", [{}, {"x": {"x-smach": "StateMachine"}}])
+@pytest.mark.parametrize("data", [{}, {"n": {"type": "int", "value": 0}}])
+def test_a_container_that_was_smachs_begins_with_its_variables_anew_like_any_other(mark: Any, data: Any) -> None:
+    up = leaf(**{"in": {"a": "n"}, "out": {"x": "n"}})
+    body = {"kind": "sequence", "children": {"up": up}, "data": data, **mark}
+    world = World(over("repeat", times=3, child=body), data={"n": {"type": "int", "value": 0}})
+    assert world.run() == 3
+    written = [event[3] for event in world.events if event[0] == "write"]
+    assert written == ([1, 1, 1] if data else [1, 2, 3])
