@@ -123,9 +123,10 @@ class _Choosing(Container):
     """What chooses where nothing runs, then ticks whom it chose."""
 
     again = False
+    chosen: Node | None = None
 
     def begin(self) -> None:
-        self.chosen: Node | None = None
+        self.chosen = None
 
     def choose(self) -> Node | End:
         raise NotImplementedError
