@@ -34,6 +34,8 @@ GRACE = 10.0
 """A call holds time for so long [s of ours] at least."""
 IDLE = 0.1
 """Where nobody is known to wait for anything, time passes as ours does, in parts of this [s]."""
+LOOK = 0.005
+"""Code that goes on although it was told to stop is looked at so often [s of ours]."""
 _log = logging.getLogger(__name__)
 
 
@@ -67,6 +69,11 @@ class _Pending:
     finish: Callable[[], None] | None = None
     waits: list[Operation[Any]] = field(default_factory=list)
     count: int = 0
+
+    @property
+    def busy(self) -> bool:
+        """Whether code works for it although it has ended."""
+        return self.whole is not None and self.whole.busy
 
     def holds_now(self) -> bool:
         """Tell whether time stands still for it; not while it waits for something else."""
@@ -115,6 +122,7 @@ class Lockstep:
         self._turn: _Thread | None = self._first
         self._waiting: list[_Thread] = []
         self._pending: list[_Pending] = []
+        self._busy: list[_Pending] = []
         self._count, self._going, self._known = 0, False, -1
         self._driver: int | None = None
         WAITS.set(self._until_done)
@@ -305,6 +313,9 @@ class Lockstep:
         waker = self._waker
         assert waker is not None, "it has begun"
         waker.ring()
+        if any(not pending.busy for pending in self._busy):
+            self._busy = [pending for pending in self._busy if pending.busy]
+            waker.wake()
         ready = min((thread for thread in self._waiting if thread.ready()), key=_key, default=None)
         if ready is not None:
             self._waiting.remove(ready)
@@ -314,15 +325,16 @@ class Lockstep:
         if self._known != self._world.sent:  # what was sent may have ended motions
             return partial(self._go, self._now(), waker.wakes)
         for pending in sorted(self._pending, key=_key):
-            if pending.finish is not None:
+            if pending.finish is not None and not (pending.holds and pending.busy):
                 self._pending.remove(pending)
+                self._busy += [pending] if pending.busy else []
                 return partial(_tell, pending)
             if pending.holds_now():
                 self._wait_for(pending, waker.due)
                 return None
         moments = [t for t in (waker.due, *(thread.look_at for thread in self._waiting)) if t is not None]
         moving = any(pending.patient and not pending.holds for pending in self._pending)
-        if waker.due is None and not moving:  # polled leaves may look at what isn't simulated
+        if (waker.due is None and not moving) or self._busy:  # what is looked at or waited for may not be simulated
             least = min([IDLE, *(moment - self._now() for moment in moments)])
             if self._changed.wait(least):
                 return None
@@ -337,6 +349,8 @@ class Lockstep:
             if left <= 0:
                 pending.holds = False
                 return
+        if pending.busy:
+            left = LOOK
         self._changed.wait(left)
 
     def _go(self, until: float | None, wakes: int) -> None:
