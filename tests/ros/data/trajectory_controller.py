@@ -146,14 +146,17 @@ class TrajectoryController:
         with self.lock:
             start, speeds = dict(self.positions), dict(self.velocities)
         takes = max((abs(speed) for speed in speeds.values()), default=0.0) / BRAKING
-        began, ours = time.monotonic(), (None, handle)
-        while self.latest in ours and (now := time.monotonic() - began) < takes:
+        began = time.monotonic()
+        while not self.overtaken(handle) and (now := time.monotonic() - began) < takes:
             self.coast(start, speeds, now, takes)
             time.sleep(PERIOD)
-        if self.latest in ours:
+        if not self.overtaken(handle):
             if takes:
                 self.coast(start, speeds, takes, takes)
             self.hold()
+
+    def overtaken(self, handle):
+        return self.latest is not None and self.latest is not handle
 
     def coast(self, start, speeds, now, takes):
         with self.lock:
