@@ -11,6 +11,7 @@ import errno
 import json
 import os
 import resource
+import select
 import signal
 import socket
 import subprocess
@@ -25,13 +26,16 @@ from typing import Any
 from grip_bt.errors import GripError
 from grip_bt.interpreter import python_command
 from grip_bt.runtime.pulse import LARGEST, PulseReader
+from grip_bt.runtime.rest import Rest
 
 ACKNOWLEDGE = 0.05
 """How long [s] the run's process may take to acknowledge a stop."""
-WIND_DOWN = 5.0
-"""How long [s] it may take after that to close its parts."""
+WIND_DOWN = 15.0
+"""How long [s] it may take after that to have the robot measured at rest, and to close its parts."""
 STILL = 0.5
 """How long [s] after a stop it may show no sign of life before it has ended; it shows several in that time."""
+REAPED = 11.0
+"""How long [s] the reaper of a robot over ROS may take to say what came of a run whose process has died."""
 HOLD = 0.04
 """How long [s] a simulator may take to say that the robot holds."""
 LOOK = 0.25
@@ -84,6 +88,7 @@ class Supervisor:
         commands, self._command_end = os.pipe()
         self._event_end, events = os.pipe()
         self._hold_end, hold = socket.socketpair()
+        self._report_end, report = os.pipe()
         self._memory, self._trace = tempfile.TemporaryFile(), tempfile.TemporaryFile()
         self._memory.truncate(LARGEST)
         self._pulse = PulseReader(self._memory.fileno())
@@ -91,6 +96,7 @@ class Supervisor:
             "commands": commands,
             "events": events,
             "hold": hold.fileno(),
+            "report": report,
             "pulse": self._memory.fileno(),
             "trace": self._trace.fileno(),
         }
@@ -103,6 +109,7 @@ class Supervisor:
         finally:
             os.close(commands)
             os.close(events)
+            os.close(report)
             hold.close()
         self._send(self._order)
         self._reader = threading.Thread(target=self._read, name="grip_events", daemon=True)
@@ -144,6 +151,7 @@ class Supervisor:
             self._told(self._ended)
         self._say_no_more()
         self._hold_end.close()
+        os.close(self._report_end)
         self._memory.close()
         self._trace.close()
         return self._ended
@@ -240,6 +248,16 @@ class Supervisor:
 
     # --- a death ---
 
+    def _at_rest(self) -> dict[str, str]:
+        """Return what the reaper of a robot over ROS says: part -> why it isn't known to stand still, or nothing."""
+        text, deadline = b"", time.monotonic() + REAPED
+        while (left := deadline - time.monotonic()) > 0 and select.select([self._report_end], [], [], left)[0]:
+            more = os.read(self._report_end, 1 << 16)
+            if not more:
+                break
+            text += more
+        return dict(json.loads(text)) if text else {}
+
     def _obituary(self, status: int) -> dict[str, Any]:
         """Return the event `ended` of a process that couldn't send it, and enter it into the journal."""
         stopped = self._stopping and not self._stood_still
@@ -255,9 +273,12 @@ class Supervisor:
             message = f"{path}: {message}; last node entered: {last}"
             message += f"; also active: {', '.join(others)}" if others else ""
             message += f"; {_place(trace)}" if trace else ""
+        measured = self._at_rest()
+        unconfirmed = {part: why for part, why in measured.items() if why}
+        rest = str(Rest(tuple(part for part in measured if part not in unconfirmed), unconfirmed))
         end = "died" if stopped and self._lost else "stopped" if stopped else "error"
         if self._run is not None:
-            self._enter(path if self._paths else "/", end, message, trace)
+            self._enter(path if self._paths else "/", end, f"{message}; {rest}" if rest else message, trace)
         return {
             "event": "ended",
             "status": end,
@@ -268,6 +289,8 @@ class Supervisor:
             "duration": time.monotonic() - self._begun,
             "ticks": None,
             "zombies": active if stopped else [],
+            "rest": rest,
+            "unconfirmed": unconfirmed,
         }
 
     def _traceback(self) -> str:

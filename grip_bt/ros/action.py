@@ -246,6 +246,8 @@ class ActionClient:
             for future in entry.futures:
                 future.cancel()  # which takes it out of rclpy's lists; nobody else would, and they would grow for ever
             entry.futures.clear()
+            if entry.goal_id and self._bus.guard is not None:
+                self._bus.guard.over(entry.goal_id)
 
     @property
     def _connection(self) -> ActionWire:
@@ -255,6 +257,8 @@ class ActionClient:
 
     def _send(self, entry: _Entry) -> None:
         entry.servers, entry.goal_id = self._check.servers, new_goal_id()
+        if self._bus.guard is not None:
+            self._bus.guard.sent(self.name, entry.goal_id)
         try:
             future = self._connection.send_goal(entry.goal_id, entry.message)
         except Exception as error:  # noqa: BLE001 - rclpy's own errors and TypeErrors of a wrong goal

@@ -36,6 +36,7 @@ from grip_bt.operation import Operation
 from .action import ActionClient
 from .client import ServiceClient
 from .environment import require
+from .reaping import Guard
 from .shared_memory import sweep
 from .topic import TopicReader, TopicWriter
 from .types import check_name, load_type, type_name
@@ -56,13 +57,18 @@ _log = logging.getLogger("grip.ros")
 class Bus:
     """A ROS node with its thread, and the clients that live on it.
 
+    Attributes:
+        guard: told of what is under way, so that it is ended after our death; None where nobody is.
+
     Args:
         name: the node's name.
         domain_id: the DDS domain; ROS_DOMAIN_ID, else 0, by default.
+        guard: see there.
     """
 
-    def __init__(self, name: str = "grip", domain_id: int | None = None):
+    def __init__(self, name: str = "grip", domain_id: int | None = None, guard: Guard | None = None):
         require()
+        self.guard = guard
         sweep()
         self._context = Context()
         rclpy.init(args=[], context=self._context, domain_id=domain_id, signal_handler_options=SignalHandlerOptions.NO)

@@ -59,7 +59,7 @@ class TopicExecutor(RosExecutor):
     ):
         super().__init__(names, states)
         self._accelerations = accelerations or {}
-        self._topic, self._writer = topic, bus.writer(MESSAGE, topic)
+        self._topic, self._writer, self._guard = topic, bus.writer(MESSAGE, topic), bus.guard
 
     def _begin(self, trajectory: Trajectory) -> Operation[None]:
         self._stop, self._dropped, self._left = stop, dropped, left = [threading.Event() for _ in range(3)]
@@ -81,6 +81,8 @@ class TopicExecutor(RosExecutor):
         self, trajectory: Trajectory, stop: threading.Event, dropped: threading.Event, done: Operation[None]
     ) -> None:
         try:
+            if self._guard is not None:
+                self._guard.follows(self._topic, self._names)
             sent = self._writer.publish(trajectory_to_message(trajectory), 1, FOUND)
             if not sent.wait(FOUND + 1.0):
                 raise ServerTimeOutError(f"{self._topic}: nobody listens")
@@ -101,6 +103,9 @@ class TopicExecutor(RosExecutor):
             done.fail(ExecutionAbortedError(error.message, cause=error.code))
         except BaseException as error:  # noqa: BLE001 - of this thread; the owner has to hear of it
             done.fail(error)
+        finally:
+            if self._guard is not None:
+                self._guard.free(self._topic)
 
     def _brake(self, trajectory: Trajectory, passed: float) -> None:
         """Publish where and when the joints are at rest: further on their path, or where they are off that.
