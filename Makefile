@@ -67,6 +67,8 @@ fuzz: $(STAMP) ## the long proofs; figures go to docs/proofs.md
 	@GRIP_FUZZ_KILLS=100 $(BIN)/pytest -q -s --timeout 7200 tests/runtime/test_runtime_journal_blocks.py
 	@GRIP_FUZZ_DELAYS=20000 $(BIN)/pytest -q -s --timeout 7200 tests/ros/test_late_changes.py
 	@GRIP_FUZZ_TASKS=250 $(BIN)/pytest -q -s -n 2 --timeout 7200 tests/smach_import/test_smach_import_lowerings.py
+	@GRIP_FUZZ_TURNS=300 $(BIN)/pytest -q -n 2 --timeout 7200 tests/runtime/test_lockstep.py
+	@$(BIN)/python benchmarks/repeated.py
 
 soak: $(STAMP) ## 20 seeds of the demo, as a table; an hour of 20 pages
 	@$(BIN)/python benchmarks/demo_seeds.py
