@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import BaseModel, ByteSize, ConfigDict, Field, StringConstraints
 
-from grip_bt.catalog import Catalog, TaskFolder, find_manifests, find_python_nodes
+from grip_bt.catalog import Catalog, CodePath, OwnCode, TaskFolder, find_manifests, find_python_nodes
 from grip_bt.catalog.controller_config import RosRobotConfig
 from grip_bt.catalog.process_config import ProcessConfig
 from grip_bt.catalog.sensor_config import SensorConfig
@@ -84,6 +84,9 @@ class ProjectFile(_Config):
     """Folder of external components, each with a `component.yaml`."""
     nodes: str | None = "nodes"
     """Folder of the project's own nodes: decorated Python, or leaves with a `manifest.yaml`."""
+    code: tuple[CodePath, ...] = ()
+    """What `foreign` nodes of its tasks may import when they run, besides py_trees' own behaviours: `package.module`
+    for the behaviours in it, `package.module:name` for one of them, or for a function that makes one."""
     world: str | None = None
     """The world that is simulated."""
     scene: str | None = None
@@ -136,6 +139,7 @@ class Project:
         if self.file.nodes is not None:
             manifests += find_python_nodes(self.folder / self.file.nodes)
         whole = Catalog.builtin().with_manifests(manifests).with_tasks(TaskFolder(self.folder))
+        whole = whole.with_code(OwnCode(self.file.code, self.folder))
         return whole.with_named(self.message_names).with_equipment(self.equipment)
 
     def equipment(self) -> Equipment:

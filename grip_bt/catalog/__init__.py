@@ -3,6 +3,7 @@
 from .catalog import Catalog
 from .implementation import load_implementation
 from .manifest import InputPort, Manifest, NodeId, OutputPort, Parameter
+from .own_code import CodePath, OwnCode
 from .python_nodes import find_python_nodes, read_python_nodes
 from .reader import find_manifests, read_manifests
 from .subtasks import NoTaskFiles, TaskFiles, TaskFolder, TaskTexts, face_of
@@ -10,11 +11,13 @@ from .types import Type, check_value, is_assignable, parse_type
 
 __all__ = [
     "Catalog",
+    "CodePath",
     "InputPort",
     "Manifest",
     "NoTaskFiles",
     "NodeId",
     "OutputPort",
+    "OwnCode",
     "Parameter",
     "TaskFiles",
     "TaskFolder",

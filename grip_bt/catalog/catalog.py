@@ -10,6 +10,7 @@ from grip_bt.errors import DocumentError, UnknownNameError
 
 from .equipment import Equipment
 from .manifest import Manifest
+from .own_code import OwnCode
 from .reader import read_manifests
 from .subtasks import NoTaskFiles, TaskFiles
 from .types import Type
@@ -28,6 +29,7 @@ class Catalog:
         tasks: likewise.
         named: returns store -> names of the messages that are there before a run; None where nobody can know.
         equipment: returns what the project's arms, hands and nodes have; None where nobody can know.
+        code: what tasks may import besides.
 
     Raises:
         DocumentError: two manifests have the same id.
@@ -37,6 +39,7 @@ class Catalog:
         self.tasks: TaskFiles = NoTaskFiles() if tasks is None else tasks
         self.named: Callable[[], Mapping[str, Collection[str]] | None] = lambda: None
         self.equipment: Callable[[], Equipment | None] = lambda: None
+        self.code = OwnCode()
         self._manifests: dict[str, Manifest] = {}
         for manifest in manifests:
             if manifest.id in self._manifests:
@@ -105,9 +108,15 @@ class Catalog:
         made.equipment = equipment
         return made
 
+    def with_code(self, code: OwnCode) -> Catalog:
+        """Return a catalogue with the same nodes whose tasks may import this code."""
+        made = self._shared(Catalog((), self.tasks), self._manifests)
+        made.code = code
+        return made
+
     def _shared(self, made: Catalog, manifests: dict[str, Manifest]) -> Catalog:
         """Give another catalogue these nodes, and what this one knows of the project."""
-        made._manifests, made.named, made.equipment = manifests, self.named, self.equipment
+        made._manifests, made.named, made.equipment, made.code = manifests, self.named, self.equipment, self.code
         return made
 
     def __contains__(self, id: object) -> bool:

@@ -19,6 +19,7 @@ from grip_bt.graph.document import read_file
 from grip_bt.graph.frozen import FrozenDict
 
 from .manifest import InputPort, Manifest, OutputPort, Parameter
+from .module_source import imported
 from .types import check_value, parse_type
 
 _DECORATORS = ("grip_bt.leaf", "grip_bt.nodes.function.leaf")
@@ -75,7 +76,7 @@ class _Source:
 
     def __init__(self, path: Path | str, module: ast.Module):
         self._path, self._module = path, module
-        self._names = dict(_imported(module))
+        self._names = dict(imported(module))
 
     def manifests(self) -> Iterator[Manifest]:
         """Yield a manifest for each decorated definition at the top level."""
@@ -219,16 +220,6 @@ class _Source:
     def _fault(self, at: ast.AST, message: str) -> DocumentError:
         line, column = getattr(at, "lineno", None), getattr(at, "col_offset", None)
         return DocumentError(message, str(self._path), line, None if column is None else column + 1)
-
-
-def _imported(module: ast.Module) -> Iterator[tuple[str, str]]:
-    for item in module.body:
-        if isinstance(item, ast.Import):
-            for name in item.names:
-                yield (name.asname or name.name.split(".")[0]), (name.name if name.asname else name.name.split(".")[0])
-        elif isinstance(item, ast.ImportFrom) and not item.level:
-            for name in item.names:
-                yield name.asname or name.name, f"{item.module}.{name.name}"
 
 
 def _last_name(hint: ast.expr) -> str:

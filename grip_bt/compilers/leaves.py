@@ -9,7 +9,7 @@ from typing import Any, cast
 from py_trees.behaviour import Behaviour
 
 from grip_bt.catalog import Manifest, load_implementation
-from grip_bt.errors import NodeError
+from grip_bt.errors import ImplementationError, NodeError
 from grip_bt.graph import model
 from grip_bt.nodes.leaf import Leaf
 
@@ -26,6 +26,9 @@ def implementation_of(path: str, node: model.Leaf, manifest: Manifest) -> Leaf:
     """Make a leaf of the class that its manifest names, with the defaults of its parameters filled in."""
     defaults = {name: p.default for name, p in manifest.parameters.items() if not p.required}
     implementation = load_implementation(manifest)
+    if not issubclass(implementation, Behaviour):  # before it is called: a manifest may name any class there is
+        reason = f"{implementation.__name__} is no class of nodes; derive it from `grip_bt.nodes.Leaf`"
+        raise ImplementationError(manifest.id, manifest.implementation, reason)
     name = path.rsplit("/", 1)[-1] or manifest.id
     return cast(Leaf, implementation(name, path, manifest, {**defaults, **node.with_}, dict(node.meaning)))
 

@@ -15,6 +15,7 @@ from grip_bt.graph.model import (
     AnyNode,
     Container,
     ForEach,
+    Foreign,
     Leaf,
     Parallel,
     StateMachine,
@@ -27,6 +28,7 @@ from grip_bt.graph.walking import children_of, join, outcomes_of, with_refusal
 from grip_bt.nodes.control import Edges
 from grip_bt.validation import Issue
 from grip_bt.validation.known import KnownManifests
+from grip_bt.validation.rules.foreign import not_listed
 
 from .checks import check_edges, check_leaf, check_ports, check_root, check_rules, problem
 from .conditions import check_expressions
@@ -172,6 +174,9 @@ class _Resolver:
         children = tuple([self.part(child, above + child, inner, scope) for child, inner in below.items()])
         if isinstance(node, Switch):
             self.cases(path, node)
+        if isinstance(node, Foreign) and not self.catalog.code.allows(node.behaviour):
+            trouble = not_listed(node.behaviour, self.catalog.code.listed)
+            self.problems.append(Issue(path, trouble.code, "error", trouble.message, trouble.fix))
         ends = {child.name: child.meaning for child in children}
         exits = edges = _NO_EDGES
         if isinstance(node, Parallel):

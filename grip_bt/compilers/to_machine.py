@@ -22,6 +22,7 @@ from .choice import Choice
 from .conditions import bind_condition, bind_rule
 from .drive import Halted, Pacer, TaskEnd
 from .enclosing import enclose
+from .foreign import BehaviourFactory, adopter
 from .handing import hand_in, hand_out
 from .leaves import LeafFactory, implementation_of, release
 from .resolve import Part, Resolved, resolve
@@ -40,8 +41,8 @@ class MachineBuilder:
         by_path: every state and container, and every behaviour inside an embedded sub-tree.
     """
 
-    def __init__(self, scopes: Scopes, factory: LeafFactory, run: MachineRun, embed: bool = True):
-        self.tree, self.run, self.embed = TreeBuilder(scopes, factory), run, embed
+    def __init__(self, tree: TreeBuilder, run: MachineRun, embed: bool = True):
+        self.tree, self.run, self.embed = tree, run, embed
         self.states: dict[str, TaskState] = {}
 
     def build(self, part: Part, needed: Refined) -> TaskState:
@@ -215,6 +216,7 @@ def to_machine(
     catalog: Catalog,
     *,
     leaf_factory: LeafFactory | None = None,
+    behaviour_factory: BehaviourFactory | None = None,
     data: Mapping[str, Any] | None = None,
     embed: bool = True,
 ) -> CompiledMachine:
@@ -224,6 +226,7 @@ def to_machine(
         task: the document.
         catalog: where manifests and implementations are.
         leaf_factory: makes the leaves instead of the catalogue's implementations.
+        behaviour_factory: makes what is in foreign nodes; without it, what the project lists is imported and made.
         data: initial values for the task's own variables, in place of those in the document.
         embed: allow a sub-tree that interrupts a running child to become one state that ticks it.
 
@@ -232,7 +235,9 @@ def to_machine(
         NotExpressibleError: `embed` is off and a part interrupts a running child.
     """
     resolved = resolve(task, catalog, data)
-    builder = MachineBuilder(resolved.scopes, leaf_factory or implementation_of, MachineRun(), embed)
+    adopt = behaviour_factory or adopter(catalog.code)
+    tree = TreeBuilder(resolved.scopes, leaf_factory or implementation_of, adopt)
+    builder = MachineBuilder(tree, MachineRun(), embed)
     needed = {(outcome, code) for (_, outcome, code), _ in resolved.ends if code is not None}
     with _logged():  # smach would print what is refused
         root = builder.build(resolved.root, needed)

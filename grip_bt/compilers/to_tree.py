@@ -18,7 +18,7 @@ from grip_bt.nodes.observer import Observer
 from .conditions import bind_condition, bind_rule
 from .drive import Pacer, TaskEnd, drive
 from .enclosing import enclose
-from .foreign import adopt
+from .foreign import BehaviourFactory, adopter
 from .handing import hand_in, hand_out
 from .leaves import LeafFactory, implementation_of, make_leaf, prepare, release
 from .resolve import Part, Resolved, resolve
@@ -40,8 +40,8 @@ class TreeBuilder:
         leaves: those of them that are leaves.
     """
 
-    def __init__(self, scopes: Scopes, factory: LeafFactory):
-        self.scopes, self.factory = scopes, factory
+    def __init__(self, scopes: Scopes, factory: LeafFactory, adopt: BehaviourFactory):
+        self.scopes, self.factory, self.adopt = scopes, factory, adopt
         self.by_path: dict[str, Node] = {}
         self.leaves: dict[str, Leaf] = {}
 
@@ -66,7 +66,7 @@ class TreeBuilder:
             made = control.ReactiveSwitch if reactive else _CHOOSERS[type(part.node)]
             return made(face, children, rule)
         if isinstance(part.node, model.Foreign):
-            return control.Foreign(face, adopt(part.path, part.name, part.node))
+            return control.Foreign(face, self.adopt(part.path, part.name, part.node))
         if isinstance(part.node, model.Subtask):
             face = replace(face, enter=hand_in(part, self.scopes))
             return control.Subtask(face, children[0], hand_out(part, self.scopes))
@@ -191,6 +191,7 @@ def to_tree(
     catalog: Catalog,
     *,
     leaf_factory: LeafFactory | None = None,
+    behaviour_factory: BehaviourFactory | None = None,
     data: Mapping[str, Any] | None = None,
 ) -> CompiledTree:
     """Compile a task to a py_trees behaviour tree; always exact.
@@ -199,10 +200,12 @@ def to_tree(
         task: the document.
         catalog: where manifests and implementations are.
         leaf_factory: makes the leaves instead of the catalogue's implementations.
+        behaviour_factory: makes what is in foreign nodes; without it, what the project lists is imported and made.
         data: initial values for the task's own variables, in place of those in the document.
 
     Raises:
         InvalidTaskError: the task is wrong; it holds everything that was found.
     """
     resolved = resolve(task, catalog, data)
-    return CompiledTree(resolved, TreeBuilder(resolved.scopes, leaf_factory or implementation_of))
+    adopt = behaviour_factory or adopter(catalog.code)
+    return CompiledTree(resolved, TreeBuilder(resolved.scopes, leaf_factory or implementation_of, adopt))

@@ -13,6 +13,7 @@ from .issue import Issue, Report, Severity, ordered
 from .possible import Possible
 from .rules.equipment import check_equipment
 from .rules.expressions import check_expressions
+from .rules.foreign import check_foreign
 from .rules.messages import check_messages
 from .rules.names import check_names
 from .rules.numbers import check_numbers
@@ -61,6 +62,7 @@ def _checked(task: Task, catalog: Catalog, document: Document | None, subtasks: 
     check_numbers(survey)
     check_messages(survey)
     check_equipment(survey)
+    check_foreign(survey)
     check_subtasks(survey)
     check_variables(survey)
     check_expressions(survey)

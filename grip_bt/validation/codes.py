@@ -19,6 +19,8 @@ _ERRORS = (
     "unknown-type",
     "undeclared-variable",
     "wrong-variable-type",
+    "unlisted-code",
+    "unknown-behaviour",
     "wrong-initial-value",
     "not-a-number",
     "bad-expression",

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from grip_bt.catalog import Catalog
+from grip_bt.catalog import Catalog, OwnCode
 from grip_bt.compilers.resolve import Part, Resolved, resolve
 from grip_bt.compilers.scopes import UNSET
 from grip_bt.graph import model
@@ -44,19 +44,18 @@ def export(task: model.Task, catalog: Catalog, folder: Path | None = None) -> st
 
     Args:
         task: the document.
-        catalog: where the leaves' manifests are; their implementations are imported to see whether they need grip.
+        catalog: where the leaves' manifests are; whether their classes need grip is read in their source.
         folder: where the file will lie, for paths of code relative to it; by default the current one.
 
     Raises:
         InvalidTaskError: the task is wrong.
         NotExpressibleError: a part of it has no equal in such a file.
-        ImplementationError: a leaf can't be imported.
     """
     refuse_unknown(task)
     resolved = resolve(task, catalog)
     plan = Plan(grip=needs_grip(resolved), codes=asks_for_codes(resolved))
     _variables(resolved, plan)
-    root = _nodes(resolved, plan)
+    root = _nodes(resolved, plan, catalog.code)
     return _environment().get_template("module.py.j2").render(_meaning(resolved, catalog, plan, root, folder))
 
 
@@ -71,7 +70,7 @@ def _variables(resolved: Resolved, plan: Plan) -> None:
             plan.statements.append(remarked(statement(name, made), cell.type))
 
 
-def _nodes(resolved: Resolved, plan: Plan) -> str:
+def _nodes(resolved: Resolved, plan: Plan, code: OwnCode) -> str:
     """Write the nodes, children first; return the root's name."""
     builtin = Catalog.builtin()
     names: dict[str, str] = {}
@@ -82,7 +81,7 @@ def _nodes(resolved: Resolved, plan: Plan) -> str:
         if isinstance(part.node, model.Leaf):
             made = leaf(part, plan, builtin)
         elif isinstance(part.node, model.Foreign):
-            made = foreign(part, plan)
+            made = foreign(part, plan, code)
         else:
             made = container(part, [names[child.path] for child in part.children], plan)
         rows = wrapped(part, made, inner, plan)

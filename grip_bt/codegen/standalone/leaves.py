@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-import inspect
 import keyword
 import os
-from importlib import import_module
 from pathlib import Path
-from typing import Any, cast
+from typing import cast
 
-from grip_bt.catalog import Catalog, Manifest, load_implementation
-from grip_bt.compilers.foreign import adopt
+from grip_bt.catalog import Catalog, Manifest, OwnCode
 from grip_bt.compilers.resolve import Part, Resolved
 from grip_bt.errors import NotExpressibleError
 from grip_bt.graph import model
-from grip_bt.nodes import Leaf
 
 from ..quoting import py
 from .layout import Code, Items, call, statement
 from .plan import Plan
 from .refusals import TARGET
+from .unimported import is_plain, takes_name
 
 _EQUAL = {"flow/wait", "flow/succeed", "flow/fail", "flow/log"}
 """Nodes of grip that have an equal without it."""
@@ -29,7 +26,7 @@ _PLAIN = {"success": "success", "failure": "failure"}
 def needs_grip(resolved: Resolved) -> bool:
     """Tell whether some leaf is grip's, which needs its manifest and the run's context."""
     return any(
-        part.manifest.id not in _EQUAL and issubclass(load_implementation(part.manifest), Leaf)
+        part.manifest.id not in _EQUAL and not is_plain(part.manifest)
         for part in resolved.root.walk()
         if part.manifest is not None
     )
@@ -45,7 +42,7 @@ def leaf(part: Part, plan: Plan, builtin: Catalog) -> Items:
     parameters = {k: p.default for k, p in manifest.parameters.items() if not p.required} | dict(node.with_)
     if not plan.grip and manifest.id in _EQUAL and not node.meaning:
         return _equal(part, plan, parameters)
-    if issubclass(load_implementation(manifest), Leaf):
+    if not is_plain(manifest):
         return _grips(part, plan, builtin, parameters)
     if node.in_ or node.out or node.meaning:
         what = f"{manifest.id}, a behaviour of py_trees, with `in`, `out` or `meaning`"
@@ -56,20 +53,12 @@ def leaf(part: Part, plan: Plan, builtin: Catalog) -> Items:
     return call(_imported(manifest, plan), part.name, **parameters)
 
 
-def foreign(part: Part, plan: Plan) -> Items:
-    """Return the expression that makes somebody's own behaviour, in a node that has the part's name.
-
-    Raises:
-        InvalidTaskError: it can't be made.
-    """
+def foreign(part: Part, plan: Plan, code: OwnCode) -> Items:
+    """Return the expression that makes somebody's own behaviour, in a node that has the part's name."""
     node = cast(model.Foreign, part.node)
-    adopt(part.path, part.name, node)  # made once, to see that it can be
     module, _, name = node.behaviour.partition(":")
-    make: Any = import_module(module)
-    for attribute in name.split("."):
-        make = getattr(make, attribute)
     first, *rest = name.split(".")
-    own = {"name": part.name} if "name" in inspect.signature(make).parameters else {}
+    own = {"name": part.name} if takes_name(node.behaviour, code) else {}
     made = call(".".join((_class_name(module, first, plan), *rest)), **{**own, **node.args})
     if plan.codes:
         plan.parts.add("foreign")

@@ -3,7 +3,8 @@
 A xacro file computes; one that never ends, or fills the memory, ends this process and nothing else. It reads a JSON
 object `{"file", "arguments", "packages"}` from stdin and writes `{"text", "files"}` or `{"error"}` to stdout; `files`
 are those that it read. `$(find NAME)`
-looks where `package://` does; the xacro package itself would ask ROS.
+looks where `package://` does; the xacro package itself would ask ROS. Expressions of the file compute and do nothing
+else: `xacro_guard` sees to it.
 """
 
 from __future__ import annotations
@@ -38,14 +39,18 @@ def _expanded(file: str, arguments: dict[str, str], packages: dict[str, str]) ->
     from grip_bt.errors import GripError
 
     from .packages import Packages
+    from .xacro_guard import UnsafeExpressionError, forbid_acts, guard
 
+    guard(xacro)
     known = Packages({name: Path(folder) for name, folder in packages.items()}, (Path(file),))
     substitution_args._eval_find = lambda name: str(known.find(name))
     sys.setrecursionlimit(DEEPEST)
+    sys.dont_write_bytecode = True
+    forbid_acts()
     try:
         text = xacro.process_file(file, mappings=arguments).toxml()
         return {"text": text, "files": sorted({file, *map(os.path.abspath, xacro.all_includes)})}
-    except GripError as error:
+    except (GripError, UnsafeExpressionError) as error:
         return {"error": str(error)}
     except RecursionError:
         return {"error": "macros, properties or includes call themselves without end"}

@@ -16,6 +16,7 @@ from py_trees.common import Status
 
 from grip_bt.catalog import Catalog, Manifest
 from grip_bt.errors import DataError, EvaluationError, NodeError
+from grip_bt.graph.model import Foreign as ForeignNode
 from grip_bt.graph.model import Leaf as LeafNode
 from grip_bt.graph.model import Parallel, Task
 from grip_bt.graph.walking import walk
@@ -32,6 +33,7 @@ RUNS = 200
 ENDS = 12
 """Ends of leaves in a script at most; whatever comes later is as the first outcome says."""
 _TICKS = 400
+_FOREIGN = Manifest(id="foreign/behaviour", doc="Somebody's own behaviour.", implementation="")
 _VALUES: Mapping[str, Any] = {"bool": True, "int": 1, "float": 1.0, "str": "a", "list": [], "dict": {}}
 
 
@@ -236,7 +238,7 @@ class _Run:
         self.counts: dict[str, int] = {}
         self.faces: dict[str, Leaf] = {}
         self.unfinished = False
-        compiled = to_tree(task, catalog, leaf_factory=self._leaf)
+        compiled = to_tree(task, catalog, leaf_factory=self._leaf, behaviour_factory=self._foreign)
         if observe is not None:
             compiled.observe(observe(self.context.clock.now))
         self.end: tuple[str, ...] = self._run(compiled)
@@ -253,15 +255,25 @@ class _Run:
     def others(self, end: End) -> Iterator[End]:
         """Yield every other way in which an activation could end."""
         for outcome, meaning in self.faces[end.path].meaning.items():
-            for code in (None, *(self.codes if meaning == "failure" else ())):
+            coded = meaning == "failure" and self.faces[end.path].manifest is not _FOREIGN
+            for code in (None, *(self.codes if coded else ())):
                 for ticks in (0, 1):
                     other = End(end.path, end.count, outcome, code, ticks)
                     if other != end:
                         yield other
 
     def _leaf(self, path: str, node: LeafNode, manifest: Manifest) -> Leaf:
+        return self._scripted(path, manifest, node.with_, node.meaning)
+
+    def _foreign(self, path: str, name: str, node: ForeignNode) -> Leaf:
+        """Return what takes the place of somebody's own behaviour, which isn't imported to be compared."""
+        return self._scripted(path, _FOREIGN)
+
+    def _scripted(
+        self, path: str, manifest: Manifest, given: Mapping[str, Any] = {}, meaning: Mapping[str, str] = {}
+    ) -> Leaf:
         known_as = self._known_as(path)
-        made = _Scripted(path, path, manifest, dict(node.with_), dict(node.meaning))
+        made = _Scripted(path, path, manifest, dict(given), dict(meaning))
         made.run, made.known_as = self, known_as
         self.faces[known_as] = made
         return made

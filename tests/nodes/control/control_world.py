@@ -7,7 +7,7 @@ from typing import Any
 
 from py_trees.common import Status
 
-from grip_bt.catalog import Catalog, Manifest
+from grip_bt.catalog import Catalog, Manifest, OwnCode
 from grip_bt.compilers import CompiledTree, to_tree
 from grip_bt.graph.model import Task
 from grip_bt.nodes import Leaf
@@ -24,7 +24,7 @@ CATALOG = Catalog(
             outcomes={"success": "success", "failure": "failure", "none": "success"},
         )
     ]
-)
+).with_code(OwnCode(("test_control_foreign", "test_control_foreign:number", "no_such_module")))
 
 
 def leaf(**more: Any) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any, ClassVar
 
 import pytest
@@ -9,8 +10,11 @@ from control_world import World
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
+from grip_bt.catalog import OwnCode
+from grip_bt.compilers.foreign import adopter
 from grip_bt.errors import DocumentError, InvalidTaskError, NodeError
 from grip_bt.graph import loads
+from grip_bt.graph.model import Foreign
 
 
 class Steps(Behaviour):
@@ -41,6 +45,10 @@ class Steps(Behaviour):
 
 def number() -> int:
     return 3
+
+
+def made(name: str, steps: int) -> Steps:
+    return Steps(name, steps)
 
 
 def foreign(what: str = "Steps", **args: Any) -> dict[str, Any]:
@@ -78,13 +86,34 @@ def test_what_a_foreign_behaviour_raises_is_an_error_of_its_node() -> None:
         (foreign("Missing"), "can't be imported: AttributeError"),
         (foreign(), "can't be made of `args`: TypeError"),
         (foreign("number"), "makes a int, not a py_trees Behaviour"),
-        (foreign("__doc__"), None),
+        (foreign("World"), "is a class, and no Behaviour of py_trees"),
+        (foreign("foreign"), "is a function, which is called only if the project lists it by its name"),
+        (foreign("__doc__"), "is a str, and no Behaviour of py_trees"),
+        ({"behaviour": "py_trees.display:unicode_tree"}, "is a function, which is called only if the project lists it"),
+        ({"behaviour": "py_trees.display:os.system"}, "is a function, which is called only if the project lists it"),
     ],
 )
-def test_what_cant_be_made_isnt_compiled(node: dict[str, Any], words: str | None) -> None:
+def test_what_cant_be_made_isnt_compiled(node: dict[str, Any], words: str) -> None:
     with pytest.raises(InvalidTaskError, match="unknown-behaviour") as caught:
         World({"kind": "foreign", **node})
-    assert words is None or words in str(caught.value)
+    assert words in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "behaviour", ["os:system", "subprocess:Popen", "test_control_foreigner:Steps", "py_trees_own:X"]
+)
+def test_what_the_project_doesnt_list_is_neither_imported_nor_called(behaviour: str, tmp_path: Path) -> None:
+    mark = tmp_path / "mark"
+    with pytest.raises(InvalidTaskError, match="unlisted-code"):
+        World({"kind": "foreign", "behaviour": behaviour, "args": {"command": f"touch {mark}"}})
+    assert not mark.exists()
+
+
+def test_a_listed_function_makes_a_behaviour_and_a_listed_class_is_enough_for_itself() -> None:
+    node = Foreign.model_validate({"kind": "foreign", "behaviour": f"{__name__}:made", "args": {"steps": 3}})
+    with pytest.raises(InvalidTaskError, match="unlisted-code"):
+        adopter(OwnCode((f"{__name__}:Steps",)))("/", "mine", node)
+    assert adopter(OwnCode((f"{__name__}:made",)))("/", "mine", node).steps == 3
 
 
 def test_an_import_path_is_a_module_and_a_name() -> None:

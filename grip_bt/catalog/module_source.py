@@ -1,0 +1,149 @@
+"""Modules as text: where they are, what they define, what their classes are made of. Nothing is imported."""
+
+from __future__ import annotations
+
+import ast
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib.machinery import PathFinder
+from pathlib import Path
+
+_OURS = ("grip_bt", "py_trees")
+"""Packages whose classes are known by their names."""
+
+
+def source_of(module: str, folder: Path | None = None) -> Path | None:
+    """Return the Python file of a module, as an import would find it; None where it isn't one.
+
+    Args:
+        module: `package.module`.
+        folder: where it is looked for last.
+
+    Raises:
+        ModuleNotFoundError: there is no such module here.
+    """
+    where = [*sys.path, *([str(folder)] if folder is not None else [])]
+    found, words = None, module.split(".")
+    for at, word in enumerate(words):
+        found = PathFinder.find_spec(word, [str(entry) or "." for entry in where])
+        if found is None:
+            raise ModuleNotFoundError(f"there is no module {'.'.join(words[: at + 1])!r} here", name=module)
+        inside = found.submodule_search_locations or ()
+        where = list(getattr(inside, "_path", inside))  # a namespace's would ask for its imported parent
+    origin = None if found is None else found.origin
+    return Path(origin) if origin is not None and origin.endswith(".py") else None
+
+
+def names_in(file: Path) -> frozenset[str] | None:
+    """Return the names that a file defines at its top level; None where only running it could tell."""
+    module = syntax_of(file)
+    names = frozenset() if module is None else frozenset(_names(module))
+    return None if module is None or names & {"*", "__getattr__"} else names
+
+
+@dataclass(frozen=True, slots=True)
+class Definition:
+    """A class or function at the top level of a file.
+
+    Attributes:
+        file: where it is.
+        syntax: how it is written.
+        bases: full names of what a class is made of; those of the file itself without a module.
+    """
+
+    file: Path
+    syntax: ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
+    bases: tuple[str, ...]
+
+
+def definition_of(file: Path, name: str) -> Definition | None:
+    """Return what a file defines under a name; None where it defines no such class or function."""
+    module = syntax_of(file)
+    known = {} if module is None else dict(imported(module))
+    for item in [] if module is None else module.body:
+        if isinstance(item, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef) and item.name == name:
+            return Definition(file, item, tuple(_full(base, known) for base in getattr(item, "bases", ())))
+    return None
+
+
+def line_of(file: Path, name: str, folder: Path | None = None) -> Iterator[Definition | str]:
+    """Yield a definition and what it is made of, nearest first; full names of what has no source to look into.
+
+    Args:
+        file: where the first is.
+        name: what it is called there.
+        folder: where modules are looked for last.
+    """
+    todo, seen = [(file, name)], set[tuple[Path, str]]()
+    while todo:
+        here = todo.pop(0)
+        found = None if here in seen else definition_of(*here)
+        seen.add(here)
+        if found is None:
+            continue
+        yield found
+        for base in found.bases:
+            module, _, inner = base.rpartition(".")
+            there: Path | None = found.file
+            if module.partition(".")[0] in _OURS:
+                yield base
+                continue
+            try:
+                there = source_of(module, folder) if module else found.file
+            except ModuleNotFoundError:
+                there = None
+            if there is None:
+                yield base
+            else:
+                todo.append((there, inner))
+
+
+def imported(module: ast.Module) -> Iterator[tuple[str, str]]:
+    """Yield the names that a module's top level imports, with what they stand for."""
+    for item in module.body:
+        if isinstance(item, ast.Import):
+            for name in item.names:
+                yield (name.asname or name.name.split(".")[0]), (name.name if name.asname else name.name.split(".")[0])
+        elif isinstance(item, ast.ImportFrom) and not item.level:
+            for name in item.names:
+                yield name.asname or name.name, f"{item.module}.{name.name}"
+
+
+def syntax_of(file: Path) -> ast.Module | None:
+    """Return a file's syntax; None where it can't be read as Python."""
+    try:
+        there = file.stat()
+    except OSError:
+        return None
+    return _parsed(file, there.st_mtime_ns, there.st_size)
+
+
+@lru_cache(maxsize=64)
+def _parsed(file: Path, changed: int, size: int) -> ast.Module | None:
+    try:
+        return ast.parse(file.read_bytes())
+    except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):
+        return None
+
+
+def _full(name: ast.expr, known: dict[str, str]) -> str:
+    if isinstance(name, ast.Attribute):
+        return f"{_full(name.value, known)}.{name.attr}"
+    return known.get(name.id, name.id) if isinstance(name, ast.Name) else ""
+
+
+def _names(module: ast.Module) -> Iterator[str]:
+    """Yield every name that is bound outside of functions and classes; `*` for those that nobody can know."""
+    stack: list[ast.AST] = list(module.body)
+    while stack:
+        match stack.pop():
+            case ast.FunctionDef(name=name) | ast.AsyncFunctionDef(name=name) | ast.ClassDef(name=name):
+                yield name
+            case ast.Import(names=names) | ast.ImportFrom(names=names):
+                yield from ((each.asname or each.name).partition(".")[0] for each in names)
+            case ast.Name(id=name, ctx=ast.Store()):
+                yield name
+            case other:
+                stack.extend(ast.iter_child_nodes(other))

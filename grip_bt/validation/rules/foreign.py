@@ -1,0 +1,46 @@
+"""Behaviours that a task names by their import path: may they be imported, and are they there. Nothing is imported."""
+
+from __future__ import annotations
+
+from grip_bt.catalog.equipment import MISSING, Trouble
+from grip_bt.errors import listing, nearest
+from grip_bt.graph import Foreign
+
+from ..survey import Survey
+from ..wording import take_hint
+
+
+def check_foreign(survey: Survey) -> None:
+    """Find behaviours that the project doesn't list, and those that their module doesn't have."""
+    code = survey.catalog.code
+    for spot in survey.containers:
+        if not isinstance(spot.node, Foreign):
+            continue
+        where = spot.node.behaviour
+        trouble = _missing(survey, where) if code.allows(where) else not_listed(where, code.listed)
+        if trouble is not None:
+            survey.add(spot.path, "behaviour", trouble.code, trouble.message, trouble.fix)
+
+
+def not_listed(where: str, listed: tuple[str, ...]) -> Trouble:
+    """Return that a task may not import `package.module:Name`, since it isn't what its project lists."""
+    hint = nearest(where, listed) or nearest(where.partition(":")[0], listed)
+    there = f" (it lists: {listing(listed)})" if listed else ""
+    said = f"{where!r} is no code that the project lets its tasks import{hint}{there}"
+    otherwise = f"if you trust it, list it in grip.yaml: `code: [{where!r}]`"
+    return Trouble("unlisted-code", said, take_hint(hint, otherwise))
+
+
+def _missing(survey: Survey, where: str) -> Trouble | None:
+    """Return that a module isn't here or lacks a name, as far as its source tells."""
+    module, _, name = where.partition(":")
+    try:
+        known = survey.catalog.code.names_in(module)
+    except ModuleNotFoundError as error:
+        return Trouble(MISSING, f"{error}, which a run imports", "install its package, or correct the path")
+    first = name.partition(".")[0]
+    if known is None or first in known:
+        return None
+    public = sorted(each for each in known if not each.startswith("_"))
+    hint = nearest(first, public)
+    return Trouble("unknown-behaviour", f"the module {module} has no {first!r}{hint}", take_hint(hint, "correct it"))
