@@ -26,6 +26,7 @@ from .keeping import BroughtBack, changes, kept_parts
 from .mocks import apply_mocks
 from .project import Project, find_project
 from .resources import Progress, Resources, open_resources, silent
+from .strange_code import of_task, refuse
 
 Target = Literal["bt", "sm"]
 RobotKind = Literal["sim", "fake", "ros"]
@@ -143,6 +144,7 @@ def open_session(
     task, factory = document.task, None
     if options.mocks:
         task, catalog, factory = apply_mocks(task, catalog, options.mocks)
+    refuse(of_task(project, task, catalog, options.robot, options.mocks))
     compiled = compile_task(task, catalog, data=options.data, leaf_factory=factory)
     working = [leaf.manifest for leaf in compiled.leaves.values() if not isinstance(leaf, MockLeaf)]
     for point in options.breaks:

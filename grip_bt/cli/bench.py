@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from .parser import add_no_code
 from .signals import on_stop
 
 if TYPE_CHECKING:  # the verbs are listed without loading what they run
@@ -33,6 +34,7 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument(
         "-o", "--output", type=Path, metavar="FILE", help="results (default: .grip/campaigns/NAME.jsonl of the project)"
     )
+    add_no_code(parser)
     form = parser.add_mutually_exclusive_group()
     form.add_argument("--json", action="store_true", help="print the summary as one JSON object")
     form.add_argument("--csv", action="store_true", help="print a line a trial")

@@ -12,6 +12,8 @@ from typing import Any
 
 from grip_bt.errors import GripError, listing, nearest
 
+from .parser import add_no_code
+
 NODE_FOLDER = "node"
 _MOST = 6
 """How many files of a package are listed."""
@@ -49,6 +51,7 @@ def add_parser(subparsers: Any) -> None:
     listing.set_defaults(run=run_list)
     test = actions.add_parser("test", help="start a component, call it once, and check its answer")
     test.add_argument("folder", type=Path, help="a component: a folder with component.yaml")
+    add_no_code(test)
     test.set_defaults(run=run_test)
 
 
@@ -211,11 +214,13 @@ def run_test(args: argparse.Namespace) -> int:
 
     from grip_bt.app.component_answer import label_of
     from grip_bt.app.project import find_project
+    from grip_bt.app.strange_code import of_component, refuse
     from grip_bt.catalog.component_file import load_component
     from grip_bt.ros.components import start_components
 
     folder = args.folder.resolve()
     component = load_component(folder)
+    refuse(of_component(folder))
     stale = check([args.folder])
     project = find_project(folder).folder
     with start_components(project, [component.name], folder=folder.parent) as components:

@@ -9,6 +9,7 @@ from typing import Any
 
 from grip_bt.errors import DocumentError, MissingPartError
 
+from .parser import add_no_code
 from .signals import on_hang_up
 
 
@@ -20,6 +21,7 @@ def add_parser(subparsers: Any) -> None:
     )
     parser.add_argument("--port", type=int, default=0, help="port on this machine (default: a free one)")
     parser.add_argument("--no-browser", action="store_true", help="only print the address")
+    add_no_code(parser)
     parser.set_defaults(run=run)
 
 

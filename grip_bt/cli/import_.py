@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from grip_bt.errors import GripError
 
 from . import import_btcpp, import_grip, import_pytrees
+from .parser import add_no_code
 
 if TYPE_CHECKING:
     from grip_bt.smach_import import ImportedFile
@@ -52,11 +53,16 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument(
         "--report", action="store_true", help="of btcpp: say what becomes of the file, and write nothing"
     )
+    add_no_code(parser)
     parser.set_defaults(run=run, usage_error=parser.error)
 
 
 def run(args: argparse.Namespace) -> int:
     """Import from one source."""
+    if args.execute:
+        from grip_bt.app.strange_code import refuse
+
+        refuse([f"--execute: imports and runs {args.path}"])
     return IMPORTERS[args.source](args)
 
 

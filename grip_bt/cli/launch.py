@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 from grip_bt.errors import GripError
 
+from .parser import add_no_code
+
 if TYPE_CHECKING:
     from grip_bt.app.project import Project
     from grip_bt.ros.launch.group import Member
@@ -37,11 +39,14 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--own", action="store_true", help="read the file ourselves, also where `ros2 launch` is")
     parser.add_argument("--write", type=Path, metavar="FILE", help="write the project as a ROS 2 launch file (.xml)")
     parser.add_argument("--json", action="store_true", help="with --check: one JSON list")
+    add_no_code(parser)
     parser.set_defaults(run=run)
 
 
 def run(args: argparse.Namespace) -> int:
     """Run until all have ended, a required one has failed, or we are told to stop."""
+    from grip_bt.app.strange_code import refuse
+
     if args.write is not None:
         return _write(args)
     if args.show_args:
@@ -52,6 +57,7 @@ def run(args: argparse.Namespace) -> int:
         return 0
     if not members and not events:
         raise GripError(_nothing_to_launch(args.project))
+    refuse(f"{member.name}: starts {shlex.join(member.command)}" for member in members)
     return _supervise(members, events, project.state_folder / "logs" / "launch", args.follow)
 
 

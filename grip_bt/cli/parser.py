@@ -11,6 +11,15 @@ from grip_bt.errors import nearest
 _CHOICE = re.compile(r"invalid choice: '([^']*)' \(choose from (.*)\)$")
 
 
+def add_no_code(parser: argparse.ArgumentParser) -> None:
+    """Add the option of verbs that run what lies in a project."""
+    parser.add_argument(
+        "--no-code",
+        action="store_true",
+        help="refuse, with a list, where code that isn't GRIP's would be imported or started",
+    )
+
+
 class Parser(argparse.ArgumentParser):
     """argparse's parser; a word that isn't one of the choices is answered with the nearest one."""
 

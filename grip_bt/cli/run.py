@@ -12,6 +12,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from .parser import add_no_code
 from .resume import Given, add_resume_options, check_usage, fork_often, prepare
 from .signals import on_stop
 
@@ -66,6 +67,7 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument(
         "--in-process", action="store_true", help="run in this process, for debuggers and profilers of Python"
     )
+    add_no_code(parser)
     add_resume_options(parser)
     parser.set_defaults(run=run, parser=parser)
 

@@ -93,6 +93,10 @@ def _done(arguments: Sequence[str] | None) -> int:
     except SystemExit:
         sys.stdout.flush()  # the help, which argparse has printed
         raise
+    if getattr(args, "no_code", False):
+        from grip_bt.app.strange_code import forbid
+
+        forbid()
     return int(args.run(args))
 
 

@@ -35,6 +35,7 @@ from .projects import (
     ImplementationError,
     NotWritableError,
     ProjectExistsError,
+    StrangeCodeError,
 )
 from .robots import (
     ConstraintBrokenError,
@@ -140,6 +141,7 @@ __all__ = [
     "ServerTimeOutError",
     "SimulatorLostError",
     "StartInCollisionError",
+    "StrangeCodeError",
     "SubtaskError",
     "TimeOutError",
     "UnfitServerError",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from .base import ExpectedError, GripError
@@ -43,3 +44,19 @@ class BadFileError(ExpectedError):
     """A file that a task names can't be read, or isn't what it should be."""
 
     code = "bad_file"
+
+
+class StrangeCodeError(GripError):
+    """Code that isn't GRIP's would be run, and `--no-code` was said.
+
+    Attributes:
+        found: what would be imported or started, each in words.
+    """
+
+    def __init__(self, found: Sequence[str]):
+        self.found = tuple(found)
+        super().__init__(
+            "--no-code: this runs code that isn't GRIP's:\n"
+            + "".join(f"  {each}\n" for each in self.found)
+            + "nothing of it was imported or started; look at it, and leave --no-code out if you trust it"
+        )

@@ -15,6 +15,7 @@ from typing import Any
 
 from grip_bt.app.component_answer import label_of
 from grip_bt.app.project import Project, find_project
+from grip_bt.app.strange_code import of_component, refuse
 from grip_bt.catalog.component_file import ComponentFile, load_component
 from grip_bt.errors import DocumentError, ExpectedError, GripError
 from grip_bt.graph.syntax import parse, plain
@@ -42,6 +43,7 @@ def tried(folder: Path, given: Mapping[str, Mapping[str, Any]]) -> TryView:
         ExpectedError: it doesn't answer, or answers what it may not.
     """
     component, project = load_component(folder), find_project(folder)
+    refuse(of_component(folder))
     request = {port: _value(project, component, port, source) for port, source in given.items()}
     with start_components(project.folder, [component.name], folder=folder.parent) as components:
         built = f", its interfaces built in {components.build_seconds:.1f} s" if components.build_seconds else ""
