@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import StringConstraints
 
-from .module_source import names_in, source_of
+from .module_source import definition_of, names_in, source_of
 
 _NAME = r"[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*"
 CodePath = Annotated[str, StringConstraints(pattern=f"^{_NAME}(:{_NAME})?$")]
@@ -52,6 +53,19 @@ class OwnCode:
         """
         file = source_of(module, self.folder)
         return None if file is None else names_in(file)
+
+    def kind_of(self, behaviour: str) -> Literal["class", "function", "other"] | None:
+        """Return what `package.module:Name` is, as its module's source tells; None where that can't tell.
+
+        Raises:
+            ModuleNotFoundError: there is no such module here.
+        """
+        module, _, name = behaviour.partition(":")
+        file = source_of(module, self.folder)
+        found = None if file is None or "." in name else definition_of(file, name)
+        if found is not None:
+            return "class" if isinstance(found.syntax, ast.ClassDef) else "function"
+        return None if self.is_strange(behaviour) else "other"
 
 
 def _covers(entry: str, module: str) -> bool:

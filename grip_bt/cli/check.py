@@ -16,13 +16,14 @@ def add_parser(subparsers: Any) -> None:
     """Add the verb."""
     parser = subparsers.add_parser("check", help="all issues of tasks, each with its place and a fix")
     parser.add_argument("tasks", nargs="*", metavar="TASK", help="a task file")
+    parser.add_argument("--strict", action="store_true", help="1 also where there are only warnings, for CI")
     parser.add_argument("--json", action="store_true", help="print one JSON list")
     parser.add_argument("--schema", action="store_true", help="print the JSON Schema of task files")
     parser.set_defaults(run=run, usage_error=parser.error)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print the issues of all tasks; 1 when one of them has an error."""
+    """Print the issues of all tasks; 1 when one of them has an error, or a warning where that is asked for."""
     if args.schema:
         from grip_bt.graph import schema
 
@@ -31,7 +32,7 @@ def run(args: argparse.Namespace) -> int:
     if not args.tasks:
         args.usage_error("name at least one TASK, or ask for the --schema")
     found = {path: _issues(path) for path in args.tasks}
-    wrong = any(issue.severity == "error" for issues in found.values() for issue in issues)
+    wrong = any(args.strict or issue.severity == "error" for issues in found.values() for issue in issues)
     if args.json:
         print(json.dumps([{"task": path, "issues": [i.as_dict() for i in found[path]]} for path in found], indent=2))
         return int(wrong)

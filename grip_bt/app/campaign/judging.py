@@ -8,6 +8,7 @@ from typing import Any
 
 from grip_bt.app.execute import check_inputs, check_task
 from grip_bt.app.mocks import apply_mocks, scripted
+from grip_bt.app.strange_code import of_task, refuse
 from grip_bt.compilers.resolve import resolve
 from grip_bt.errors import CampaignError, EvaluationError, ExpressionError, nearest
 from grip_bt.graph.evaluation import condition_of, value_of
@@ -27,6 +28,7 @@ def check(campaign: Campaign) -> None:
     Raises:
         DocumentError, InvalidTaskError: a task is wrong.
         CampaignError: the campaign speaks of what its tasks don't have.
+        StrangeCodeError: a task runs code that isn't GRIP's, which is forbidden.
     """
     said, where = campaign.file, str(campaign.path)
     for name in said.count:
@@ -35,7 +37,9 @@ def check(campaign: Campaign) -> None:
     for variant, settings in said.variants.items():
         project, document, _ = check_task(campaign.task(variant))
         check_inputs(document, settings.set)
-        apply_mocks(document.task, project.catalog(), scripted(settings.mocks))
+        mocks = scripted(settings.mocks)
+        task, catalog, _ = apply_mocks(document.task, project.catalog(), mocks)
+        refuse(of_task(project, task, catalog, said.robot, mocks))
         paths = [part.path for part in resolve(document.task, project.catalog()).root.walk()]
         for name, path in said.count.items():
             if path not in paths:

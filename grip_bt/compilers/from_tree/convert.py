@@ -104,7 +104,10 @@ class Reader:
                 return Equal(from_face(behaviour))
             if not is_known(behaviour):
                 name = path.rsplit("/", 1)[-1] if path != "/" else behaviour.name
-                return Equal(foreign_of(behaviour, name), remark="kept as it is, as a foreign behaviour")
+                return Equal(
+                    foreign_of(behaviour, name),
+                    remark="kept as it is, as a foreign behaviour; list it under `code:` in grip.yaml",
+                )
             return equal_of(behaviour)
         except NoEqual as why:
             self.refused.append(Remark(path, str(why)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from grip_bt.catalog import OwnCode
 from grip_bt.catalog.equipment import MISSING, Trouble
 from grip_bt.errors import listing, nearest
 from grip_bt.graph import Foreign
@@ -34,13 +35,25 @@ def not_listed(where: str, listed: tuple[str, ...]) -> Trouble:
 def _missing(survey: Survey, where: str) -> Trouble | None:
     """Return that a module isn't here or lacks a name, as far as its source tells."""
     module, _, name = where.partition(":")
+    code = survey.catalog.code
     try:
-        known = survey.catalog.code.names_in(module)
+        known = code.names_in(module)
     except ModuleNotFoundError as error:
         return Trouble(MISSING, f"{error}, which a run imports", "install its package, or correct the path")
     first = name.partition(".")[0]
     if known is None or first in known:
-        return None
+        return _no_class(code, where)
     public = sorted(each for each in known if not each.startswith("_"))
     hint = nearest(first, public)
     return Trouble("unknown-behaviour", f"the module {module} has no {first!r}{hint}", take_hint(hint, "correct it"))
+
+
+def _no_class(code: OwnCode, where: str) -> Trouble | None:
+    """Return that what a task names isn't a class, where its source tells; a function has to be listed by its name."""
+    kind = code.kind_of(where)
+    if kind is None or kind == "class" or code.names(where):
+        return None
+    if not code.is_strange(where):
+        return Trouble("unknown-behaviour", f"{where!r} is no behaviour of py_trees", "name one of its classes")
+    said = f"{where!r} is a function, which is called only if the project lists it by its name"
+    return Trouble("unknown-behaviour", said, f"if you trust it, list it in grip.yaml: `code: [{where!r}]`")

@@ -19,7 +19,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import OneShotPolicy, ParallelPolicy, Status
 from random_trees import make_tree
 
-from grip_bt.catalog import Catalog
+from grip_bt.catalog import Catalog, OwnCode
 from grip_bt.compilers import CompiledTree, to_tree
 from grip_bt.compilers.from_tree import RefusedTreeError, to_task
 from grip_bt.errors import InvalidTaskError
@@ -149,7 +149,8 @@ def test_a_behaviour_that_can_be_made_again_is_kept_as_it_is() -> None:
     assert nodes["odd"].args == {"words": ["a", {"b": 1}], "factor": 2.5}
     assert nodes["its own"].args == {"words": []}
     assert nodes["its-own"].children["n_7"].args == {"words": [], "name": "7"}
-    again = [node for node in to_tree(found.task, Catalog.builtin()).root.iterate() if type(node) is Odd]
+    catalog = Catalog.builtin().with_code(OwnCode((__name__,)))
+    again = [node for node in to_tree(found.task, catalog).root.iterate() if type(node) is Odd]
     assert [(node.name, node.words, node.factor) for node in again] == [
         ("odd", ["a", {"b": 1}], 2.5),
         ("its own", [], 1.0),
