@@ -132,7 +132,7 @@ class DataFlow:
                 elif output.on:
                     written = outcome in output.on
                 else:
-                    written = manifest.outcomes[outcome] == "success"
+                    written = manifest.outcomes.get(outcome) == "success"  # a precondition's refusal isn't in it
                 if written:
                     after[outcome] |= declared.bit
         return after

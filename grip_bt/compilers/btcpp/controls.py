@@ -152,6 +152,12 @@ def _if_then_else(reading: Reading, element: Element, where: Where) -> Made:
     if len(children) == 2:
         return container("sequence", chosen, up)
     inner = container("sequence", chosen, up)
+    if not then.can_fail:
+        return container(
+            "fallback",
+            {"then": inner, "else": children[2]},
+            Skipping.of(where.meaning, {"then": inner, "else": children[2]}),
+        )
     lost = {"outcomes": {**inner.keys.get("outcomes", {}), "then_failed": "failure"}}
     inner.keys |= {**lost, "exits": {**inner.keys.get("exits", {}), f"{names[1]}.failure": "then_failed"}}
     up = Skipping.of(where.meaning, {"then": inner, "else": children[2]})

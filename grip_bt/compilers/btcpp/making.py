@@ -8,7 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any
+
+from grip_bt.catalog import Catalog
 
 from ..from_tree.naming import distinct
 
@@ -35,6 +38,18 @@ class Made:
     name: str = ""
     instant: bool = False
     label: str = SKIPPED
+
+    @property
+    def can_fail(self) -> bool:
+        """Whether it has the outcome `failure`: each does but for some leaves of GRIP's own."""
+        node = self.keys.get("node", "")
+        return "precondition" in self.keys or not _never_fails(str(node))
+
+
+@cache
+def _never_fails(node: str) -> bool:
+    builtin = Catalog.builtin()
+    return node in builtin and "failure" not in builtin.get(node).outcomes
 
 
 @dataclass

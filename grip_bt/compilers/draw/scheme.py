@@ -156,11 +156,12 @@ def rule_text(rule: ParallelRule) -> str:
 
 
 def links_of(node: Container) -> list[Link]:
-    """Return the links among a container's children; links with the same ends are joined."""
+    """Return the links among a container's children, those to what isn't there left out; the same ends are joined."""
     names = list(children_of(node))
     found: dict[tuple[str, str, bool], list[str]] = {}
     if isinstance(node, StateMachine):
-        found["", node.initial, False] = []
+        if node.initial in node.children:
+            found["", node.initial, False] = []
         for name, child in node.children.items():
             for end, target in child.on.items():
                 if target in node.children or target in node.outcomes:
@@ -172,8 +173,9 @@ def links_of(node: Container) -> list[Link]:
                 found[name, following, False] = [label] if label else []
         if isinstance(node, Switch):
             for name, literal in cases_of(node):
-                found.setdefault(("", name, False), []).append(json.dumps(literal))
-            if node.default:
+                if name in names:
+                    found.setdefault(("", name, False), []).append(json.dumps(literal))
+            if node.default in names:
                 found.setdefault(("", node.default, False), []).append("else")
         for end, target in node.exits.items():
             name, _, label = end.partition(".")
