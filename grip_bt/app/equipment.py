@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
-from grip_bt.catalog.equipment import UNFIT, Equipment, Equipped, Trouble
+from grip_bt.catalog.equipment import UNFIT, UNMOVED, Equipment, Equipped, Trouble
 from grip_bt.errors import DocumentError, GripError, MissingPartError, UnknownNameError
 
 from .equipment_frames import frames_in_doubt
@@ -112,7 +112,8 @@ def _uncontrolled(project: Project, name: str, joined: tuple[str, ...] = ()) -> 
     ros = project.file.ros
     if ros is None or joined or name in ros.controllers:
         return []
-    return [_trouble(UnknownNameError("controller of", name, ros.controllers, "grip.yaml: ros/controllers"))]
+    error = UnknownNameError("controller of", name, ros.controllers, "grip.yaml: ros/controllers")
+    return [Trouble(UNMOVED, str(error).rstrip("."))]
 
 
 def _sensors(

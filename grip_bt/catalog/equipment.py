@@ -12,7 +12,7 @@ Names = Literal["arm", "arms", "hand", "state", "taught", "posture", "finger", "
 """What a parameter may name: an arm, several, a hand, a named state of the arm, a state or pose that was taught to it,
 a posture of the hand, its fingers, its fingers or links, a link, a type of ROS. Of a mapping, `finger` and `tip` mean
 the keys, `interface` the values."""
-UNFIT, MISSING = "unfit-project", "missing-package"
+UNFIT, MISSING, UNMOVED = "unfit-project", "missing-package", "no-controller"
 """Codes of troubles."""
 _MOST = 12
 """How many types of a package are listed."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, model_validator
 
 from grip_bt.graph.frozen import FrozenDict
 from grip_bt.graph.model import Meaning, Name
@@ -80,6 +80,12 @@ class Manifest(_Face):
     Without it: built-in nodes of arms and hands, nodes that ask somebody else, and nodes of projects may.
     """
     kind: Literal["leaf"] = "leaf"
+
+    @model_validator(mode="after")
+    def _codes_are_of_failures(self) -> Manifest:
+        if self.codes and "failure" not in self.outcomes.values():
+            raise ValueError("`codes` are those of failures, and no outcome means failure: add one, or remove `codes`")
+        return self
 
     @property
     def may_move(self) -> bool:

@@ -65,7 +65,7 @@ class OwnCode:
         found = None if file is None or "." in name else definition_of(file, name)
         if found is not None:
             return "class" if isinstance(found.syntax, ast.ClassDef) else "function"
-        return None if self.is_strange(behaviour) else "other"
+        return "other" if "." in name and not self.is_strange(behaviour) else None
 
 
 def _covers(entry: str, module: str) -> bool:

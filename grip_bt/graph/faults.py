@@ -12,7 +12,8 @@ from .syntax import Entry, Mapping, Value
 
 Fault = tuple[str, int, int]
 """Message, line, column; both 1-based."""
-_PASSED_OVER = {"children", "child", "Variable", "str", "leaf"}
+_KEYS_OF_NODES = ("children", "child")
+_PASSED_OVER = {*_KEYS_OF_NODES, "Variable", "str", "leaf"}
 
 
 def fault_of(tree: Mapping, error: Any) -> Fault:
@@ -32,12 +33,23 @@ def fault_of(tree: Mapping, error: Any) -> Fault:
         message = f"a list is wanted: write [{', '.join(str(error['input']).split())}], not {error['input']!r}"
     elif error["type"] == "union_tag_not_found":
         message = "a node is a mapping with `node:` or `kind:`"
+    elif error["type"] == "dict_type":
+        nodes = [path[-1]] if path[-1:] and path[-1] in _KEYS_OF_NODES else []
+        such = f", such as `{nodes[0]}: {{first: {{node: flow/succeed}}}}`" if nodes else ""
+        words += nodes
+        message = f"a mapping is wanted, with a name for each entry{such}, not {_kind_of(error['input'])}"
     elif error["type"] in ("too_long", "too_short"):
         message = f"{path[-1]!r} takes {_amount(error)}, not {error['ctx']['actual_length']}"
     elif not isinstance(error["input"], dict | list) and repr(error["input"]) not in message:
         message += f", not {error['input']!r}"
     at = "/".join(words)
     return (f"{at}: {message}" if at else message, line, column)
+
+
+def _kind_of(value: object) -> str:
+    if isinstance(value, list | tuple):
+        return "a list"
+    return "nothing" if value is None else repr(value)
 
 
 def mismatch(pattern: str, text: object) -> str:

@@ -37,12 +37,12 @@ def check_model(tree: Value, model: type[M]) -> tuple[M | None, list[Fault]]:
     if not isinstance(tree, Mapping):
         return None, [(f"a mapping with {listing(model.model_fields)}", tree.line, tree.column)]
     faults = list(_unknown_keys(tree, model, "the file"))
-    if faults:
-        return None, faults
     try:
-        return model.model_validate(plain(tree)), []
+        found = model.model_validate(plain(tree))
     except ValidationError as error:
-        return None, [fault_of(tree, e) for e in error.errors()]
+        unknown = ("extra_forbidden",) if faults else ()  # told better above
+        return None, faults + [fault_of(tree, e) for e in error.errors() if e["type"] not in unknown]
+    return (None, faults) if faults else (found, [])
 
 
 def _unknown_keys(tree: Value, model: type[BaseModel], name: str) -> Iterator[Fault]:

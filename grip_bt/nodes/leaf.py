@@ -120,14 +120,27 @@ class Leaf(Node):
         message: str = "",
         /,
         *,
-        outcome: str = "failure",
+        outcome: str | None = None,
         outputs: Mapping[str, Any] | None = None,
         **data: Any,
     ) -> Status:
-        """End with a failure outcome and a reason; `data` goes into the failure, `outputs` to the ports."""
+        """End with a failure outcome and a reason; `data` goes into the failure, `outputs` to the ports.
+
+        Without an `outcome`, it is `failure`, or the first that means it.
+
+        Raises:
+            ValueError: no outcome of this node means failure; it tells the reason.
+        """
         self.failure = Failure(code, message, data)
         self.feedback_message = str(self.failure)
-        return self.end(outcome, **(outputs or {}))
+        return self.end(outcome or self._failing(), **(outputs or {}))
+
+    def _failing(self) -> str:
+        """Return the outcome of a failure that is said without one."""
+        meant = [outcome for outcome, meaning in self.meaning.items() if meaning == "failure"]
+        if not meant:
+            raise ValueError(f"it failed ({self.failure}), but no outcome of {self.manifest.id} means failure")
+        return "failure" if "failure" in meant else meant[0]
 
     # --- for runs that are gone on with ---
 
@@ -329,4 +342,4 @@ class OperationLeaf(Leaf):
             self._note_left(self.operation)
         self.failure = Failure(code, error.message, dict(error.data))
         self.feedback_message = str(self.failure)
-        return self.end("failure", **self.outputs_of_failure())
+        return self.end(self._failing(), **self.outputs_of_failure())

@@ -37,17 +37,18 @@ _ERRORS = (
     "empty-container",
     "parallel-writes",
     "parallel-read-write",
-)
-_WARNINGS = (
     "unknown-code",
-    "unknown-message",
     "unknown-arm",
     "unknown-hand",
     "unknown-state",
-    "not-taught-yet",
     "unknown-finger",
     "unknown-link",
     "unfit-project",
+)
+_WARNINGS = (
+    "unknown-message",
+    "not-taught-yet",
+    "no-controller",
     "missing-package",
     "infinite-number",
     "impossible-outcome",

@@ -10,11 +10,18 @@ from grip_bt.catalog import Catalog, Manifest, Type, parse_type
 from grip_bt.errors import ExpressionError
 from grip_bt.graph import (
     AnyNode,
+    Cooldown,
     ForEach,
+    Foreign,
+    Guard,
+    Invert,
     Leaf,
+    Loop,
     StateMachine,
     Subtask,
+    Switch,
     Task,
+    Timeout,
     Variable,
     children_of,
     expressions_of,
@@ -63,6 +70,12 @@ Scope = Mapping[str, Declared]
 
 
 _NOTHING: Mapping[str, Any] = {}
+_UNASKED = frozenset({"?"})
+_OWN_CODES = {
+    **{Timeout: "time_out", Guard: "guard", Switch: "no_case", Loop: "loop_limit"},
+    **{Cooldown: "cooldown", Foreign: "foreign"},
+}
+"""Codes of failures that are a container's own."""
 
 
 class Spot:
@@ -86,7 +99,7 @@ class Spot:
 
     __slots__ = (
         *("around", "children", "known", "manifest", "name", "node", "outcomes", "parent", "path", "plain"),
-        *("reads", "scope", "writes"),
+        *("_codes", "reads", "scope", "writes"),
     )
 
     def __init__(self, path: str, name: str, node: AnyNode, parent: Spot | None, scope: Scope):
@@ -98,11 +111,15 @@ class Spot:
         self.outcomes: Mapping[str, str] = _NOTHING
         self.children: Mapping[str, Spot] = _NOTHING
         self.reads = self.writes = 0
+        self._codes: frozenset[str] | None = _UNASKED
 
     @property
-    def codes(self) -> tuple[str, ...] | None:
-        """Failure codes that it may end with; None when they aren't known."""
-        return self.manifest.codes if self.manifest is not None and isinstance(self.node, Leaf) else None
+    def codes(self) -> frozenset[str] | None:
+        """Failure codes that it may end with, those of everything below it among them; None when they aren't known."""
+        if self._codes is _UNASKED:
+            own = codes_of(self)
+            self._codes = own if own is None or not self.node.precondition else own | {"precondition"}
+        return self._codes
 
     def scope_of(self, key: str) -> Scope:
         """Return the variables that its expression at `key` sees: of a precondition, those around the node."""
@@ -254,6 +271,26 @@ class Survey:
         if spot.parent is not None:
             spot.parent.reads |= spot.reads
             spot.parent.writes |= spot.writes
+
+
+def codes_of(spot: Spot) -> frozenset[str] | None:
+    """Return the codes that a node may fail with, without its precondition's; None when they aren't known."""
+    node = spot.node
+    if isinstance(node, Leaf):
+        fails = "failure" in spot.outcomes.values()
+        known = () if spot.manifest is None or not fails else spot.manifest.codes
+        return frozenset(known) if known or (not fails and spot.manifest is not None) else None
+    if isinstance(node, Subtask):
+        return None  # a manifest has them, and the file's face has none
+    if isinstance(node, Invert):
+        return frozenset()  # it fails where its child succeeds, for no reason of its own
+    found = {_OWN_CODES[type(node)]} if type(node) in _OWN_CODES else set()
+    for child in spot.children.values():
+        codes = child.codes
+        if codes is None:
+            return None
+        found |= codes
+    return frozenset(found)
 
 
 def _bind(spot: Spot, node: Leaf | Subtask) -> None:

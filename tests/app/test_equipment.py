@@ -92,7 +92,7 @@ def test_what_the_robot_has_is_no_issue(said, root):
 def test_what_the_project_says_wrongly_of_a_part_is_told_once_to_the_tasks_that_use_it(said, project, words):
     go = "{node: arm/move_to, with: {state: home}}"
     twice = f"{{kind: sequence, children: {{a: {go}, b: {go}}}}}"
-    told = [message for code, message in said(twice, project) if code == "unfit-project"]
+    told = [message for code, message in said(twice, project) if code in ("unfit-project", "no-controller")]
     assert len(told) == 1
     for word in words:
         assert word in told[0]
@@ -153,13 +153,13 @@ def test_the_editor_offers_the_nearest_name(tmp_path):
     assert [fix.title for fix in Fixer(task, catalog).fixes(issue)] == ["Write right"]
 
 
-def test_the_verb_tells_it_as_a_warning(tmp_path, capsys):
+def test_the_verb_tells_it_as_an_error(tmp_path, capsys):
     (tmp_path / "grip.yaml").write_text(PROJECT)
     file = tmp_path / "task.yaml"
     file.write_text(TASK.replace("ROOT", "{node: arm/move_to, with: {state: hoem}}"))
-    assert main(["check", str(file), "--json"]) == 0
+    assert main(["check", str(file), "--json"]) == 1
     ((issue,),) = [entry["issues"] for entry in json.loads(capsys.readouterr().out)]
-    assert (issue["code"], issue["severity"], issue["line"]) == ("unknown-state", "warning", 3)
+    assert (issue["code"], issue["severity"], issue["line"]) == ("unknown-state", "error", 3)
     assert issue["fix"] == "write 'home'"
 
 

@@ -7,7 +7,7 @@ import pytest
 from grip_bt.app import project_catalog
 from grip_bt.cli.__main__ import main
 from grip_bt.graph import read_text
-from grip_bt.validation import validate
+from grip_bt.validation import SEVERITY, validate
 from grip_bt.validation.fixes import Fixer
 
 PROJECT = "grip: 1\nrobot: panda_allegro\narms: {right: {hand: right_hand}}\nhands: {right_hand: {}}\n"
@@ -33,7 +33,7 @@ def said(tmp_path):
     def issues(*nodes: str) -> list[tuple[str, str, str]]:
         document = read_text(task(*nodes), "demo.yaml")
         found = validate(document.task, project_catalog(tmp_path), document).issues
-        assert all(issue.severity == "warning" for issue in found)
+        assert all(issue.severity == SEVERITY[issue.code] for issue in found)
         return [(issue.code, issue.message, issue.fix) for issue in found]
 
     return issues

@@ -29,7 +29,11 @@ EXITS = [
 ]
 VARIABLES = [
     *({"x": "int"}, {"x": {"type": "int", "value": 1}}, {"x": "Nope"}, {"l": {"type": "list[int]", "value": [1, 2]}}),
-    *({"t": {"type": "bool", "value": True}, "x": {"type": "float", "value": "a"}}, {"g": "list[Grasp]"}, {"x": "list["}),
+    *(
+        {"t": {"type": "bool", "value": True}, "x": {"type": "float", "value": "a"}},
+        {"g": "list[Grasp]"},
+        {"x": "list["},
+    ),
     *({"f": {"type": "Any", "value": {"a": [1, None, 2.5]}}}, {"x": "int | None"}, {"i": "dict[str, Pose]"}),
 ]
 VALUES: dict[str, list[Any]] = {
@@ -58,10 +62,10 @@ VALUES: dict[str, list[Any]] = {
     "items": ["l", "x", "zz", ""],
     "item": ["i", "x", "l", "a b"],
     "as": ["success", "failure"],
-    "behaviour": ["py_trees.behaviours:Success", "py_trees.behaviours:Count", "os:system", "py_trees.nope:X", "py_trees:a.b"],
+    "behaviour": ["py_trees.behaviours:Success", "py_trees.behaviours:Count", "os:system", "py_trees.nope:X"],
     "args": [{}, {"name": "n"}, {"zz": [1, {"a": None}]}, {"fail_until": 1, "running_until": 2, "success_until": 3}],
     "task": ["tasks/fetch.yaml", "nope.yaml", "../up.yaml", "/etc/passwd", "\0", "a" * 300],
-    "with": [{}, {"zz": 1}, {"seconds": 0, "message": "m", "code": "zz", "value": [1]}, {"name": "n", "store": "s", "type": "Nope["}],
+    "with": [{}, {"zz": 1}, {"seconds": 0, "message": "m", "code": "zz", "value": [1]}, {"name": "n", "type": "Nope["}],
     "in": [{}, {"value": "x"}, {"zz": "x"}, {"value": "zz", "": ""}, {"grasp": "g", "target": "x"}],
     "out": [{}, {"value": "x"}, {"zz": "zz"}, {"value": "l", "count": "x"}],
     "meaning": [{"success": "failure"}, {"failure": "success"}, {"zz": "failure"}],
@@ -151,13 +155,20 @@ def systematic() -> Iterator[dict[str, Any]]:
     for manifest in CATALOG:
         leaf = bound(manifest)
         written = {name: "Any" for name in leaf.get("out", {}).values()}
-        for more in ({}, {"precondition": "x < 1"}, {"meaning": {"failure": "success"}}, {"meaning": {"success": "failure"}}):
+        for more in (
+            {},
+            {"precondition": "x < 1"},
+            {"meaning": {"failure": "success"}},
+            {"meaning": {"success": "failure"}},
+        ):
             for node in around({**leaf, **more}):
                 made = document(node)
                 made["data"] |= written
                 yield made
         yield document({"node": manifest.id})
-        yield document({"node": manifest.id, "with": {"arm": "zz", "hand": "zz"}, "in": {"zz": "x"}, "out": {"zz": "x"}})
+        yield document(
+            {"node": manifest.id, "with": {"arm": "zz", "hand": "zz"}, "in": {"zz": "x"}, "out": {"zz": "x"}}
+        )
     for key in ("on", "precondition", "with", "in", "out", "meaning"):
         for value in VALUES[key]:
             for leaf in (LEAF, FAILS, SETS, {"node": "no/such"}):
@@ -166,7 +177,11 @@ def systematic() -> Iterator[dict[str, Any]]:
     for variables in VARIABLES:
         for key in ("inputs", "outputs", "data"):
             made = document(SETS)
-            yield {**made, "data": {**made["data"], **variables}} if key == "data" else {**made, "data": {}, key: variables}
+            yield (
+                {**made, "data": {**made["data"], **variables}}
+                if key == "data"
+                else {**made, "data": {}, key: variables}
+            )
     for outcomes in VALUES["outcomes"]:
         yield document(of_kind("sequence"), outcomes=outcomes)
 

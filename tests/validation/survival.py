@@ -109,4 +109,4 @@ def verb(words: list[str]) -> tuple[int, str]:
         return run_verb(words), said.getvalue()
 
 
-__all__ = ["asked", "looked_at", "project", "project_catalog", "read", "run", "verb"]
+__all__ = ["asked", "looked_at", "project", "project_catalog", "read", "run", "validate", "verb"]

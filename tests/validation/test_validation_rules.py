@@ -19,6 +19,7 @@ EQUIPMENT = Equipment(
     arms={
         "left": Equipped({"state": ["home"], "taught": []}),
         "right": Equipped(troubles=(Trouble("unfit-project", "grip.yaml: arms/right: unknown planner 'RRTConect'"),)),
+        "spare": Equipped(troubles=(Trouble("no-controller", "grip.yaml: ros/controllers: none for 'spare'"),)),
     },
     hands={"claw": Equipped({"posture": ["open", "closed"], "finger": ["thumb"], "link": ["palm"]})},
     packages=["geometry_msgs", "std_msgs"],

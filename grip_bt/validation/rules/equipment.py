@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
 
-from grip_bt.catalog.equipment import MISSING, UNFIT, Equipment, Equipped, Trouble, missing_type
+from grip_bt.catalog.equipment import MISSING, UNFIT, UNMOVED, Equipment, Equipped, Trouble, missing_type
 from grip_bt.errors import listing, nearest
 from grip_bt.graph import Leaf
 
@@ -35,7 +35,7 @@ def check_equipment(survey: Survey) -> None:
     told: set[Trouble] = set()
     for spot in leaves:
         for key, trouble in _troubles(spot, equipment, lessons):
-            if trouble.code in (UNFIT, MISSING) and trouble in told:
+            if trouble.code in (UNFIT, MISSING, UNMOVED) and trouble in told:
                 continue  # it is one thing to mend, however many nodes need it
             told.add(trouble)
             survey.add(spot.path, key, trouble.code, trouble.message, trouble.fix)

@@ -136,12 +136,13 @@ def check_label(survey: Survey, path: str, where: tuple[str | int, ...], child: 
     if dot and child.outcomes[outcome] == "success":
         survey.add(path, where, "unknown-code", f"{outcome!r} is a success, which has no failure code", "remove it")
     elif dot and child.codes is not None and code not in child.codes:
-        hint = nearest(code, child.codes)
+        known = sorted(child.codes)
+        hint = nearest(code, known)
         survey.add(
             path,
             where,
             "unknown-code",
-            f"{child.name!r} never fails with {code!r}{hint} (its codes: {listing(child.codes)})",
+            f"{child.name!r} never fails with {code!r}{hint} (its codes: {listing(known)})",
             take_hint(hint, "remove it"),
         )
     return True
