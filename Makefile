@@ -55,6 +55,7 @@ e2e: $(STAMP) ## the page in a real browser
 fuzz: $(STAMP) ## the long proofs; figures go to docs/proofs.md
 	@GRIP_FUZZ_TASKS=$${GRIP_FUZZ_TASKS:-20000} $(BIN)/pytest -q -s -n 2 --timeout 7200 tests/parity
 	@GRIP_FUZZ_EXAMPLES=1 $(BIN)/pytest -q -n 2 --timeout 7200 tests/graph tests/compilers tests/validation tests/values tests/codegen
+	@GRIP_FUZZ_DOCUMENTS=$${GRIP_FUZZ_DOCUMENTS:-5000} $(BIN)/pytest -q -s --timeout 14400 tests/validation/test_any_document.py
 	@GRIP_FUZZ_FILES=$${GRIP_FUZZ_FILES:-10000} $(BIN)/pytest -q -s --timeout 7200 tests/graph/test_mutated_files.py
 	@GRIP_FUZZ_SOURCE=1 GRIP_FUZZ_TASKS=3000 $(BIN)/pytest -q -s -n 2 --timeout 7200 tests/parity/test_parity_fuzz.py
 	@GRIP_FUZZ_RACES=10000 GRIP_FUZZ_GOALS=10000 $(BIN)/pytest -q -s --timeout 7200 tests/ros/test_goal_machine.py \

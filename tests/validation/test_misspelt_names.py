@@ -58,25 +58,25 @@ root:
       outcomes: {found: success}
       exits: {guarded.failure.guard: found}
       on: {success: finished, found: finished, failure: missed}
-      child: {guarded: {kind: guard, if: each > count, child: {log: {node: flow/log, with: {message: m}, in: {value: each}}}}}
+      child: {guarded: {kind: guard, if: each > count, child: {
+        log: {node: flow/log, with: {message: m}, in: {value: each}}}}}
 """
 UNKNOWABLE = {
-    "messages": "what stores hold is known while a run goes on; a name that nobody has put is the warning unknown-message",
+    "messages": "what stores hold is known while a run goes on; what nobody has put is the warning unknown-message",
 }
 """Nodes of which names aren't checked as errors, and why."""
 Place = tuple[str | int, ...]
 
 
 def misspelt(word: str) -> str:
-    """Return a word with one slip of the pen."""
+    """Return a word with one slip of the pen: two letters changed about, or another letter."""
+    letters = list(word)
     at = max(i for i, letter in enumerate(word) if letter.isalnum())
-    return (
-        f"{word[:at]}{'q' if word[at] != 'q' else 'z'}{word[at + 1 :]}"
-        if len(word) < 3
-        else word[: at - 1] + word[at] + word[at - 1] + word[at + 1 :]
-        if word[at] != word[at - 1]
-        else word[:at] + word[at + 1 :]
-    )
+    if len(word) > 2 and letters[at] != letters[at - 1]:
+        letters[at - 1 : at + 1] = letters[at], letters[at - 1]
+    else:
+        letters[at] = "z" if letters[at] == "q" else "q"
+    return "".join(letters)
 
 
 def parts_of(text: str) -> Iterator[tuple[str, str]]:
@@ -104,6 +104,12 @@ def names_in(node: dict[str, Any], catalog: Catalog) -> Iterator[tuple[Place, st
             yield from (((key, end, "key"), word, new) for word, new in parts_of(end))
             if key != "meaning":
                 yield (key, end), target, misspelt(target)
+    yield from names_of_children(node)
+    yield from names_of_variables(node)
+
+
+def names_of_children(node: dict[str, Any]) -> Iterator[tuple[Place, str, Any]]:
+    """Yield likewise where children and their ends are named."""
     for key in ("initial", "default", "items", "task"):
         if node.get(key):
             yield (key,), node[key], misspelt(node[key])
@@ -118,6 +124,10 @@ def names_in(node: dict[str, Any], catalog: Catalog) -> Iterator[tuple[Place, st
     if isinstance(node.get("wait_for"), list):
         for number, child in enumerate(node["wait_for"]):
             yield ("wait_for", number), child, misspelt(child)
+
+
+def names_of_variables(node: dict[str, Any]) -> Iterator[tuple[Place, str, Any]]:
+    """Yield likewise variables of expressions, and types."""
     for key in ("precondition", "if", "while", "on_value"):
         for name in parse_expression(node[key]).names if key in node else ():
             yield (key,), name, re.sub(rf"\b{name}\b", misspelt(name), node[key])
