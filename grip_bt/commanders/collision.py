@@ -151,7 +151,9 @@ class CollisionChecker:
         count = self._outline.ngeoms
         return self._clear_each(configurations, np.full((count, count), margin))
 
-    def clear_while_moving(self, configurations: NDArray[np.float64], motion: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def clear_while_moving(
+        self, configurations: NDArray[np.float64], motion: NDArray[np.float64], hulls: bool = True
+    ) -> NDArray[np.bool_]:
         """Tell from which configurations, shape (k, n), the joints can certainly move so far and touch nothing.
 
         Two things come closer only by the joints between them, so what is always near, such as links of a wrist,
@@ -160,13 +162,18 @@ class CollisionChecker:
         Args:
             configurations: where the joints are.
             motion: at most so far each joint moves, either way [rad or m], shape (n,).
+            hulls: False: as its shapes, which takes longer.
         """
-        return self._clear_each(configurations, np.tensordot(motion, self._between, axes=1))
+        between = self._between if hulls else self._between_shapes
+        return self._clear_each(configurations, np.tensordot(motion, between, axes=1), hulls)
 
-    def _clear_each(self, configurations: NDArray[np.float64], margins: NDArray[np.float64]) -> NDArray[np.bool_]:
-        self._keep_apart(margins)
-        result: NDArray[np.bool_] = ~self._ask(self._rough, configurations, stop_at_first=False)
-        self._keep_apart(np.zeros_like(margins))
+    def _clear_each(
+        self, configurations: NDArray[np.float64], margins: NDArray[np.float64], hulls: bool = True
+    ) -> NDArray[np.bool_]:
+        pool, geometry = (self._rough, self._outline) if hulls else (self._pool, self._geometry)
+        _keep_apart(pool, geometry, margins)
+        result: NDArray[np.bool_] = ~self._ask(pool, configurations, stop_at_first=False)
+        _keep_apart(pool, geometry, np.zeros_like(margins))
         return result
 
     @cached_property
@@ -174,6 +181,11 @@ class CollisionChecker:
         """How far each joint can move two shapes of the outline against one another, shape (n, k, k)."""
         added = self._outline.geometryObjects[self.chain.outline.geometry.ngeoms :]
         return between(np.hstack([self.chain.outline_reaches, shape_reaches(self.chain.model, added)]))
+
+    @cached_property
+    def _between_shapes(self) -> NDArray[np.float64]:
+        """How far each joint can move two shapes against one another, shape (n, k, k)."""
+        return between(shape_reaches(self.chain.model, self._geometry.geometryObjects))
 
     def _collide(self, configurations: NDArray[np.float64], stop_at_first: bool) -> NDArray[np.bool_]:
         """Ask the outline first: nearly all that is free is seen to be free by it."""
@@ -190,10 +202,6 @@ class CollisionChecker:
 
     def _pool_of(self, geometry: pin.GeometryModel) -> _Pool:
         return _Pool(self.chain.model, geometry, self._threads)
-
-    def _keep_apart(self, margins: NDArray[np.float64]) -> None:
-        for manager in self._rough.getBroadPhaseManagers():
-            manager.getGeometryData().setSecurityMargins(self._outline, margins)
 
     def _add(self, item: SceneObject, frame: pin.Frame | None, margin: float) -> int:
         placement = pin.SE3(item.pose.matrix())
@@ -223,6 +231,11 @@ class CollisionChecker:
             pairs = geometry.collisionPairMapping >= 0
             pairs[np.minimum(a, b), np.maximum(a, b)] = True
             geometry.setCollisionPairs(pairs)
+
+
+def _keep_apart(pool: _Pool, geometry: pin.GeometryModel, margins: NDArray[np.float64]) -> None:
+    for manager in pool.getBroadPhaseManagers():
+        manager.getGeometryData().setSecurityMargins(geometry, margins)
 
 
 class _Recent(threading.local):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from table_top import endless_request, place_things, robot_model, room, side_grasps, situation
 
-from grip_bt.commanders.planning.budget import BACKSTOP, REAL, Budget, Clocks
+from grip_bt.commanders.planning.budget import BACKSTOP, RATE, REAL, Budget, Clocks
 from grip_bt.commanders.planning.grasps import GraspSearch, GraspTrial
 from grip_bt.commanders.planning.motions import answer
 from grip_bt.commanders.planning.requests import ChooseGrasp, PlanThrough, PlanTo
@@ -92,7 +92,7 @@ def test_wall_time_ends_it_in_the_end_though_no_work_was_done(planner):
     assert passed.looks >= BACKSTOP * 1.0 / 0.1
 
 
-def test_the_way_to_a_grasp_gets_a_second_of_work_for_each_configuration(table, chosen):
+def test_the_way_to_a_grasp_gets_so_much_work_whatever_time_that_takes(table, chosen):
     model, begin, _ = table
 
     def reached(worked: Ticking) -> list[bool]:
@@ -100,29 +100,49 @@ def test_the_way_to_a_grasp_gets_a_second_of_work_for_each_configuration(table, 
         ways = [pre for q in trial.configurations() if (pre := trial.pre_configuration(q)) is not None]
         return [trial.can_go_to(pre, never) for pre in ways]
 
-    assert all(reached(Ticking(step=1e-6)))
-    assert not all(reached(Ticking(step=1.1)))  # only where the direct way is free, which is no search
+    assert reached(Ticking(step=1e-6)) == reached(Ticking(step=1e-4))
+    with pytest.raises(TimeOutError):  # only where the direct way is free, there is no search
+        reached(Ticking(step=11.0))
 
 
-def test_a_budget_is_shared_out_from_what_is_left():
+def test_a_budget_is_shared_out_by_work_and_ended_by_time():
     worked, passed = [0.0], [0.0]
     whole = Budget(6.0, Clocks(lambda: worked[0], lambda: passed[0]))
-    assert (whole.wall_left, whole.over) == (6.0 * BACKSTOP, False)
-    worked[0], passed[0] = 2.0, 40.0
+    assert (whole.wall_left, whole.over()) == (6.0 * BACKSTOP, False)
+    third = whole.share(3)
+    asked = 1
+    while not third.over():
+        asked += 1
+    assert asked == pytest.approx(RATE * 2.0, abs=2)
+    assert not whole.out_of_time
+    assert "its share of the work" in str(third)
     half = whole.share(2)
-    assert half.wall_left == 40.0
-    worked[0] = 4.0
-    assert not half.over
-    worked[0] = 4.1
-    assert half.over
-    assert str(half) == "within 2 s of CPU time"
-    assert not whole.over
-    worked[0], passed[0] = 4.0, 81.0
-    assert half.over
-    assert str(half) == "within 40 s, in which it got only 2 of its 2 s of CPU time: the machine is busy"
-    worked[0] = 7.0
-    assert whole.share(3).wall_left == pytest.approx(39 / 3)
-    assert whole.over
+    assert not half.over(RATE * 2.0 - 2)
+    assert half.over(5)
+    last = whole.share(1)
+    assert not last.over(1e9)
+    worked[0] = 6.1
+    assert last.over()
+    assert half.out_of_time
+    assert str(half) == str(last) == "within 6 s of CPU time"
+    worked[0], passed[0] = 4.0, 121.0
+    assert half.over(0.0)
+    assert str(half) == "within 120 s, in which it got only 4 of its 6 s of CPU time: the machine is busy"
+
+
+@pytest.mark.parametrize("planner", ["RRTConnect", "BiTRRT", "KPIECE1"])
+def test_how_fast_the_machine_is_decides_whether_there_is_a_plan_and_not_which(table, chosen, planner):
+    model, begin, _ = table
+    found = []
+    for tick in (1e-7, 1e-5, 1e-4, 1e-3, 1e-2):
+        request = PlanTo(limited(begin, 2.0, planner=planner), chosen.grasp.pre_grasp)
+        try:
+            found.append(answer(model, request, never, Clocks(Ticking(tick), Ticking())).trajectory)
+        except TimeOutError:
+            found.append(None)
+    plans = [trajectory for trajectory in found if trajectory is not None]
+    assert plans
+    assert all(trajectory == plans[0] for trajectory in plans)
 
 
 def test_what_counts_is_the_time_of_the_thread_that_searches():

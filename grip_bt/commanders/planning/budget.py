@@ -8,6 +8,8 @@ from typing import NamedTuple
 
 BACKSTOP = 20.0
 """Wall time ends a search at so many times its budget, however little of it was worked."""
+RATE = 4000.0
+"""Checks of motions that stand for a second where searches share work: about half of what one core gets through."""
 
 
 class Clocks(NamedTuple):
@@ -27,7 +29,10 @@ REAL = Clocks(time.thread_time, time.monotonic)
 
 
 class Budget:
-    """Time to work in, from now on; asked in the thread that searches.
+    """Work and time for one request, from now on; asked in the thread that searches.
+
+    Searches that take turns, each with a share, are ended by how often they have asked: what is found is the same on a
+    fast machine and on a slow one. Time ends the whole request, which has failed then.
 
     Args:
         seconds: CPU time [s].
@@ -35,30 +40,55 @@ class Budget:
         wall: wall time that ends it too [s]; `BACKSTOP` times `seconds` where nothing is said.
     """
 
-    __slots__ = ("_began", "_clocks", "_seconds", "_wall")
+    __slots__ = ("_asked", "_began", "_clocks", "_most", "_of", "_seconds", "_wall")
 
     def __init__(self, seconds: float, clocks: Clocks = REAL, wall: float | None = None):
         self._clocks, self._seconds = clocks, seconds
         self._wall = BACKSTOP * seconds if wall is None else wall
         self._began = clocks.worked(), clocks.passed()
+        self._asked, self._most = 0.0, RATE * seconds
+        self._of: Budget | None = None
+
+    def over(self, work: float = 1.0) -> bool:
+        """Tell whether a search has to end; each call counts as so much work, a check of RRTConnect being 1."""
+        self._asked += work
+        if self._of is None:
+            return self.out_of_time
+        return self._asked > self._most or self._of.over(work)
 
     @property
-    def over(self) -> bool:
-        """Whether it is spent, or the wall time is over."""
+    def out_of_time(self) -> bool:
+        """Whether the time of the whole request is spent."""
+        if self._of is not None:
+            return self._of.out_of_time
         return self._passed() > self._wall or self._worked() > self._seconds
 
     @property
     def wall_left(self) -> float:
         """How much wall time is left [s]; not below 0."""
-        return max(0.0, self._wall - self._passed())
+        return self._of.wall_left if self._of is not None else max(0.0, self._wall - self._passed())
 
     def share(self, parts: int) -> Budget:
-        """Return a budget of an even part of what is left, for the next of so many searches."""
-        left = max(0.0, self._seconds - self._worked())
-        return Budget(left / parts, self._clocks, self.wall_left / parts)
+        """Return a budget of an even part of the work that is left, for the next of so many searches.
+
+        The last one is ended by time alone.
+        """
+        if parts == 1:
+            return self
+        return self.part(max(0.0, self._most - self._asked) / parts / RATE)
+
+    def part(self, seconds: float) -> Budget:
+        """Return a budget of the work that is done in so many seconds."""
+        part = Budget(self._seconds, self._clocks, self._wall)
+        part._most, part._of = RATE * seconds, self
+        return part
 
     def __str__(self) -> str:
         """Say what ended it."""
+        if not self.out_of_time:
+            return f"within {self._most:.3g} checks, its share of the work"
+        if self._of is not None:
+            return str(self._of)
         if self._worked() > self._seconds:
             return f"within {self._seconds:.3g} s of CPU time"
         got = f"it got only {self._worked():.2g} of its {self._seconds:.3g} s of CPU time"

@@ -60,7 +60,7 @@ def first_touch(
     if continuously_free(checker, positions):
         return None
     for k in range(len(times) - 1):
-        fine = interpolated(positions[k : k + 2], FINE)
+        fine = interpolated(positions[k : k + 2], FINE[0])
         free = checker.free_each(fine)
         if not free.all():
             return float(times[k]), checker.pairs(fine[int(np.argmin(free))])

@@ -2,7 +2,7 @@
 
 Two links come no closer between two configurations than by the sum over the joints between them of each joint's motion
 times its reach (Schwarzer, Saha and Latombe 2005). So where all are clear by that much in the middle of a piece of the
-motion, nothing in it can touch. Pieces where they aren't are divided, and at last fine samples decide by themselves.
+motion, nothing in it can touch. Pieces where they aren't are divided, until they are or what is left nearly touches.
 """
 
 from __future__ import annotations
@@ -19,8 +19,9 @@ from ..collision import CollisionChecker
 from ..trajectory.splines import cubics
 from .paths import Path
 
-FINE = 0.001
-"""Joint step of the samples where clearance doesn't decide [rad]."""
+FINE = (1e-3, 1e-4)
+"""Joint steps in which a hand's shapes are looked at, not its hull [rad]. What isn't clear even at the last, by
+some 0.05 mm, counts as touching."""
 _NEEDS = (0.03, 0.008, 0.002)
 """Pieces are made so short, one level after the other, that nothing moves further than this from their middles [m]."""
 _GROUPS = 3
@@ -108,8 +109,13 @@ def _free(checker: CollisionChecker, curve: Curve, pieces: _Pieces) -> bool:
         pieces = pieces.those(~clear)
         if not len(pieces.begin):
             return True
-    fine = pieces.divided(2 * _halves(curve, pieces).max(axis=1) / FINE)
-    return checker.all_free(curve(np.unique([fine.begin, fine.end])))
+    for step in FINE:  # near a hand's hull, or near to touching
+        pieces = pieces.divided(2 * _halves(curve, pieces).max(axis=1) / step)
+        for hulls in (True, False):
+            pieces = pieces.those(~_clear(checker, curve(pieces.middle), _halves(curve, pieces), hulls))
+            if not len(pieces.begin):
+                return True
+    return False
 
 
 def _halves(curve: Curve, pieces: _Pieces) -> NDArray[np.float64]:
@@ -120,10 +126,10 @@ def _halves(curve: Curve, pieces: _Pieces) -> NDArray[np.float64]:
     return halves
 
 
-def _clear(checker: CollisionChecker, rows: Path, halves: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _clear(checker: CollisionChecker, rows: Path, halves: NDArray[np.float64], hulls: bool = True) -> NDArray[np.bool_]:
     """Tell from which rows, shape (k, n), the joints can move so far, shape (k, n), and touch nothing."""
     clear = np.zeros(len(rows), dtype=bool)
     order = np.argsort(halves @ checker.reaches)
     for some in np.array_split(order, min(_GROUPS, len(order))):
-        clear[some] = checker.clear_while_moving(rows[some], halves[some].max(axis=0))
+        clear[some] = checker.clear_while_moving(rows[some], halves[some].max(axis=0), hulls)
     return clear

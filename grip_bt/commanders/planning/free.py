@@ -33,6 +33,9 @@ _STEP = 0.25
 OMPL's own range, a fifth of the space's diagonal, leads to longer ways and takes longer where it is hard.
 """
 
+_HARDER = 6.0
+"""What one step of BiTRRT or CBiRRT is, in checks of RRTConnect."""
+
 _PARAMETERS = {
     "range": "setRange",
     "goal_bias": "setGoalBias",
@@ -120,7 +123,7 @@ def plan_free(
     motion_free = MotionCheck(checker, resolution)
 
     def over() -> bool:
-        return bool(canceled()) or budget.over  # a bool of numpy's is none to OMPL's bindings
+        return bool(canceled()) or budget.over(1.0 if planner != BITRRT else _HARDER)  # no bool of numpy's for OMPL
 
     if planner == BITRRT:
         path = bitrrt(checker, motion_free, start, goal, np.random.default_rng(seed), over)
@@ -149,7 +152,7 @@ def plan_constrained(
     """
 
     def over() -> bool:
-        return canceled() or budget.over
+        return canceled() or budget.over(_HARDER)
 
     rng = np.random.default_rng(seed)
     path = cbirrt(checker, MotionCheck(checker, resolution), constraint, start, goal, rng, over)
@@ -160,7 +163,7 @@ def _found(path: Path | None, planner: str, budget: Budget, canceled: Callable[[
     if canceled():
         raise CanceledError("planning was cancelled")
     if path is None:
-        if budget.over:
+        if budget.over(0.0):
             raise TimeOutError(f"{planner} found no path {budget}", planner=planner)
         raise NoPlanError(f"{planner} found no path", planner=planner)
     return path

@@ -31,7 +31,9 @@ _RESTARTS = 10
 _WARM = 3
 _SOLUTIONS = 4
 _PATIENCE = 1.0
-"""CPU time for the way to one candidate [s]."""
+"""Work for the way to one configuration, as checks that stand for so long [s]."""
+_LONGEST = 10.0
+"""CPU time after which the search for it ends the whole choice [s]."""
 
 
 def closing_point(grasp: Grasp) -> NDArray[np.float64]:
@@ -64,6 +66,7 @@ def choose_grasp(
 
     Raises:
         NoGraspError: none is; `data['reasons']` counts why, `data['candidates']` how many there were.
+        TimeOutError: looking for the way to one of them took too long.
         CanceledError: it was cancelled.
     """
     reasons: Counter[str] = Counter()
@@ -192,6 +195,7 @@ class GraspTrial:
         checker = self._search.without(self.chain, None)
         if not checker.free(start):
             return True  # the plan itself will tell that the start is in collision
+        whole = Budget(_LONGEST, self._search.clocks)
         try:
             plan_free(
                 checker,
@@ -199,11 +203,13 @@ class GraspTrial:
                 pre,
                 settings.planner,
                 settings.seed,
-                Budget(_PATIENCE, self._search.clocks),
+                whole.part(_PATIENCE),
                 canceled,
                 parameters=dict(settings.parameters),
             )
         except (NoPlanError, TimeOutError):
+            if whole.out_of_time:
+                raise
             return False
         return True
 

@@ -112,6 +112,8 @@ def plan_to(model: RobotModel, request: PlanTo, canceled: Callable[[], bool], cl
         try:
             return _searched_and_timed(chain, checker, search, request, budget.share(len(tries) - k))
         except (NoPlanError, TimeOutError, PathInvalidError) as error:
+            if budget.out_of_time:
+                raise
             failure = error
     raise failure
 

@@ -231,6 +231,8 @@ def _first(search: Callable[..., Path], goals: list[NDArray[np.float64]], budget
         try:
             return search(goal=goal, budget=budget.share(len(goals) - k))
         except (NoPlanError, TimeOutError) as error:
+            if budget.out_of_time:
+                raise
             failure = error
     raise failure
 
