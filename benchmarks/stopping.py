@@ -100,6 +100,43 @@ def _note(row: Row, made: Any, limits: Any, exact: bool) -> None:
     row.early += len(after) > 1 and bool(np.ptp(after, axis=0).max() > 4e-3)
 
 
+def simulated_physics(count: int) -> None:
+    """Measure the simulator's own motions in exact simulated time, step by step: a cancel and a stop are one there."""
+    from plain_client import swing
+    from stopping import BEYOND, Stopped
+
+    from grip_sim import WorldSpec
+    from grip_sim.motions import Follow
+    from grip_sim.world import World
+
+    world, rng, row = World(WorldSpec()), np.random.default_rng(5), Row("simulated (its physics)", "cancel, stop")
+    robot = world.robot
+    rows = robot.group_rows("arm")
+    limits, home = robot.accelerations(rows), robot.positions()[rows]
+    there = home + np.array([0.5, 0, 0.2, 0, 0, 0, 0.4])
+    for moment in rng.uniform(0.0, 0.9, count) * SECONDS:
+        here = robot.positions()[rows]
+        goal = there if np.abs(here - home).max() < 0.25 else home
+        times, positions, velocities = (np.array(c) for c in zip(*swing(here, goal, SECONDS), strict=True))
+        motion: Any = Follow(robot, rows, times, positions, velocities, world.time)
+        asked, seen, end = world.time + moment, [], None
+        while end is None:
+            if world.time >= asked and isinstance(motion, Follow):
+                motion = motion.braking(world)
+            end = motion.advance(world)
+            if end is None:
+                world.step()
+                kept = robot.kept()
+                seen.append((world.time, robot.positions()[rows], robot.velocities()[rows], kept["speeds"][rows]))
+        at, place, speed, target = (np.array(column) for column in zip(*seen, strict=True))
+        row.beyond.append(Stopped(at, place, speed, asked).beyond(limits))
+        row.hardest.append(Stopped(at, place, target, asked).hardest(limits))
+        row.other += end.error != "canceled"
+        row.unconfirmed += not end.stopped
+        row.early += bool(np.abs(speed[-1]).max() > 0.05)
+    print(row.show(BEYOND), flush=True)
+
+
 @dataclass
 class Wire:
     """A server that a plain client asks: its action, its type, its joints, how hard they brake, to and fro."""
@@ -281,6 +318,8 @@ def main() -> None:
             ours(name, conftest.EXECUTORS, ways, servers, asked.moments if name in FAST else slow)
         for name in (name for name in conftest.HAND_PORTS if wanted(f"hand_{name}")):
             ours(name, conftest.HAND_PORTS, ["cancel", "stop"], servers, asked.moments if name in FAST else slow)
+        if wanted("simulated_physics"):
+            simulated_physics(asked.moments)
         for name in filter(wanted, ("plain_served", "plain_trajectory", "plain_gripper", "plain_move_group")):
             plain(name, servers.wire(name), slow)
         if wanted("killed"):

@@ -123,6 +123,7 @@ class StreamedExecutor(RosExecutor):
         while passed < ramp.duration and not way.dropped.wait(self._period):
             passed = time.monotonic() - began
             self._publish(ramp.at(passed)[order].tolist(), 0)
+        settle(self.state, ramp.positions[-1][order], way.dropped)  # set-points may still be on their way
 
     def _held_back(self, way: _Way) -> np.ndarray | None:
         """Return where joints are that aren't on their way, nor a bit behind on it, in the way's order; else None."""
