@@ -102,3 +102,26 @@ def test_a_request_to_end_reaches_a_task_whose_world_goes_on():
     runner.request_preempt()
     thread.join(60)
     assert ended[0].failure.code == "preempted"
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_pauses_at_any_moment_change_nothing(target):
+    root = random_root(random.Random(1))
+    runner, undisturbed, _ = runner_of(target, root, 0)
+    runner.run()
+    runner, trace, _ = runner_of(target, root, 1)
+    over = threading.Event()
+
+    def pause_again_and_again() -> None:
+        while not over.is_set():
+            runner.pause()
+            over.wait(0.002)
+            runner.resume()
+            over.wait(0.002)
+
+    pauses = threading.Thread(target=pause_again_and_again, daemon=True)
+    pauses.start()
+    assert runner.run().status == "success"
+    over.set()
+    pauses.join(60)
+    assert trace.events == undisturbed.events
