@@ -262,3 +262,10 @@ def test_what_comes_out_is_checked_like_any_task() -> None:
     tree.root.remove_child(tree.root.children[0])
     with pytest.raises(InvalidTaskError, match="an exit names 'a'"):
         to_tree(to_task(tree).task, Catalog.builtin())
+
+
+@pytest.mark.parametrize("where", ["json", "json:", ":loads", ":", ""])
+def test_a_place_without_a_module_or_a_name_is_told_how_it_is_written(where: str) -> None:
+    from grip_bt.compilers.from_tree.executed import _told
+
+    assert _told(where) == {"error": "write `package.module:factory`"}
