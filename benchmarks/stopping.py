@@ -165,7 +165,8 @@ def plain(name: str, wire: Wire, count: int) -> None:
             for moment in rng.uniform(0.05, 0.85, count) * SECONDS:
                 there = home + wire.away
                 goal = there if np.abs(client.now - home).max() < np.abs(wire.away).max() / 2 else home
-                said = client.move(swing(client.now, goal, SECONDS), float(moment), way)
+                after = float(moment) * (0.4 if wire.kind == "gripper" else 1.0)  # that one takes a second
+                said = client.move(swing(client.now, goal, SECONDS), after, way)
                 seen, last = [], -np.inf
                 for _, stamp, position, velocity in said["samples"]:
                     if stamp > last:
