@@ -36,6 +36,7 @@ root:
         count: {node: flow/compute, with: {expression: a + 1}, in: {a: n}, out: {value: n}}
         wait: {node: flow/wait, with: {seconds: 0.05}}
 """
+SIMULATED = "robot: panda_allegro\nworld: table\narms: {right: {hand: right_hand}}\nhands: {right_hand: {}}\n"
 MOVES = """\
 grip: 1
 name: moves
@@ -71,7 +72,16 @@ def part_of(command: str) -> str:
 
 
 def begin(folder: Path, task: str, robot: str, mark: str) -> subprocess.Popen[bytes]:
-    command = [sys.executable, "-m", "grip_bt.cli", "run", task, "--robot", robot]
+    command = [
+        sys.executable,
+        "-m",
+        "grip_bt.cli",
+        "run",
+        task,
+        "--robot",
+        robot,
+        *(["--pace", "1"] if robot == "sim" else []),
+    ]
     environment = {**os.environ, MARK: mark}
     (folder / "said").write_text("")
     with (folder / "said").open("ab") as said:
@@ -139,7 +149,7 @@ def test_whichever_process_is_killed_the_run_is_what_is_said(
     simulated = seed % 3 == 2
     (tmp_path / "waits.yaml").write_text(WAITS)
     (tmp_path / "moves.yaml").write_text(MOVES)
-    (tmp_path / "grip.yaml").write_text("grip: 1\n" + ("robot: panda_allegro\nworld: table\n" if simulated else ""))
+    (tmp_path / "grip.yaml").write_text("grip: 1\n" + (SIMULATED if simulated else ""))
     if simulated:
         pytest.importorskip("sapien")
     run = begin(tmp_path, "moves.yaml" if simulated else "waits.yaml", "sim" if simulated else "fake", mark)
