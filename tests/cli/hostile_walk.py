@@ -85,7 +85,7 @@ def verb(words: list[str]) -> str:
         status = error.code
     except Exception:  # noqa: BLE001 - told to whoever asked
         status = traceback.format_exc()
-    return f"{status}: {said.getvalue()[-600:]}"
+    return f"{status}: {said.getvalue()[-4000:]}"
 
 
 def verbs() -> Iterator[tuple[str, str]]:
