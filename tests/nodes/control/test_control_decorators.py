@@ -23,6 +23,7 @@ def test_retry_makes_one_attempt_a_tick_and_wakes_for_the_next() -> None:
     assert world.wakes == 1
     assert world.tick(2) == Status.SUCCESS
     assert world.ticked == ["c", "c", "c"]
+    assert world.wakes == 2  # nobody is woken for an attempt that isn't made
 
 
 def test_retry_fails_with_the_reason_of_the_last_attempt() -> None:
