@@ -204,7 +204,7 @@ def _hand(
 
     gripper = settings.controllers[name].gripper
     if gripper is None:
-        return ControlledHand(_executor(settings, name, bus, joints, states, limits))
+        return ControlledHand(_executor(settings, name, bus, joints, states, limits), limits)
     if len(joints) != 1:
         reason = f"a gripper is asked through one joint, not {len(joints)}; name it: `joints: [NAME]`"
         raise GripError(f"grip.yaml: ros/controllers/{name}: {reason}")

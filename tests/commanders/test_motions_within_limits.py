@@ -9,7 +9,7 @@ from table_top import robot_model
 
 from grip_bt.commanders.model import Limits
 from grip_bt.commanders.planning.requests import PlanStraight, PlanThrough, PlanTo
-from grip_bt.commanders.trajectory.splines import peaks
+from grip_bt.commanders.trajectory.splines import eased, peaks, slowed
 from grip_bt.commanders.trajectory.timing import STILL, Allowed, timed
 from grip_bt.errors import OutOfLimitsError, PathInvalidError
 from grip_bt.values import JointState, WayPoint
@@ -159,3 +159,17 @@ def test_an_instant_success_is_one_point(gripper):
     here = gripper.free(np.random.default_rng(1))
     trajectory = gripper.answer(PlanTo(gripper.at(here), JointState(gripper.chain.joints, here)))
     assert trajectory.duration == 0.0
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 10**6), FAR, st.floats(0.05, 3))
+def test_fingers_move_from_rest_to_rest_within_what_they_can_and_no_sooner_than_asked(seed, far, seconds):
+    rng = np.random.default_rng(seed)
+    start, way = rng.uniform(-1, 1, (2, 4))
+    velocity, acceleration = rng.uniform(0.5, 3, 4), rng.uniform(1, 40, 4)
+    moved = slowed(eased(("a", "b", "c", "d"), start, start + far * way, seconds), velocity, acceleration)
+    assert moved.duration >= seconds * (1 - 1e-9)
+    assert moved.positions[-1] == pytest.approx(start + far * way, abs=1e-12)
+    fastest, hardest, _ = peaks(moved)
+    assert (fastest <= velocity * ROUNDED).all()
+    assert (hardest <= acceleration * ROUNDED).all()

@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from grip_bt.values import Trajectory
 
 Array = NDArray[np.float64]
+_STEP = 0.02
+"""Time between two points of a motion in joint space [s]."""
 
 
 def smoothed(names: tuple[str, ...], rows: Array, step: float) -> Trajectory:
@@ -30,6 +32,18 @@ def smoothed(names: tuple[str, ...], rows: Array, step: float) -> Trajectory:
     positions = here + (before - 2.0 * here + after) / 6.0
     times: Array = np.arange(len(positions), dtype=np.float64) * np.float64(step)
     return Trajectory(names, times, positions, (after - before) / (2.0 * step), (before - 2.0 * here + after) / step**2)
+
+
+def eased(names: tuple[str, ...], start: Array, goal: Array, duration: float) -> Trajectory:
+    """Return a motion from rest to rest on a straight line in joint space, which takes so long [s].
+
+    Its largest velocity is about 1.5 times the mean one.
+    """
+    count = max(2, int(np.ceil(duration / _STEP)))
+    part = np.linspace(0.0, 1.0, count + 1)
+    rows = start + np.outer(3 * part**2 - 2 * part**3, goal - start)
+    rows[-1] = goal
+    return smoothed(names, rows, duration / (count + 2))
 
 
 def averaged(rows: Array, count: int) -> Array:

@@ -6,10 +6,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from grip_bt.commanders.trajectory.splines import eased, slowed
 from grip_bt.errors import CanceledError, ExecutionAbortedError
 from grip_bt.operation import Operation
 from grip_bt.ports import Executor
-from grip_bt.values import JointState, Trajectory
+from grip_bt.values import JointState
 
 STOPPED_SHORT = 0.05
 """A joint that stays so far from where it was sent [rad] was stopped by something."""
@@ -27,10 +28,13 @@ class ControlledHand:
 
     Args:
         executor: moves the hand's joints. One that aborts because a finger was stopped has still moved.
+        accelerations: joint -> limit, kept to by moving for longer [rad/s^2 or m/s^2]; any, for those it doesn't name.
     """
 
-    def __init__(self, executor: Executor):
+    def __init__(self, executor: Executor, accelerations: Mapping[str, float] | None = None):
         self._executor = executor
+        known = accelerations or {}
+        self._hardest = np.array([known.get(name, np.inf) for name in executor.joint_names])
         self._goal: JointState | None = None
 
     @property
@@ -50,7 +54,9 @@ class ControlledHand:
         names = self.joint_names
         start, goal = self.state().ordered(names), posture.ordered(names)
         self._goal = JointState(names, goal)
-        moving = self._executor.execute(Trajectory(names, np.array([0.0, duration]), np.stack([start, goal])))
+        moving = self._executor.execute(
+            slowed(eased(names, start, goal, duration), np.full(len(names), np.inf), self._hardest)
+        )
         whole: Operation[JointState] = Operation(on_cancel=moving.cancel)
 
         def end() -> None:
