@@ -60,6 +60,7 @@ fuzz: $(STAMP) ## the long proofs; figures go to docs/proofs.md
 	@GRIP_FUZZ_SOURCE=1 GRIP_FUZZ_TASKS=3000 $(BIN)/pytest -q -s -n 2 --timeout 7200 tests/parity/test_parity_fuzz.py
 	@GRIP_FUZZ_RACES=10000 GRIP_FUZZ_GOALS=10000 $(BIN)/pytest -q -s --timeout 7200 tests/ros/test_goal_machine.py \
 	    tests/ros/test_ros_action.py -k races
+	@GRIP_FUZZ_OVERLAPS=200 $(BIN)/pytest -q -s --timeout 7200 tests/ros/test_ros_one_at_a_time.py
 	@GRIP_FUZZ_EDITS=12000 $(BIN)/pytest -q -s --timeout 7200 tests/gui/test_gui_random_edits.py
 	@GRIP_FUZZ_RESUME_KILLS=100 $(BIN)/pytest -q -s --timeout 7200 tests/parity/test_parity_resumed.py tests/app/test_resumed_runs.py
 	@GRIP_FUZZ_ROBOTS=6 $(BIN)/pytest -q -s --timeout 7200 tests/commanders/test_robot_fuzz.py
