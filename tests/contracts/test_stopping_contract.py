@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from on_the_way import SLOW
 from stopping import AT_REST, BEYOND, Stopped, go_elsewhere, smooth, stopped
 
 from grip_bt.errors import CanceledError
@@ -33,7 +34,7 @@ def check(made: Stopped, rig, way: str) -> None:
 def test_a_stop_at_any_moment_is_a_ramp_and_ends_at_rest(executor_rig, way):
     rig = executor_rig
     for moment in MOMENTS[: 8 if rig.exact else 1]:
-        made = stopped(rig, lambda: rig.port.execute(smooth(rig, SECONDS)), moment, way)
+        made = stopped(rig, lambda: rig.port.execute(smooth(rig, SECONDS if rig.exact else SLOW)), moment, way)
         check(made, rig, way)
         go_elsewhere(rig)
 
@@ -41,7 +42,7 @@ def test_a_stop_at_any_moment_is_a_ramp_and_ends_at_rest(executor_rig, way):
 def test_a_pause_at_any_moment_is_a_ramp(pausable_rig):
     rig = pausable_rig
     for moment in MOMENTS[: 8 if rig.exact else 1]:
-        made = stopped(rig, lambda: rig.port.execute(smooth(rig, SECONDS)), moment, "pause")
+        made = stopped(rig, lambda: rig.port.execute(smooth(rig, SECONDS if rig.exact else SLOW)), moment, "pause")
         check(made, rig, "pause")
         go_elsewhere(rig)
 
@@ -49,7 +50,9 @@ def test_a_pause_at_any_moment_is_a_ramp(pausable_rig):
 @pytest.mark.parametrize("way", ["cancel", "stop"])
 def test_fingers_that_are_stopped_come_to_rest_before_the_motion_ends(hand_port_rig, way):
     rig = hand_port_rig
+    if not rig.exact:
+        rig.slow_down()
     for moment in (0.1, 0.3, 0.45)[: 3 if rig.exact else 1]:
-        made = stopped(rig, lambda: rig.port.move(rig.closed, 1.0), moment, way)
+        made = stopped(rig, lambda: rig.port.move(rig.closed, 1.0 if rig.exact else SLOW), moment, way)
         check(made, rig, way)
         rig.wait(rig.port.move(rig.open, 1.0))
