@@ -73,6 +73,7 @@ class PlayedRun:
     journal: Path
     deaf: bool = False
     dies: bool = False
+    contradicted: str = ""
     said: list[str] = field(default_factory=list)
     heard: list[dict[str, Any]] = field(default_factory=list)
     killed: bool = False
@@ -91,6 +92,10 @@ class PlayedRun:
         self.tell(event="state", state="running")
         if self.dies:
             self.end(70)
+        if self.contradicted:
+            told = f"the referee contradicts: {self.contradicted}"
+            self.tell(event="ended", status="success", outcome="done", contradiction=self.contradicted, message=told)
+            self.end(3)
 
     def tell(self, **message: Any) -> None:
         self.messages.put_nowait(message)
@@ -147,10 +152,11 @@ class PlayedLauncher:
 
     deaf: bool = False
     dies: bool = False
+    contradicted: str = ""
     started: list[tuple[Path, RunOptions]] = field(default_factory=list)
     last: PlayedRun | None = None
 
     async def start(self, task_file: Path, journal: Path, options: RunOptions) -> PlayedRun:
         self.started.append((task_file, options))
-        self.last = PlayedRun(journal, self.deaf, self.dies)
+        self.last = PlayedRun(journal, self.deaf, self.dies, self.contradicted)
         return self.last

@@ -137,6 +137,15 @@ def test_the_death_of_a_run_is_noticed_and_told(page: TestClient, launcher: Play
         assert until(socket, is_events)["complete"] is True
 
 
+def test_a_success_that_the_referee_contradicts_says_so(page: TestClient, launcher: PlayedLauncher) -> None:
+    launcher.contradicted = "`placed == objects` isn't so; standing: box_0"
+    with page.websocket_connect(SOCKET) as socket:
+        page.post("/api/session", json=WISH)
+        view = until(socket, in_state("ended"))["session"]
+        assert (view["status"], view["outcome"]) == ("success", "done")
+        assert view["message"] == f"the referee contradicts: {launcher.contradicted}"
+
+
 def test_one_run_at_a_time(page: TestClient) -> None:
     assert page.post("/api/session", json=WISH).status_code == 201
     second = page.post("/api/session", json=WISH)
