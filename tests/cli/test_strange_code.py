@@ -57,8 +57,8 @@ def test_no_verb_that_looks_runs_anything(folder: Path) -> None:
     assert [way for way, said in done.items() if "Traceback" in said] == []
     assert {file: file.read_bytes() for file in before} == before
     checked = done[next(way for way in done if way.startswith("check "))]
-    assert checked.startswith("1:")
-    made = {way: said for way, said in done.items() if "tasks/listed" in way and "--to bt" in way}
+    assert checked.startswith("1:"), checked
+    made = {way: said for way, said in done.items() if "tasks/listed" in way and "--to bt " in way}
     assert made
     assert all("the same in" in said for said in made.values()), made
 
