@@ -269,7 +269,7 @@ def sentence(end: Mapping[str, Any]) -> str:
 
 def _tell(end: Mapping[str, Any], as_json: bool) -> None:
     if as_json:
-        keys = ("run", "status", "outcome", "code", "message", "duration", "ticks", "zombies")
+        keys = ("run", "status", "outcome", "code", "message", "duration", "ticks", "zombies", "rest", "unconfirmed")
         said = {key: end[key] for key in ("truth", "contradiction") if key in end}
         print(json.dumps({**{key: end.get(key) for key in keys}, **said}))
     else:

@@ -203,8 +203,14 @@ class SessionView(Wire):
     outcome: str | None = None
     message: str = ""
     """What a person should know: the last line of output while starting, what was refused, or why it is gone."""
+    contradiction: str = ""
+    """Why the referee contradicts a success; empty where it doesn't."""
     zombies: list[str] = []
     """What hung at the end and was left behind."""
+    rest: str = ""
+    """What was measured of the robot after a stop or an error, in words."""
+    unconfirmed: list[str] = []
+    """Parts and nodes of which nobody can say that they have stopped; `rest` says why."""
 
 
 # --- who holds control ------------------------------------------------------------------------------------------------

@@ -142,12 +142,7 @@ class Session:
                 self._set(message=f"The run refused: {why}"[:1000])
             case {"event": "ended", "status": str(status)}:
                 self._acknowledged.set()
-                zombies = [str(zombie)[:500] for zombie in message.get("zombies") or ()]
-                told = status == "error" or message.get("contradiction")
-                said = str(message.get("message") or "") if told else ""
-                self._set(
-                    status=status, outcome=message.get("outcome"), held=None, message=said[:4000], zombies=zombies
-                )
+                self._set(status=status, held=None, **_end(message))
                 self._changed()
             case {"event": "log", "text": str(text)}:
                 log.info("run: %s", text)
@@ -189,6 +184,14 @@ def _held(facts: Mapping[str, Any]) -> Held | None:
         return Held.model_validate({key: facts[key] for key in Held.model_fields if key in facts})
     except ValidationError:
         return None
+
+
+def _end(facts: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what the page is told of the end of a run, besides its status; of messages those of errors."""
+    texts = {key: str(facts.get(key) or "")[:4000] for key in ("message", "contradiction", "rest")}
+    lists = {key: [str(each)[:500] for each in facts.get(key) or ()] for key in ("zombies", "unconfirmed")}
+    message = texts["message"] if facts["status"] == "error" else ""
+    return {**texts, **lists, "message": message, "outcome": facts.get("outcome")}
 
 
 def _obituary(exit_status: int, tail: str) -> str:

@@ -15,6 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from grip_bt.app.campaign import as_csv, as_text, begin, check, head_of, read, read_campaign, summary
+from grip_bt.app.campaign.judging import judged
 from grip_bt.app.campaign.results import Results
 from grip_bt.cli.__main__ import main
 from grip_bt.errors import CampaignError, DocumentError, InvalidTaskError
@@ -87,7 +88,7 @@ def test_each_variant_meets_each_seed_and_the_summary_says_what_came_of_it(proje
     assert "2x failure.no_ik" in text
     assert main(["bench", "report", str(project / ".grip/campaigns/who.jsonl"), "--csv"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert lines[0].startswith("variant,seed,success,status,outcome,code")
+    assert lines[0].startswith("variant,seed,success,contradicted,status,outcome,code")
     assert len(lines) == 9
 
 
@@ -274,6 +275,18 @@ def test_rates_have_wilsons_interval_and_pairs_mcnemars_exact_test(pairs):
     assert said["compared"]["b"]["p"] == pytest.approx(p, abs=1e-4)
     assert as_csv(Results(Path("x"), head, rows)).count("\n") == len(rows) + 1
     assert as_text(Results(Path("x"), head, rows)).startswith("# x")
+
+
+@pytest.mark.parametrize("status", ["error", "timed_out"])
+def test_what_could_not_be_confirmed_to_have_stopped_is_in_the_row_and_in_the_report(project, status):
+    campaign = read_campaign(project / "campaigns/who.yaml")
+    end = {"status": status, "outcome": None, "message": "late", "unconfirmed": {"right": "the server says nothing"}}
+    found = {"variant": "tree", "seed": 5, **judged(campaign, end, 1.0, None)}
+    results = Results(Path("x"), head_of(campaign), [found])
+    why = "could not confirm that 'right' stopped: the server says nothing"
+    assert list(summary(results)["variants"]["tree"]["failures"]) == [f"{status}: late; {why}"]
+    assert why in as_csv(results)
+    assert judged(campaign, {**end, "unconfirmed": {}}, 1.0, None)["unconfirmed"] == ""
 
 
 def test_only_common_seeds_are_compared():

@@ -9,6 +9,9 @@ import pytest
 
 from grip_bt.cli.__main__ import main
 from grip_bt.cli.run import _tell
+from grip_bt.runtime import RunResult
+from grip_bt.runtime.control import result_facts
+from grip_bt.runtime.rest import Rest
 
 GRIP = """\
 grip: 1
@@ -56,6 +59,14 @@ def test_that_the_simulator_starts_is_said_before_it_is_there(
     first, *others = [line.split()[0] for line in capfd.readouterr().err.splitlines() if line.startswith("  ")]
     assert first == "starting"
     assert others == ["simulator", "planner"]
+
+
+def test_what_was_measured_after_a_stop_is_in_the_result(capsys):
+    result = RunResult(None, None, "stopped", None, 3, 1.0, rest=Rest(("hand",), {"right": "the server says nothing"}))
+    _tell({**result_facts(result), "run": "1"}, as_json=True)
+    said = json.loads(capsys.readouterr().out)
+    assert said["unconfirmed"] == {"right": "the server says nothing"}
+    assert said["rest"] == "could not confirm that 'right' stopped: the server says nothing; 'hand' is at rest"
 
 
 def test_a_stop_before_there_is_a_run_names_none(capsys):

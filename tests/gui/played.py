@@ -74,6 +74,7 @@ class PlayedRun:
     deaf: bool = False
     dies: bool = False
     contradicted: str = ""
+    rest: Mapping[str, Any] = field(default_factory=dict)
     said: list[str] = field(default_factory=list)
     heard: list[dict[str, Any]] = field(default_factory=list)
     killed: bool = False
@@ -132,7 +133,7 @@ class PlayedRun:
             write(self.log, [("/", "run_ended", None, {"status": "stopped"})])
             self.log.end("stopped", None)
             self.file.flush()
-            self.tell(event="ended", status="stopped", outcome=None)
+            self.tell(event="ended", status="stopped", outcome=None, **self.rest)
             self.end(130)
 
     async def wait(self) -> int:
@@ -153,10 +154,11 @@ class PlayedLauncher:
     deaf: bool = False
     dies: bool = False
     contradicted: str = ""
+    rest: Mapping[str, Any] = field(default_factory=dict)
     started: list[tuple[Path, RunOptions]] = field(default_factory=list)
     last: PlayedRun | None = None
 
     async def start(self, task_file: Path, journal: Path, options: RunOptions) -> PlayedRun:
         self.started.append((task_file, options))
-        self.last = PlayedRun(journal, self.deaf, self.dies, self.contradicted)
+        self.last = PlayedRun(journal, self.deaf, self.dies, self.contradicted, self.rest)
         return self.last

@@ -11,6 +11,7 @@ from played import BASE, EVENTS, SOCKET, PlayedLauncher, TestClient, record
 from starlette.websockets import WebSocketDisconnect
 
 from grip_bt.runtime import JournalError
+from grip_bt.runtime.rest import Rest
 from grip_gui import lease as lease_module
 from grip_gui import session as session_module
 from grip_gui import stream as stream_module
@@ -143,7 +144,22 @@ def test_a_success_that_the_referee_contradicts_says_so(page: TestClient, launch
         page.post("/api/session", json=WISH)
         view = until(socket, in_state("ended"))["session"]
         assert (view["status"], view["outcome"]) == ("success", "done")
-        assert view["message"] == f"the referee contradicts: {launcher.contradicted}"
+        assert view["contradiction"] == launcher.contradicted
+
+
+def test_after_a_stop_the_page_has_what_was_measured_of_the_robot(page: TestClient, launcher: PlayedLauncher) -> None:
+    rest = Rest(("hand",), {"right": "its joints still move, by 0.021 within 0.1 s"})
+    launcher.rest = {"rest": str(rest), "unconfirmed": dict(rest.unconfirmed)}
+    page.post("/api/session", json=WISH)
+    view = page.post("/api/session/control", json={"command": "stop"}).json()
+    assert (view["status"], view["unconfirmed"]) == ("stopped", ["right"])
+    assert view["rest"] == (
+        "could not confirm that 'right' stopped: its joints still move, by 0.021 within 0.1 s; 'hand' is at rest"
+    )
+    launcher.rest = {}
+    page.post("/api/session", json=WISH)
+    view = page.post("/api/session/control", json={"command": "stop"}).json()
+    assert (view["rest"], view["unconfirmed"]) == ("", [])  # nothing of the run before
 
 
 def test_one_run_at_a_time(page: TestClient) -> None:

@@ -7,15 +7,18 @@ from pathlib import Path
 
 from grip_bt.catalog import Catalog
 from grip_bt.graph.model import KINDS
+from grip_gui.editing.palette import catalog_view
 
-WORDS = Path(__file__).parents[2] / "gui" / "frontend" / "src" / "model" / "words.ts"
+SRC = Path(__file__).parents[2] / "gui" / "frontend" / "src"
+ROWS = {"rules", "cases", "wait_for"}
+"""Fields that have a form of their own."""
 
 
-def keys_of(name: str) -> set[str]:
+def keys_of(name: str, file: str = "model/words.ts") -> set[str]:
     """Return the keys of a table of words; the page's own tests see to it that its drawings have the same."""
-    table = re.compile(rf"export const {name}: Record<string, string> = {{(.*?)^}};", re.S | re.M)
-    found = table.search(WORDS.read_text("utf-8"))
-    assert found is not None, f"words.ts has no table {name}"
+    table = re.compile(rf"const {name}: Record<string, string> = {{(.*?)^}};", re.S | re.M)
+    found = table.search((SRC / file).read_text("utf-8"))
+    assert found is not None, f"{file} has no table {name}"
     return set(re.findall(r"^ +(\w+):", found.group(1), re.M))
 
 
@@ -27,3 +30,10 @@ def test_every_node_of_the_catalogue_is_in_a_group_with_a_word_and_a_drawing() -
 
 def test_every_kind_of_node_has_a_word_and_a_drawing() -> None:
     assert set(KINDS) | {"leaf"} <= keys_of("KINDS")
+
+
+def test_every_setting_of_a_container_has_a_label() -> None:
+    labels = keys_of("LABELS", "view/edit/ContainerForm.tsx")
+    kinds = (kind for kind in catalog_view(Catalog.builtin()).kinds if kind.kind not in ("subtask", "foreign"))
+    lost = {field.key for kind in kinds for field in kind.fields} - labels - ROWS
+    assert not lost, f"say in ContainerForm.tsx how {sorted(lost)} are called"

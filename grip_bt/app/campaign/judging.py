@@ -14,6 +14,7 @@ from grip_bt.errors import CampaignError, EvaluationError, ExpressionError, near
 from grip_bt.graph.evaluation import condition_of, value_of
 from grip_bt.graph.expression import parse_expression
 from grip_bt.runtime import JournalReader
+from grip_bt.runtime.rest import Rest
 
 from ..verdict import STATES
 from .file import Campaign
@@ -82,13 +83,15 @@ def judged(
 
     Returns:
         status, outcome, code, message, duration, wall, run; `truth` (object -> the referee's word) or None;
-        `contradicted`: whether that contradicts a success; `counts`, `measures`, `success`, and
+        `contradicted`: whether that contradicts a success; `unconfirmed`: what couldn't be confirmed to have
+        stopped after a stop or an error, in words; `counts`, `measures`, `success`, and
         `unclear`: what couldn't be computed, with the reason.
     """
     truth = end.get("truth")
     row: dict[str, Any] = {key: end.get(key) for key in ("status", "outcome", "code", "message", "duration")}
     row |= {"wall": round(wall, 3), "run": started["run"] if started else None, "truth": truth}
     row["contradicted"] = bool(end.get("contradiction"))
+    row["unconfirmed"] = str(Rest(unconfirmed=end.get("unconfirmed") or {}))
     counts, variables = _looked_up(campaign, started)
     states = Counter((truth or {}).values())
     seen = {state: states[state] if truth is not None else None for state in STATES}

@@ -72,7 +72,8 @@ def reason(row: Mapping[str, Any]) -> str:
     """Return why a trial isn't a success, in a word or two."""
     if row["status"] in ("error", "timed_out"):
         lines = row["message"].strip().splitlines() or ["no message"]
-        return f"{row['status']}: {lines[-1] if lines[0].startswith('Traceback') else lines[0]}"
+        rest = f"; {row['unconfirmed']}" if row.get("unconfirmed") else ""
+        return f"{row['status']}: {lines[-1] if lines[0].startswith('Traceback') else lines[0]}{rest}"
     if row.get("contradicted"):
         return f"ended as {row['outcome']}, which the referee contradicts"
     if row["status"] == "success":
@@ -190,6 +191,7 @@ def as_csv(results: Results) -> str:
         "duration",
         "wall",
         "run",
+        "unconfirmed",
     ]
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")

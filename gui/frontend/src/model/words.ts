@@ -75,7 +75,25 @@ export function runText(session: SessionView | null): string {
   if (session.state === "paused" && held) return `paused ${held.when} ${held.path}${held.why === "breakpoint" ? " (breakpoint)" : ""}`;
   if (session.state !== "ended") return session.state;
   const outcome = session.outcome ? `: ${session.outcome}` : "";
-  return `${session.status ?? "ended"}${outcome}`;
+  return `${session.status ?? "ended"}${outcome}${session.contradiction ? ", contradicted" : ""}`;
+}
+
+export interface Notice {
+  readonly text: string;
+  readonly bad: boolean;
+}
+
+/** What a person must not miss of the process. Errors in nodes are told with their traceback, from the journal. */
+export function processNotices(session: SessionView | null): Notice[] {
+  if (!session) return [];
+  const { state, status, message, contradiction, rest, unconfirmed, zombies } = session;
+  const lost = state === "ended" && (status === "killed" || status === "died" || session.run === null);
+  const found: Notice[] = [];
+  if (message && (lost || state !== "ended")) found.push({ text: message, bad: lost });
+  if (contradiction) found.push({ text: `the referee contradicts: ${contradiction}`, bad: true });
+  if (rest) found.push({ text: `${status}; ${rest}`, bad: unconfirmed.length > 0 });
+  if (zombies.length > 0) found.push({ text: `Left behind at the end, since it hung: ${zombies.join(", ")}`, bad: true });
+  return found;
 }
 
 export function factsText(facts: RunFacts): string {
@@ -109,7 +127,7 @@ export function eventText(event: RunEvent): string {
       return `${String(data["type"])}: ${String(data["message"])}`;
     case "run_ended":
       if (data["status"] === "lost") return "the run's process is gone";
-      return `the run ended: ${[data["status"], event.outcome].filter(Boolean).map(String).join(", ")}`;
+      return `the run ended: ${[data["status"], event.outcome].filter(Boolean).map(String).join(", ")}${data["rest"] ? `; ${String(data["rest"])}` : ""}`;
     case "run_started":
       return "the run starts";
     case "run_resumed": {
@@ -126,6 +144,8 @@ export function eventText(event: RunEvent): string {
       return "is asked to come to an end";
     case "interrupted":
       return "is halted";
+    case "damaged":
+      return `the journal is damaged: ${String(data["message"])}`;
     case "zombie":
       return `left behind: its code hangs in ${String(data["where"])}`;
     default:

@@ -694,7 +694,10 @@ export interface SessionView {
   status: string | null;
   outcome: string | null;
   message: string;
+  contradiction: string;
   zombies: string[];
+  rest: string;
+  unconfirmed: string[];
 }
 
 /** One value of the form, to be put into the text; nothing is written. */

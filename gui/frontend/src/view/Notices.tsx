@@ -1,6 +1,7 @@
-/** What a person must not miss: refused requests, a run that died or was killed, errors in nodes. */
+/** What a person must not miss: refused requests, what became of a run and of the robot, errors in nodes. */
 import type { JSX } from "react";
 
+import { processNotices } from "../model/words";
 import { usePage } from "../store/page";
 import { useRun } from "../store/run";
 import { Conflicts } from "./edit/Conflicts";
@@ -9,7 +10,6 @@ export function Notices(): JSX.Element {
   const trouble = useRun((s) => s.trouble);
   const session = useRun((s) => s.session);
   const error = useRun((s) => s.moment.facts.error);
-  const lost = session?.state === "ended" && (session.status === "killed" || session.status === "died");
   return (
     <div className="notices">
       <Conflicts />
@@ -19,16 +19,11 @@ export function Notices(): JSX.Element {
           <button onClick={() => useRun.getState().setTrouble("")}>Close</button>
         </div>
       )}
-      {session && session.message && (lost || session.state !== "ended") && (
-        <div className={`notice${lost ? " bad" : ""}`} role={lost ? "alert" : "status"}>
-          <pre>{session.message}</pre>
+      {processNotices(session).map(({ text, bad }) => (
+        <div key={text} className={`notice${bad ? " bad" : ""}`} role={bad ? "alert" : "status"}>
+          <pre>{text}</pre>
         </div>
-      )}
-      {session !== null && session.zombies.length > 0 && (
-        <div className="notice bad" role="alert">
-          <p>Left behind at the end, since it hung: {session.zombies.join(", ")}</p>
-        </div>
-      )}
+      ))}
       {error && (
         <div className="notice bad" role="alert">
           <details>

@@ -67,7 +67,8 @@ function RunState(): JSX.Element {
     return () => window.removeEventListener("keydown", onKey, { capture: true });
   }, []);
   const words = connected ? runText(session) : connected === null ? "connecting ..." : "no connection to the server";
-  const kind = connected === false ? "lost" : session?.state === "ended" ? `ended-${session.status}` : (session?.state ?? "none");
+  const status = session?.contradiction ? "failure" : session?.status;
+  const kind = connected === false ? "lost" : session?.state === "ended" ? `ended-${status}` : (session?.state ?? "none");
   return (
     <output className={`run-state state-${kind}`} aria-live="polite" aria-label="State of the run" title={words}>
       {words}

@@ -88,6 +88,7 @@ const LABELS: Record<string, string> = {
   memory: "Remembers where it was",
   times: "Times",
   seconds: "Seconds",
+  child_first: "Ticks the child before it looks at the clock",
   if: "Only while",
   while: "While",
   on_value: "Value",
@@ -107,6 +108,7 @@ const LABELS: Record<string, string> = {
 const DOCS: Record<string, string> = {
   precondition: "Where it is false on entry, the node fails at once.",
   memory: "No: it is decided anew on every tick, not only on entry.",
+  child_first: "py_trees' order: what ends at the deadline has ended. No: at the deadline nothing begins or is ticked any more.",
   prompt: "The later ones are not ticked any more once it is decided.",
   retick: "Children that have ended are activated again on every tick, until it is decided.",
 };
