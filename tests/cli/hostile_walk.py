@@ -107,9 +107,27 @@ def verbs() -> Iterator[tuple[str, str]]:
     for source, file in (("smach", "legacy.py"), ("btcpp", "tree.xml"), ("pytrees", "tree.xml"), ("grip", "")):
         ways.append(["import", str(folder / file), "--from", source])
     ways += [["robot", "check", str(folder)], ["robot", "check", str(folder / "eval.xacro")]]
-    ways += [["runs", str(folder)]]
+    journal = _journal_of(tasks)
+    ways += [
+        [*way, "--journal", journal] for way in (["runs"], ["replay", "last"], ["capsule", "last", "-o", f"{out}.html"])
+    ]
+    edit = json.dumps({"do": "rename", "path": "function", "name": "renamed"})
+    ways.append(["apply", str(folder / "tasks" / "nodes.yaml"), edit, "--dry-run"])
     for way in ways:
         yield " ".join(way), verb(way)
+
+
+def _journal_of(tasks: list[str]) -> str:
+    """Return a journal with a run of each of the folder's tasks, as one that came with the folder."""
+    from grip_bt.runtime import Journal
+
+    file = folder.parent / "out" / "runs.sqlite"
+    with Journal(file) as journal:
+        for task in tasks:
+            log = journal.begin(Path(task).stem, task, Path(task).read_text(), "bt", None)
+            log.append(0.0, "/", "enter")
+            log.end("success", "success")
+    return str(file)
 
 
 def refused() -> Iterator[tuple[str, str]]:
