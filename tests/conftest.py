@@ -18,10 +18,12 @@ _shifts = count()
 
 
 def pytest_configure() -> None:
-    # A shell starts what it puts into the background with SIGINT ignored, and children inherit that. One with a
-    # handler begins with the default again.
+    # A shell starts what it puts into the background with SIGINT ignored, `nohup` with SIGHUP ignored, and children
+    # inherit that. Those of a process with a handler begin with the default again.
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+    if signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
+        signal.signal(signal.SIGHUP, lambda *_: None)
 
 
 @pytest.fixture(autouse=True)
