@@ -23,6 +23,8 @@ U = TypeVar("U")
 WAITS: ContextVar[Callable[[Operation[Any]], AbstractContextManager[object]] | None]
 WAITS = ContextVar("grip_waits", default=None)
 """In code that works for a run: entered while that code waits for an operation, so that the run doesn't wait for it."""
+LEFT: ContextVar[Callable[[Operation[Any]], None] | None] = ContextVar("grip_left", default=None)
+"""In a coroutine of a leaf: told of what was cancelled there, and may be `busy` although it has ended."""
 
 
 class Operation(Generic[T]):
@@ -42,7 +44,7 @@ class Operation(Generic[T]):
         self._callbacks: list[Callable[[], None]] = []
         self._cancel_asked = False
         self._progress: Callable[[], Any] = lambda: None
-        self._inner: Operation[T] | None = None
+        self._parts: list[Operation[Any]] = []
         self._working = False
 
     @classmethod
@@ -91,12 +93,30 @@ class Operation(Generic[T]):
     def __await__(self) -> Generator[Any, None, T]:
         """Wait for it in a coroutine, and return its result or raise its error.
 
-        Where the coroutine is cancelled there, this is cancelled too, and isn't waited for.
+        Where the coroutine is cancelled there, this is cancelled too, and the coroutine goes on when it has ended: what
+        moves has stopped then. Where nobody can say that, the error that says so is raised.
         """
         import asyncio  # here: this module is imported by everything, asyncio by few
 
-        loop = asyncio.get_running_loop()
-        ended: asyncio.Future[None] = loop.create_future()
+        asked: asyncio.CancelledError | None = None
+        with nullcontext() if self.done() else _waiting(self):
+            while True:
+                try:
+                    yield from self._ended_in(asyncio.get_running_loop())
+                    break
+                except asyncio.CancelledError as error:
+                    asked = error
+                    self.cancel()
+        if asked is None or self.given_up:
+            return self.result()
+        left = LEFT.get()
+        if left is not None:
+            left(self)
+        raise asked
+
+    def _ended_in(self, loop: Any) -> Any:
+        """Return a future of an event loop that is done when this has ended."""
+        ended = loop.create_future()
 
         def end() -> None:
             if not ended.done():
@@ -107,13 +127,7 @@ class Operation(Generic[T]):
                 loop.call_soon_threadsafe(end)
 
         self.add_done_callback(tell)
-        try:
-            with nullcontext() if self.done() else _waiting(self):
-                yield from ended
-        except asyncio.CancelledError:
-            self.cancel()
-            raise
-        return self.result()
+        return ended
 
     def cancel(self) -> None:
         """Ask it to stop. Returns at once; harmless when it was asked before or has ended."""
@@ -129,7 +143,7 @@ class Operation(Generic[T]):
     @property
     def busy(self) -> bool:
         """Whether code that can't be interrupted works for it, also after its end; set by whoever runs that code."""
-        return self._working or (self._inner is not None and self._inner.busy)
+        return self._working or any(part.busy for part in self._parts)
 
     @busy.setter
     def busy(self, works: bool) -> None:
@@ -164,6 +178,10 @@ class Operation(Generic[T]):
         callback()
 
     # --- for whoever does the work ---
+
+    def works_with(self, part: Operation[Any]) -> None:
+        """Be busy as long as `part` is."""
+        self._parts.append(part)
 
     def report(self, progress: Any) -> None:
         """Say how far it is, for who looks at `progress`; nobody is woken."""
@@ -208,7 +226,7 @@ class Operation(Generic[T]):
         """
         part: list[Operation[U]] = []
         whole: Operation[U] = Operation(on_cancel=lambda: (part[0] if part else self).cancel())
-        whole._progress = lambda: self.progress
+        whole._parts, whole._progress = [self], lambda: self.progress
 
         def first_ended() -> None:
             if self._error is not None:
@@ -223,6 +241,7 @@ class Operation(Generic[T]):
                 whole.fail(error)
                 return
             part.append(second)
+            whole.works_with(second)
             if whole.cancel_asked:
                 second.cancel()
             second.add_done_callback(lambda: _copy_end(second, whole))
@@ -238,7 +257,7 @@ class Operation(Generic[T]):
                 that.
         """
         whole: Operation[T] = Operation(on_cancel=self.cancel)
-        whole._inner, whole._progress = self, lambda: self.progress
+        whole._parts, whole._progress = [self], lambda: self.progress
         self.add_done_callback(lambda: hand_in(whole, lambda: _copy_end(self, whole)))
         return whole
 

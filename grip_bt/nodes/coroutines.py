@@ -12,7 +12,7 @@ from collections.abc import Callable, Coroutine
 from typing import Any
 
 from grip_bt.errors import CanceledError
-from grip_bt.operation import Operation
+from grip_bt.operation import LEFT, Operation
 from grip_bt.ports import Context
 
 
@@ -105,9 +105,15 @@ def run_coroutine(context: Context, make: Callable[[], Coroutine[Any, Any, Any]]
         make: returns the coroutine.
 
     Returns:
-        What ends with it; cancelling it cancels the coroutine where it awaits.
+        What ends with it; cancelling it cancels the coroutine where it awaits, and it ends when what was awaited has.
+        Code in workers that was awaited, and goes on although it was cancelled, keeps it busy.
     """
-    coroutine = HeldCoroutine(make)
+
+    async def main() -> Any:
+        LEFT.set(whole.works_with)
+        return await make()
+
+    coroutine = HeldCoroutine(main)
     whole: Operation[Any] = Operation(on_cancel=coroutine.cancel)
     let_go = context.hold_with(coroutine)
     part = context.run_in_worker(coroutine.run)

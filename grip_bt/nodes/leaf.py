@@ -12,7 +12,7 @@ A leaf that waits calls `self.context.wake()` from any thread when there is some
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, ClassVar, TypeVar
 
 from py_trees.behaviour import Behaviour
@@ -45,10 +45,13 @@ class Leaf(Node):
         failure: why it failed, None otherwise.
         context: what the run offers; set before `prepare`.
         inputs_read: port -> value, what this activation has read.
+        waits: whether `still_to_stop` tells of anything; as `Manifest.may_move` where it is None.
     """
 
     context: Context
     resumable: ClassVar[bool] = False
+    waits: ClassVar[bool | None] = None
+    _since: float | None = None
 
     def __init__(
         self,
@@ -142,6 +145,24 @@ class Leaf(Node):
             raise ValueError(f"it failed ({self.failure}), but no outcome of {self.manifest.id} means failure")
         return "failure" if "failure" in meant else meant[0]
 
+    def still_to_stop(self) -> Sequence[str]:
+        """Return what was told to stop and hasn't, where this may move something and has to wait for that.
+
+        Raises:
+            NotStoppedError: that takes longer than `STOPPING`, or nobody could say that it has stopped.
+        """
+        waits = self.manifest.may_move if self.waits is None else self.waits
+        paths = self.context.unfinished() if waits else ()
+        if not paths:
+            return ()
+        now = self.context.clock.now()
+        if self._since is None:
+            self._since = now
+            self.context.wake_at(now + STOPPING)
+        if now >= self._since + STOPPING:
+            raise NotStoppedError(paths, f"hasn't stopped for {STOPPING:g} s")
+        return paths
+
     # --- for runs that are gone on with ---
 
     def resume(self, began: float) -> None:
@@ -234,16 +255,11 @@ class OperationLeaf(Leaf):
 
     What may move something (`Manifest.may_move`) begins only when everything that was told to stop has stopped: until
     then the leaf runs without having started, at most `STOPPING`, which ends the run with NotStoppedError.
-
-    Attributes:
-        waits: whether it waits for that; as `Manifest.may_move` where it is None.
     """
 
     operation: Operation[Any] | None = None
-    waits: ClassVar[bool | None] = None
     _left: Operation[Any] | None = None
     _preempted_before: bool = False
-    _since: float | None = None
 
     def start(self) -> Operation[Any]:
         """Begin the work of this activation."""
@@ -304,28 +320,17 @@ class OperationLeaf(Leaf):
     def _note_left(self, operation: Operation[Any]) -> None:
         self._left = operation
         if self.manifest.may_move:
-            self.context.left(self)
+            self.context.left(self.path, operation)
 
     def _held_back(self) -> Status | None:
-        """Return how the leaf stands while something else has still to stop; None when it may begin.
-
-        Raises:
-            NotStoppedError: that takes too long, or nobody could say that it has stopped.
-        """
+        """Return how the leaf stands while something else has still to stop; None when it may begin."""
         if self._since is None:
             self._preempted_before = self.context.preempt_requested
-        waits = self.manifest.may_move if self.waits is None else self.waits
-        paths = self.context.unfinished() if waits else ()
+        paths = self.still_to_stop()
         if not paths:
             return None
-        now = self.context.clock.now()
-        if self._since is None:
-            self._since = now
-            self.context.wake_at(now + STOPPING)
         if self._preempted_now():
             return self._fail_for("preempted", CanceledError("asked to end before it began"))
-        if now >= self._since + STOPPING:
-            raise NotStoppedError(paths, f"hasn't stopped for {STOPPING:g} s")
         return self.running(f"waits for {', '.join(paths)} to stop")
 
     def _preempted_now(self) -> bool:

@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
+from grip_bt.operation import Operation
 from grip_bt.smach_compat import Remapper, UserData
 
 from .smach_among import KeysLeaf
@@ -42,13 +43,17 @@ class Values:
 
 
 class Activation:
-    """One call of `execute` in its thread."""
+    """One call of `execute` in its thread.
+
+    Attributes:
+        over: ends when `execute` returns; nobody can cancel it.
+    """
 
     def __init__(self, state: Any, values: Values, name: str, wake: Callable[[], None]):
         self.values = values
         self.result: Any = None
         self.error: BaseException | None = None
-        self._ended = threading.Event()
+        self.over: Operation[None] = Operation(on_cancel=lambda: None)
         inputs, outputs = state.get_registered_input_keys(), state.get_registered_output_keys()
 
         def work() -> None:
@@ -56,7 +61,7 @@ class Activation:
                 self.result = state.execute(Remapper(values, inputs, outputs))
             except BaseException as error:  # noqa: BLE001 - raised again in the thread of the task
                 self.error = error
-            self._ended.set()
+            self.over.succeed(None)
             wake()
 
         self._thread = threading.Thread(target=work, name=f"smach:{name}", daemon=True)
@@ -71,4 +76,4 @@ class Activation:
 
     def returned(self) -> bool:
         """Whether `execute` has returned."""
-        return self._ended.is_set()
+        return self.over.done()

@@ -4,7 +4,7 @@
 * What the state reads comes from the bound variables when it reads; what it writes is written when it ends.
 * A preempt request is SMACH's: a flag on the state, which containers hand on as theirs do (`smach_asking`).
 * A halt can't stop a blocking `execute`: the flag is set, what it still writes and returns is dropped, and until its
-  thread ends the leaf is a *zombie*, which says so and isn't entered a second time.
+  thread ends the leaf is a *zombie*, which says so and isn't entered a second time; nor does anything begin that moves.
 """
 
 from __future__ import annotations
@@ -85,13 +85,15 @@ class SmachLeaf(KeysLeaf):
 
     def initialise(self) -> None:
         """Begin anew; the thread is started by `update`, which may have to wait for a zombie."""
-        self._activation = None
+        self._activation = self._since = None
 
     def update(self) -> Status:
         """Start `execute`, pass on a preempt request, and take its outcome."""
         if self._activation is None:
             if self._zombie is not None and not self._zombie.done():
                 return self.running("waits: execute() was interrupted and hasn't returned yet")
+            if paths := self.still_to_stop():
+                return self.running(f"waits for {', '.join(paths)} to stop")
             self._bury()
             with self.asking.lock:  # a request finds it running, or comes before it begins
                 self.asking.begin(self.enclosing, self, self.requests())
@@ -176,6 +178,9 @@ class SmachLeaf(KeysLeaf):
         activation, self._activation = self._activation, None
         if new_status == Status.INVALID and activation is not None and not activation.done():
             self._zombie = activation
+            activation.over.cancel()
+            if self.manifest.may_move:
+                self.context.left(self.path, activation.over)
             self._ask_to_return()
             self.observer.message(self.path, "interrupted: execute() was asked to return and still runs")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from grip_bt.operation import Operation
 
@@ -16,22 +16,6 @@ from .sensing import Camera, Sensor
 from .timing import Clock, Pausable
 
 T = TypeVar("T")
-
-
-class Lingering(Protocol):
-    """A leaf whose interrupted work may not have ended."""
-
-    path: str
-
-    @property
-    def zombie(self) -> bool:
-        """Whether it hasn't ended."""
-        ...
-
-    @property
-    def given_up(self) -> str:
-        """Why nobody can say whether it has ended; empty where that isn't so."""
-        ...
 
 
 class Context(Protocol):
@@ -59,12 +43,14 @@ class Context(Protocol):
         """Run blocking code in a worker thread."""
         ...
 
-    def left(self, leaf: Lingering) -> None:
-        """Take note of a leaf whose work was told to stop, and may move something until it has."""
+    def left(self, path: str, work: Operation[Any]) -> None:
+        """Take note of a leaf's work that was told to stop, and may move something until it has ended."""
         ...
 
     def unfinished(self) -> Sequence[str]:
-        """Return the paths of the leaves of which that was said and whose work hasn't ended.
+        """Return the paths of the leaves of which that was said and whose work hasn't ended; else arms and hands.
+
+        These are named whose motions were told to stop, and haven't, whoever has begun them.
 
         Raises:
             NotStoppedError: of one of them nobody can say whether it has.

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping, Sequence
-from typing import TypeVar
+from typing import Any, TypeVar
 
-from grip_bt.errors import MissingPartError, NotStoppedError, UnknownNameError
+from grip_bt.errors import MissingPartError, UnknownNameError
 from grip_bt.operation import Operation
 from grip_bt.ports import (
     Arm,
@@ -22,10 +22,10 @@ from grip_bt.ports import (
     Scene,
     Sensor,
 )
-from grip_bt.ports.context import Lingering
 
 from .clock import WallClock
 from .lockstep import InTurn, Lockstep
+from .motions import Motions, Moved
 from .rest import Measure, Rest, measured_rest
 from .waker import Waker
 from .workers import Workers
@@ -72,7 +72,9 @@ class RunContext:
         measure: Measure | None = None,
     ):
         self._clock: Clock = clock if clock is not None else WallClock()
-        self._arms, self._hands = dict(arms or {}), dict(hands or {})
+        self._motions = Motions()
+        self._arms: dict[str, Arm] = self._moved(arms or {})
+        self._hands: dict[str, Hand] = self._moved(hands or {})
         self._cameras, self._components = dict(cameras or {}), dict(components or {})
         self._scene, self._sensors, self._ros = scene, dict(sensors or {}), ros
         self.lockstep = lockstep
@@ -84,7 +86,6 @@ class RunContext:
         self._workers = Workers(workers)
         self._preempt_requests = 0
         self._pausable = [part for part in (*pausable, self._clock) if isinstance(part, Pausable)]
-        self._left: list[Lingering] = []
         self._measure = measure
         self._used: dict[int, Arm | Hand] = {}
         self._pausing = threading.RLock()  # a part that goes on may end what has another one let go
@@ -123,23 +124,17 @@ class RunContext:
         """Run blocking code in a worker thread."""
         return self._workers.run(work) if self.lockstep is None else self.lockstep.work(self._workers.run, work)
 
-    def left(self, leaf: Lingering) -> None:
-        """Take note of a leaf whose work was told to stop, and may move something until it has."""
-        with self._pausing:
-            kept = [other for other in self._left if other is not leaf and (other.zombie or other.given_up)]
-            self._left = [*kept, leaf]
+    def left(self, path: str, work: Operation[Any]) -> None:
+        """Take note of a leaf's work that was told to stop, and may move something until it has ended."""
+        self._motions.left(path, work)
 
     def unfinished(self) -> Sequence[str]:
-        """Return the paths of the leaves of which that was said and whose work hasn't ended.
+        """Return the paths of the leaves of which that was said and whose work hasn't ended; else arms and hands.
 
         Raises:
             NotStoppedError: of one of them nobody can say whether it has.
         """
-        left = self._left
-        for leaf in left:
-            if leaf.given_up:
-                raise NotStoppedError([leaf.path], leaf.given_up)
-        return [leaf.path for leaf in left if leaf.zombie]
+        return self._motions.unfinished()
 
     def hold_with(self, part: Pausable) -> Callable[[], None]:
         """Have `part` stand still whenever the run is paused, at once if it is; call what is returned to end that."""
@@ -235,6 +230,9 @@ class RunContext:
                 if self._paused and isinstance(part, (Executor, Arm, HandPort)):
                     part.stop()
             self.resume()
+
+    def _moved(self, parts: Mapping[str, Any]) -> dict[str, Any]:
+        return {name: Moved(name, part, self._motions) for name, part in parts.items()}
 
     def rest(self, within: float) -> Rest:
         """Measure the arms and hands that leaves have asked for until they stand still, at most `within` [s]."""

@@ -168,7 +168,7 @@ class FakeContext:
         self.defer, self.jobs = False, []
         self.clock = SimpleNamespace(now=lambda: self.time)
 
-    def left(self, leaf):
+    def left(self, path, work):
         """Nothing here takes its time to stop."""
 
     def unfinished(self):

@@ -126,7 +126,7 @@ class ThreadContext:
     def __init__(self):
         self.woken = threading.Event()
 
-    def left(self, leaf):
+    def left(self, path, work):
         """Nothing here takes its time to stop."""
 
     def unfinished(self):

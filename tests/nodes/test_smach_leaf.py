@@ -22,6 +22,12 @@ class Context:
     def wake(self):
         self.woken.release()
 
+    def left(self, path, work):
+        pass
+
+    def unfinished(self):
+        return ()
+
 
 class Legacy(State):
     """A state that does what the test says, when it says so."""

@@ -69,7 +69,7 @@ class Run:
     def component(self, name):
         return self.remote
 
-    def left(self, leaf):
+    def left(self, path, work):
         """Nothing here takes its time to stop."""
 
     def unfinished(self):

@@ -74,7 +74,7 @@ class Run:
     def __init__(self, components):
         self.component = components.client
 
-    def left(self, leaf):
+    def left(self, path, work):
         """Nothing here takes its time to stop."""
 
     def unfinished(self):

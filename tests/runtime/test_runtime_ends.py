@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import asyncio
 import random
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 import pytest
@@ -13,9 +15,12 @@ from py_trees.common import Status
 from runtime_world import KINDS, TARGETS, Started, Waiting, leaf
 
 from grip_bt.errors import CanceledError, NodeError, NotStoppedError
-from grip_bt.nodes.leaf import OperationLeaf
+from grip_bt.nodes.async_leaf import AsyncLeaf
+from grip_bt.nodes.leaf import Leaf, OperationLeaf
+from grip_bt.nodes.smach_leaf import SmachLeaf
 from grip_bt.operation import STOPPED, Operation
 from grip_bt.runtime import RunContext
+from grip_bt.smach_compat import State
 from grip_bt.values import JointState
 
 both = pytest.mark.parametrize("target", TARGETS)
@@ -188,6 +193,136 @@ def test_a_leaf_that_waits_for_its_beginning_obeys_a_request_to_end(target: Any,
     result = run.join()
     assert (result.status, result.failure and result.failure.code) == ("failure", "preempted")
     assert [path for path, _ in server.began] == ["c0/w"]
+
+
+class Awaiting(AsyncLeaf):
+    """A coroutine that awaits motions, the second of them when the first was too slow."""
+
+    async def run(self) -> None:
+        with suppress(TimeoutError):
+            await asyncio.wait_for(Moving.server.begin(self.path, 30.0), 0.02)
+        await Moving.server.begin(self.path, 30.0)
+
+
+class Reaching(Leaf):
+    """Begins a motion of the arm in its own `update`."""
+
+    motion: Operation[Any] | None = None
+
+    def update(self) -> Status:
+        if self.motion is None:
+            self.motion = self.context.arm("right").execute(self.path)  # type: ignore[arg-type]
+        self.motion.add_done_callback(self.context.wake)
+        return self.end(x=self.motion.result()) if self.motion.done() else self.running()
+
+    def terminate(self, new_status: Status) -> None:
+        if self.motion is not None:
+            self.motion.cancel()
+        self.motion = None
+
+
+class Holding(Reaching):
+    """Likewise, and tells the arm to stop in place of its motion."""
+
+    def terminate(self, new_status: Status) -> None:
+        if self.motion is not None:
+            self.context.arm("right").stop()
+        self.motion = None
+
+
+class Blocking(State):  # type: ignore[misc]
+    """Moves something itself, and returns when that has stopped after a request."""
+
+    def __init__(self, path: str) -> None:
+        State.__init__(self, ["success", "failure"])
+        self.path = path
+
+    def execute(self, userdata: Any) -> str:
+        motion = Moving.server.begin(self.path, 30.0)
+        while not motion.done():
+            time.sleep(0.002)
+            if self.preempt_requested():
+                motion.cancel()
+        return "failure"
+
+
+class Legacy(SmachLeaf):
+    def make(self) -> Any:
+        return Blocking(self.path)
+
+
+class ServedArm:
+    """An arm whose motions are the server's."""
+
+    name = "right"
+
+    def execute(self, plan: Any) -> Operation[Any]:
+        motion = Moving.server.begin(plan, 30.0)
+        self.ends = Moving.server.stops[-1]
+        return motion
+
+    def stop(self) -> None:
+        Moving.server._later(0.1, self.ends)
+
+
+@both
+@pytest.mark.parametrize("second", [Awaiting, Reaching, Holding, Legacy, Moving])
+@pytest.mark.parametrize("first", [Awaiting, Reaching, Holding, Legacy, Moving])
+def test_whatever_has_begun_a_motion_the_next_one_waits_for_its_end(
+    target: Any, first: Any, second: Any, server: Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    server.stops_after = lambda: 0.1
+    monkeypatch.setitem(KINDS, "work", first)
+    monkeypatch.setitem(KINDS, "obey", second)
+    arms: Any = {"right": ServedArm()}
+    root = either(late(0.08, leaf("work")), late(0.25, leaf("obey")), leaf("end"))
+    result = Started(target, root, RunContext(arms=arms), poll=0.01).start().join()
+    assert (result.status, result.zombies, server.working) == ("success", (), [])
+    assert server.began[0][0] == "c0/w"
+    assert server.overlaps == []
+
+
+@both
+@pytest.mark.parametrize("first", [Awaiting, Reaching])
+@pytest.mark.parametrize("second", ["obey", "end"])
+def test_a_motion_of_which_nobody_can_say_that_it_stopped_ends_the_run_whatever_has_begun_it(
+    target: Any, first: Any, second: str, server: Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    server.refuses = True
+    monkeypatch.setitem(KINDS, "work", first)
+    monkeypatch.setitem(KINDS, "obey", Reaching)
+    arms: Any = {"right": ServedArm()}
+    root = either(late(0.08, leaf("work")), leaf(second))
+    result = Started(target, root, RunContext(arms=arms), poll=0.01).start().join()
+    assert result.status == "error"
+    assert "the server says nothing" in str(result.error)
+    assert [path for path, _ in server.began] == ["c0/w"]
+
+
+@both
+def test_code_in_a_worker_that_a_cancelled_coroutine_awaited_is_waited_for(
+    target: Any, server: Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    go_on, over = threading.Event(), threading.Event()
+
+    class Works(AsyncLeaf):
+        async def run(self) -> None:
+            await self.context.run_in_worker(lambda: (go_on.wait(120), over.set()))
+
+    class Asks(Moving):
+        def start(self) -> Operation[Any]:
+            assert over.is_set()
+            return Operation.finished(None)
+
+    monkeypatch.setitem(KINDS, "work", Works)
+    monkeypatch.setitem(KINDS, "obey", Asks)
+    run = Started(target, either(late(0.05, leaf("work")), leaf("obey")), poll=0.01).start()
+    deadline = time.monotonic() + 120
+    while "to stop" not in run.leaves["c1"].feedback_message:
+        assert time.monotonic() < deadline
+        time.sleep(0.002)
+    go_on.set()
+    assert run.join().status == "success"
 
 
 class Part:

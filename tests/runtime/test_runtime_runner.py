@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -200,9 +201,9 @@ def test_a_run_has_one_clock() -> None:
 
 
 def test_unknown_parts_are_listed_and_an_empty_name_means_the_only_one() -> None:
-    arm: Any = object()
-    context = RunContext(arms={"right": arm}, hands={"left_hand": arm, "right_hand": arm})
-    assert context.arm("") is arm
+    part: Any = SimpleNamespace(name="right")
+    context = RunContext(arms={"right": part}, hands={"left_hand": part, "right_hand": part})
+    assert context.arm("").name == "right"
     with pytest.raises(UnknownNameError, match="unknown arm 'rigt'; did you mean 'right'"):
         context.arm("rigt")
     with pytest.raises(UnknownNameError, match="left_hand, right_hand"):
