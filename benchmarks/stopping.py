@@ -128,12 +128,16 @@ def simulated_physics(count: int) -> None:
                 world.step()
                 kept = robot.kept()
                 seen.append((world.time, robot.positions()[rows], robot.velocities()[rows], kept["speeds"][rows]))
+        ended, stayed = world.time, []
+        while world.time < ended + 0.3:
+            world.step()
+            stayed.append(robot.positions()[rows])
         at, place, speed, target = (np.array(column) for column in zip(*seen, strict=True))
         row.beyond.append(Stopped(at, place, speed, asked).beyond(limits))
         row.hardest.append(Stopped(at, place, target, asked).hardest(limits))
         row.other += end.error != "canceled"
         row.unconfirmed += not end.stopped
-        row.early += bool(np.abs(speed[-1]).max() > 0.05)
+        row.early += bool(np.ptp(np.array(stayed), axis=0).max() > 4e-3)
     print(row.show(BEYOND), flush=True)
 
 
@@ -301,6 +305,7 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--moments", type=int, default=200)
     parser.add_argument("--slow-moments", type=int, help="for rows whose time is the wall's; as --moments by default")
+    parser.add_argument("--kills", type=int, default=20, help="for the row `killed`")
     parser.add_argument("rows", nargs="*")
     asked = parser.parse_args()
     slow = asked.slow_moments or asked.moments
@@ -324,10 +329,8 @@ def main() -> None:
         for name in filter(wanted, ("plain_served", "plain_trajectory", "plain_gripper", "plain_move_group")):
             plain(name, servers.wire(name), slow)
         if wanted("killed"):
-            killed(
-                "plain_trajectory", servers.wire("plain_trajectory"), servers.get("ros_robot")[1], max(1, slow // 10)
-            )
-            simulation_killed(max(1, slow // 10))
+            killed("plain_trajectory", servers.wire("plain_trajectory"), servers.get("ros_robot")[1], asked.kills)
+            simulation_killed(asked.kills)
 
 
 if __name__ == "__main__":

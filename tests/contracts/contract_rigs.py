@@ -55,6 +55,11 @@ class ExecutorRig(Rig):
     """Joint positions that can be reached freely, half a radian or so away."""
     spoil: Callable[[], None] | None = None
     """Has the next motion towards `goal` be given up half-way; it may change the goal for that. None: nothing can."""
+    ends: tuple[JointState, JointState] = field(init=False)
+    """Of the way to and fro that is free: where it begins, and the goal."""
+
+    def __post_init__(self) -> None:
+        self.ends = self.port.state(), self.goal
 
 
 @dataclass

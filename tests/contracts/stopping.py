@@ -78,11 +78,9 @@ def smooth(rig: Any, seconds: float) -> Trajectory:
 
 
 def go_elsewhere(rig: Any) -> None:
-    """Have the next motion go to where there is a way to go."""
-    here, goal = rig.port.state(), rig.goal
-    near = np.abs(goal.ordered(here.names) - here.position) < 0.25
-    to = goal.ordered(here.names) + np.where(near, np.where(here.position > 0, -0.5, 0.5), 0.0)
-    rig.goal = JointState(here.names, to)
+    """Have the next motion go to that end of the rig's way which is further off; beyond them joints may have limits."""
+    here = rig.port.state()
+    rig.goal = max(rig.ends, key=lambda end: np.abs(end.ordered(here.names) - here.position).max())
 
 
 def stopped(rig: Any, begin: Callable[[], Operation[Any]], moment: float, way: str) -> Stopped:
