@@ -10,6 +10,7 @@ from grip_bt.values import JointState, Pose
 
 from .arm import ArmLeaf
 from .leaf import Status
+from .resting import Resting
 
 LOOK = 0.1
 """A steered arm is told where to again after so long [s]."""
@@ -102,24 +103,27 @@ class Follow(SteeringLeaf):
 
 
 class Hold(ArmLeaf):
-    """End a motion of the arm and hold it where it is, for some time or until interrupted."""
+    """End a motion of the arm and hold it where it is, until it rests and for some time, or until interrupted."""
 
     _until: float | None = None
 
     def initialise(self) -> None:
         """Stop."""
         self.arm.stop()
+        self._rest = Resting(self.context, self.arm.state)
         seconds: float | None = self.params["seconds"]
         self._until = None if seconds is None else self.context.clock.now() + seconds
         if self._until is not None:
             self.context.wake_at(self._until)
 
     def update(self) -> Status:
-        """Look at the clock."""
+        """Look at the clock and at the joints."""
         if self._until is None:
             return self.running("holding")
-        left = self._until - self.context.clock.now()
-        return self.end() if left <= 0 else self.running(f"holding, {left:.1f} s left")
+        left, at_rest = self._until - self.context.clock.now(), self._rest.reached()
+        if left > 0:
+            return self.running(f"holding, {left:.1f} s left")
+        return self.end() if at_rest else self.running("until the joints are measured at rest")
 
 
 class ReadState(ArmLeaf):

@@ -8,6 +8,7 @@ from grip_bt.values import JointState
 
 from .hand import HandLeaf
 from .leaf import Status
+from .resting import Resting
 
 
 class MovingHandLeaf(HandLeaf):
@@ -89,12 +90,16 @@ class Synergy(MovingHandLeaf):
 
 
 class HoldHand(HandLeaf):
-    """End a motion of the fingers and hold them where they are."""
+    """End a motion of the fingers and hold them where they are; it ends when they were measured at rest."""
 
-    def update(self) -> Status:
+    def initialise(self) -> None:
         """Stop."""
         self.hand.stop()
-        return self.end()
+        self._rest = Resting(self.context, self.hand.state)
+
+    def update(self) -> Status:
+        """Look at the fingers."""
+        return self.end() if self._rest.reached() else self.running("until the fingers are measured at rest")
 
 
 class HasContact(HandLeaf):

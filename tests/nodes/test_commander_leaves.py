@@ -8,7 +8,14 @@ import pytest
 from grip_bt.commanders.fake import FakeArm, FakeHand, OnClock
 from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.scene import PlanningScene
-from grip_bt.errors import ExecutionAbortedError, NoIkError, OutOfLimitsError, PathInvalidError, UnknownNameError
+from grip_bt.errors import (
+    ExecutionAbortedError,
+    NoIkError,
+    OutOfLimitsError,
+    PathInvalidError,
+    SensorError,
+    UnknownNameError,
+)
 from grip_bt.runtime.clock import ManualClock
 from grip_bt.values import JointState, Pose, Trajectory
 
@@ -265,6 +272,38 @@ def test_holding_ends_a_motion_and_lasts_as_long_as_it_should(cell):
     assert forever.status.name == "RUNNING"
 
 
+def test_an_arm_that_is_held_has_come_to_rest(cell):
+    cell.arm.plan(Pose((0.9, 0, 0.5))).then(cell.arm.execute)
+    cell.clock.advance(0.5)
+    leaf = cell.leaf("arm/hold")
+    leaf.tick_once()
+    assert leaf.status.name == "RUNNING"
+    assert cell.run(leaf, step=0.02) == SUCCESS
+    before = cell.arm.state().position
+    cell.clock.advance(1.0)
+    assert cell.arm.state().position == pytest.approx(before, abs=1e-6)
+
+
+@pytest.mark.parametrize("part", ["arm", "hand"])
+def test_where_nothing_is_measured_nobody_says_that_it_rests(cell, monkeypatch, part):
+    joints, silent = getattr(cell, part), True
+    measured = joints.state
+
+    def state():
+        if silent:
+            raise SensorError("nothing is heard of the joints")
+        return measured()
+
+    monkeypatch.setattr(joints, "state", state)
+    leaf = cell.leaf(f"{part}/hold")
+    for _ in range(20):
+        leaf.tick_once()
+        cell.clock.advance(0.5)
+    assert leaf.status.name == "RUNNING"
+    silent = False
+    assert cell.run(leaf) == SUCCESS
+
+
 def test_where_the_arm_is_can_be_read(cell):
     assert cell.run(cell.leaf("arm/read_state")) == SUCCESS
     assert cell.run(cell.leaf("arm/read_pose")) == SUCCESS
@@ -362,9 +401,14 @@ def test_weak_or_few_contacts_may_not_count(cell):
 def test_holding_a_hand_ends_its_motion(cell):
     moving = cell.hand.close()
     cell.clock.advance(0.3)
-    assert cell.run(cell.leaf("hand/hold")) == SUCCESS
-    cell.clock.advance(2 * BRAKING)
+    leaf = cell.leaf("hand/hold")
+    leaf.tick_once()
+    assert leaf.status.name == "RUNNING"
+    assert cell.run(leaf, step=0.02) == SUCCESS
     assert moving.done()
+    before = cell.hand.state().position
+    cell.clock.advance(1.0)
+    assert cell.hand.state().position == pytest.approx(before, abs=1e-6)
 
 
 def test_an_aborted_motion_is_named_whatever_leaf_asked_for_it(world):

@@ -68,7 +68,7 @@ class FakeExecutor:
         position, velocity = self._position, np.zeros(len(self._names))
         if self._motion is not None:
             (position,), (velocity,), _ = self._motion.trajectory.sampled(np.array([self._progress(self._motion)]))
-        return JointState(self._names, position, velocity, time=self._schedule.now())
+        return JointState(self._names, position, velocity, time=self._schedule.stamp())
 
     def execute(self, trajectory: Trajectory) -> Operation[JointState]:
         """Follow a trajectory; one under way ends as cancelled. See `ports.Executor`.

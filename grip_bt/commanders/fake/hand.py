@@ -69,7 +69,7 @@ class FakeHand:
         """Return where the fingers are now; pressing joints have an effort."""
         position = self._blocked(self._free_position())
         effort = 0.5 * self._pressing().astype(float)
-        return JointState(self._names, position, np.zeros(len(position)), effort, self._schedule.now())
+        return JointState(self._names, position, np.zeros(len(position)), effort, self._schedule.stamp())
 
     def move(self, posture: JointState, duration: float, torque_limit: float | None = None) -> Operation[JointState]:
         """Move towards a posture; see `ports.HandPort`."""

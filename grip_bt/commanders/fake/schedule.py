@@ -36,6 +36,10 @@ class Schedule(Protocol):
         """Return the time [s]."""
         ...
 
+    def stamp(self) -> float:
+        """Return the stamp of what is measured now [s]; 0 where nobody else's time goes like this."""
+        ...
+
     def after(self, delay: float, action: Callable[[], None]) -> None:
         """Call `action()` when `delay` [s] has passed."""
         ...
@@ -50,6 +54,10 @@ class AtOnce:
     def now(self) -> float:
         """Return the time [s]: the sum of all delays so far."""
         return self._time
+
+    def stamp(self) -> float:
+        """Return 0: what is measured has no stamp."""
+        return 0.0
 
     def after(self, delay: float, action: Callable[[], None]) -> None:
         """Let `delay` [s] pass and call `action()`."""
@@ -71,6 +79,10 @@ class OnClock:
         clock.on_advance(self._run)
 
     def now(self) -> float:
+        """Return the time [s]."""
+        return self._clock.now()
+
+    def stamp(self) -> float:
         """Return the time [s]."""
         return self._clock.now()
 
