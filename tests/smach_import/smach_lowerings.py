@@ -45,7 +45,7 @@ class PacedActivation(smach_leaf.Activation):
         # A state that has asked for a preempt waits for it, and it comes with a tick; one that waits for its turn in a
         # Concurrence may need a sibling that the task ticks later.
         for _ in range(PATIENCE):
-            if self._ended.wait(0.001):
+            if self.over.wait(0.001):
                 return True
             if self._context.preempt_requested:
                 break
