@@ -222,10 +222,12 @@ class MoveHand:
         return Ended() if still > STILL_TIME or t > self._duration + GRACE else None
 
     def braking(self, world: World) -> Motion:
-        """Have the targets come to rest on their way; what the fingers press on they go on to press on."""
-        names, times = self._robot.measure(self.rows).names, np.array([0.0, self._duration])
-        way = Trajectory(names, times, np.stack([self._start, self._goal]))
-        ramp = stop_ramp(way, world.time - self._begun, self._robot.accelerations(self.rows))
+        """Brake evenly from where the fingers are, behind their targets; what stands still goes on pressing."""
+        measured = self._robot.measure(self.rows)
+        still = np.abs(measured.velocity) < STILL
+        position = np.where(still, self._robot.targets(self.rows), measured.position)
+        velocity = np.where(still, 0.0, measured.velocity)
+        ramp = even_ramp(measured.names, position, velocity, self._robot.accelerations(self.rows))
         return Brake(self._robot, self.rows, ramp, world.time)
 
 

@@ -6,10 +6,13 @@ import numpy as np
 import pytest
 from sim_bench import AT, SPEC, SPOT, Bench
 
+from grip_bt.commanders.robots import build_robot
 from grip_bt.errors import CanceledError, ExecutionAbortedError, UnknownNameError
 from grip_bt.ports import Executor, HandPort
 from grip_bt.values import JointState, Trajectory
-from grip_sim import start_simulation
+from grip_sim import WorldSpec, start_simulation
+from grip_sim.motions import MoveHand
+from grip_sim.world import World
 
 pytestmark = pytest.mark.sim
 
@@ -108,6 +111,33 @@ def test_stopping_the_hand_leaves_the_arm_on_its_way(bench):
     with pytest.raises(CanceledError):
         bench.wait(hand)
     assert bench.wait(arm).position == pytest.approx(goal, abs=0.02)
+
+
+@pytest.mark.parametrize("moment", [0.05, 0.3, 0.6])
+def test_fingers_that_are_stopped_are_at_rest_soon_after_braking_at_their_limits(moment):
+    world, hand = World(WorldSpec()), build_robot("panda_allegro").named_states["hand"]
+    robot, rows = world.robot, world.robot.group_rows("hand")
+    names = robot.measure(rows).names
+    thumb = set(hand["open"].names[-4:])  # would meet the fingers
+    opened, closed = hand["open"].as_mapping(), hand["closed"].as_mapping()
+    goal = np.array([(opened if name in thumb else closed)[name] for name in names])
+    motion, moving, end = MoveHand(robot, rows, goal, 1.0, world.time), [], None
+    while world.time < moment:
+        motion.advance(world)
+        world.step()
+    asked, fastest = world.time, np.abs(robot.velocities()[rows]).max()
+    motion = motion.braking(world)
+    while end is None:
+        end = motion.advance(world)
+        world.step()
+    assert (end.error, end.stopped) == ("canceled", True)
+    ended, there = world.time, robot.positions()[rows]
+    while world.time < ended + 0.3:
+        moving.extend([world.time] * bool(np.abs(robot.velocities()[rows]).max() > 0.02))
+        world.step()
+    assert fastest > 0.5
+    assert max(moving, default=ended) - asked < fastest / robot.accelerations(rows).min() + 0.15
+    assert robot.positions()[rows] == pytest.approx(there, abs=4e-3)
 
 
 @pytest.mark.parametrize("limit", [0.2, 0.5])
