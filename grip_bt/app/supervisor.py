@@ -37,7 +37,8 @@ STILL = 0.5
 REAPED = 11.0
 """How long [s] the reaper of a robot over ROS may take to say what came of a run whose process has died."""
 HOLD = 0.04
-"""How long [s] a simulator may take to say that the robot holds."""
+"""How long [s] a simulator is listened to before the process is ended. It says that the robot holds when
+its joints rest: of one that still brakes then, nothing is said."""
 LOOK = 0.25
 """How often [s] the parent looks whether the run's process is alive."""
 

@@ -22,7 +22,7 @@ from .reaping import REPORT
 
 LIMIT = 10.0
 """How long it goes on after the end of the run's process [s]."""
-AGAIN = 0.25
+AGAIN = 0.1
 """After which time without an answer, or with one that doesn't know the goal, a cancel is sent again [s]."""
 UNKNOWN = 3.0
 """For how long a server must say that it doesn't know a goal until it is believed [s]: it may be on its way."""
@@ -89,11 +89,17 @@ class Reaper:
         """Let ROS work."""
         self._executor.spin_once(timeout_sec=seconds)
 
+    def wake(self) -> None:
+        """Have `spin` return at once; from any thread."""
+        self._executor.create_task(lambda: None)
+
     def reap(self) -> dict[str, str]:
         """Have everything hold; return part or action -> why that couldn't be confirmed, empty where it is at rest."""
         if not self._goals and not self._topics:
             return {}
         began = time.monotonic()
+        for goal in self._goals.values():
+            self._cancel(goal, began)
         self._listen()
         for topic, names in self._topics.items():
             self._hold(topic, names)
@@ -199,7 +205,9 @@ def main() -> int:
         with os.fdopen(0) as stream:
             for line in stream:
                 lines.append(line)
+                reaper.wake()
         over.set()
+        reaper.wake()
 
     threading.Thread(target=read, daemon=True).start()
     with suppress(OSError):
