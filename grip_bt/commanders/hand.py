@@ -9,7 +9,8 @@ import numpy as np
 from grip_bt.errors import NoContactError, UnknownNameError
 from grip_bt.operation import Operation
 from grip_bt.ports import HandPort
-from grip_bt.values import Closing, JointState
+from grip_bt.values import JointState
+from grip_bt.values.joints import Closing
 
 from .synergy import Synergies, finger_posture
 from .taught import Taught

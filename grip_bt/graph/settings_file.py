@@ -40,9 +40,19 @@ def check_model(tree: Value, model: type[M]) -> tuple[M | None, list[Fault]]:
     try:
         found = model.model_validate(plain(tree))
     except ValidationError as error:
-        unknown = ("extra_forbidden",) if faults else ()  # told better above
-        return None, faults + [fault_of(tree, e) for e in error.errors() if e["type"] not in unknown]
+        errors = error.errors()
+        mistyped = {e["loc"][0] for e in errors if e["type"] == "extra_forbidden" and e["loc"]} if faults else set()
+        return None, faults + [fault_of(tree, e) for e in errors if not _is_told(e["loc"], e["type"], mistyped, tree)]
     return (None, faults) if faults else (found, [])
+
+
+def _is_told(where: tuple[int | str, ...], kind: str, mistyped: set[int | str], tree: Mapping) -> bool:
+    """Tell whether an error comes of an unknown key, which is told elsewhere: itself, or another form of its field."""
+    if not where or where[0] not in mistyped:
+        return False
+    value = tree.entries[str(where[0])].value if str(where[0]) in tree.entries else None
+    of_form = len(where) == 2 and not (isinstance(value, Mapping) and str(where[1]) in value.entries)
+    return kind == "extra_forbidden" or (of_form and kind.endswith("_type"))
 
 
 def _unknown_keys(tree: Value, model: type[BaseModel], name: str) -> Iterator[Fault]:

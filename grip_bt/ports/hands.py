@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Protocol, runtime_checkable
 
 from grip_bt.operation import Operation
-from grip_bt.values import Closing, JointState
+from grip_bt.values import JointState
+from grip_bt.values.joints import Closing
 
 
 @runtime_checkable

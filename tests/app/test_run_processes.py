@@ -280,9 +280,12 @@ def test_a_stop_that_is_the_very_first_command_ends_the_process_in_good_order(pr
     )
     (commands, order), (told, events), (_, trace) = os.pipe(), os.pipe(), os.pipe()
     os.write(order, json.dumps({"task": "t.yaml", "options": {}}).encode() + b"\n")
-    channels = json.dumps({"commands": commands, "events": events, "trace": trace})
+    passed = {"commands": commands, "events": events, "report": events, "trace": trace}
     done = subprocess.run(
-        [sys.executable, "-c", code, channels], pass_fds=(commands, events, trace), capture_output=True, check=False
+        [sys.executable, "-c", code, json.dumps(passed)],
+        pass_fds=(commands, events, trace),
+        capture_output=True,
+        check=False,
     )
     assert (done.returncode, done.stderr) == (130, b"")
     assert json.loads(os.read(told, 65536))["message"] == "before the task began"

@@ -16,7 +16,7 @@ import pytest
 from grip_bt.cli.__main__ import main
 from grip_bt.runtime import Journal, JournalReader
 
-TRIALS = int(os.environ.get("GRIP_FUZZ_DAMAGE", "10"))
+TRIALS = int(os.environ.get("GRIP_FUZZ_DAMAGE", "4"))
 """Damaged files of each kind."""
 TASK = """\
 grip: 1

@@ -105,7 +105,7 @@ def test_a_journal_that_may_not_be_read_is_one_sentence(project, monkeypatch, ca
     def refused(*_, **__):
         raise sqlite3.OperationalError("unable to open database file")  # as for others than root
 
-    monkeypatch.setattr("grip_bt.runtime.journal_reader.sqlite3.connect", refused)
+    monkeypatch.setattr("grip_bt.runtime.journal_rows.sqlite3.connect", refused)
     assert main(["runs"]) == 1
     assert "can't be read: unable to open database file; mend its rights" in capsys.readouterr().err
 

@@ -10,7 +10,8 @@ from test_perception_leaves import BEFORE, OTHER, PLACE, frame, thing
 
 from grip_bt.commanders.scene import PlanningScene
 from grip_bt.nodes.evidence import Limits, Voice, fingers_voice, holds, sight_voice
-from grip_bt.values import Closing, JointState, Pose
+from grip_bt.values import JointState, Pose
+from grip_bt.values.joints import Closing
 
 NAMES = ("contact", "fingers", "sight", "image")
 

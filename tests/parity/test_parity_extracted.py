@@ -97,7 +97,10 @@ def test_a_part_put_back_is_what_it_was_and_new_files_are_right() -> None:
         edit = inlined(Inline(path=path, approximate=True), after, catalog)
         task = Task.model_validate(case["task"])
         assert apply(after, edit).task == task, f"seed {seed}, {path}"
-        codes = {issue.code for issue in validate(task, catalog_of(case)).errors}
+        found = validate(task, catalog_of(case)).issues
+        if any(issue.code == "unreachable-node" and f"{path}/".startswith(f"{issue.path}/") for issue in found):
+            continue  # in a file of its own it is reached, and what can't be told before is told then
+        codes = {issue.code for issue in found if issue.severity == "error"}
         for made_of_it in (files[FILE], after):
             new = [issue for issue in validate(made_of_it, catalog).errors if issue.code not in codes]
             assert not new or (codes and new[0].code == "invalid-subtask"), f"seed {seed}, {path}: {new[0]}"

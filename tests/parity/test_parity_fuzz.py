@@ -18,7 +18,7 @@ from ruamel.yaml import YAML
 
 from grip_bt.errors import InvalidTaskError
 
-TASKS = int(os.environ.get("GRIP_FUZZ_TASKS", "2000"))
+TASKS = int(os.environ.get("GRIP_FUZZ_TASKS", "1000"))
 FIRST = int(os.environ.get("GRIP_FUZZ_SEED", "0"))
 CHUNKS = 20
 FOLDER = Path(__file__).parent / "cases"

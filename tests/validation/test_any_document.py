@@ -16,7 +16,7 @@ from grip_bt.compilers.restructure import equivalence
 from grip_bt.graph.shape import keys_of, model_of_kind
 
 FUZZ = int(os.environ.get("GRIP_FUZZ_DOCUMENTS", "0"))
-SOME = FUZZ or 60
+SOME = FUZZ or 40
 
 
 @pytest.fixture(scope="module")
