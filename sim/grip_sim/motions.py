@@ -112,8 +112,6 @@ class Follow:
         begun: float,
     ):
         self.rows, self._robot, self._begun = rows, robot, begun
-        if velocities is None:
-            velocities = np.gradient(positions, times, axis=0) if len(times) > 1 else np.zeros_like(positions)
         self._path = Trajectory(robot.measure(rows).names, times, positions, velocities)
         self._since = 0.0
         """When `_path` begins, on the time of the motion [s]: what was followed long ago is forgotten."""
@@ -141,7 +139,8 @@ class Follow:
             raise ValueError(f"what goes on begins {off:.4f} rad away from where the motion is then")
         old = path.times + since
         kept = (old < at - 1e-6) & (old > self.passed(time) - _PAST)
-        assert path.velocities is not None
+        if path.velocities is None:  # its speed jumps at its points: nothing goes on smoothly from there
+            return False
         whole = np.concatenate([old[kept], at + times])
         self._since = float(whole[0])
         self._path = Trajectory(

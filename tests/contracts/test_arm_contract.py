@@ -104,9 +104,10 @@ def test_a_trajectory_that_is_given_is_followed_through_its_points_at_its_times(
         passed += 0.25
         if there is None and np.abs(arm_rig.port.state().position - arm_rig.away.position).max() < 0.05:
             there = passed
-    # A busy machine sees it there later, and the first joint comes to 0.05 of it a little before; never much before.
+    # A busy machine sees it there later; never before the curve through the points comes so near.
+    off = [np.abs(plan.trajectory.at(t) - arm_rig.away.position).max() for t in np.arange(0.0, 6.0, 0.05)]
     assert there is not None
-    assert there > 4.5
+    assert there > 0.05 * next(k for k, away in enumerate(off) if away < 0.05) - 0.25
     assert operation.result().position == pytest.approx(start.position, abs=0.05)
 
 
