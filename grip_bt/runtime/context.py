@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
@@ -48,7 +49,7 @@ class RunContext:
         sensors: sensors on topics, by name.
         ros: the connection to ROS, where there is one.
         messages: the project's named values, where there are some.
-        workers: how many threads run blocking code at most.
+        workers: how many threads run blocking code at most; as many as are needed where a simulated world waits for it.
         pausable: what stands still while the run is paused, besides its clock: a simulator, an arm, a hand.
         lockstep: with the simulated world with which the run takes turns, where there is one.
         measure: measures joints anew, where the last state that is known of them may be old.
@@ -83,7 +84,7 @@ class RunContext:
             self._sensors = {name: InTurn(part, lockstep) for name, part in self._sensors.items()}
             self._ros = None if ros is None else InTurn(ros, lockstep, waiting=MESSAGES)
         self._messages = messages
-        self._workers = Workers(workers)
+        self._workers = Workers(workers if lockstep is None else sys.maxsize)
         self._preempt_requests = 0
         self._pausable = [part for part in (*pausable, self._clock) if isinstance(part, Pausable)]
         self._measure = measure

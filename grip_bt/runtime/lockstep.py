@@ -75,6 +75,11 @@ class _Pending:
         """Whether code works for it although it has ended."""
         return self.whole is not None and self.whole.busy
 
+    @property
+    def ready(self) -> bool:
+        """Whether its end can be told; not while code goes on for which time stands still."""
+        return self.finish is not None and not (self.holds and self.busy)
+
     def holds_now(self) -> bool:
         """Tell whether time stands still for it; not while it waits for something else."""
         return self.holds and (not self.waits or any(operation.done() for operation in self.waits))
@@ -161,9 +166,10 @@ class Lockstep:
         """Run code in a worker; time stands still for it but while it waits for an operation itself."""
         if not self._on:
             return run(work)
-        pending = self._ask(holds=True, patient=False)
+        pending, begun = self._ask(holds=True, patient=False), threading.Event()
 
         def known() -> T:
+            begun.set()
             caller, waits = _CALLER.set(pending), WAITS.set(partial(self._while_waiting, pending))
             try:
                 return work()
@@ -171,7 +177,9 @@ class Lockstep:
                 _CALLER.reset(caller)
                 WAITS.reset(waits)
 
-        return self._told(pending, run(known))
+        operation = run(known)
+        begun.wait()  # or else it would depend on the threads whether code is begun that is interrupted soon
+        return self._told(pending, operation)
 
     def _ask(self, holds: bool, patient: bool) -> _Pending:
         caller = _CALLER.get()
@@ -213,11 +221,16 @@ class Lockstep:
 
     def rest(self, seen: int, poll: float | None) -> None:
         """Return when there was a wake later than number `seen`, or after `poll` [s] of the run's clock."""
-        waker, thread = self._waker, self._thread()
+        waker = self._waker
         assert waker is not None, "it has begun"
-        look_at = None if poll is None else self._now() + poll
+        self.rest_until(lambda: waker.wakes != seen, poll)
+
+    def rest_until(self, over: Callable[[], bool], within: float | None) -> None:
+        """Return when `over()`, which is asked whenever something has happened, or after `within` [s] on that clock."""
+        thread = self._thread()
+        look_at = None if within is None else self._now() + within
         thread.look_at = look_at
-        thread.ready = lambda: waker.wakes != seen or (look_at is not None and self._now() >= look_at)
+        thread.ready = lambda: over() or (look_at is not None and self._now() >= look_at)
         self._give_turn(thread)
         thread.look_at = None
 
@@ -325,7 +338,7 @@ class Lockstep:
         if self._known != self._world.sent:  # what was sent may have ended motions
             return partial(self._go, self._now(), waker.wakes)
         for pending in sorted(self._pending, key=_key):
-            if pending.finish is not None and not (pending.holds and pending.busy):
+            if pending.ready:
                 self._pending.remove(pending)
                 self._busy += [pending] if pending.busy else []
                 return partial(_tell, pending)
@@ -362,14 +375,15 @@ class Lockstep:
         """
         waker = self._waker
         assert waker is not None, "it has begun"
-        self._going, before, told = True, self._now(), False
+        self._going, before = True, self._now()
+        told = until is not None and until <= before  # what ends now does so, whatever else happens meanwhile
         self._known = self._world.sent
         if not self._world.go(until):
             self._let_go(canceled=False)
             return
         with self._changed:
             while self._going and self._on:
-                if told or (waker.wakes == wakes and not any(pending.finish for pending in self._pending)):
+                if told or (waker.wakes == wakes and not any(pending.ready for pending in self._pending)):
                     self._changed.wait()
                 else:
                     told = True

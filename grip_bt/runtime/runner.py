@@ -6,6 +6,7 @@ import threading
 import time
 import traceback
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -281,6 +282,7 @@ class Runner:
             if self._lockstep is not None:
                 self._take_turns(self._lockstep)
             end = self._execute()
+            self._let_stop()
         except Halted:
             return self._made(None, "stopped")
         except BaseException as error:  # noqa: BLE001 - a bug of a leaf is the run's result, not the runner's end
@@ -300,6 +302,12 @@ class Runner:
         if not foreign and all(name.startswith("grip_bt.") for name in own):
             self.pacing.poll = None
         lockstep.begin(self.context.waker)
+
+    def _let_stop(self) -> None:
+        """Let simulated time go on at the end of a task until what was told to stop has; `_seen_out` says what hasn't."""
+        if self._lockstep is not None:
+            with suppress(NotStoppedError):
+                self._lockstep.rest_until(lambda: self.pacing.stopped or not self.context.unfinished(), STOPPING)
 
     def _execute(self) -> TaskEnd:
         pacer: Pacer = self.pacing if self._reliving is None else RelivingPacer(self.pacing, self._reliving)

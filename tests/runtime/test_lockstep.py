@@ -14,7 +14,7 @@ from grip_bt.compilers import to_machine, to_tree
 from grip_bt.runtime import lockstep
 
 TARGETS = (to_tree, to_machine)
-TASKS = int(os.environ.get("GRIP_FUZZ_TURNS", "6"))
+TASKS = int(os.environ.get("GRIP_FUZZ_TURNS", "24"))
 
 
 def leaf(kind: str, number: int) -> tuple[str, dict[str, Any]]:
