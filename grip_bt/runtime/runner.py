@@ -304,7 +304,7 @@ class Runner:
         lockstep.begin(self.context.waker)
 
     def _let_stop(self) -> None:
-        """Let simulated time go on at the end of a task until what was told to stop has; `_seen_out` says what hasn't."""
+        """Let simulated time go on until what was told to stop has stopped; `_seen_out` says what hasn't."""
         if self._lockstep is not None:
             with suppress(NotStoppedError):
                 self._lockstep.rest_until(lambda: self.pacing.stopped or not self.context.unfinished(), STOPPING)
