@@ -46,7 +46,6 @@ def open_robot(project: Project, resources: Resources, seed: int, stack: ExitSta
         from grip_bt.commanders.worker import PlanningProcess
         from grip_bt.ros.bus import Bus
         from grip_bt.ros.controllers import JointStates
-        from grip_bt.ros.reaping import Guard
     except ImportError as error:
         raise MissingPartError(f"planning or ROS ({error})", "pip install 'grip-bt[motion,ros]'") from None
     file = project.file
@@ -68,16 +67,16 @@ def open_robot(project: Project, resources: Resources, seed: int, stack: ExitSta
     process = stack.enter_context(PlanningProcess(description))
     chosen = os.environ.get("ROS_DOMAIN_ID")
     domain = int(chosen) if chosen else None
-    guard = stack.enter_context(Guard(domain))
-    bus = stack.enter_context(Bus("grip_robot", domain, guard))
+    bus = stack.enter_context(Bus("grip_robot", domain, guarded=True))
+    guard = bus.guard
+    assert guard is not None, "it is open, and guarded"
     planner = with_move_group(project, description, process, stack, bus)
     states = JointStates(bus, settings.joint_states, settings.stale)
     joints = {n: _joints(settings.controllers[n], description.group(group)) for n, group in groups.items()}
     for name, names in joints.items():
-        guard.watch(name, settings.joint_states, names)
         controller = settings.controllers[name]
-        for action in filter(None, (controller.trajectory, controller.gripper, controller.move_group)):
-            guard.knows(action)
+        actions = [a for a in (controller.trajectory, controller.gripper, controller.move_group) if a is not None]
+        guard.watch(name, settings.joint_states, names, actions)
     measured = [joint for names in joints.values() for joint in names]
     _wait_for_controllers(settings, bus, states, measured, progress)
     progress("robot", f"{len(measured)} joints measured on {settings.joint_states}")
@@ -90,10 +89,7 @@ def open_robot(project: Project, resources: Resources, seed: int, stack: ExitSta
     resources.cameras = _cameras(project, settings, bus, progress)
     if not process.wait_until_ready():
         raise GripError("the planning process doesn't come up; run `grip doctor`")
-    if not guard.ready(settings.ready):
-        raise GripError(
-            "the process that has the robot hold when this one is killed doesn't come up; run `grip doctor`"
-        )
+    guard.wait_ready(settings.ready)
     progress("planner", f"process {process.pid}: {planners_in_force(project, description)}")
 
 

@@ -250,14 +250,14 @@ class Supervisor:
     # --- a death ---
 
     def _at_rest(self) -> dict[str, str]:
-        """Return what the reaper of a robot over ROS says: part -> why it isn't known to stand still, or nothing."""
+        """Return what reapers of what moves over ROS say: part or action -> why it isn't known to rest, or nothing."""
         text, deadline = b"", time.monotonic() + REAPED
         while (left := deadline - time.monotonic()) > 0 and select.select([self._report_end], [], [], left)[0]:
             more = os.read(self._report_end, 1 << 16)
             if not more:
                 break
             text += more
-        return dict(json.loads(text)) if text else {}
+        return {part: why for line in text.splitlines() for part, why in json.loads(line).items()}
 
     def _obituary(self, status: int) -> dict[str, Any]:
         """Return the event `ended` of a process that couldn't send it, and enter it into the journal."""

@@ -25,6 +25,7 @@ from .server_check import GRACE, STALE, ServerCheck
 
 if TYPE_CHECKING:
     from .bus import Bus
+    from .reaping import Guard
 
 IN_FLIGHT = 8
 """Goals sent and not yet answered at once: a server keeps the last 10 requests and drops others without a word."""
@@ -39,6 +40,7 @@ class _Entry:
         self, machine: Goal, message: Any, operation: Operation[Any], on_feedback: Callable[[Any], None] | None
     ):
         self.machine, self.message, self.operation, self.on_feedback = machine, message, operation, on_feedback
+        self.guard: Guard | None = None
         self.on_accepted: Callable[[], None] | None = None
         self.began = time.monotonic()
         self.servers: frozenset[bytes] = frozenset()
@@ -97,6 +99,7 @@ class ActionClient:
         on_feedback: Callable[[Any], None] | None = None,
         cancel_within: float = CANCEL,
         on_accepted: Callable[[], None] | None = None,
+        moves: bool = True,
     ) -> Operation[GoalEnd]:
         """Send a goal; the result says how it ended: `succeeded`, `aborted` or `canceled`, with the result message.
 
@@ -113,9 +116,12 @@ class ActionClient:
                 `progress`. What a server sends just before the result is often lost.
             cancel_within: how long the server may take to end the goal after a cancel [s].
             on_accepted: called on the bus's thread when the server has answered that it takes the goal.
+            moves: whether it may move something; then the bus's guard, where there is one, ends it after our death.
         """
         limit = timeout if timeout is not None else self._timeout
-        return self._begin(goal, limit, self._wait if wait is None else wait, on_feedback, cancel_within, on_accepted)
+        wait = self._wait if wait is None else wait
+        guard = self._bus.guard if moves else None
+        return self._begin(goal, limit, wait, on_feedback, cancel_within, on_accepted, guard)
 
     def wait_ready(self, timeout: float) -> Operation[None]:
         """End when there is a server that fits; with ServerLostError after `timeout` [s]."""
@@ -148,6 +154,7 @@ class ActionClient:
         on_feedback: Callable[[Any], None] | None,
         cancel_within: float,
         on_accepted: Callable[[], None] | None = None,
+        guard: Guard | None = None,
     ) -> Operation[Any]:
         def cancel() -> None:
             self._bus.post(lambda: self._do(entry, entry.machine.cancel(time.monotonic())))
@@ -155,7 +162,7 @@ class ActionClient:
         operation: Operation[Any] = Operation(on_cancel=cancel)
         patience = Patience(wait, timeout, cancel_within, GRACE if self._supervised else 0.0, self.limit)
         entry = _Entry(Goal(self.name, patience, time.monotonic()), message, operation, on_feedback)
-        entry.on_accepted = on_accepted
+        entry.on_accepted, entry.guard = on_accepted, guard
         posted = self._bus.post(lambda: self._submit(entry))
         posted.add_done_callback(lambda: pass_error(posted, operation))
         return operation
@@ -246,8 +253,8 @@ class ActionClient:
             for future in entry.futures:
                 future.cancel()  # which takes it out of rclpy's lists; nobody else would, and they would grow for ever
             entry.futures.clear()
-            if entry.goal_id and self._bus.guard is not None:
-                self._bus.guard.over(entry.goal_id)
+            if entry.goal_id and entry.guard is not None:
+                entry.guard.over(entry.goal_id)
 
     @property
     def _connection(self) -> ActionWire:
@@ -257,8 +264,8 @@ class ActionClient:
 
     def _send(self, entry: _Entry) -> None:
         entry.servers, entry.goal_id = self._check.servers, new_goal_id()
-        if self._bus.guard is not None:
-            self._bus.guard.sent(self.name, entry.goal_id)
+        if entry.guard is not None:
+            entry.guard.sent(self.name, entry.goal_id)
         try:
             future = self._connection.send_goal(entry.goal_id, entry.message)
         except Exception as error:  # noqa: BLE001 - rclpy's own errors and TypeErrors of a wrong goal

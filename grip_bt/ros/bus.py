@@ -21,6 +21,7 @@ import warnings
 import weakref
 from collections import deque
 from collections.abc import Callable
+from contextlib import ExitStack
 from types import TracebackType
 from typing import Any, TypeVar, cast
 
@@ -36,7 +37,7 @@ from grip_bt.operation import Operation
 from .action import ActionClient
 from .client import ServiceClient
 from .environment import require
-from .reaping import Guard
+from .reaping import Guard, shared
 from .shared_memory import sweep
 from .topic import TopicReader, TopicWriter
 from .types import check_name, load_type, type_name
@@ -57,18 +58,16 @@ _log = logging.getLogger("grip.ros")
 class Bus:
     """A ROS node with its thread, and the clients that live on it.
 
-    Attributes:
-        guard: told of what is under way, so that it is ended after our death; None where nobody is.
-
     Args:
         name: the node's name.
         domain_id: the DDS domain; ROS_DOMAIN_ID, else 0, by default.
-        guard: see there.
+        guarded: whether goals that it sends, which may move something, are ended when this process has died.
     """
 
-    def __init__(self, name: str = "grip", domain_id: int | None = None, guard: Guard | None = None):
+    def __init__(self, name: str = "grip", domain_id: int | None = None, guarded: bool = False):
         require()
-        self.guard = guard
+        self._guarded, self._guards = guarded, ExitStack()
+        self._guard: Guard | None = None
         sweep()
         self._context = Context()
         rclpy.init(args=[], context=self._context, domain_id=domain_id, signal_handler_options=SignalHandlerOptions.NO)
@@ -148,6 +147,15 @@ class Bus:
                 raise GripError(f"{name} is used as {type_name(client.type)} already, not as {type_name(type_)}")
         return cast(C, client)
 
+    @property
+    def guard(self) -> Guard | None:
+        """What is told of all that is under way and may move something; it is started when it is first asked for."""
+        if self._guarded and self._guard is None:
+            with self._lock:
+                if self._guard is None and not self._closing:
+                    self._guard = self._guards.enter_context(shared(self._context.get_domain_id()))
+        return self._guard
+
     def post(self, work: Callable[[], T]) -> Operation[T]:
         """Run `work` on the bus's thread, in the order of the calls; at once when called from there."""
         operation: Operation[T] = Operation()
@@ -198,6 +206,7 @@ class Bus:
         self._executor.shutdown()
         self.node.destroy_node()
         self._context.try_shutdown()
+        self._guards.close()
         atexit.unregister(self._at_exit)
 
     def __enter__(self) -> Bus:

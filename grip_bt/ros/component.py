@@ -60,7 +60,7 @@ class RosComponent:
             return client.call(asked, abandon=not self.file.moves).then(self._unpack)
         if isinstance(client, ActionClient):
             goal = self._adapter.pack(request, client.type.Goal)
-            sent = client.send(goal, cancel_within=self.file.timeouts.cancel)
+            sent = client.send(goal, cancel_within=self.file.timeouts.cancel, moves=self.file.moves)
             whole = sent.then(self._unpack_end)
             whole.progress_through(self._feedback)
             return whole

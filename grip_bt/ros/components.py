@@ -20,6 +20,7 @@ from .frames import FrameTree
 from .interfaces import Built, build_interfaces
 from .overlay import activate
 from .process import Process, child_environment
+from .reaping import READY, Guard
 from .starting import command_of, uses_our_python
 
 INTERFACES = "interfaces"
@@ -168,13 +169,16 @@ def start_components(
     seconds = time.monotonic() - started if fresh else 0.0
     for prefix in dict.fromkeys(p for prefixes in overlays.values() for p in prefixes):
         activate(prefix)
-    bus = Bus(domain_id=domain_id)
+    bus = Bus(domain_id=domain_id, guarded=True)
     components = Components(bus, {}, seconds)
     try:
         for name, file in files.items():
             log = project / ".grip" / "logs" / f"{name}.log"
             components._running[name] = _start(bus, file, folders[name], overlays[name], domain_id, log, frames)
+        guard = _guard(bus, files.values())
         components.wait_ready()
+        if guard is not None:
+            guard.wait_ready(READY)
     except BaseException:
         components.close()
         raise
@@ -190,6 +194,16 @@ def _build(folder: Path, project: Path, begun: Callable[[str], None]) -> list[Bu
     if not (folder / INTERFACES).is_dir():
         return []
     return build_interfaces(folder / INTERFACES, project / ".grip" / "interfaces", begun=begun)
+
+
+def _guard(bus: Bus, files: Iterable[ComponentFile]) -> Guard | None:
+    """Return what sees to actions that may move something when this process has died, where there are such."""
+    actions = [file.server for file in files if file.kind == "action" and file.moves]
+    guard = bus.guard if actions else None
+    if guard is not None:
+        for action in actions:
+            guard.knows(action)
+    return guard
 
 
 def _check_one_definition(built: Mapping[str, Sequence[Built]], folders: Mapping[str, Path]) -> None:

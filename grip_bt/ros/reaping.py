@@ -7,13 +7,16 @@ import os
 import select
 import subprocess
 import threading
-from collections.abc import Sequence
-from contextlib import suppress
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 
+from grip_bt.errors import GripError
 from grip_bt.interpreter import python_command
 
 REPORT = "GRIP_REAPER_REPORT"
 """Environment variable: number of the file descriptor for the reaper's report."""
+READY = 60.0
+"""How long the reaper may take to come up, where nobody says otherwise [s]: some 2 s on a machine that isn't busy."""
 _MARK = "GRIP_RUN_MARK"
 """By this variable processes of a run are found and ended with it; the reaper has to outlive them."""
 
@@ -40,20 +43,34 @@ class Guard:
         assert self._process.stdin is not None
         self._end = self._process.stdin.fileno()
         os.set_blocking(self._end, False)
+        self._is_ready = False
 
     def ready(self, within: float) -> bool:
         """Block until it can do its work, at most `within` [s]; return whether it can."""
         assert self._process.stdout is not None
-        found, _, _ = select.select([self._process.stdout], [], [], within)
-        return bool(found) and bool(self._process.stdout.read(1))
+        if not self._is_ready and select.select([self._process.stdout], [], [], within)[0]:
+            self._is_ready = bool(self._process.stdout.read(1))
+        return self._is_ready
+
+    def wait_ready(self, within: float) -> None:
+        """Block until it can do its work, at most `within` [s].
+
+        Raises:
+            GripError: it can't.
+        """
+        if not self.ready(within):
+            raise GripError("the process that ends goals when this one is killed doesn't come up; run `grip doctor`")
 
     def knows(self, action: str) -> None:
         """Have an action's server found before there is a goal."""
         self._tell(knows=action)
 
-    def watch(self, part: str, topic: str, joints: Sequence[str]) -> None:
-        """Say which joints tell whether a part is at rest, and on which topic they are measured."""
-        self._tell(watch=[part, topic, list(joints)])
+    def watch(self, part: str, topic: str, joints: Sequence[str], actions: Sequence[str] = ()) -> None:
+        """Say which joints tell whether a part is at rest, on which topic they are measured, and which actions move it.
+
+        A goal of any other action has come to rest when its server says that it has ended.
+        """
+        self._tell(watch=[part, topic, list(joints), list(actions)])
 
     def sent(self, action: str, goal_id: bytes) -> None:
         """Say that a goal is about to be sent."""
@@ -89,3 +106,24 @@ class Guard:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+_shared: dict[int, tuple[Guard, int]] = {}
+_lock = threading.Lock()
+
+
+@contextmanager
+def shared(domain: int) -> Iterator[Guard]:
+    """Give the guard that all connections of this process to a domain share, so that it is one process for them all."""
+    with _lock:
+        guard, users = _shared.get(domain) or (Guard(domain), 0)
+        _shared[domain] = guard, users + 1
+    try:
+        yield guard
+    finally:
+        with _lock:
+            _, users = _shared.pop(domain)
+            if users > 1:
+                _shared[domain] = guard, users - 1
+        if users == 1:
+            guard.close()

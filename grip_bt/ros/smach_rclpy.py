@@ -45,7 +45,7 @@ def connect(domain_id: int | None = None, interface_cache: Path | None = None) -
     Raises:
         MissingPartError: there is no ROS 2.
     """
-    return RclpyConnection(Bus("smach", domain_id=domain_id), interface_cache)
+    return RclpyConnection(Bus("smach", domain_id=domain_id, guarded=True), interface_cache)
 
 
 class RclpyConnection:
@@ -195,6 +195,8 @@ class _Service:
 class _ActionClient:
     def __init__(self, bus: Bus, name: str, type_: Any):
         self._client = bus.action(type_, name)
+        if bus.guard is not None:
+            bus.guard.knows(name)
         self._goal: Operation[Any] | None = None
 
     def wait(self, timeout: float) -> bool:

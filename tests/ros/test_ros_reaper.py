@@ -34,12 +34,12 @@ def states(bus, start_server, interface_cache):
     return made
 
 
-@pytest.mark.parametrize("way", ["trajectory", "topic"])
-def test_the_arm_of_a_run_that_was_killed_comes_to_rest(way, states, domain):
+def said_of(domain, program, *arguments, overlays=(), begun=lambda: True):
+    """Kill a program of `data/` when it has begun to have something moved; return what its reaper says."""
     reads, writes = os.pipe()
     with subprocess.Popen(
-        python_command(str(DATA / "mover.py"), way, str(domain)),
-        env={**child_environment((), domain), REPORT: str(writes)},
+        python_command(str(DATA / program), *arguments),
+        env={**child_environment(overlays, domain), REPORT: str(writes)},
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,
@@ -52,12 +52,18 @@ def test_the_arm_of_a_run_that_was_killed_comes_to_rest(way, states, domain):
             run.stdin.write("\n")
             run.stdin.flush()
             assert run.stdout.readline() == "begun\n"
-            time.sleep(random.Random(way).uniform(0.0, 0.5))  # any moment will do
+            until(begun, within=PATIENCE)
+            time.sleep(random.uniform(0.0, 0.5))  # any moment will do
         finally:
             os.killpg(run.pid, signal.SIGKILL)
     with os.fdopen(reads) as report:
-        said = json.loads(report.readline())
-    assert said == {"arm": ""}
+        return json.loads(report.read() or "null")
+
+
+@pytest.mark.parametrize("way", ["trajectory", "topic"])
+def test_the_arm_of_a_run_that_was_killed_comes_to_rest(way, states, domain):
+    begun = lambda: np.abs(ended(states.fresh(NAMES)).position).max() > 1e-4  # noqa: E731
+    assert said_of(domain, "mover.py", way, str(domain), begun=begun) == {"arm": ""}
     there = stands(states, NAMES)
     assert np.abs(there).max() < 2.0
     assert ended(states.fresh(NAMES)).position == pytest.approx(there, abs=1e-3)
@@ -71,3 +77,55 @@ def test_a_run_that_has_ended_its_motions_leaves_no_reaper(domain):
         guard.over(bytes(16))
         pid = guard._process.pid
     until(lambda: gone(pid), within=PATIENCE)
+
+
+COMPONENT = """\
+name: worker
+interface: trial_interfaces/action/Work
+server: /work
+outcomes: [done]
+moves: {moves}
+timeouts: {{call: 1000, ready: 400, cancel: 400}}
+"""
+
+
+@pytest.fixture
+def counts(bus, act, trial):
+    """Start a server that isn't the run's, and return a function that gives its counts."""
+    from std_srvs.srv import Trigger
+
+    act()
+    client = bus.service(Trigger, "/work/counts")
+    return lambda: json.loads(ended(client.call(Trigger.Request())).message)
+
+
+@pytest.fixture
+def said_of_a_caller(counts, trial, domain, tmp_path):
+    """Return a function that kills a program with a goal of the server's under way; see `data/caller.py`."""
+
+    def said(way, text, moves="true"):
+        folder = tmp_path / "components" / "worker"
+        folder.mkdir(parents=True)
+        (folder / "component.yaml").write_text(COMPONENT.format(moves=moves))
+        arguments = ("caller.py", way, str(domain), str(tmp_path), text)
+        return said_of(domain, *arguments, overlays=[trial], begun=lambda: counts()["active"])
+
+    return said
+
+
+@pytest.mark.parametrize("moves", ["true", "false"])
+def test_a_goal_of_a_component_ends_with_its_run_unless_it_moves_nothing(moves, said_of_a_caller, counts):
+    assert said_of_a_caller("component", "slow", moves) is None  # nothing that couldn't be confirmed
+    assert counts()["canceled" if moves == "true" else "active"] == 1
+
+
+def test_a_goal_of_a_smach_state_ends_with_its_run(said_of_a_caller, counts):
+    assert said_of_a_caller("state", "slow") is None
+    assert counts()["canceled"] == 1
+
+
+@pytest.mark.parametrize(("how", "why"), [("stubborn", "refused to stop"), ("hang", "hasn't said that it has ended")])
+def test_a_goal_that_does_not_end_is_told(how, why, said_of_a_caller):
+    said = said_of_a_caller("state", how)
+    assert list(said) == ["/work"]
+    assert why in said["/work"]

@@ -65,7 +65,7 @@ class MoveGroup:
         goal.planning_options.plan_only = True
         goal.planning_options.planning_scene_diff.is_diff = True
         goal.planning_options.planning_scene_diff.robot_state.is_diff = True
-        sent = self._plan.send(goal, timeout=timeout + ANSWER)
+        sent = self._plan.send(goal, timeout=timeout + ANSWER, moves=False)
         return self._named(sent, "planning", _ended)
 
     def plan_by_service(self, request: Any, timeout: float) -> Operation[Any]:

@@ -7,14 +7,12 @@ import numpy as np
 
 from grip_bt.ros.bus import Bus
 from grip_bt.ros.controllers import JointStates, TopicExecutor, TrajectoryExecutor
-from grip_bt.ros.reaping import Guard
 from grip_bt.values import Trajectory
 
 NAMES = ("joint_a", "joint_b")
 way, domain = sys.argv[1], int(sys.argv[2])
-guard = Guard(domain)
-guard.watch("arm", "/joint_states", NAMES)
-bus = Bus("mover", domain, guard)
+bus = Bus("mover", domain, guarded=True)
+bus.guard.watch("arm", "/joint_states", NAMES, ["/arm/follow_joint_trajectory"])
 states = JointStates(bus, stale=400.0)
 states.wait_for(NAMES, 400.0)
 if way == "topic":
