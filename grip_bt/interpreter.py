@@ -1,7 +1,11 @@
-"""How this Python is started once more: the current folder isn't on its path, whatever modules somebody has in it."""
+"""How this Python is started once more, and how such a process has ended.
+
+The current folder isn't on its path, whatever modules somebody has in it.
+"""
 
 from __future__ import annotations
 
+import signal
 import sys
 
 
@@ -16,3 +20,14 @@ def python_command(*words: str) -> list[str]:
         *words: such as `-m`, a module, and its arguments.
     """
     return [sys.executable, "-P", *words]
+
+
+def how_ended(status: int) -> str:
+    """Return how a process ended, by its `returncode`: `was ended by SIGKILL (Killed)`, `ended with exit status 1`."""
+    if status >= 0:
+        return f"ended with exit status {status}"
+    try:
+        name = signal.Signals(-status).name
+    except ValueError:
+        name = str(-status)
+    return f"was ended by {name} ({signal.strsignal(-status)})"

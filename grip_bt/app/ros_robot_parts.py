@@ -64,7 +64,7 @@ def open_robot(project: Project, resources: Resources, seed: int, stack: ExitSta
             raise UnknownNameError("controller of", name, settings.controllers, "grip.yaml: ros/controllers")
     description = project.description()
     check_arms(project, description)
-    process = stack.enter_context(PlanningProcess(description))
+    process = stack.enter_context(PlanningProcess(description, partial(progress, "planner")))
     chosen = os.environ.get("ROS_DOMAIN_ID")
     domain = int(chosen) if chosen else None
     bus = stack.enter_context(Bus("grip_robot", domain, guarded=True))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from contextlib import ExitStack
 from dataclasses import replace
+from functools import partial
 
 from grip_bt.errors import GripError, MissingPartError
 from grip_bt.runtime.lockstep import InTurn, Lockstep
@@ -53,7 +54,8 @@ def open_robot(
     progress("starting", "the simulator and the planner")
     description = project.description()
     check_arms(project, description)
-    planner = stack.enter_context(PlanningProcess(description))  # builds its model while the simulator starts
+    planner = stack.enter_context(PlanningProcess(description, partial(progress, "planner")))
+    # It builds its model while the simulator starts.
     spec = replace(table_world(seed), robot=project.robot_source)
     simulation = stack.enter_context(start_simulation(spec, pace, hold))
     progress("simulator", f"SAPIEN in process {simulation.pid}: {', '.join(o.name for o in spec.objects)} on the table")

@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import Any
 
 from grip_bt.errors import GripError
-from grip_bt.interpreter import python_command
+from grip_bt.interpreter import how_ended, python_command
 from grip_bt.runtime.pulse import LARGEST, PulseReader
 from grip_bt.runtime.rest import Rest
 
@@ -264,7 +264,7 @@ class Supervisor:
         stopped = self._stopping and not self._stood_still
         last, active = self._pulse.where(self._paths)
         path = last if last in active or not active else active[-1]
-        how = self._why or _how(status)
+        how = self._why or how_ended(status) + (" before the task had ended" if status >= 0 else "")
         message = f"the run's process {how}"
         trace = self._traceback()
         if self._run is None:
@@ -327,16 +327,6 @@ def _advice(number: int | None) -> str:
         errno.EAGAIN: "; too many processes run: ulimit -u says how many may",
     }
     return known.get(number or 0, "")
-
-
-def _how(status: int) -> str:
-    if status >= 0:
-        return f"ended with exit status {status} before the task had ended"
-    try:
-        name = signal.Signals(-status).name
-    except ValueError:
-        name = str(-status)
-    return f"was ended by {name} ({signal.strsignal(-status)})"
 
 
 def _place(trace: str) -> str:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import os
 import subprocess
 import threading
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import IO, Any, Protocol
 
 from grip_bt.errors import CanceledError, PlannerLostError
-from grip_bt.interpreter import python_command
+from grip_bt.interpreter import how_ended, python_command
 from grip_bt.operation import Operation
 from grip_bt.values import Plan
 
@@ -21,7 +22,6 @@ from .robots import RobotDescription
 PROGRAM = "grip_bt.commanders.planning.process"
 CANCEL_GRACE = 0.04
 """A cancelled request has this long [s] to end by itself; then the process is replaced."""
-_LOST = "the planning process died twice; what it printed on stderr tells why"
 
 
 class PlanningService(Protocol):
@@ -60,10 +60,12 @@ class PlanningProcess:
 
     Args:
         robot: what it plans for.
+        told: of each child that died and that another one takes the place of, in words; on a thread of our own.
     """
 
-    def __init__(self, robot: RobotDescription):
-        self._robot = robot
+    def __init__(self, robot: RobotDescription, told: Callable[[str], None] = lambda words: None):
+        self._robot, self._told = robot, told
+        self._given_up: subprocess.Popen[bytes] | None = None
         self._lock = threading.Lock()
         self._jobs: dict[int, _Job] = {}
         self._numbers = 0
@@ -100,7 +102,7 @@ class PlanningProcess:
             number = self._numbers
             operation: Operation[Plan | ChosenGrasp | None] = Operation(on_cancel=lambda: self._cancel(number))
             if self._stillborn >= 2:
-                return Operation.failed(PlannerLostError(_LOST, exit_status=self._child.returncode))
+                return Operation.failed(_lost(self._child))
             self._jobs[number] = _Job(number, request, operation)
             self._send("plan", number, request)
         return operation
@@ -178,8 +180,12 @@ class PlanningProcess:
                 self._spawn()
                 for job in self._jobs.values():
                     self._send("plan", job.number, job.request)
+            wanted, other = len(self._jobs), self._child.pid
         for job in lost:
-            job.operation.fail(PlannerLostError(_LOST, exit_status=dead.returncode))
+            job.operation.fail(_lost(dead))
+        if dead is not self._given_up and other != dead.pid:
+            again = ", and makes its plan anew" if wanted else ""
+            self._told(f"process {dead.pid} {how_ended(dead.returncode)}; process {other} takes its place{again}")
 
     def _lost_jobs(self) -> list[_Job]:
         """Take out the jobs that won't be sent again: the one that two children died over, or all if none can start."""
@@ -213,8 +219,15 @@ class PlanningProcess:
         if job is None:
             return
         if running and self._ready.is_set():
+            self._given_up = child
             child.kill()
         job.operation.fail(CanceledError("planning was cancelled"))
+
+
+def _lost(dead: subprocess.Popen[bytes]) -> PlannerLostError:
+    how = how_ended(dead.returncode)
+    words = f"the planning process died twice: process {dead.pid} {how}; what it printed on stderr may tell why"
+    return PlannerLostError(words, exit_status=dead.returncode)
 
 
 def _close(pipe: IO[bytes] | None) -> None:

@@ -240,3 +240,25 @@ def test_a_killed_parent_leaves_a_journal_that_ends_where_it_was_killed(tmp_path
     assert events[-1].data["status"] == "died"
     assert not [event for event in events if event.event == "interrupted" or event.data.get("state") == "stopping"]
     wait_until(lambda: gone(mark), f"nobody is left behind: {processes(mark)}")
+
+
+@pytest.mark.slow
+def test_a_planner_that_was_killed_is_told_and_the_run_goes_on(tmp_path: Path) -> None:
+    pytest.importorskip("sapien")
+    mark = f"{os.getpid()}-planner"
+    (tmp_path / "moves.yaml").write_text(MOVES)
+    (tmp_path / "grip.yaml").write_text("grip: 1\n" + SIMULATED)
+    run = begin(tmp_path, "moves.yaml", "sim", mark)
+    wait_until(lambda: entered(tmp_path), "the run begins")
+    (planner,) = (pid for pid, command in processes(mark).items() if part_of(command) == "planner")
+    os.kill(planner, signal.SIGKILL)
+    words = f"process {planner} was ended by SIGKILL (Killed); process "
+    wait_until(lambda: words in (tmp_path / "said").read_text(), "the death is told")
+    (record,) = records(tmp_path)
+    with JournalReader(tmp_path / ".grip" / "runs.sqlite") as reader:
+        before = reader.count(record.id)
+        wait_until(lambda: reader.count(record.id) > before + 3, "the task goes on")
+    run.send_signal(signal.SIGINT)
+    wait_until(lambda: run.poll() is not None, "the parent ends")
+    wait_until(lambda: gone(mark), "nobody is left behind")
+    assert records(tmp_path)[0].status == "stopped"

@@ -164,7 +164,7 @@ def test_a_request_that_kills_two_processes_is_given_up(planner):
         os.kill(pid, signal.SIGKILL)
         wait_until(lambda pid=pid: planner.pid != pid)
         assert planner.wait_until_ready()
-    with pytest.raises(PlannerLostError):
+    with pytest.raises(PlannerLostError, match=f"died twice: process {pid} was ended by SIGKILL"):
         ended(operation).result()
     ended(planner.submit(reachable_request())).result()
 
@@ -174,6 +174,24 @@ def wait_until(condition, seconds=120.0):
     while not condition():
         assert time.monotonic() < end
         time.sleep(0.005)
+
+
+def test_whoever_is_interested_is_told_of_a_death_and_of_no_other_end():
+    told = []
+    with PlanningProcess(robot_model().description, told.append) as process:
+        assert process.wait_until_ready()
+        pids = [process.pid]
+        os.kill(process.pid, signal.SIGKILL)
+        wait_until(lambda: told)
+        pids.append(process.pid)
+        operation = process.submit(endless_request())
+        os.kill(process.pid, signal.SIGKILL)
+        wait_until(lambda: len(told) == 2)
+        pids.append(process.pid)
+        operation.cancel()
+        ended(operation)
+    died = "process {} was ended by SIGKILL (Killed); process {} takes its place"
+    assert told == [died.format(*pids[:2]), died.format(*pids[1:]) + ", and makes its plan anew"]
 
 
 def test_a_process_that_cannot_start_is_reported_not_started_for_ever(monkeypatch, capfd):
