@@ -236,3 +236,70 @@ def test_what_is_nested_is_looked_at_as_often_and_ends_alike(board: Client, kind
             stored = {key: str(kept) for key, kept in Blackboard.storage.items()}
             ends.append((leaf.status, leaf.feedback_message, looked.looks, error, stored))
         assert ends[0] == ends[1]
+
+
+KINDS: dict[str, Callable[[str], Any]] = {
+    "exists": lambda key: behaviours.CheckBlackboardVariableExists("leaf", key),
+    "waits": lambda key: behaviours.WaitForBlackboardVariable("leaf", key),
+    "check": lambda key: checking(1, key=key),
+    "wait": lambda key: behaviours.WaitForBlackboardVariableValue("leaf", ComparisonExpression(key, 1, operator.eq)),
+    "status": lambda key: behaviours.BlackboardToStatus("leaf", key),
+    "set": lambda key: behaviours.SetBlackboardVariable("leaf", key, 7, True),
+    "unset": lambda key: behaviours.UnsetBlackboardVariable("leaf", key),
+    "two": lambda key: behaviours.CompareBlackboardVariables("leaf", key, "pose", operator.eq),
+    "all": lambda key: behaviours.CheckBlackboardVariableValues(
+        "leaf", [ComparisonExpression(name, 1, operator.eq) for name in (key, "pose")], operator.or_
+    ),
+}
+
+
+def stored(kind: str) -> dict[str, Any]:
+    """Return other values at each place, so that who looks at the wrong one is seen."""
+    return {"/x": R, "/y": S, "/pose": 1} if kind == "status" else {"/x": 1, "/y": 2, "/pose": 1}
+
+
+def left(leaf: Any, tick: Callable[[], None], kind: str) -> tuple[Any, ...]:
+    """Tick once over a fresh blackboard; return all that can be seen afterwards."""
+    Blackboard.storage.clear()
+    Blackboard.storage.update(stored(kind))
+    stream = Blackboard.activity_stream
+    if stream is not None:
+        stream.clear()
+    tick()
+    said = [(item.key, item.activity_type, item.current_value) for item in stream.data] if stream is not None else []
+    return leaf.status, leaf.feedback_message, said, dict(Blackboard.storage)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_an_activity_stream_hears_of_every_leaf_what_py_trees_tells_it(board: Client, kind: str) -> None:
+    theirs, ours = KINDS[kind]("x"), KINDS[kind]("x")
+    plan = hot(ours)
+    left(ours, plan.tick, kind)
+    Blackboard.enable_activity_stream()
+    told = left(theirs, theirs.tick_once, kind)
+    assert told[2], "there is something to hear"
+    assert left(ours, plan.tick, kind) == told
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_changed_about_a_leaf_counts_from_the_next_tick_on(board: Client, kind: str) -> None:
+    """Whatever attribute of the leaf it is: each is taken from a leaf over another variable, by itself."""
+    names = vars(KINDS[kind]("x")).keys() & {
+        *("key", "variable_name", "variable_value_generator", "overwrite", "check", "checks", "operator"),
+        *("var1_key", "var2_key", "blackboard"),
+    }
+    assert names
+    for name in sorted(names):
+        ends = []
+        for planned in (False, True):
+            leaf, other = KINDS[kind]("x"), KINDS[kind]("y")
+            for each in (leaf, other):
+                for key in ("x", "y", "pose"):
+                    each.blackboard.register_key(key=key, access=Access.WRITE)
+                    each.blackboard.register_key(key=key, access=Access.READ)
+            plan = hot(leaf)
+            tick = plan.tick if planned else leaf.tick_once
+            left(leaf, tick, kind)
+            setattr(leaf, name, False if name == "overwrite" else getattr(other, name))
+            ends.append(left(leaf, tick, kind))
+        assert ends[0] == ends[1], name

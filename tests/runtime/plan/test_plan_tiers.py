@@ -14,6 +14,7 @@ from py_trees.common import ParallelPolicy
 from grip_bt.runtime import Plan
 from grip_bt.runtime.plan import regions
 from grip_bt.runtime.plan.plan import WARM_UP
+from grip_bt.runtime.plan.watch import Methods
 
 
 def told(name: str, *script: Any) -> Told:
@@ -58,6 +59,42 @@ def test_a_settled_tree_is_ticked_by_a_trace_that_calls_what_runs_and_nothing_el
     assert (calls(guard), calls(done), calls(working)) == (10, 1, 10)
 
 
+@pytest.mark.parametrize("kind", ["sequence", "selector", "parallel", "decorator"])
+def test_what_is_asked_in_every_tick_is_asked_by_a_trace_too(kind: str) -> None:
+    usual, other = (F, S) if kind == "selector" else (S, F)
+    asked, working = told("asked", *[usual] * 10, other), told("working", R)
+    if kind == "decorator":
+        asked = told("asked", *[F] * 10, S)
+        root: Behaviour = decorators.FailureIsRunning("on", asked)
+    elif kind == "parallel":
+        root = composites.Parallel("both", ParallelPolicy.SuccessOnAll(synchronise=False), [asked, working])
+    else:
+        root = {"sequence": composites.Sequence, "selector": composites.Selector}[kind]("root", False, [asked, working])
+    plan = Plan(root)
+    for _ in range(10):
+        plan.tick()
+    assert plan._trace is not None
+    assert root.status is R
+    plan.tick()
+    assert calls(asked) == 11
+    assert root.status is (S if kind in ("selector", "decorator") else F)
+    assert working.status is INVALID
+
+
+@pytest.mark.parametrize("name", ["initialise", "terminate"])
+def test_a_method_that_a_leaf_gets_right_after_a_trace_has_ended_is_called(name: str) -> None:
+    """The plan puts what the trace knows into the leaf for one tick, which isn't what the leaf looks like."""
+    working = told("working", *[R] * 9, S)
+    plan = Plan(steps(working, memory=False))
+    for _ in range(10):
+        plan.tick()
+    assert plan._trace is None
+    seen: list[Any] = []
+    setattr(working, name, lambda *args: seen.append(args))
+    plan.tick()
+    assert seen
+
+
 @pytest.mark.parametrize("result", [S, F, INVALID])
 def test_nothing_is_called_twice_when_a_trace_ends(result: Any) -> None:
     guard = told("guard", S)
@@ -69,6 +106,7 @@ def test_nothing_is_called_twice_when_a_trace_ends(result: Any) -> None:
     assert plan._trace is None
     assert [calls(leaf) for leaf in (guard, *members)] == [10, 10, 10]
     assert "update" not in vars(guard)
+    assert not Methods.passing, "sizes are noted again"
 
 
 def test_a_trace_lets_a_timeout_end(monkeypatch: pytest.MonkeyPatch) -> None:
