@@ -53,8 +53,9 @@ class Gate:
             await self._app(scope, receive, send)
             return
         headers = Headers(scope=scope)
-        status, why = self._refusal(scope, headers)
-        if why:
+        refusal = self._refusal(scope, headers)
+        if refusal is not None:
+            status, why = refusal
             log.warning("refused %s %s from %s: %s", scope["type"], scope["path"], scope.get("client"), why)
             await self._refuse(scope, receive, send, status, why)
         elif scope["type"] == "http" and (given := self._given(scope)) is not None:
@@ -62,7 +63,7 @@ class Gate:
         else:
             await self._pass(scope, receive, send)
 
-    def _refusal(self, scope: Scope, headers: Headers) -> tuple[int, str]:
+    def _refusal(self, scope: Scope, headers: Headers) -> tuple[int, str] | None:
         host = urlsplit(f"//{headers.get('host', '')}")
         if host.hostname not in LOOPBACK:
             return 400, "the host isn't this machine"
@@ -71,13 +72,13 @@ class Gate:
         if (changes or origin) and origin != f"http://{host.netloc}":
             return 403, "the request comes from another origin"
         if scope["type"] == "http" and self._given(scope) is not None:
-            return 0, ""
+            return None
         if not self._knows_token(scope, headers):
             return 401, "open the address that `grip edit` printed: it carries the token of this start"
         length = headers.get("content-length", "0")
         if not length.isdigit() or int(length) > _limit(scope):
             return 413, _too_large(scope)
-        return 0, ""
+        return None
 
     def _given(self, scope: Scope) -> str | None:
         """Return the query without the token when the URL carries the right one, else None."""
