@@ -50,9 +50,9 @@ def from_face(behaviour: Node) -> dict[str, Any]:
     Raises:
         NoEqual: it reads or writes variables, whose names and types only the document has; or its class is unknown.
     """
-    keys = _keys(behaviour)
     if isinstance(behaviour, control.Conditional):
         raise NoEqual(f"it has the precondition `{behaviour.precondition.text}`, {_GIVE}")
+    keys = _keys(behaviour)
     if isinstance(behaviour, control.Container):
         if behaviour.enter is not None:
             raise NoEqual(f"it declares variables, {_GIVE}")
@@ -71,7 +71,7 @@ _SECRETS: dict[type, str] = {
 
 
 def _keys(node: Node) -> dict[str, Any]:
-    base = type(node).__mro__[2] if isinstance(node, control.Conditional) else type(node)
+    base = type(node)
     if isinstance(node, Leaf):
         return _leaf(node)
     if base is control.Sequence:

@@ -7,7 +7,7 @@ from xml.parsers import expat
 
 from grip_bt.errors import DocumentError
 
-LARGEST, DEEPEST, LONGEST_TEXT = 4_000_000, 120, 10_000
+LARGEST, DEEPEST = 4_000_000, 120
 
 
 @dataclass
@@ -19,7 +19,7 @@ class Element:
         attributes: by name, in order.
         line: where it begins, from 1.
         children: its elements; comments are left out.
-        text: the characters in it, up to `LONGEST_TEXT`.
+        text: the characters in it.
     """
 
     tag: str
@@ -58,8 +58,7 @@ def read_elements(text: str, source: str) -> Element:
         stack.pop()
 
     def characters(text: str) -> None:
-        if len(stack[-1].text) < LONGEST_TEXT:
-            stack[-1].text += text
+        stack[-1].text += text
 
     def refuse(*what: object) -> None:
         raise DocumentError("a document type (<!DOCTYPE ...>) isn't read; remove it", source, parser.CurrentLineNumber)
