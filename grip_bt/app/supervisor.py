@@ -36,9 +36,9 @@ STILL = 0.5
 """How long [s] after a stop it may show no sign of life before it has ended; it shows several in that time."""
 REAPED = 11.0
 """How long [s] the reaper of a robot over ROS may take to say what came of a run whose process has died."""
-HOLD = 0.04
-"""How long [s] a simulator is listened to before the process is ended. It says that the robot holds when
-its joints rest: of one that still brakes then, nothing is said."""
+HOLD = 2.0
+"""How long [s] a simulator is listened to before the process is ended. It answers when its joints rest, or don't come
+to rest: braking takes half a second of its time at most, and 1 s later it gives up."""
 LOOK = 0.25
 """How often [s] the parent looks whether the run's process is alive."""
 
@@ -60,7 +60,7 @@ class Supervisor:
         self, task: str, options: Mapping[str, Any], told: Told, silence: float | None = None, own_input: bool = True
     ):
         self._told, self._silence = told, silence
-        self._order = {"task": task, "options": dict(options)}
+        self._order, self._robot = {"task": task, "options": dict(options)}, options.get("robot")
         self._own_input = own_input
         self._lock = threading.RLock()
         self._acknowledged, self._over = threading.Event(), threading.Event()
@@ -70,7 +70,8 @@ class Supervisor:
         self._paths: list[str] = []
         self._run: Mapping[str, Any] | None = None
         self._ended: Mapping[str, Any] | None = None
-        self._stood_still = False
+        self._stood_still = self._simulated = False
+        self._held: dict[str, str] = {}
 
     # --- for whoever controls the run ---
 
@@ -181,30 +182,31 @@ class Supervisor:
         else:
             self._send({"command": "stop"})
         if not self._acknowledged.wait(called + ACKNOWLEDGE - time.monotonic()):
-            held = self._hold()
             self._told({"event": "state", "state": "stopping"})
-            self._kill(f"did not acknowledge the stop within {1000 * ACKNOWLEDGE:.0f} ms{held}")
+            self._hold()
+            self._kill(f"did not acknowledge the stop within {1000 * ACKNOWLEDGE:.0f} ms")
             return
         while time.monotonic() < called + WIND_DOWN:
             count = self._pulse.count
             if self._over.wait(STILL):
                 return
             if self._run is not None and self._ended is None and self._pulse.count == count:
-                held = self._hold()
-                self._kill(f"stood still after it had acknowledged the stop{held}")
+                self._hold()
+                self._kill("stood still after it had acknowledged the stop")
                 return
         self._kill(f"did not end within {WIND_DOWN:g} s of the stop")
 
-    def _hold(self) -> str:
-        """Have the simulator hold the robot; return what came of it."""
+    def _hold(self) -> None:
+        """Have the simulator, where there is one, hold the robot, and take note of what it has measured then."""
+        if not self._simulated:
+            return
         try:
             self._hold_end.settimeout(HOLD)
             self._hold_end.sendall(b"hold")
-            if self._hold_end.recv(4) == b"held":
-                return "; the robot holds"
+            said = self._hold_end.recv(1024).decode() or "the simulator has gone"
         except OSError:
-            pass
-        return ""
+            said = f"the simulator has said nothing of it within {HOLD:g} s"
+        self._held = {"robot": "" if said == "held" else said}
 
     def _kill(self, why: str) -> None:
         self._why = why
@@ -227,8 +229,8 @@ class Supervisor:
             count = now
             if self._silence is not None and still > self._silence and not self._why:
                 self._stood_still = True
-                held = self._hold()
-                self._kill(f"stood still for {self._silence:g} s, with code that lets no other run{held}")
+                self._hold()
+                self._kill(f"stood still for {self._silence:g} s, with code that lets no other run")
 
     def _read(self) -> None:
         with os.fdopen(self._event_end) as events:
@@ -238,6 +240,8 @@ class Supervisor:
                     case "nodes":
                         self._paths = event["paths"]
                         continue
+                    case "progress" if event["part"] == "simulator":
+                        self._simulated = True
                     case "started":
                         self._run, self._begun = event, time.monotonic()
                     case "state" if event["state"] == "stopping":
@@ -257,6 +261,9 @@ class Supervisor:
             if not more:
                 break
             text += more
+        else:
+            if self._robot == "ros":
+                return {"robot": f"nobody has said within {REAPED:g} s whether it is at rest"}
         return {part: why for line in text.splitlines() for part, why in json.loads(line).items()}
 
     def _obituary(self, status: int) -> dict[str, Any]:
@@ -274,7 +281,7 @@ class Supervisor:
             message = f"{path}: {message}; last node entered: {last}"
             message += f"; also active: {', '.join(others)}" if others else ""
             message += f"; {_place(trace)}" if trace else ""
-        measured = self._at_rest()
+        measured = {**self._held, **self._at_rest()}
         unconfirmed = {part: why for part, why in measured.items() if why}
         rest = str(Rest(tuple(part for part in measured if part not in unconfirmed), unconfirmed))
         end = "died" if stopped and self._lost else "stopped" if stopped else "error"

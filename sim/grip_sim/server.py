@@ -10,10 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from grip_bt.commanders.trajectory.braking import even_ramp
 from grip_bt.errors import GripError
 from grip_bt.values import Pose
 
-from .motions import Ended, Follow, Motion, MoveHand, Wait
+from .motions import STILL, Brake, Ended, Follow, Motion, MoveHand, Wait
 from .referee import judge
 from .specs import WorldSpec
 from .wire import Arrays, ClosedError, pack, receive
@@ -27,6 +28,8 @@ PATIENCE = 1.0
 """Where a motion is expected to be amended, time stands still for so long at most [s of ours]."""
 TELL_TIME = 0.02
 """While something moves, the client is told the time this often [s of ours]."""
+_LOOSE = -(1 << 40)
+"""The number of the motion that brakes joints which nothing drives; no call has it."""
 _LOOK = 0.002
 """While time stands still for an amendment, it is looked for again after so long [s of ours]."""
 
@@ -117,14 +120,34 @@ class Server:
         self._in_turns = False
         for number in list(self._motions):
             self._brake(number)
+        self._brake_loose()
         self._held = self._asked = True
         self._say_held()
 
+    def _brake_loose(self) -> None:
+        """Have joints come to rest that move although nothing is under way, as after a motion that was given up."""
+        robot, driven = self.world.robot, {row for motion in self._motions.values() for row in motion.rows.tolist()}
+        fast = np.flatnonzero(np.abs(robot.velocities()) >= STILL)
+        rows = np.array([row for row in fast.tolist() if row not in driven], dtype=np.intp)
+        if rows.size:
+            measured = robot.measure(rows)
+            ramp = even_ramp(measured.names, measured.position, measured.velocity, robot.accelerations(rows))
+            self._motions[_LOOSE] = Brake(robot, rows, ramp, self.world.time)
+
     def _say_held(self) -> None:
-        """Say that the robot holds, to whoever asked for that, when nothing moves any more."""
+        """Say whether joints were measured to rest, to whoever asked for that, when nothing is under way any more."""
         if self._asked and self._hold is not None and (self._frozen or not self._motions):
             self._asked = False
-            self._hold.sendall(b"held")
+            self._hold.sendall((self._unrest() or "held").encode())
+
+    def _unrest(self) -> str:
+        """Return which joint moves fastest, in words; nothing where all rest."""
+        speeds = np.abs(self.world.robot.velocities())
+        row = int(speeds.argmax())
+        if speeds[row] < STILL:
+            return ""
+        (name,) = self.world.robot.measure(np.array([row])).names
+        return f"{name} moves at {speeds[row]:.2f} rad/s{', in a world that is paused' if self._frozen else ''}"
 
     def _obey(self, fields: dict[str, Any], arrays: Arrays) -> None:
         number, call = fields.pop("id"), fields.pop("call")

@@ -53,6 +53,28 @@ root:
       children:
         worse: {node: bad/node, with: {how: %s}}
 """
+SIMULATED = "robot: panda_allegro\nworld: table\narms: {right: {hand: right_hand}}\nhands: {right_hand: {}}\n"
+MOVING = """
+grip: 1
+name: moving
+root:
+  kind: parallel
+  children:
+    moves:
+      kind: repeat
+      times: 40
+      child:
+        both:
+          kind: sequence
+          children:
+            there: {node: arm/move_through, with: {offsets: [[0, 0.12, 0], [0, 0.12, 0.1]], radius: 0.03}}
+            back: {node: arm/move_to, with: {state: home}}
+    hangs:
+      kind: sequence
+      children:
+        wait: {node: flow/wait, with: {seconds: 1.5}}
+        worse: {node: bad/node, with: {how: hold}}
+"""
 
 
 @pytest.fixture
@@ -138,6 +160,25 @@ def test_a_stop_that_is_not_acknowledged_ends_the_process_at_once(project: Path)
     assert "did not acknowledge the stop within 50 ms" in end["message"] or "stood still after" in end["message"]
     record, _ = last_run(project)
     assert record.status == "stopped"
+
+
+@pytest.mark.slow
+def test_the_robot_of_a_run_that_has_to_be_ended_is_said_to_rest_when_the_simulator_has_measured_it(
+    project: Path,
+) -> None:
+    pytest.importorskip("sapien")
+    (project / "grip.yaml").write_text("grip: 1\n" + SIMULATED)
+    file = project / "moving.yaml"
+    file.write_text(MOVING)
+    run = Supervised(file, robot="sim", pace=1.0)
+    run.until("started")
+    while "hangs/worse" not in run.supervisor._pulse.where(run.supervisor._paths)[1]:
+        time.sleep(0.001)
+    run.supervisor.stop()
+    end = run.supervisor.wait()
+    assert (end["status"], end["rest"], end["unconfirmed"]) == ("stopped", "'robot' is at rest", {})
+    record, events = last_run(project)
+    assert "'robot' is at rest" in events[-1].data["message"]
 
 
 def test_a_stop_while_it_starts_ends_it(project: Path) -> None:

@@ -13,6 +13,7 @@ from sim_bench import SPEC, Bench
 from grip_bt.errors import CanceledError, GripError
 from grip_bt.ports import Pausable
 from grip_sim import start_simulation
+from grip_sim.motions import STILL
 
 pytestmark = pytest.mark.sim
 TURN = np.array([0.5, 0, 0, 0, 0, 0, 0.5])
@@ -86,6 +87,32 @@ def test_a_watcher_holds_the_robot_for_good_over_a_channel_of_its_own():
             bench.wait(operation)
         with pytest.raises(GripError, match="told to hold by whoever watches over this run"):
             bench.wait(bench.arm.execute(bench.way(bench.arm.state().position)))
+
+
+@pytest.mark.parametrize("given_up", [False, True])
+def test_a_watcher_is_told_that_the_robot_holds_when_it_was_measured_to_rest(given_up):
+    ours, theirs = socket.socketpair()
+    with ours, theirs, start_simulation(SPEC, hold=theirs.fileno()) as simulation:
+        bench = Bench(simulation)
+        operation, goal = begun(bench, 1.5, 0.2)
+        if given_up:  # nothing is under way then, and the joints move
+            assert bench.arm.execute(bench.way(goal, start=goal + 1.0)).wait(PATIENCE)
+        ours.settimeout(PATIENCE)
+        ours.sendall(b"hold")
+        assert ours.recv(1024) == b"held"
+        assert np.abs(bench.arm.state().velocity).max() < STILL
+        assert operation.wait(PATIENCE)
+
+
+def test_a_watcher_of_a_world_that_was_paused_in_a_motion_is_told_that_it_does_not_rest():
+    ours, theirs = socket.socketpair()
+    with ours, theirs, start_simulation(SPEC, hold=theirs.fileno()) as simulation:
+        bench = Bench(simulation)
+        begun(bench, 1.5, 0.2)
+        simulation.pause()
+        ours.settimeout(PATIENCE)
+        ours.sendall(b"hold")
+        assert "rad/s, in a world that is paused" in ours.recv(1024).decode()
 
 
 def test_a_watcher_that_goes_away_holds_nothing():
