@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -81,8 +82,9 @@ def open_robot(project: Project, resources: Resources, seed: int, stack: ExitSta
     _wait_for_controllers(settings, bus, states, measured, progress)
     progress("robot", f"{len(measured)} joints measured on {settings.joint_states}")
     limits = description.acceleration_limits
-    executors = {name: held(_executor(settings, name, bus, joints[name], states, limits), limits) for name in alone}
-    ports = {name: HeldHand(_hand(settings, name, bus, joints[name], states, limits)) for name in file.hands}
+    controllers = _Controllers(settings, bus, states, limits)
+    executors = {name: held(controllers.executor(name, joints[name]), limits) for name in alone}
+    ports = {name: HeldHand(controllers.hand(name, joints[name])) for name in file.hands}
     resources.measure = states.fresh
     resources.pausable = [*executors.values(), *ports.values()]
     open_commanders(project, resources, description, planner, executors, ports, {}, seed)
@@ -163,45 +165,41 @@ def _joints(controller: ControllerConfig, group: Sequence[str]) -> tuple[str, ..
     return controller.joints or tuple(group)
 
 
-def _executor(
-    settings: RosRobotConfig,
-    name: str,
-    bus: Bus,
-    joints: Sequence[str],
-    states: JointStates,
-    limits: Mapping[str, float],
-) -> Executor:
-    from grip_bt.ros.controllers import StreamedExecutor, TopicExecutor, TrajectoryExecutor
+@dataclass(frozen=True)
+class _Controllers:
+    """What the ports of a robot's parts are made with."""
 
-    controller = settings.controllers[name]
-    if controller.trajectory is not None:
-        return TrajectoryExecutor(bus, controller.trajectory, joints, states, wait=settings.ready)
-    if controller.topic is not None:
-        return TopicExecutor(bus, controller.topic, joints, states, limits)
-    if controller.move_group is not None:
-        from grip_bt.ros.moveit import MoveGroupExecutor
+    settings: RosRobotConfig
+    bus: Bus
+    states: JointStates
+    limits: Mapping[str, float]
 
-        return MoveGroupExecutor(bus, controller.move_group, joints, states, settings.ready)
-    if controller.positions is not None:
-        return StreamedExecutor(bus, controller.positions, joints, states, accelerations=limits)
-    ways = "`trajectory`, `topic`, `positions` or `move_group`"
-    raise GripError(f"grip.yaml: ros/controllers/{name}: an arm isn't a gripper; say {ways}")
+    def executor(self, name: str, joints: Sequence[str]) -> Executor:
+        """Return what moves the joints of an arm, or of a hand over a controller that follows trajectories."""
+        from grip_bt.ros.controllers import StreamedExecutor, TopicExecutor, TrajectoryExecutor
 
+        controller, ready = self.settings.controllers[name], self.settings.ready
+        if controller.trajectory is not None:
+            return TrajectoryExecutor(self.bus, controller.trajectory, joints, self.states, wait=ready)
+        if controller.topic is not None:
+            return TopicExecutor(self.bus, controller.topic, joints, self.states, self.limits)
+        if controller.move_group is not None:
+            from grip_bt.ros.moveit import MoveGroupExecutor
 
-def _hand(
-    settings: RosRobotConfig,
-    name: str,
-    bus: Bus,
-    joints: Sequence[str],
-    states: JointStates,
-    limits: Mapping[str, float],
-) -> HandPort:
-    from grip_bt.ros.controllers import ControlledHand, GripperHand
+            return MoveGroupExecutor(self.bus, controller.move_group, joints, self.states, ready)
+        if controller.positions is not None:
+            return StreamedExecutor(self.bus, controller.positions, joints, self.states, self.limits)
+        ways = "`trajectory`, `topic`, `positions` or `move_group`"
+        raise GripError(f"grip.yaml: ros/controllers/{name}: an arm isn't a gripper; say {ways}")
 
-    gripper = settings.controllers[name].gripper
-    if gripper is None:
-        return ControlledHand(_executor(settings, name, bus, joints, states, limits), limits)
-    if len(joints) != 1:
-        reason = f"a gripper is asked through one joint, not {len(joints)}; name it: `joints: [NAME]`"
-        raise GripError(f"grip.yaml: ros/controllers/{name}: {reason}")
-    return GripperHand(bus, gripper, joints[0], states, settings.ready)
+    def hand(self, name: str, joints: Sequence[str]) -> HandPort:
+        """Return what moves the joints of a hand."""
+        from grip_bt.ros.controllers import ControlledHand, GripperHand
+
+        gripper = self.settings.controllers[name].gripper
+        if gripper is None:
+            return ControlledHand(self.executor(name, joints), self.limits)
+        if len(joints) != 1:
+            reason = f"a gripper is asked through one joint, not {len(joints)}; name it: `joints: [NAME]`"
+            raise GripError(f"grip.yaml: ros/controllers/{name}: {reason}")
+        return GripperHand(self.bus, gripper, joints[0], self.states, self.settings.ready)
