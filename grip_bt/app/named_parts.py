@@ -77,6 +77,15 @@ def field_of(arm: ArmConfig, robot: RobotDescription, name: str) -> Any:
     return preferred.value
 
 
+def jerks_of_arms(arms: Mapping[str, ArmConfig], robot: RobotDescription) -> dict[str, float]:
+    """Return joint -> jerk limit [rad/s^3] of the arms that say `jerk`; of a joint of two of them the smaller one."""
+    found: dict[str, float] = {}
+    for arm in arms.values():
+        for joint in robot.groups.get(arm.group, ()) if arm.jerk is not None else ():
+            found[joint] = min(found.get(joint, np.inf), robot.jerk_limits.get(joint, np.inf) * (arm.jerk or 1.0))
+    return {joint: limit for joint, limit in found.items() if np.isfinite(limit)}
+
+
 def common_states(arm: ArmConfig, arms: Mapping[str, ArmConfig], robot: RobotDescription) -> dict[str, JointState]:
     """Return the states that all arms which an arm joins have by the same name, such as `home`."""
     parts = [robot.named_states.get(arms[name].group, {}) for name in arm.arms if name in arms]

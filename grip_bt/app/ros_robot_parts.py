@@ -15,7 +15,7 @@ from grip_bt.ports import Camera, Executor, HandPort
 
 from .commander_parts import open_commanders
 from .frame_parts import provide_frames, robot_frames
-from .named_parts import check_arms
+from .named_parts import check_arms, jerks_of_arms
 from .planner_parts import planners_in_force, with_move_group
 from .project import Project
 from .resources import Progress, Resources
@@ -82,8 +82,9 @@ def open_robot(project: Project, resources: Resources, seed: int, stack: ExitSta
     _wait_for_controllers(settings, bus, states, measured, progress)
     progress("robot", f"{len(measured)} joints measured on {settings.joint_states}")
     limits = description.acceleration_limits
-    controllers = _Controllers(settings, bus, states, limits)
-    executors = {name: held(controllers.executor(name, joints[name]), limits) for name in alone}
+    jerks = jerks_of_arms(file.arms, description)
+    controllers = _Controllers(settings, bus, states, limits, jerks)
+    executors = {name: held(controllers.executor(name, joints[name]), limits, jerks=jerks) for name in alone}
     ports = {name: HeldHand(controllers.hand(name, joints[name])) for name in file.hands}
     resources.measure = states.fresh
     resources.pausable = [*executors.values(), *ports.values()]
@@ -173,6 +174,7 @@ class _Controllers:
     bus: Bus
     states: JointStates
     limits: Mapping[str, float]
+    jerks: Mapping[str, float]
 
     def executor(self, name: str, joints: Sequence[str]) -> Executor:
         """Return what moves the joints of an arm, or of a hand over a controller that follows trajectories."""
@@ -188,7 +190,8 @@ class _Controllers:
 
             return MoveGroupExecutor(self.bus, controller.move_group, joints, self.states, ready)
         if controller.positions is not None:
-            return StreamedExecutor(self.bus, controller.positions, joints, self.states, self.limits)
+            topic = controller.positions
+            return StreamedExecutor(self.bus, topic, joints, self.states, self.limits, jerks=self.jerks)
         ways = "`trajectory`, `topic`, `positions` or `move_group`"
         raise GripError(f"grip.yaml: ros/controllers/{name}: an arm isn't a gripper; say {ways}")
 

@@ -14,6 +14,7 @@ from grip_bt.operation import Operation
 from grip_bt.ports import Executor, HandPort
 from grip_bt.values import JointState, Trajectory
 
+from .named_parts import jerks_of_arms
 from .project import Project
 from .resources import Progress
 from .worlds import WORLDS, check_cameras
@@ -84,7 +85,8 @@ def serve_world(
     actions = {name: _action(project, name) for name in groups}
     with ExitStack() as stack:
         progress("starting", "the simulator")
-        spec = replace(table_world(seed), robot=project.robot_source)
+        jerks = jerks_of_arms(project.file.arms, project.description())
+        spec = replace(table_world(seed), robot=project.robot_source, jerks=jerks)
         simulation = stack.enter_context(start_simulation(spec, pace))
         names = ", ".join(thing.name for thing in spec.objects)
         progress("simulator", f"SAPIEN in process {simulation.pid}, world {world!r}, seed {seed}: {names}")

@@ -11,7 +11,7 @@ from grip_bt.runtime.lockstep import InTurn, Lockstep
 from grip_bt.values import Pose
 
 from .commander_parts import open_commanders
-from .named_parts import check_arms
+from .named_parts import check_arms, jerks_of_arms
 from .planner_parts import planners_in_force, with_move_group
 from .project import Project
 from .resources import Progress, Resources
@@ -56,7 +56,7 @@ def open_robot(
     check_arms(project, description)
     planner = stack.enter_context(PlanningProcess(description, partial(progress, "planner")))
     # It builds its model while the simulator starts.
-    spec = replace(table_world(seed), robot=project.robot_source)
+    spec = replace(table_world(seed), robot=project.robot_source, jerks=jerks_of_arms(file.arms, description))
     simulation = stack.enter_context(start_simulation(spec, pace, hold))
     progress("simulator", f"SAPIEN in process {simulation.pid}: {', '.join(o.name for o in spec.objects)} on the table")
     plans = with_move_group(project, description, planner, stack)

@@ -21,6 +21,7 @@ from grip_bt.values import JointState, Trajectory
 
 from .steering import spliced
 from .trajectory.braking import accelerations_of, paced
+from .trajectory.smooth import eased_down, jerks_of, smooth_start
 from .trajectory.splines import slowed
 
 J = TypeVar("J")
@@ -37,7 +38,11 @@ _GRID, _DOUBT = 0.005, 0.01
 
 
 def rest_of(
-    trajectory: Trajectory, measured: NDArray[np.float64], passed: float, acceleration: NDArray[np.float64]
+    trajectory: Trajectory,
+    measured: NDArray[np.float64],
+    passed: float,
+    acceleration: NDArray[np.float64],
+    jerk: NDArray[np.float64] | None = None,
 ) -> Trajectory:
     """Return what is left of a trajectory that was stopped: the same path, from rest.
 
@@ -49,6 +54,7 @@ def rest_of(
         measured: where its joints are, in its order.
         passed: how long it had been under way [s].
         acceleration: limits of its joints, shape (n,) [rad/s^2 or m/s^2].
+        jerk: likewise [rad/s^3 or m/s^3]; None for any.
 
     Raises:
         ExecutionAbortedError: the joints are too far from the path.
@@ -64,6 +70,11 @@ def rest_of(
     begin = float(times[nearest])
     aside = measured - trajectory.at(begin)
     fading = max(SHORTEST, float(np.sqrt(6 * np.abs(aside) / (_ASIDE_PART * acceleration)).max()))
+    if jerk is not None:
+        fading = max(fading, float(np.cbrt(60 * np.abs(aside) / (_ASIDE_PART * jerk)).max()))
+        return eased_down(
+            _fading(smooth_start(trajectory, begin, acceleration, jerk), aside, fading), acceleration, jerk
+        )
     rest = paced(trajectory, begin, 0.0, 1.0, acceleration, RAMP).stretched(fading)
     if rest.duration == 0.0:
         rest = Trajectory(
@@ -78,6 +89,24 @@ def rest_of(
         rest.velocities + np.outer(6 * (part**2 - part) / fading, aside),
     )
     return slowed(whole, np.full(len(aside), np.inf), acceleration)
+
+
+def _fading(rest: Trajectory, aside: NDArray[np.float64], within: float) -> Trajectory:
+    """Return a trajectory that begins aside of its path, shape (n,), and is on it after a time [s], smoothly."""
+    if rest.duration == 0.0:
+        still = np.zeros((2, len(aside)))
+        rest = Trajectory(rest.names, np.array([0.0, within]), np.tile(rest.positions, (2, 1)), still, still)
+    rest = rest.stretched(within)
+    assert rest.velocities is not None
+    assert rest.accelerations is not None
+    part = np.clip(rest.times / within, 0.0, 1.0)
+    return Trajectory(
+        rest.names,
+        rest.times,
+        rest.positions + np.outer(1 - 10 * part**3 + 15 * part**4 - 6 * part**5, aside),
+        rest.velocities - np.outer(30 * (part - part**2) ** 2 / within, aside),
+        rest.accelerations - np.outer(60 * part * (1 - part) * (1 - 2 * part) / within**2, aside),
+    )
 
 
 class _Motion(Generic[J]):
@@ -239,6 +268,7 @@ class HeldExecutor:
         executor: moves the joints, and can stop them.
         accelerations: joint -> limit [rad/s^2 or m/s^2]; see `trajectory.braking.accelerations_of`.
         now: the executor's time [s].
+        jerks: joint -> limit [rad/s^3 or m/s^3], with which a motion is gone on with.
     """
 
     def __init__(
@@ -246,8 +276,9 @@ class HeldExecutor:
         executor: Executor,
         accelerations: Mapping[str, float] | None = None,
         now: Callable[[], float] = time.monotonic,
+        jerks: Mapping[str, float] | None = None,
     ):
-        self._executor, self._accelerations = executor, accelerations or {}
+        self._executor, self._accelerations, self._jerks = executor, accelerations or {}, jerks or {}
         self._parts = _Parts(executor.execute, self._rest, now)
 
     @property
@@ -281,7 +312,9 @@ class HeldExecutor:
             measured = self._executor.state().ordered(trajectory.names)
         except ExpectedError as error:
             raise ExecutionAbortedError(f"the motion was held, and {error.message}", cause=error.code) from None
-        return rest_of(trajectory, measured, passed, accelerations_of(trajectory.names, self._accelerations))
+        names = trajectory.names
+        accelerations, jerks = accelerations_of(names, self._accelerations), jerks_of(names, self._jerks)
+        return rest_of(trajectory, measured, passed, accelerations, jerks)
 
 
 class HeldSteerable(HeldExecutor):
@@ -295,8 +328,9 @@ class HeldSteerable(HeldExecutor):
         executor: Executor,
         accelerations: Mapping[str, float] | None = None,
         now: Callable[[], float] = time.monotonic,
+        jerks: Mapping[str, float] | None = None,
     ):
-        super().__init__(executor, accelerations, now)
+        super().__init__(executor, accelerations, now, jerks)
         assert isinstance(executor, Steerable)
         self._steerable: Steerable = executor
 
@@ -317,10 +351,11 @@ def held(
     executor: Executor,
     accelerations: Mapping[str, float] | None = None,
     now: Callable[[], float] = time.monotonic,
+    jerks: Mapping[str, float] | None = None,
 ) -> HeldExecutor:
     """Return an executor that can be held, and steered where `executor` can be; see `HeldExecutor`."""
     kind = HeldSteerable if isinstance(executor, Steerable) else HeldExecutor
-    return kind(executor, accelerations, now)
+    return kind(executor, accelerations, now, jerks)
 
 
 class HeldHand:

@@ -7,6 +7,7 @@ too late, the joints come to rest on what was checked before.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -14,10 +15,13 @@ from numpy.typing import NDArray
 
 from grip_bt.values import Trajectory
 
+from .trajectory.splines import s_curve
+
 HOLD = 0.2
 """How long a step holds what is wanted [s]; its successor is planned meanwhile."""
 SAMPLING = 0.02
 """Time between two points of a step [s]."""
+_LOOKS = 4
 
 Velocity = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 """Joint positions -> the joint velocities that are wanted there, each shape (n,)."""
@@ -30,6 +34,7 @@ def steered(
     wanted: Velocity,
     acceleration: NDArray[np.float64],
     hold: float = HOLD,
+    jerk: NDArray[np.float64] | None = None,
 ) -> Trajectory:
     """Return a step: from a position and a velocity on, towards the wanted velocities, then to rest.
 
@@ -40,7 +45,11 @@ def steered(
         wanted: what velocities are wanted, within the joints' limits.
         acceleration: limits that are kept on the way, shape (n,) [rad/s^2].
         hold: for how long the wanted velocities are followed [s], rounded to `SAMPLING`.
+        jerk: likewise [rad/s^3]; None for any. With it, a step's velocity changes in an S over all of `hold`, towards
+            what is wanted at its end: no joint accelerates where one step goes over into the next.
     """
+    if jerk is not None:
+        return _smoothly(names, position, velocity, wanted, acceleration, hold, jerk)
     q, v = np.array(position, dtype=float), np.array(velocity, dtype=float)
     rows, speeds = [q], [v]
     for _ in range(round(hold / SAMPLING)):
@@ -59,6 +68,50 @@ def steered(
         speeds.extend(np.outer(1.0 - rest / braking, v))
         times = np.concatenate([times, times[-1] + rest])
     return Trajectory(tuple(names), times, np.stack(rows), np.stack(speeds))
+
+
+def _smoothly(
+    names: Sequence[str],
+    position: NDArray[np.float64],
+    velocity: NDArray[np.float64],
+    wanted: Velocity,
+    acceleration: NDArray[np.float64],
+    hold: float,
+    jerk: NDArray[np.float64],
+) -> Trajectory:
+    q, v = np.array(position, dtype=float), np.array(velocity, dtype=float)
+    count = max(2, round(hold / SAMPLING))
+    corner = float(np.clip(np.ceil((acceleration / jerk).max() / SAMPLING), 1, count // 2)) * SAMPLING
+    level = count * SAMPLING - corner
+    change = np.zeros_like(v)
+    for _ in range(_LOOKS):  # where the step ends depends on how fast it is then
+        change = wanted(q + (v + change / 2) * count * SAMPLING) - v
+        change /= max(1.0, float((np.abs(change) / np.minimum(acceleration, jerk * corner)).max()) / level)
+    times: NDArray[np.float64] = np.arange(count + 1, dtype=np.float64) * np.float64(SAMPLING)
+    moved, part, _ = s_curve(times, count * SAMPLING, corner)
+    rows, speeds = [q + np.outer(times, v) + np.outer(moved, change)], [v + np.outer(part, change)]
+    q, v = rows[0][-1], v + change
+    if v.any():
+        corner = float(np.minimum(acceleration / jerk, np.sqrt(np.abs(v) / jerk)).max())
+        level = max(corner, float((np.abs(v) / np.minimum(acceleration, jerk * corner)).max()))
+        edges = np.array([0.0, corner, level, level + corner])
+        rest = _divided(edges)
+        moved, part, _ = s_curve(rest, level + corner, corner)
+        rows.append(q + np.outer(rest - moved, v))
+        speeds.append(np.outer(1.0 - part, v))
+        speeds[-1][-1] = 0.0
+        times = np.concatenate([times, times[-1] + rest])
+    return Trajectory(tuple(names), times, np.concatenate(rows), np.concatenate(speeds))
+
+
+def _divided(edges: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return times between edges and these, evenly spaced from each to the next one, without the first edge [s]."""
+    pieces = [
+        np.linspace(begin, end, int(np.ceil((end - begin) / SAMPLING)) + 1)[1:]
+        for begin, end in itertools.pairwise(edges.tolist())
+        if end > begin + 1e-6
+    ]
+    return np.concatenate(pieces)
 
 
 def spliced(before: Trajectory, after: Trajectory, at: float) -> Trajectory:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grip_bt.commanders.trajectory.braking import even_ramp, stop_ramp
+from grip_bt.commanders.trajectory.smooth import jerks_of
 from grip_bt.values import Trajectory
 
 from .robot import SimRobot
@@ -181,11 +182,11 @@ class Follow:
         """Brake along the path; joints that something keeps off it brake from where they are."""
         passed = self.passed(world.time) - self._since
         measured = self._robot.measure(self.rows)
-        limits = self._robot.accelerations(self.rows)
+        limits = self._robot.accelerations(self.rows), jerks_of(measured.names, world.spec.jerks)
         if np.abs(measured.position - self._path.at(passed)).max() > START_TOLERANCE:
-            ramp = even_ramp(measured.names, measured.position, measured.velocity, limits)
+            ramp = even_ramp(measured.names, measured.position, measured.velocity, *limits)
         else:
-            ramp = stop_ramp(self._path, passed, limits)
+            ramp = stop_ramp(self._path, passed, *limits)
         return Brake(self._robot, self.rows, ramp, world.time)
 
 

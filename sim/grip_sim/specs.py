@@ -161,6 +161,7 @@ class WorldSpec:
         seed: what the objects were drawn from.
         objects: what may be moved.
         dt: time step of the physics [s].
+        jerks: joint -> limit with which it is braked [rad/s^3 or m/s^3]; any for a motion of none of these.
     """
 
     robot: str = "panda_allegro"
@@ -170,6 +171,7 @@ class WorldSpec:
     crate: CrateSpec = field(default_factory=CrateSpec)
     cameras: tuple[CameraSpec, ...] = (CameraSpec(),)
     dt: float = 1 / 240
+    jerks: Mapping[str, float] = field(default_factory=dict)
 
     def boxes(self) -> tuple[BoxSpec, ...]:
         """Return all boxes that never move."""

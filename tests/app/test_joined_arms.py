@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 
 import pytest
 from smally_project import robot_files
 
 from grip_bt.app import RunOptions, find_project, open_session
-from grip_bt.app.named_parts import check_arms
+from grip_bt.app.named_parts import check_arms, jerks_of_arms
+from grip_bt.app.project import ArmConfig
 from grip_bt.cli.__main__ import main
 from grip_bt.errors import GripError
 
@@ -85,3 +87,16 @@ def test_a_joined_arm_of_wrong_parts_is_refused(folder, wrong, words):
     project = find_project(folder / "both.yaml")
     with pytest.raises(GripError, match=words):
         check_arms(project, project.description())
+
+
+def test_joints_brake_with_the_smaller_jerk_of_the_arms_that_they_are_part_of():
+    robot = SimpleNamespace(
+        groups={"l": ("a", "b"), "r": ("c",), "all": ("a", "b", "c")}, jerk_limits={"a": 10.0, "b": 20.0, "c": 40.0}
+    )
+    arms = {
+        "left": ArmConfig(group="l", jerk=0.5),
+        "right": ArmConfig(group="r"),
+        "both": ArmConfig(group="all", jerk=0.8),
+    }
+    assert jerks_of_arms(arms, robot) == {"a": 5.0, "b": 10.0, "c": 32.0}
+    assert jerks_of_arms({"right": arms["right"]}, robot) == {}

@@ -112,7 +112,9 @@ def kinds() -> dict[str, Callable[[Motions, np.random.Generator], Trajectory]]:
         "through way points, searched": _searched,
         "steered (follow, jog without end)": _steered,
         "stop ramp": _stopped,
+        "stop ramp of any motion": lambda motions, rng: _stopped(motions, rng, _any(motions, rng)),
         "gone on with after a pause": _gone_on,
+        "gone on with, any motion": lambda motions, rng: _gone_on(motions, rng, _any(motions, rng)),
     }
 
 
@@ -173,16 +175,22 @@ def _steered(motions: Motions, rng: np.random.Generator) -> Trajectory:
     return whole
 
 
-def _stopped(motions: Motions, rng: np.random.Generator) -> Trajectory:
-    whole = _free(motions, rng)
-    return stop_ramp(whole, rng.uniform(0.0, whole.duration), motions.acceleration)
+def _any(motions: Motions, rng: np.random.Generator) -> Trajectory:
+    """A motion that may be stopped or held: planned, steered, or gone on with after it was."""
+    makers = (_straight, _jog, _blended, _searched, _steered, _gone_on)
+    return makers[rng.integers(len(makers))](motions, rng)
 
 
-def _gone_on(motions: Motions, rng: np.random.Generator) -> Trajectory:
-    whole = _free(motions, rng)
+def _stopped(motions: Motions, rng: np.random.Generator, whole: Trajectory | None = None) -> Trajectory:
+    whole = whole or _free(motions, rng)
+    return stop_ramp(whole, rng.uniform(0.0, whole.duration), motions.acceleration, motions.jerk)
+
+
+def _gone_on(motions: Motions, rng: np.random.Generator, whole: Trajectory | None = None) -> Trajectory:
+    whole = whole or _free(motions, rng)
     passed = rng.uniform(0.0, whole.duration)
     measured = whole.at(passed) + rng.uniform(-0.002, 0.002, len(whole.names))
-    return rest_of(whole, measured, passed, motions.acceleration)
+    return rest_of(whole, measured, passed, motions.acceleration, motions.jerk)
 
 
 def drawn(trajectory: Trajectory, quintic: bool, order: int = 0) -> Callable[[np.ndarray], np.ndarray]:
@@ -206,6 +214,9 @@ def used(motions: Motions, trajectory: Trajectory) -> Iterator[tuple[str, float]
             if limit is not None:
                 found = np.abs(drawn(trajectory, quintic, order)(times)) / limit
                 yield f"{way} {name}", float(found.max())
+        if motions.jerk is not None and quintic is (trajectory.accelerations is not None):  # a jump has no derivative
+            jumps = np.abs(np.diff(drawn(trajectory, quintic, 2)(times), axis=0)) / (PERIOD * motions.jerk)
+            yield f"{way} jerk", float(jumps.max(initial=0.0))
 
 
 def many(motions: Motions, kind: str, count: int) -> Iterator[Trajectory]:

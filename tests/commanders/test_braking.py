@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from grip_bt.commanders.trajectory.braking import (
@@ -15,6 +15,7 @@ from grip_bt.commanders.trajectory.braking import (
     paced,
     stop_ramp,
 )
+from grip_bt.commanders.trajectory.smooth import braking_times, each_by_itself
 from grip_bt.values import Trajectory
 
 SEEDS = st.integers(0, 10**6)
@@ -86,6 +87,50 @@ def test_braking_evenly_brings_all_joints_to_rest_at_once(joints):
     if ramp.duration > 0:
         assert (np.abs(ramp.sampled(fine(ramp.duration))[2]) <= limits).all()
     assert (ramp.positions[-1] * velocity >= 0).all()
+
+
+@settings(max_examples=60, deadline=None)
+@given(SEEDS, st.floats(0, 1), st.floats(1.0, 4.0))
+def test_with_limits_of_jerk_no_acceleration_of_a_stop_jumps_and_it_is_soon_over(seed, part, room):
+    motion, limits = made(seed)
+    jerks = np.abs(np.diff(motion.sampled(fine(motion.duration))[2], axis=0)).max(axis=0) * 1e3 * room * 1.01 + 1.0
+    begin = part * motion.duration
+    ramp = stop_ramp(motion, begin, limits, jerks)
+    assert ramp.velocities is not None
+    assert ramp.accelerations is not None
+    if len(ramp.times) > 1:
+        drawn = (ramp.positions, ramp.velocities, ramp.accelerations)
+        for found, own in zip(drawn, motion.sampled(np.array([begin])), strict=True):
+            assert found[0] == pytest.approx(own[0], abs=1e-6)
+    assert not ramp.velocities[-1].any()
+    assert not ramp.accelerations[-1].any()
+    _, velocity, now = motion.sampled(np.array([begin]))
+    alone = braking_times(velocity[0], now[0], limits, jerks).max()
+    assert ramp.duration <= alone * 1.05 + 0.15
+    accelerations = ramp.sampled(fine(ramp.duration))[2]
+    if len(accelerations) > 1:
+        assert (np.abs(accelerations) / limits).max() <= 1 + 1e-6
+        assert (np.abs(np.diff(accelerations, axis=0)) * 1e3 / jerks).max() <= 1 + 1e-6
+
+
+JOINT = st.tuples(st.floats(-3, 3), st.floats(-1, 1), st.floats(0.5, 20), st.floats(5, 500))
+"""Velocity, part of the acceleration limit that it has, limits of acceleration and jerk."""
+
+
+@given(st.lists(JOINT, min_size=1, max_size=7))
+def test_each_joint_by_itself_rests_in_the_time_that_is_said_and_within_its_limits(joints):
+    velocity, part, limits, jerks = (np.array(values) for values in zip(*joints, strict=True))
+    now = part * limits
+    ramp = each_by_itself([f"j{k}" for k in range(len(joints))], np.zeros(len(joints)), velocity, now, limits, jerks)
+    soonest = braking_times(velocity, now, limits, jerks)
+    assert (soonest >= np.abs(velocity) / limits - 1e-9).all()
+    assert (soonest >= np.abs(now) / jerks - 1e-9).all()
+    assert soonest.max() - 1e-3 <= ramp.duration <= soonest.max() * 1.05 + 1e-3
+    _, speeds, accelerations = ramp.sampled(fine(ramp.duration))
+    assert (np.abs(accelerations) <= limits * (1 + 1e-6) + 1e-9).all()
+    assert (np.abs(np.diff(accelerations, axis=0)) * 1e3 <= jerks * (1 + 1e-4) + 1e-6).all()
+    if len(speeds) > 1:
+        assert np.abs(speeds[-1]).max() <= 0.03, "no jump at the end"
 
 
 def test_a_path_beyond_the_limits_is_left_so_as_to_stop_in_time():

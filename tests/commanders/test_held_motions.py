@@ -6,11 +6,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from grip_bt.commanders.fake import FakeExecutor, FakeHand, OnClock
 from grip_bt.commanders.held import ASIDE, HeldExecutor, HeldHand, rest_of
+from grip_bt.commanders.model import Limits
+from grip_bt.commanders.trajectory.timing import Allowed, timed
 from grip_bt.errors import ExecutionAbortedError, SensorError
 from grip_bt.runtime.clock import ManualClock
 from grip_bt.values import JointState, Trajectory
@@ -32,6 +34,13 @@ def arc(duration: float = 3.0, turns: float = 0.4) -> Trajectory:
         np.stack([np.cos(angle), np.sin(angle)], axis=1),
         np.stack([-np.sin(angle) * rate, np.cos(angle) * rate], axis=1),
     )
+
+
+def timed_arc(acceleration: np.ndarray, jerk: np.ndarray) -> Trajectory:
+    """Along the same circle, as a planner times it."""
+    wide, fast = np.full(2, 99.0), np.full(2, 3.0)
+    limits = Limits(-wide, wide, fast, acceleration)
+    return timed(NAMES, arc().positions[::5], limits, Allowed(fast, acceleration, jerk), lambda _: True)
 
 
 @given(passed=st.floats(0.0, 3.0), aside=st.floats(-0.04, 0.04), late=st.floats(0.0, 0.3))
@@ -113,3 +122,34 @@ def test_fingers_are_held_and_close_on_what_they_closed_on():
     assert operation.result().position == pytest.approx([0.6])
     assert hand.contacts() == {"fingertip": 5.0}
     assert fake.torque_limits == [0.5, 0.5]
+
+
+@settings(max_examples=6, deadline=None)
+@given(st.floats(0.05, 2.9), st.floats(0.0, 1.0), st.floats(0.3, 40.0), st.booleans())
+def test_with_limits_of_jerk_nothing_is_beyond_them_from_the_start_over_pauses_to_the_end(when, rests, sharp, again):
+    """What joints do at 1 kHz: a motion, held at any moment, gone on with, and held once more."""
+    clock, jerks = ManualClock(), {name: 60.0 + 10 * sharp for name in NAMES}
+    limits = {name: 8.0 for name in NAMES}
+    fake = FakeExecutor(JointState(NAMES, [1.0, 0.0]), OnClock(clock), accelerations=limits, jerks=jerks)
+    held = HeldExecutor(fake, limits, clock.now, jerks)
+    motion = timed_arc(np.full(2, 8.0), np.array(list(jerks.values())))
+    operation, rows = held.execute(motion), [fake.state().position]
+
+    def seen(seconds: float) -> None:
+        for _ in range(round(seconds * 1000)):
+            clock.advance(0.001)
+            rows.append(fake.state().position)
+
+    seen(round(when * motion.duration / 3.0, 3))
+    for _ in range(1 + again):
+        held.pause()
+        seen(0.8 + round(rests / 5, 3))
+        held.resume()
+        seen(0.25)
+    for _ in range(60):
+        seen(0.0 if operation.done() else 0.1)
+    assert operation.result().position == pytest.approx(motion.positions[-1], abs=1e-6)
+    positions = np.stack(rows)
+    accelerations = np.diff(positions, 2, axis=0) * 1e6
+    assert (np.abs(accelerations) / 8.0).max() <= 1.0 + 1e-3
+    assert (np.abs(np.diff(positions, 3, axis=0)) * 1e9 / list(jerks.values())).max() <= 1.0 + 1e-2

@@ -222,6 +222,25 @@ def test_a_step_begins_as_it_should_and_ends_at_rest():
         assert step.times[round(HOLD / SAMPLING)] == pytest.approx(HOLD)
 
 
+def test_with_limits_of_jerk_steps_go_over_into_each_other_without_acceleration():
+    rng = np.random.default_rng(1)
+    for _ in range(20):
+        n, whole, began = int(rng.integers(1, 8)), None, 0.0
+        q, v, hardest = rng.normal(size=n), np.zeros(n), rng.uniform(0.5, 10, n)
+        sharpest = hardest * rng.uniform(5, 300)
+        for _ in range(6):
+            goal = rng.normal(size=n)
+            step = steered([f"j{k}" for k in range(n)], q, v, lambda _, goal=goal: goal, hardest, jerk=sharpest)
+            assert step.times[round(HOLD / SAMPLING)] == pytest.approx(HOLD)
+            assert step.velocities[-1] == pytest.approx(np.zeros(n), abs=1e-12)
+            whole = step if whole is None else spliced(whole, step, began)
+            began += HOLD
+            q, v = (rows[round(HOLD / SAMPLING)] for rows in (step.positions, step.velocities))
+        accelerations = whole.sampled(np.arange(0.0, whole.duration, 1e-3))[2]
+        assert (np.abs(accelerations) <= hardest * (1 + 1e-6)).all()
+        assert (np.abs(np.diff(accelerations, axis=0)) * 1e3 <= sharpest * (1 + 1e-4)).all()
+
+
 def test_a_splice_that_jumps_or_moves_other_joints_is_refused():
     one = Trajectory(("a",), [0.0, 1.0], [[0.0], [1.0]])
     assert spliced(one, Trajectory(("a",), [0.0, 1.0], [[0.5], [0.0]]), 0.5).at(1.5) == pytest.approx([0.0])

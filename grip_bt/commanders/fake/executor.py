@@ -15,6 +15,7 @@ from grip_bt.values import JointState, Trajectory
 from ..joint_names import same_joints
 from ..steering import spliced
 from ..trajectory.braking import accelerations_of, stop_ramp
+from ..trajectory.smooth import jerks_of
 from .schedule import AtOnce, Schedule, Script, steps_of
 
 START_TOLERANCE = 0.05
@@ -42,6 +43,7 @@ class FakeExecutor:
         schedule: its time; at once when None.
         script: what becomes of each motion: None reaches its end, an error ends it half-way.
         accelerations: joint -> limit, for braking; see `trajectory.braking.accelerations_of`.
+        jerks: joint -> limit, likewise; any where it names none.
     """
 
     def __init__(
@@ -50,9 +52,10 @@ class FakeExecutor:
         schedule: Schedule | None = None,
         script: Script = (),
         accelerations: Mapping[str, float] | None = None,
+        jerks: Mapping[str, float] | None = None,
     ):
         self._schedule = schedule or AtOnce()
-        self._limits = accelerations_of(start.names, accelerations or {})
+        self._limits = accelerations_of(start.names, accelerations or {}), jerks_of(start.names, jerks or {})
         self._position, self._names = np.array(start.position), start.names
         self._motion: _Motion | None = None
         self._script = steps_of(script)
@@ -139,7 +142,7 @@ class FakeExecutor:
 
     def _brake(self, motion: _Motion) -> None:
         if self._motion is motion and not motion.braking:
-            ramp = stop_ramp(motion.trajectory, self._progress(motion), self._limits)
+            ramp = stop_ramp(motion.trajectory, self._progress(motion), *self._limits)
             motion.trajectory, motion.begin, motion.braking = ramp, self._schedule.now(), True
             self._finish_after(motion)
 

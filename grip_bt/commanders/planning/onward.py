@@ -14,6 +14,7 @@ from ..jogging import bounded
 from ..model import Chain, RobotModel
 from ..steering import steered
 from ..stream import velocity_of
+from .beginning import allowed
 from .continuous import trajectory_free
 from .goals import out_of_limits, touching
 from .requests import PlanOnward
@@ -35,13 +36,14 @@ def plan_onward(model: RobotModel, request: PlanOnward) -> Trajectory:
     situation, settings = request.situation, request.situation.settings
     chain = model.chain(situation.group, situation.start)
     start = np.clip(situation.start.ordered(chain.joints), chain.limits.lower, chain.limits.upper)
-    fastest = chain.limits.velocity * settings.speed
-    hardest = chain.limits.acceleration * (settings.acceleration or settings.speed)
+    fastest, hardest, sharpest = allowed(chain, settings)
     twist = np.concatenate(bounded(request.linear, request.angular))
     begin = velocity_of(situation.start, chain.joints)
-    step = steered(
-        chain.joints, start, begin, lambda q: _joint_velocity(chain, q, twist, fastest), hardest, request.hold
-    )
+
+    def wanted(q: NDArray[np.float64]) -> NDArray[np.float64]:
+        return _joint_velocity(chain, q, twist, fastest)
+
+    step = steered(chain.joints, start, begin, wanted, hardest, request.hold, sharpest)
     for row in step.positions:
         if not chain.within_limits(row, slack=1e-3):
             raise out_of_limits(chain, row, "going on, the arm would be")

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from grip_bt.values import Trajectory
 
+from .smooth import each_by_itself, smooth_stop
 from .splines import peaks
 
 Array = NDArray[np.float64]
@@ -40,21 +41,26 @@ def accelerations_of(names: Sequence[str], limits: Mapping[str, float]) -> Array
     return np.array([limits.get(name, ACCELERATION) for name in names], dtype=float)
 
 
-def stop_ramp(trajectory: Trajectory, time: float, acceleration: Array) -> Trajectory:
+def stop_ramp(trajectory: Trajectory, time: float, acceleration: Array, jerk: Array | None = None) -> Trajectory:
     """Return how a motion comes to rest from a moment on: on its own path, which was checked to be free.
 
-    A path that is itself beyond the limits, and can't be braked on in time, is left: all joints brake evenly, each
-    within its limit, and are at rest together.
+    A path that is itself beyond the limits, or can't be braked on in time, is left: all joints brake evenly, each
+    within its limit, and are at rest together; with limits of jerk, each as soon as its own allow.
 
     Args:
         trajectory: what is followed, interpolated as `Trajectory.sampled` does.
         time: for how long it has been followed [s]; the ramp's times begin there.
         acceleration: limits of its joints, shape (n,) [rad/s^2 or m/s^2].
+        jerk: likewise [rad/s^3 or m/s^3]; None for any.
 
     Returns:
-        Positions and velocities, `STEP` apart; it begins with those of the motion, and its last velocities are 0.
+        Positions and velocities, `STEP` apart; it begins with those of the motion, and its last velocities are 0. With
+        limits of jerk it has accelerations too, which begin with those of the motion.
     """
-    position, velocity, _ = trajectory.sampled(np.array([time]))
+    position, velocity, now = trajectory.sampled(np.array([time]))
+    if jerk is not None:
+        ramp = smooth_stop(trajectory, time, acceleration, jerk)
+        return ramp or each_by_itself(trajectory.names, position[0], velocity[0], now[0], acceleration, jerk)
     evenly = even_ramp(trajectory.names, position[0], velocity[0], acceleration)
     if np.abs(velocity).max() < _SLOW:
         return evenly
@@ -70,8 +76,15 @@ def stop_ramp(trajectory: Trajectory, time: float, acceleration: Array) -> Traje
     return evenly
 
 
-def even_ramp(names: Sequence[str], position: Array, velocity: Array, acceleration: Array) -> Trajectory:
-    """Return how joints come to rest from a position and a velocity, all at the same moment; each shape (n,)."""
+def even_ramp(
+    names: Sequence[str], position: Array, velocity: Array, acceleration: Array, jerk: Array | None = None
+) -> Trajectory:
+    """Return how joints come to rest from a position and a velocity, all at the same moment; each shape (n,).
+
+    With limits of jerk, each comes to rest as soon as its own limits allow.
+    """
+    if jerk is not None:
+        return each_by_itself(names, position, velocity, np.zeros_like(velocity), acceleration, jerk)
     braking = float((np.abs(velocity) / (_USED * acceleration)).max())
     if np.abs(velocity).max() < _SLOW:
         return Trajectory(tuple(names), np.zeros(1), position[None], np.zeros((1, len(position))))

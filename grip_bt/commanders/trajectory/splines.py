@@ -46,6 +46,22 @@ def eased(names: tuple[str, ...], start: Array, goal: Array, duration: float) ->
     return smoothed(names, rows, duration / (count + 2))
 
 
+def s_curve(times: Array, duration: float, corner: float) -> tuple[Array, Array, Array]:
+    """Return the integral of an S that rises from 0 to 1 within a time, the S, and its slope, each shape (k,).
+
+    Args:
+        times: shape (k,), from 0; after `duration` it stays 1 [s].
+        duration: of the S [s].
+        corner: for how long its slope rises, and falls, evenly: at most half of `duration` [s].
+    """
+    t = np.minimum(times, duration)
+    up, down = np.minimum(t, corner), np.maximum(t - (duration - corner), 0.0)
+    level, scale = t - up, 1.0 / (duration - corner)
+    whole = scale * ((up**3 - down**3) / (6 * corner) + level * corner / 2 + level**2 / 2)
+    curve = scale * ((up**2 - down**2) / (2 * corner) + level)
+    return whole + np.maximum(times - duration, 0.0), curve, scale * (up - down) / corner
+
+
 def averaged(rows: Array, count: int) -> Array:
     """Return rows at even times, shape (k, n), each the mean of `count` of them, `count` - 1 rows longer.
 

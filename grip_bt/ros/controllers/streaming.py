@@ -11,6 +11,7 @@ import numpy as np
 
 from grip_bt.commanders.steering import spliced
 from grip_bt.commanders.trajectory.braking import stop_ramp
+from grip_bt.commanders.trajectory.smooth import jerks_of
 from grip_bt.errors import SensorError, ServerTimeOutError
 from grip_bt.operation import Operation
 from grip_bt.values import Trajectory
@@ -79,6 +80,7 @@ class StreamedExecutor(OverTopic[_Way]):
         states: where they are measured.
         accelerations: joint -> limit, for braking; see `trajectory.braking.accelerations_of`.
         rate: set-points a second.
+        jerks: joint -> limit, for braking too; any where it names none.
     """
 
     message = "std_msgs/msg/Float64MultiArray"
@@ -91,9 +93,10 @@ class StreamedExecutor(OverTopic[_Way]):
         states: JointStates,
         accelerations: Mapping[str, float] | None = None,
         rate: float = RATE,
+        jerks: Mapping[str, float] | None = None,
     ):
         super().__init__(bus, topic, names, states, accelerations)
-        self._period, self._message = 1.0 / rate, load_type(self.message)
+        self._period, self._message, self._jerks = 1.0 / rate, load_type(self.message), jerks or {}
 
     def passed(self) -> float | None:
         """Return for how long the motion under way has been followed [s]; see `ports.Steerable`."""
@@ -141,7 +144,8 @@ class StreamedExecutor(OverTopic[_Way]):
         if held is not None and not way.dropped.is_set():
             self._publish(held[order].tolist(), 0)
             return
-        ramp = stop_ramp(way.trajectory, way.sent, self._limits(way.trajectory))
+        jerks = jerks_of(way.trajectory.names, self._jerks)
+        ramp = stop_ramp(way.trajectory, way.sent, self._limits(way.trajectory), jerks)
         began, passed = time.monotonic(), 0.0
         while passed < ramp.duration and not way.dropped.wait(self._period):
             passed = time.monotonic() - began
