@@ -26,7 +26,7 @@ class Workers:
         self._limit = limit
         self._queue: queue.SimpleQueue[tuple[Operation[Any], Callable[[], Any]]] = queue.SimpleQueue()
         self._lock = threading.Lock()
-        self._threads = self._waiting = self._count = 0
+        self._threads = self._waiting = 0
 
     def run(self, work: Callable[[], T]) -> Operation[T]:
         """Run `work()` in a worker; an operation that is cancelled before it began isn't begun."""
@@ -41,8 +41,7 @@ class Workers:
         """Start a thread when there is more work than free threads; with the lock held."""
         if self._waiting > 0 and self._threads < self._limit:
             self._threads += 1
-            self._count += 1
-            threading.Thread(target=self._serve, name=f"grip_worker_{self._count}", daemon=True).start()
+            threading.Thread(target=self._serve, name="grip_worker", daemon=True).start()
 
     def _serve(self) -> None:
         while True:

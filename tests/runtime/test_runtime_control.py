@@ -13,13 +13,14 @@ import pytest
 from runtime_world import TARGETS, Started, leaf
 
 from grip_bt.runtime import Journal, JournalReader, serve_control
+from grip_bt.runtime.control import Control
 
 
 class Served:
     """A run that is served in a thread of its own."""
 
-    def __init__(self, target: Any, root: dict[str, Any], journal: Journal | None = None):
-        self.run = Started(target, root, journal=journal, poll=0.005)
+    def __init__(self, target: Any, root: dict[str, Any], journal: Journal | None = None, data: Any = None):
+        self.run = Started(target, root, journal=journal, poll=0.005, data=data)
         command_end, self._commands = os.pipe()
         self._events, event_end = os.pipe()
         self.commands, self.events = os.fdopen(self._commands, "w"), os.fdopen(self._events)
@@ -132,3 +133,60 @@ def test_a_reader_that_has_gone_away_stops_the_run() -> None:
         result = serve_control(run.runner, lines, Gone())
         open_end.close()
     assert result.status == "died"
+
+
+def test_what_was_commanded_before_there_is_a_run_is_obeyed_by_it() -> None:
+    run = Started(TARGETS[0], leaf("end"), poll=0.005)
+    commands, order = os.pipe()
+    told = io.StringIO()
+    with os.fdopen(commands) as lines, os.fdopen(order, "w") as orders:
+        control = Control(lines, told)
+        control.start()
+        orders.write('{"command": "break", "node": "/"}\n{"command": "pause"}\n')
+        orders.flush()
+        while len(control._early) < 2:
+            pass
+        control.attach(run.runner)
+        assert [json.loads(line)["event"] for line in told.getvalue().splitlines()] == [
+            "started",
+            "breakpoint",
+            "state",
+        ]
+        assert run.runner.pacing.state == "paused"
+        assert [point.node for point in run.runner.debugger.breakpoints] == ["/"]
+        run.runner.stop()
+
+
+def test_a_stop_before_there_is_a_run_interrupts_its_start_and_is_said_once() -> None:
+    told, interrupted = io.StringIO(), []
+    control = Control(io.StringIO(), told, lambda: interrupted.append(told.getvalue()))
+    control.stop()
+    once = told.getvalue()
+    control.stop()
+    assert told.getvalue() == once
+    assert interrupted == [""]
+    assert [json.loads(line) for line in told.getvalue().splitlines()] == [{"event": "state", "state": "stopping"}]
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_whoever_debugs_a_run_is_told_where_it_holds_and_what_variables_hold(target: Any) -> None:
+    parts = {"w": leaf("wait", out={"x": "n"}), "e": leaf("end")}
+    data = {"n": {"type": "int", "value": 0}}
+    served = Served(target, {"kind": "sequence", "children": parts}, data=data)
+    served.say('{"command": "break", "node": "w", "when": "after"}')
+    point = served.until("breakpoint")
+    assert (point["id"], point["node"], point["when"]) == (1, "w", "after")
+    served.run.leaves["w"].told.set()
+    held = served.until("held")
+    assert (held["path"], held["when"]) == ("w", "after")
+    served.command("inspect")
+    assert served.until("data")["variables"] == [{"scope": "/", "name": "n", "value": "1"}]
+    served.say('{"command": "inspect", "variable": "m"}')
+    assert "'m'" in served.until("refused")["message"]
+    served.say('{"command": "clear", "id": 1}')
+    assert served.until("cleared")["ids"] == [1]
+    served.command("breakpoints")
+    assert served.until("breakpoints")["breakpoints"] == []
+    served.command("resume")
+    assert served.until("ended")["status"] == "success"
+    served.close()

@@ -189,3 +189,12 @@ def test_a_run_without_breakpoints_asks_the_debugger_nothing() -> None:
     run.runner.debugger.entered = called.append  # type: ignore[method-assign]
     run.start().join()
     assert called == []
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [("/", "/"), ("", "/"), (" // ", "/"), ("/a/y", "a/y"), ("a/y/", "a/y"), (" a ", "a"), ("a/y", "a/y")],
+)
+def test_a_node_may_be_written_with_or_without_slashes_around_it(written: str, meant: str) -> None:
+    run = Debugged(TARGETS[0])
+    assert run.runner.debugger.set(written).node == meant

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import math
 import random
 import sqlite3
+from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +14,10 @@ import numpy as np
 import pytest
 
 from grip_bt.runtime import Journal, JournalError, JournalReader, ManualClock
+from grip_bt.runtime.durable import Durable
+from grip_bt.runtime.journal_events import is_name
 from grip_bt.runtime.recorder import Recorder
-from grip_bt.runtime.value_codec import OpaqueValueError, decode, encode, snapshot
+from grip_bt.runtime.value_codec import DEEPEST, OpaqueValueError, decode, encode, snapshot
 from grip_bt.values import Failure, Grasp, Image, JointState, PointCloud, Pose
 
 
@@ -176,3 +180,74 @@ def test_states_of_the_planning_scene_come_back():
         assert getattr(after, field.name) == getattr(before, field.name), field.name
     scene.restore(after)
     assert scene.attached("hand") == ("cup",)
+
+
+WRAPPED = {"list": lambda item: [item], "tuple": lambda item: (item,), "dict": lambda item: {"k": item}}
+
+
+@pytest.mark.parametrize("kind", WRAPPED)
+def test_containers_are_kept_as_deep_whatever_they_are(kind: str) -> None:
+    kept: Any = 1
+    for _ in range(DEEPEST):
+        kept = WRAPPED[kind](kept)
+    assert same(decode(encode(snapshot(kept))), kept)
+    with pytest.raises(OpaqueValueError):
+        decode(encode(snapshot(WRAPPED[kind](WRAPPED[kind](kept)))))
+
+
+@pytest.mark.parametrize("value", [Failure("no_ik"), Grasp(Pose(), Pose(), Pose()), JointState(("a",), [0.0])])
+def test_a_field_that_there_was_not_when_a_value_was_written_has_its_default(value: Any) -> None:
+    head = json.loads(encode(value))
+    for field in fields(value):
+        if field.default is not MISSING or field.default_factory is not MISSING:
+            del head["$value"][1][field.name]
+    assert same(decode(json.dumps(head).encode() + b"\n"), value)
+
+
+class FullDisk:
+    """A journal that can't be written."""
+
+    def __init__(self) -> None:
+        self.asked = 0
+
+    def flush(self) -> None:
+        self.asked += 1
+        raise JournalError("no space left on device")
+
+
+def test_a_journal_that_cannot_be_written_is_waited_for_once() -> None:
+    journal: Any = FullDisk()
+    observer = Durable(journal, ["pick", "place"])
+    observer.entered("look")
+    assert journal.asked == 0, "nothing moves there"
+    for path in ("pick", "place"):
+        observer.entered(path)
+        observer.ended(path, "success", None)
+    assert journal.asked == 1
+
+
+def test_a_run_that_was_cut_off_says_why_at_its_end(file: Path) -> None:
+    with Journal(file) as journal:
+        recorder = Recorder(log := journal.begin("values"), ManualClock())
+        recorder.entered("a")
+        recorder.lost("nobody is there")
+        recorder.lost("still nobody")
+        recorder.interrupted("a")
+    with JournalReader(file) as reader:
+        *_, last = reader.events(log.id)
+        assert (last.path, last.event, last.data) == (
+            "/",
+            "run_ended",
+            {"status": "died", "message": "nobody is there"},
+        )
+        assert reader.run(log.id).status == "died"
+
+
+@pytest.mark.parametrize("path", ["a", "", None, 1, b"a"])
+@pytest.mark.parametrize("outcome", ["success", None, 1])
+def test_only_texts_are_names_in_a_journal(path: Any, outcome: Any) -> None:
+    sound = path == "a" and outcome != 1
+    assert is_name(path, "exit", outcome, None) is sound
+    assert is_name(path, "", outcome, None) is False
+    assert is_name("a", path, outcome, None) is sound
+    assert is_name(path, "exit", None, outcome) is sound

@@ -17,6 +17,7 @@ from grip_bt.catalog import Catalog
 from grip_bt.commanders.fake import FakeArm
 from grip_bt.commanders.fake.schedule import OnClock
 from grip_bt.compilers import to_tree
+from grip_bt.errors import MissingPartError, UnknownNameError
 from grip_bt.graph.model import Task
 from grip_bt.nodes.function import leaf as leaf_of
 from grip_bt.ports import Context, Pausable
@@ -190,3 +191,41 @@ def test_a_blocking_function_is_left_behind_by_a_stop_and_its_result_is_dropped(
     assert [str(z) for z in result.zombies] == ["/ (worker)"]
     seen["block"].set()
     assert ("", "n") not in run.compiled.data.snapshot()
+
+
+def test_what_is_held_with_a_run_is_let_go_by_whoever_asked_for_it() -> None:
+    class Part:
+        def __init__(self) -> None:
+            self.said: list[str] = []
+
+        def pause(self) -> None:
+            self.said.append("pause")
+
+        def resume(self) -> None:
+            self.said.append("resume")
+
+    context, kept, gone = RunContext(ManualClock()), Part(), Part()
+    context.pause()
+    context.hold_with(kept)
+    over = context.hold_with(gone)
+    assert kept.said == gone.said == ["pause"], "at once, since the run is paused"
+    context.resume()
+    over()
+    context.pause()
+    assert (kept.said, gone.said) == (["pause", "resume", "pause"], ["pause", "resume"])
+
+
+@pytest.mark.parametrize("kind", ["arm", "hand", "sensor"])
+def test_a_part_that_there_is_not_is_told_apart_from_having_none_at_all(kind: str) -> None:
+    context = RunContext(ManualClock())
+    with pytest.raises(MissingPartError, match=f"name one under `{kind}s` in grip.yaml"):
+        getattr(context, kind)("")
+    with pytest.raises(UnknownNameError, match="left"):
+        getattr(context, kind)("left")
+
+
+def test_named_messages_are_those_of_the_project() -> None:
+    kept: Any = SimpleNamespace()
+    assert RunContext(ManualClock(), messages=kept).messages() is kept
+    with pytest.raises(MissingPartError, match="grip new"):
+        RunContext(ManualClock()).messages()

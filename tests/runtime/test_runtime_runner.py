@@ -191,7 +191,7 @@ def test_a_runner_runs_once(target: Any) -> None:
 def test_blocking_code_runs_in_a_worker(target: Any) -> None:
     run = Started(target, leaf("work", out={"x": "name"}), poll=None, data={"name": "str"})
     assert run.start().join().status == "success"
-    assert run.compiled.data.snapshot()["", "name"].startswith("grip_worker_")
+    assert run.compiled.data.snapshot()["", "name"] == "grip_worker"
 
 
 def test_a_run_has_one_clock() -> None:
