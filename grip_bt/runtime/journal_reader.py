@@ -14,7 +14,7 @@ from grip_bt.errors import UnknownNameError
 
 from .blocks import expanded
 from .journal import JournalError
-from .journal_events import DAMAGED, MOST, Event, Name, is_name, is_time, sound, unpacked
+from .journal_events import DAMAGED, MOST, Event, Name, checksum, is_name, is_time, sound, unpacked
 from .journal_rows import DamagedError, Rows
 from .value_codec import OpaqueValueError, decode
 from .whereabouts import is_there
@@ -111,6 +111,22 @@ class JournalReader:
         """Return how many events of a run there are so far."""
         tables = ["blocks"] * self._rows.packed + ["events"] * self._rows.in_rows
         return max(self._last(table, run) for table in tables)
+
+    def damage_of(self, run: str) -> str:
+        """Return which events of a run can't be read, by their numbers and checksums; empty where nothing is known.
+
+        Nothing is unpacked; runs that an earlier version wrote, without checksums, aren't looked at.
+        """
+        if not self._rows.packed or self._old(run):
+            return ""
+        after, bad = 0, 0
+        while rows := self._page(run, after):
+            for first, last, *columns, total in rows:
+                if last > after:
+                    spoilt = total is not None and total != checksum((first, last, *columns))
+                    bad += max(0, first - after - 1) + (last - max(first, after + 1) + 1 if spoilt else 0)
+                    after = last
+        return f"{bad} of its {after} events can't be read; the rest is shown" if bad else ""
 
     def events(self, run: str, after_seq: int = 0, limit: int | None = None) -> list[Event]:
         """Return the events of a run that come after `after_seq`, in order.

@@ -71,11 +71,19 @@ class JournalRuns:
         self.file, self._folder = file, folder
         self._lock = threading.Lock()
         self._opened: JournalReader | None = None
+        self._damage: dict[tuple[str, float | None], str] = {}
 
     def runs(self) -> list[RunRecord]:
         """Return the latest runs, newest first."""
         reader = self._reader()
-        return [] if reader is None else [self._wire(record) for record in reader.runs()[:LISTED]]
+        return [] if reader is None else [self._listed(reader, record) for record in reader.runs()[:LISTED]]
+
+    def _listed(self, reader: JournalReader, record: JournalRecord) -> RunRecord:
+        """Return a run with what is known of its damage; that of one that has ended is looked for once."""
+        key = (record.id, record.ended)
+        if record.status != "running" and key not in self._damage:
+            self._damage[key] = reader.damage_of(record.id)
+        return self._wire(record).model_copy(update={"damage": self._damage.get(key, "")})
 
     def run(self, run: str) -> RunRecord | None:
         """Return one run, None when it isn't there."""

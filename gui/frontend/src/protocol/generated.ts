@@ -622,6 +622,7 @@ export interface RunRecord {
   ended: number | null;
   status: string;
   outcome: string | null;
+  damage: string;
 }
 
 /** A run with the task as it was when it ran. */
