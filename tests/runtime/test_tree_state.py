@@ -246,6 +246,10 @@ def test_a_state_that_chooses_reads_userdata_and_says_what_is_wrong():
         assert switch.execute(data) == "do a"
         data.n = 5
         assert switch.execute(data) == "failure.no_case"
+        assert {name for name in switch.get_registered_outcomes() if name.startswith("do ")} == {"do a"}
+        other = Choose.case(run, "n % 3", {"a": [0, 1]}, default="b", place="pick")
+        assert {name for name in other.get_registered_outcomes() if name.startswith("do ")} == {"do a", "do b"}
+        assert other.execute(data) == "do b"
         loop = Choose.loop(run, "a", "n < 7", times=1)
         assert [loop.execute(data), loop.execute(data)] == ["do a", "failure"]
         data.n = 7
