@@ -118,7 +118,7 @@ def test_the_command_itself_doesnt_either_as_a_module(hostile: Path, module: str
 @pytest.mark.sim
 def test_the_parts_of_a_simulated_run_dont_either(hostile: Path) -> None:
     (hostile / "arm.yaml").write_text("grip: 1\nname: arm\nroot: {node: arm/move_to, with: {state: home}}\n")
-    (hostile / "grip.yaml").write_text("grip: 1\nrobot: panda_allegro\nworld: table\n")
+    (hostile / "grip.yaml").write_text("grip: 1\nrobot: panda_allegro\nworld: table\narms: {right: {group: arm}}\n")
     main(["run", "arm.yaml", "--robot", "sim", "--in-process"])
     assert safely(CHILDREN) >= 2
 
