@@ -25,7 +25,7 @@ class SteppedWorld:
     """Implements `grip_bt.ports.Stepped`; motions take as long as they are said to take."""
 
     def __init__(self, delay: Callable[[], float]):
-        self.clock, self.sent, self._delay = ManualClock(), 0, delay
+        self.clock, self.sent, self.free, self._delay = ManualClock(), 0, True, delay
         self._motions: list[tuple[float, Operation[float]]] = []
         self._in_turn: Any = None
         self._lock = threading.Lock()
@@ -43,7 +43,7 @@ class SteppedWorld:
         """Its clock knows no other time."""
 
     def take_turns(self, in_turn: Any, stood: Callable[[], None]) -> None:
-        self._in_turn, self._stood = in_turn, stood
+        self._in_turn, self._stood, self.free = in_turn, stood, False
 
     def go(self, until: float | None) -> bool:
         self._standing.clear()
@@ -54,6 +54,7 @@ class SteppedWorld:
         self._standing.set()
 
     def go_freely(self) -> None:
+        self.free = True
         self._standing.set()
 
     def _go(self, until: float | None) -> None:

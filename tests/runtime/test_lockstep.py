@@ -8,10 +8,15 @@ import threading
 from typing import Any
 
 import pytest
-from stepped_world import KINDS, runner_of
+from stepped_world import KINDS, SteppedWorld, Trace, runner_of
 
+from grip_bt.catalog import Catalog
 from grip_bt.compilers import to_machine, to_tree
-from grip_bt.runtime import lockstep
+from grip_bt.graph.model import Task
+from grip_bt.operation import Operation
+from grip_bt.runtime import RunContext, Runner, lockstep
+from grip_bt.runtime.lockstep import Lockstep
+from grip_bt.runtime.waker import Waker
 
 TARGETS = (to_tree, to_machine)
 TASKS = int(os.environ.get("GRIP_FUZZ_TURNS", "24"))
@@ -89,6 +94,52 @@ def test_a_stop_ends_a_run_that_waits_for_an_answer_or_for_its_world(target):
         runner.stop()
         thread.join(60)
         assert ended[0].status == "stopped"
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_what_a_node_writes_is_seen_at_that_moment_by_one_that_was_ticked_before_it(target):
+    look = {"node": "flow/wait_until", "with": {"expression": "a > 3"}, "in": {"a": "reached"}}
+    write = {
+        "pause": {"node": "flow/wait", "with": {"seconds": 0.05}},
+        "set": {"node": "flow/set", "with": {"value": 4}, "out": {"value": "reached"}},
+        "more": {"node": "flow/wait", "with": {"seconds": 0.5}},
+    }
+    root = {"kind": "parallel", "children": {"look": look, "write": {"kind": "sequence", "children": write}}}
+    data = {"reached": {"type": "int", "value": 0}}
+    task = Task.model_validate({"grip": 1, "name": "run", "root": root, "data": data})
+    world = SteppedWorld(lambda: 0.0)
+    runner = Runner(target(task, Catalog.builtin()), RunContext(world.clock, lockstep=Lockstep(world)))
+    trace = Trace(world.clock)
+    runner.observe(trace)
+    assert runner.run().status == "success"
+    (end,) = [event for event in trace.events if event[1:3] == ("look", "success")]
+    assert end[0] == pytest.approx(0.05, abs=0.011)
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_after_a_run_the_world_goes_by_itself_and_ends_come_when_they_come(target):
+    runner, _, world = runner_of(target, interrupted(), 0)
+    assert world.free
+    runner.run()
+    assert world.free
+    lockstep = runner.context.lockstep
+    asked = Operation()
+    told = lockstep.through(asked)
+    asked.succeed(1)
+    assert told.done()
+
+
+def test_what_a_run_has_left_ends_although_another_takes_turns():
+    world = SteppedWorld(lambda: 0.0)
+    lockstep, waker = Lockstep(world), Waker(world.clock)
+    lockstep.begin(waker)
+    left = Operation()
+    told = lockstep.through(left)
+    lockstep.end()
+    lockstep.begin(waker)
+    left.succeed(1)
+    assert told.done()
+    lockstep.end()
 
 
 def test_a_request_to_end_reaches_a_task_whose_world_goes_on():
