@@ -269,3 +269,27 @@ def test_a_machine_that_goes_round_over_nothing_can_be_stopped():
         threading.Timer(0.05, run.halt).start()
         with pytest.raises(Halted):
             machine.execute()
+
+
+def test_an_item_sees_a_request_from_when_it_was_made_and_not_before():
+    seen = []
+
+    class Look(smach.State):
+        def __init__(self):
+            super().__init__(["x"])
+
+        def execute(self, ud):
+            seen.append(self.preempt_requested())
+            if len(seen) == 2:
+                each.request_preempt()
+            return "x"
+
+    with TreeRun() as run:
+        each = Each(run, outcomes=["over"], input_keys=[], output_keys=[], it=list("abcd"), exhausted_outcome="over")
+        with each:
+            Each.set_contained_state("LOOK", Look(), loop_outcomes=["x"])
+        machine = smach.StateMachine(["done"])
+        with machine:
+            smach.StateMachine.add("EACH", each, {"over": "done"})
+        assert machine.execute() == "done"
+    assert seen == [False, False, True, True]
