@@ -156,6 +156,25 @@ def test_a_leaf_that_hangs_while_it_is_prepared_does_not_keep_a_stop_waiting(tar
 
 
 @both
+def test_a_run_that_hangs_outside_of_its_leaves_is_left_behind_as_itself(target: Any, monkeypatch: Any) -> None:
+    run, inside, released = Started(target, leaf("wait")), threading.Event(), threading.Event()
+    rest = run.runner.pacing.rest
+
+    def hang(*given: Any) -> None:
+        inside.set()
+        released.wait(120)
+        rest(*given)
+
+    monkeypatch.setattr(run.runner.pacing, "rest", hang)
+    run.start()
+    assert inside.wait(120)
+    run.leaves["/"].released.set()
+    run.runner.stop()
+    assert [str(z) for z in run.join().zombies] == ["/ (the run itself)"]
+    released.set()
+
+
+@both
 def test_a_stop_waits_for_nothing_that_hangs(target: Any, monkeypatch: Any) -> None:
     """How soon it ends is measured in benchmarks/run_control.py."""
     monkeypatch.setattr("grip_bt.runtime.runner.ABANDON", ABANDON)
