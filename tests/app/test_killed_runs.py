@@ -28,7 +28,7 @@ name: waits
 data: {n: {type: int, value: 0}}
 root:
   kind: repeat
-  times: 400
+  times: 120
   child:
     step:
       kind: sequence

@@ -19,7 +19,7 @@ from grip_bt.app.replay import find_run
 from grip_bt.cli.__main__ import main
 from grip_bt.runtime import JournalReader
 
-KILLS = int(os.environ.get("GRIP_FUZZ_RESUME_KILLS", "3"))
+KILLS = int(os.environ.get("GRIP_FUZZ_RESUME_KILLS", "2"))
 TASK = """\
 grip: 1
 name: sums

@@ -27,7 +27,7 @@ bits = st.lists(
 ).map("".join)  # fmt: skip
 
 
-@settings(deadline=None, max_examples=1500)
+@settings(deadline=None, max_examples=500)
 @given(bits, st.sampled_from(["{}", "a: {}", "a:\n  {}\nb: 1", "a: {{b: {}}}", "a: |\n  {}", "a: >\n  {}\n b\n"]))
 def test_libyaml_reads_what_it_reads_like_the_patient_parser_places_included(bit, around):
     text = around.format(bit)
@@ -77,7 +77,7 @@ lines = st.tuples(
 ).map("".join)
 
 
-@settings(deadline=None, max_examples=1000)
+@settings(deadline=None, max_examples=300)
 @given(st.lists(lines, min_size=1, max_size=7).map("\n".join), st.sampled_from(["\n", "", "\n\n", "\n  \n", "\n#"]))
 def test_what_is_read_as_tidy_is_what_the_patient_parser_reads(text, end):
     text += end

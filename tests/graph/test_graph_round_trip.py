@@ -5,7 +5,7 @@ from random_texts import with_comments
 
 from grip_bt.graph import dumps, fmt, loads
 
-unhurried = settings(deadline=None, max_examples=200, suppress_health_check=[HealthCheck.too_slow])
+unhurried = settings(deadline=None, max_examples=100, suppress_health_check=[HealthCheck.too_slow])
 
 
 @unhurried

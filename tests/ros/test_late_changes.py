@@ -13,7 +13,7 @@ from grip_bt.commanders.stream import Stream, velocity_of
 from grip_bt.operation import Operation
 
 NAMES = ("a", "b", "c")
-MOTIONS = int(os.environ.get("GRIP_FUZZ_DELAYS", "1000"))
+MOTIONS = int(os.environ.get("GRIP_FUZZ_DELAYS", "300"))
 BACK = 2e-3
 """What joints may move back at all [rad/s]; they are asked to move at up to 1 rad/s."""
 

@@ -180,6 +180,7 @@ def test_a_stop_waits_for_nothing_that_hangs(target: Any, monkeypatch: Any) -> N
     monkeypatch.setattr("grip_bt.runtime.runner.ABANDON", ABANDON)
     children = {"t": leaf("wait"), "o": leaf("obey"), "h": leaf("hang")}
     run = Started(target, {"kind": "parallel", "cancel": "join", "children": children}).start()
+    run.wait_tick("t")
     assert run.leaves["h"].inside.wait(120)
     run.runner.stop()
     assert {"t", "h"} <= {zombie.path for zombie in run.join().zombies}
