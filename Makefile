@@ -44,7 +44,7 @@ contracts: $(STAMP) ## who may import whom
 
 python-tests: $(STAMP) ## all Python tests
 	@bash tools/run_tests.sh "Python tests" -n 2 --dist loadgroup -m "not ros and not sim and not e2e" tests
-	@bash tools/run_tests.sh "ROS and simulator tests" -n 3 --dist loadfile -m "(ros or sim) and not e2e" tests
+	@bash tools/run_tests.sh "ROS and simulator tests" -n 3 --dist loadfile --no-loadscope-reorder -m "(ros or sim) and not e2e" tests
 
 frontend: $(STAMP) ## unit tests, types and build of the page, where Node is there
 	@bash tools/frontend_tests.sh

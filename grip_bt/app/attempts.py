@@ -91,6 +91,8 @@ class AttemptRecorder(Silent):
         elif path.startswith(self._path + "/") and self.attempts:
             label = outcome if failure is None else f"{outcome}.{failure.code}"
             self.attempts[-1].steps.append((path.removeprefix(self._path + "/"), label))
+            if outcome == "success" and self.attempts[-1].where.startswith(path.removeprefix(self._path + "/") + "/"):
+                self.attempts[-1].where, self._first = "", None  # it has been dealt with, as by an `invert`
             if failure is not None and not self.attempts[-1].where:
                 self.attempts[-1].where = path.removeprefix(self._path + "/")
                 self._first = failure
