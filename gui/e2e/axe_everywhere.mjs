@@ -30,6 +30,7 @@ for (const colorScheme of ["light", "dark"]) {
       await page.getByRole("dialog").waitFor();
       await page.keyboard.press("ArrowDown");
       await page.keyboard.press("Enter");
+      await page.getByRole("main", { name: "Named joint states" }).waitFor(); // or else it's asked once more
       for (const name of ["Named joint states", "Named trajectories"]) {
         await open(name);
         await page.getByRole("main", { name }).waitFor();
