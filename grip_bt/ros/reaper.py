@@ -115,6 +115,7 @@ class Reaper:
         if not self._goals and not self._topics:
             return {}
         began = time.monotonic()
+        self._look()  # nobody has looked since the last line came
         for goal in self._goals.values():
             self._cancel(goal, began)
         self._listen()

@@ -16,6 +16,7 @@ from ros_bench import DATA, ended, gone, stands
 
 from grip_bt.interpreter import python_command
 from grip_bt.ros.process import child_environment
+from grip_bt.ros.reaper import GONE
 from grip_bt.ros.reaping import REPORT
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
@@ -34,8 +35,8 @@ def states(bus, start_server, interface_cache):
     return made
 
 
-def said_of(domain, program, *arguments, overlays=(), begun=lambda: True):
-    """Kill a program of `data/` when it has begun to have something moved; return what its reaper says."""
+def said_of(domain, program, *arguments, overlays=(), begun=lambda: True, later=0.0):
+    """Kill a program of `data/` when it has something moved, or so much later [s]; return what its reaper says."""
     reads, writes = os.pipe()
     with subprocess.Popen(
         python_command(str(DATA / program), *arguments),
@@ -53,17 +54,17 @@ def said_of(domain, program, *arguments, overlays=(), begun=lambda: True):
             run.stdin.flush()
             assert run.stdout.readline() == "begun\n"
             until(begun, within=PATIENCE)
-            time.sleep(random.uniform(0.0, 0.5))  # any moment will do
+            time.sleep(later + random.uniform(0.0, 0.5))  # any moment will do
         finally:
             os.killpg(run.pid, signal.SIGKILL)
     with os.fdopen(reads) as report:
         return json.loads(report.read() or "null")
 
 
-@pytest.mark.parametrize("way", ["trajectory", "topic"])
-def test_the_arm_of_a_run_that_was_killed_comes_to_rest(way, states, domain):
+@pytest.mark.parametrize(("way", "later"), [("trajectory", 0.0), ("trajectory", GONE + 0.5), ("topic", 0.0)])
+def test_the_arm_of_a_run_that_was_killed_comes_to_rest(way, later, states, domain):
     begun = lambda: np.abs(ended(states.fresh(NAMES)).position).max() > 1e-4  # noqa: E731
-    assert said_of(domain, "mover.py", way, str(domain), begun=begun) == {"arm": ""}
+    assert said_of(domain, "mover.py", way, str(domain), begun=begun, later=later) == {"arm": ""}
     there = stands(states, NAMES)
     assert np.abs(there).max() < 2.0
     assert ended(states.fresh(NAMES)).position == pytest.approx(there, abs=1e-3)
