@@ -30,8 +30,8 @@ from grip_bt.ros.process import child_environment
 from grip_bt.ros.topic import Received
 
 ROUNDS, SEED = int((sys.argv[1:] or ["30"])[0]), int((sys.argv[2:] or ["0"])[0])
-REST, MOVES, STILL, LONG = 0.01, 0.1, 0.5, 20.0
-"""Joints rest below this speed and move above this one [rad/s]; for so long they have to be, and the most [s]."""
+REST, MOVES, STILL, LONG = 0.02, 0.1, 0.5, 20.0
+"""Joints rest below this speed, as in `stopping.py`, and move above this one [rad/s]; for so long, at most so long."""
 ACCELERATIONS = np.array([7.5, 3.75, 5.0, 6.25, 7.5, 10.0, 10.0])
 ARM = [f"panda_joint{k}" for k in range(1, 8)]
 PROJECT = """grip: 1
