@@ -141,8 +141,8 @@ def test_what_was_built_before_the_time_was_over_is_kept(tmp_path):
         "    build()\n"
         "    while True: pass\n"
     )
-    run = record(file, tmp_path, {}, timeout=8)
-    assert "stopped after 8 s" in run.words
+    run = record(file, tmp_path, {}, timeout=12)
+    assert "stopped after 12 s" in run.words
     assert run.containers[0]["children"][0]["label"] == "A"
 
 
