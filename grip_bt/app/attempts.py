@@ -89,13 +89,12 @@ class AttemptRecorder(Silent):
         if path == self._path:
             self._end(outcome, failure)
         elif path.startswith(self._path + "/") and self.attempts:
-            label = outcome if failure is None else f"{outcome}.{failure.code}"
-            self.attempts[-1].steps.append((path.removeprefix(self._path + "/"), label))
-            if outcome == "success" and self.attempts[-1].where.startswith(path.removeprefix(self._path + "/") + "/"):
-                self.attempts[-1].where, self._first = "", None  # it has been dealt with, as by an `invert`
-            if failure is not None and not self.attempts[-1].where:
-                self.attempts[-1].where = path.removeprefix(self._path + "/")
-                self._first = failure
+            attempt, step = self.attempts[-1], path.removeprefix(self._path + "/")
+            attempt.steps.append((step, outcome if failure is None else f"{outcome}.{failure.code}"))
+            if outcome == "success" and attempt.where.startswith(step + "/"):
+                attempt.where, self._first = "", None  # it has been dealt with, as by an `invert`
+            if failure is not None and not attempt.where:
+                attempt.where, self._first = step, failure
 
     def interrupted(self, path: str) -> None:
         """End the attempt without an outcome."""
