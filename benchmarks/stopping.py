@@ -1,4 +1,6 @@
-"""How long joints take to rest when they are told to stop, at random moments: `stopping.py [--moments N] [ROW...]`.
+"""How long joints take to rest when they are told to stop, at random moments.
+
+    stopping.py [--moments N] [--slow-moments N] [--seed S] [ROW...]
 
 For every executor and every way of stopping: from the ask to the rest, less what braking at the joints' limits takes.
 Executors with exact time are watched every 10 ms of it; what has the wall's time is measured by the stamps of joint
@@ -64,14 +66,16 @@ COLUMNS = (
 )
 
 
-def ours(name: str, table: dict[str, Callable[..., Any]], ways: list[str], servers: Servers, count: int) -> None:
+def ours(
+    name: str, table: dict[str, Callable[..., Any]], ways: list[str], servers: Servers, count: int, seed: int
+) -> None:
     """Measure an executor of the contract's tables."""
     import inspect
 
     import conftest
     from stopping import BEYOND, go_elsewhere, smooth, stopped
 
-    make, rng = table[name], np.random.default_rng(7)
+    make, rng = table[name], np.random.default_rng(seed)
     needs = [servers.get(need) for need in inspect.signature(make).parameters]
     with make(*needs) as rig:
         for way in ways:
@@ -154,14 +158,14 @@ class Wire:
     overlays: list[Path]
 
 
-def plain(name: str, wire: Wire, count: int) -> None:
+def plain(name: str, wire: Wire, count: int, seed: int) -> None:
     """Measure a server that is asked by somebody else's program."""
     from plain_client import plain_client, swing
     from stopping import BEYOND, of_states
 
     from grip_bt.values import JointState
 
-    rng = np.random.default_rng(11)
+    rng = np.random.default_rng(seed + 4)
     with plain_client(wire.action, wire.kind, wire.names, wire.domain, wire.overlays) as client:
         home = client.now
         for way in ("cancel", "all"):
@@ -305,6 +309,7 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--moments", type=int, default=200)
     parser.add_argument("--slow-moments", type=int, help="for rows whose time is the wall's; as --moments by default")
+    parser.add_argument("--seed", type=int, default=7, help="of the moments")
     parser.add_argument("--kills", type=int, default=20, help="for the row `killed`")
     parser.add_argument("rows", nargs="*")
     asked = parser.parse_args()
@@ -321,13 +326,20 @@ def main() -> None:
         servers = Servers(stack)
         for name in filter(wanted, conftest.EXECUTORS):
             ways = ["cancel", "stop", *(["pause"] if name in conftest.PAUSABLE else [])]
-            ours(name, conftest.EXECUTORS, ways, servers, asked.moments if name in FAST else slow)
+            ours(name, conftest.EXECUTORS, ways, servers, asked.moments if name in FAST else slow, asked.seed)
         for name in (name for name in conftest.HAND_PORTS if wanted(f"hand_{name}")):
-            ours(name, conftest.HAND_PORTS, ["cancel", "stop"], servers, asked.moments if name in FAST else slow)
+            ours(
+                name,
+                conftest.HAND_PORTS,
+                ["cancel", "stop"],
+                servers,
+                asked.moments if name in FAST else slow,
+                asked.seed,
+            )
         if wanted("simulated_physics"):
             simulated_physics(asked.moments)
         for name in filter(wanted, ("plain_served", "plain_trajectory", "plain_gripper", "plain_move_group")):
-            plain(name, servers.wire(name), slow)
+            plain(name, servers.wire(name), slow, asked.seed)
         if wanted("killed"):
             killed("plain_trajectory", servers.wire("plain_trajectory"), servers.get("ros_robot")[1], asked.kills)
             simulation_killed(asked.kills)
