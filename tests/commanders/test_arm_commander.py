@@ -195,3 +195,15 @@ def test_a_given_trajectory_with_something_in_its_way_says_when_and_what(rig):
     backward = Trajectory(home.names, [0.0, 5.0], [down, home.position])
     with pytest.raises(PathInvalidError, match="where the trajectory begins, .* touches"):
         rig.arm.plan_along(backward).result()
+
+
+def test_a_given_trajectory_is_looked_at_where_a_controller_draws_it_between_its_points(rig):
+    home = rig.arm.state()
+    rows, velocities = np.tile(home.position, (4, 1)), np.zeros((4, 7))
+    rows[1:3, 1] += 0.3  # the shoulder leans forward, far above the table
+    rig.arm.plan_along(Trajectory(home.names, [0.0, 1.0, 3.0, 4.0], rows, velocities)).result()
+    velocities[1:3, 1] = [1.8, -1.8]  # through the same points, and into the table between the inner ones
+    swung = Trajectory(home.names, [0.0, 1.0, 3.0, 4.0], rows, velocities)
+    with pytest.raises(PathInvalidError, match=r"of the trajectory, .* touches") as caught:
+        rig.arm.plan_along(swung).result()
+    assert 1.0 < caught.value.data["time"] < 3.0

@@ -133,6 +133,28 @@ def test_motions_one_after_the_other_are_fine_where_the_same_at_once_are_not(mod
         answer(model, CheckTogether(situation(model, carriers), at_once), lambda: False)
 
 
+def swinging(model, side, speed):
+    """A little inward in a second, a second there, and back; with a speed at the inner points, in and out again."""
+    joints = model.description.group(f"{side}_manipulator")
+    rows, velocities = np.zeros((4, 6)), np.zeros((4, 6))
+    rows[:, 0], rows[:, 1], velocities[:, 1] = HALF_IN[side][0], [0.0, 0.2, 0.2, 0.0], [0.0, speed, -speed, 0.0]
+    return Plan(f"{side}_manipulator", Trajectory(joints, [0.0, 1.0, 2.0, 3.0], rows, velocities), "test")
+
+
+def test_arms_are_looked_at_where_controllers_bring_them_between_the_points_of_their_plans(model, carriers):
+    """Both stand a little inward from the first to the second point, or go in and out: the points are the same."""
+    asked = situation(model, carriers)
+    still = tuple(swinging(model, side, 0.0) for side in SIDES)
+    assert answer(model, CheckTogether(asked, still), lambda: False) is None
+    swung = tuple(swinging(model, side, 1.2) for side in SIDES)
+    with pytest.raises(PathInvalidError, match="common motion") as caught:
+        answer(model, CheckTogether(asked, swung), lambda: False)
+    assert 1.0 < caught.value.data["time"] < 2.0
+    assert {name.split("_")[0] for name in names(caught.value.data["pairs"])} == {"left", "right"}
+    one = (swung[0], still[1])
+    assert answer(model, CheckTogether(asked, one), lambda: False) is None, "one alone doesn't reach the other"
+
+
 def test_two_plans_for_one_joint_are_refused(model, carriers):
     twice = (plan(model, "left", UPRIGHT), plan(model, "left", UPRIGHT))
     with pytest.raises(ValueError, match="the same joint"):

@@ -10,7 +10,7 @@ from grip_bt.values import Trajectory
 
 from ..collision import recent_checker
 from ..model import Chain, RobotModel
-from .common import all_times, first_touch
+from .continuous import first_touch
 from .goals import out_of_limits, touching
 from .requests import PlanAlong
 
@@ -32,21 +32,20 @@ def plan_along(model: RobotModel, request: PlanAlong) -> Trajectory:
     columns = [chain.joints.index(name) for name in given.names]
     positions[:, columns] = given.positions
     _refuse_limits(chain, given, positions)
-    checker = recent_checker(chain, situation.scene, situation.hand, 0.0)
-    times = all_times(given.times)
-    between = np.stack([np.interp(times, given.times, column) for column in positions.T], axis=1)
-    if met := checker.pairs(positions[0]):
-        raise PathInvalidError(f"where the trajectory begins, {touching(met)}", pairs=met, time=0.0)
-    if touched := first_touch(checker, times, between):
-        at, pairs = touched
-        raise PathInvalidError(f"after {at:.1f} s of the trajectory, {touching(pairs)}", pairs=pairs, time=at)
-    return Trajectory(
+    whole = Trajectory(
         chain.joints,
         given.times,
         positions,
         _of_all(given.velocities, columns, positions),
         _of_all(given.accelerations, columns, positions),
     )
+    checker = recent_checker(chain, situation.scene, situation.hand, 0.0)
+    if met := checker.pairs(positions[0]):
+        raise PathInvalidError(f"where the trajectory begins, {touching(met)}", pairs=met, time=0.0)
+    if touched := first_touch(checker, whole):
+        at, pairs = touched
+        raise PathInvalidError(f"after {at:.1f} s of the trajectory, {touching(pairs)}", pairs=pairs, time=at)
+    return whole
 
 
 def _of_all(

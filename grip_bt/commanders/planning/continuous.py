@@ -7,7 +7,7 @@ motion, nothing in it can touch. Pieces where they aren't are divided, until the
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from grip_bt.values import Trajectory
 
 from ..collision import CollisionChecker
+from ..trajectory.smooth import quintic_jerks
 from ..trajectory.splines import cubics
 from .paths import Path
 
@@ -73,30 +74,81 @@ def continuously_free(checker: CollisionChecker, positions: Path) -> bool:
         rows: Path = positions[begin] + (positions[begin + 1] - positions[begin]) * (where - begin)[:, None]
         return rows
 
-    return _free(checker, between, _Pieces(rows[:-1], rows[1:], np.zeros((len(rows) - 1, positions.shape[1]))))
+    pieces = _Pieces(rows[:-1], rows[1:], np.zeros((len(rows) - 1, positions.shape[1])))
+    return _undecided(checker, between, pieces) is None
 
 
 def trajectory_free(checker: CollisionChecker, trajectory: Trajectory) -> bool:
-    """Tell whether a trajectory touches nothing wherever it is on the cubics between its points, as it is executed.
+    """Tell whether a trajectory of the checker's joints touches nothing wherever it is, as it is executed."""
+    return _undecided(checker, *_executed(checker, (trajectory,))) is None
+
+
+def first_touch(
+    checker: CollisionChecker, *trajectories: Trajectory
+) -> tuple[float, tuple[tuple[str, str], ...]] | None:
+    """Return after what time [s] a motion touches something, and what; None when it is free all along.
 
     Args:
-        checker: of its joints, in its order.
-        trajectory: its points have velocities.
+        checker: of the joints of all trajectories.
+        trajectories: what is executed at once, as `Trajectory.sampled` interpolates; each is of other joints.
     """
-    if len(trajectory.times) < 2:
-        return checker.all_free(trajectory.positions)
-    moved = np.cumsum(np.abs(np.diff(trajectory.positions, axis=0)) @ checker.reaches)
-    rows = np.unique([0, *np.searchsorted(moved, np.arange(0.0, moved[-1], 2 * _NEEDS[0])), len(moved)])
-    _, _, second, third = cubics(trajectory)
-    last = second + third * np.diff(trajectory.times)[:, None]
-    hardest = np.maximum.reduceat(np.maximum(np.abs(second), np.abs(last)), rows[:-1], axis=0)
-    at = trajectory.times[rows]
-    pieces = _Pieces(at[:-1], at[1:], hardest * (np.diff(at)[:, None] ** 2 / 8))
-    return _free(checker, lambda where: trajectory.sampled(where)[0], pieces)
+    curve, pieces = _executed(checker, trajectories)
+    left = _undecided(checker, curve, pieces)
+    if left is None:
+        return None
+    rows = curve(left.middle)
+    first = int(np.argmin(checker.free_each(rows)))  # none of them, where all only come too near
+    return float(left.middle[first]), checker.pairs(rows[first])
 
 
-def _free(checker: CollisionChecker, curve: Curve, pieces: _Pieces) -> bool:
-    """Tell whether a motion is free: what clearance doesn't decide, by pieces of it, and then by fine samples."""
+def _executed(checker: CollisionChecker, trajectories: Sequence[Trajectory]) -> tuple[Curve, _Pieces]:
+    """Return the configurations of a motion by time, and pieces of it that are smooth."""
+    joints = checker.chain.joints
+    parts = [(each, [joints.index(name) for name in each.names]) for each in trajectories]
+
+    def curve(times: NDArray[np.float64]) -> Path:
+        rows = np.zeros((len(times), len(joints)))
+        for trajectory, columns in parts:
+            rows[:, columns] = trajectory.sampled(times)[0]
+        return rows
+
+    times = np.unique(np.concatenate([each.times for each in trajectories]))
+    if len(times) < 2:
+        return curve, _Pieces(times, times, np.zeros((1, len(joints))))
+    moved = np.cumsum(np.abs(np.diff(curve(times), axis=0)) @ checker.reaches)
+    ends = [0, *np.searchsorted(moved, np.arange(0.0, moved[-1], 2 * _NEEDS[0])), len(moved)]
+    corners = [each.times if each.velocities is None else each.times[-1:] for each in trajectories]
+    at = times[np.unique(np.concatenate([ends, np.searchsorted(times, np.concatenate(corners))]))]
+    bow = np.zeros((len(at) - 1, len(joints)))
+    for trajectory, columns in parts:
+        bow[:, columns] = _hardest(trajectory, at) * (np.diff(at)[:, None] ** 2 / 8)
+    return curve, _Pieces(at[:-1], at[1:], bow)
+
+
+def _hardest(trajectory: Trajectory, at: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return accelerations that a trajectory is nowhere above between times, shape (m,): shape (m - 1, n)."""
+    if len(trajectory.times) < 2 or trajectory.velocities is None:
+        return np.zeros((len(at) - 1, len(trajectory.names)))
+    steps, given = np.diff(trajectory.times)[:, None], trajectory.accelerations
+    if given is None:
+        _, _, second, third = cubics(trajectory)
+        bounds = [second, second + third * steps]
+    else:  # the Bernstein coefficients of a quintic's acceleration, which is between the least and the largest
+        first, _, last = quintic_jerks(trajectory) * (steps / 3)
+        bounds = [given[:-1], given[:-1] + first, given[1:] - last, given[1:]]
+    hardest = np.abs(bounds).max(axis=0)
+    begin = np.searchsorted(trajectory.times, at[:-1], side="right") - 1
+    end = np.searchsorted(trajectory.times, at[1:])
+    spans = np.clip(np.stack([begin, np.maximum(end, begin + 1)], axis=1), [0, 1], [len(steps) - 1, len(steps)])
+    whole: NDArray[np.float64] = np.maximum.reduceat(np.concatenate([hardest, hardest[-1:]]), spans.ravel(), axis=0)
+    return whole[::2]
+
+
+def _undecided(checker: CollisionChecker, curve: Curve, pieces: _Pieces) -> _Pieces | None:
+    """Return the pieces of a motion that touch something or may: what clearance and then fine samples don't decide.
+
+    None where it is free.
+    """
     for level, need in enumerate(_NEEDS):
         halves = _halves(curve, pieces)
         if level:
@@ -104,18 +156,18 @@ def _free(checker: CollisionChecker, curve: Curve, pieces: _Pieces) -> bool:
             halves = _halves(curve, pieces)
         middles = curve(pieces.middle)
         clear = _clear(checker, middles, halves)
-        if not level and not checker.all_free(middles[~clear]):  # what touches is mostly found out here
-            return False
         pieces = pieces.those(~clear)
+        if not level and not checker.all_free(middles[~clear]):  # what touches is mostly found out here
+            return pieces
         if not len(pieces.begin):
-            return True
+            return None
     for step in FINE:  # near a hand's hull, or near to touching
         pieces = pieces.divided(2 * _halves(curve, pieces).max(axis=1) / step)
         for hulls in (True, False):
             pieces = pieces.those(~_clear(checker, curve(pieces.middle), _halves(curve, pieces), hulls))
             if not len(pieces.begin):
-                return True
-    return False
+                return None
+    return pieces
 
 
 def _halves(curve: Curve, pieces: _Pieces) -> NDArray[np.float64]:

@@ -128,6 +128,8 @@ def out_of_limits(chain: Chain, q: NDArray[np.float64], what: str) -> OutOfLimit
 
 
 def touching(pairs: Sequence[tuple[str, str]]) -> str:
-    """Return up to three pairs of names in words."""
+    """Return up to three pairs of names in words; without any, why a motion counts as touching."""
+    if not pairs:
+        return "something comes nearer than 0.05 mm, which counts as touching"
     shown = "; ".join(f"{a} touches {b}" for a, b in pairs[:3])
     return shown + (f"; and {len(pairs) - 3} more pairs" if len(pairs) > 3 else "")

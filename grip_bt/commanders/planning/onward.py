@@ -15,7 +15,7 @@ from ..model import Chain, RobotModel
 from ..steering import steered
 from ..stream import velocity_of
 from .beginning import allowed
-from .continuous import trajectory_free
+from .continuous import first_touch
 from .goals import out_of_limits, touching
 from .requests import PlanOnward
 
@@ -48,9 +48,8 @@ def plan_onward(model: RobotModel, request: PlanOnward) -> Trajectory:
         if not chain.within_limits(row, slack=1e-3):
             raise out_of_limits(chain, row, "going on, the arm would be")
     checker = recent_checker(chain, situation.scene, situation.hand, 0.0)
-    if not trajectory_free(checker, step):
-        met = next((pairs for row in step.positions if (pairs := checker.pairs(row))), ())
-        raise PathInvalidError(f"the arm can't go on: {touching(met) if met else 'something is in the way'}", pairs=met)
+    if touched := first_touch(checker, step):
+        raise PathInvalidError(f"the arm can't go on: {touching(touched[1])}", pairs=touched[1])
     return step
 
 

@@ -94,11 +94,11 @@ def each_by_itself(
 def excess(trajectory: Trajectory, acceleration: Array, jerk: Array) -> tuple[float, float]:
     """Return the largest acceleration and jerk over their limits on the quintics between a trajectory's points."""
     _, _, found = trajectory.sampled(np.arange(0.0, trajectory.duration, _PERIOD))
-    sharpest = np.abs(_jerks(trajectory)) / jerk
+    sharpest = np.abs(quintic_jerks(trajectory)) / jerk
     return float((np.abs(found) / acceleration).max(initial=0.0)), float(sharpest.max(initial=0.0))
 
 
-def _jerks(trajectory: Trajectory) -> Array:
+def quintic_jerks(trajectory: Trajectory) -> Array:
     """Return the jerks where each quintic begins, in its middle, and where it ends, shape (3, k - 1, n)."""
     assert trajectory.velocities is not None
     assert trajectory.accelerations is not None
