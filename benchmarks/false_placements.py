@@ -255,8 +255,9 @@ class Session:
         }
 
     def _reset(self, seed: int) -> None:
+        self.simulation.settle(0.7)  # a hand that went slack just now presses again
         self._hand.stop()
-        self.simulation.settle(0.01)
+        self.simulation.settle(0.5)
         self.simulation.put_back(self._begin)
         for mine, its in zip(self.simulation.spec.objects, table_world(seed).objects, strict=True):
             turn = [np.cos(its.yaw / 2), 0, 0, np.sin(its.yaw / 2)]

@@ -58,7 +58,9 @@ class Motion(Protocol):
 
 
 class Brake:
-    """Joints come to rest by a ramp; it ends when they are measured to be there.
+    """Joints come to rest by a ramp, and then hold where they are measured, as joint_trajectory_controller has it.
+
+    A drive that brakes is some mrad ahead of its target: drawn back, the joints would creep for another 0.1 s.
 
     Args:
         robot: whose joints.
@@ -69,14 +71,19 @@ class Brake:
 
     def __init__(self, robot: SimRobot, rows: NDArray[np.intp], ramp: Trajectory, begun: float):
         self.rows, self._robot, self._ramp, self._begun = rows, robot, ramp, begun
+        self._hold: Floats | None = None
 
     def advance(self, world: World) -> Ended | None:
         """Move the targets on, and wait for the joints to stand still."""
         t = world.time - self._begun + world.spec.dt
         position, velocity, _ = self._ramp.sampled(np.array([t]))
-        self._robot.drive(self.rows, position[0], velocity[0])
         if t <= self._ramp.duration:
+            self._robot.drive(self.rows, position[0], velocity[0])
             return None
+        if self._hold is None:  # what stood still, such as a finger that presses, keeps its target
+            moved = self._ramp.sampled(np.zeros(1))[1][0] != 0.0
+            self._hold = np.where(moved, self._robot.positions()[self.rows], position[0])
+        self._robot.drive(self.rows, self._hold)
         speeds = np.abs(self._robot.velocities()[self.rows])
         if speeds.max() < STILL:
             return Ended("canceled", "the motion was stopped")
