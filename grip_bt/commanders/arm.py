@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from grip_bt.errors import ExecutionAbortedError, UnknownNameError
+from grip_bt.errors import ExecutionAbortedError, OutOfLimitsError, UnknownNameError
 from grip_bt.operation import Operation
 from grip_bt.ports import Executor
-from grip_bt.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory, WayPoint
+from grip_bt.values import MOVE_GROUP, Grasp, JointState, PathConstraint, Plan, Pose, Trajectory, WayPoint
 
 from .ik.target import FREE
 from .jogging import approaching, bounded, jogged, lasting
@@ -34,6 +34,7 @@ from .scene import PlanningScene
 from .steering import HOLD
 from .stream import Stream, Twist, velocity_of
 from .taught import Taught
+from .trajectory.limits import refuse_beyond_limits
 from .worker import PlanningService
 
 if TYPE_CHECKING:
@@ -143,15 +144,14 @@ class ArmCommander:
             raise ValueError("a motion through way points has at least one of them")
         return self._ask(PlanThrough(self._situation(start), named, constraint))
 
-    def plan_along(self, trajectory: Trajectory) -> Operation[Plan]:
+    def plan_along(self, trajectory: Trajectory, *, slow_down: bool = False) -> Operation[Plan]:
         """Check a trajectory that was made elsewhere and make a plan of it; see `ports.Arm`."""
         require_joints(trajectory.names, self._executor.joint_names, self._name)
-        situation = replace(self._situation(), settings=PlanningSettings())  # no search: whoever plans, ours checks
-        return self._ask(PlanAlong(situation, trajectory))
+        return self._ask(PlanAlong(replace(self._situation(), settings=self._own_settings()), trajectory, slow_down))
 
     def check_together(self, plans: Sequence[Plan]) -> Operation[None]:
         """Check that plans of several arms, begun at once, keep the arms apart; see `ports.Arm`."""
-        situation = replace(self._situation(), settings=PlanningSettings())  # no search: whoever plans, ours checks
+        situation = replace(self._situation(), settings=self._own_settings())
         return self._submit(CheckTogether(situation, tuple(plans)))  # type: ignore[return-value]
 
     def jog(
@@ -185,8 +185,15 @@ class ArmCommander:
         """Execute a plan; the result is what was measured at the end.
 
         Ends with ExecutionAbortedError when that is more than 0.05 rad from the plan's end; `data['errors']` tells
-        by how much, joint by joint.
+        by how much, joint by joint. Ends with OutOfLimitsError, and nothing has moved, where a plan breaks limits: it
+        may be stored, or made by anybody. Those of move_group are left to its controllers.
         """
+        try:
+            require_joints(plan.trajectory.names, self._executor.joint_names, self._name)
+            if plan.planner != MOVE_GROUP:
+                refuse_beyond_limits(plan.trajectory, self._model.limits_of(plan.trajectory.names))
+        except (OutOfLimitsError, UnknownNameError) as error:
+            return Operation.failed(error)
         return self._executor.execute(plan.trajectory).then(lambda measured: _verified(plan, measured))
 
     def choose_grasp(self, grasps: Sequence[Grasp]) -> Operation[Grasp]:
@@ -217,6 +224,10 @@ class ArmCommander:
         start = JointState(names, np.concatenate([part.position for part in parts]), time=arm.time)
         return Situation(self._group, start, self._scene.snapshot(), self._hand, self._settings)
 
+    def _own_settings(self) -> PlanningSettings:
+        """For what isn't searched: whoever plans, ours checks."""
+        return replace(self._settings, planner=PlanningSettings().planner)
+
     def _twist_to(self, target: Pose, speed: float, there: JointState) -> Twist:
         return approaching(self._model.grasp_pose(there, group=self._group), target, speed, HOLD)
 
@@ -224,9 +235,8 @@ class ArmCommander:
         situation = self._situation(start)
         names = situation.start.names
         begin = replace(situation.start, velocity=velocity_of(start, names))
-        own = replace(self._settings, planner=PlanningSettings().planner)  # no search: whoever plans, ours checks
         linear, angular = (tuple(map(float, part)) for part in twist)
-        request = PlanOnward(replace(situation, start=begin, settings=own), linear, angular, hold)
+        request = PlanOnward(replace(situation, start=begin, settings=self._own_settings()), linear, angular, hold)
         return self._ask(request).then(lambda plan: Operation.finished(plan.trajectory))
 
     def _submit(self, request: Request) -> Operation[Plan | ChosenGrasp | None]:

@@ -166,9 +166,10 @@ class RobotModel:
 
     def limits(self, group: str) -> Limits:
         """Return the limits of a group's joints, in the group's order."""
-        return self._limits_of(self.description.group(group))
+        return self.limits_of(self.description.group(group))
 
-    def _limits_of(self, names: tuple[str, ...]) -> Limits:
+    def limits_of(self, names: tuple[str, ...]) -> Limits:
+        """Return the limits of joints, in this order."""
         q = [self._columns[n] for n in names]
         jerks = np.array([self.description.jerk_limits.get(n, np.inf) for n in names])
         return Limits(
@@ -211,7 +212,7 @@ class RobotModel:
         model, geometry = pin.buildReducedModel(self.model, self.geometry, frozen, q)
         _drop_pairs_within_one_body(geometry)
         hands = frozenset(self.description.hand_links)
-        return Chain(names, model, geometry, self._limits_of(names), hands, self.grasp_frame_of(group))
+        return Chain(names, model, geometry, self.limits_of(names), hands, self.grasp_frame_of(group))
 
     def grasp_frame_of(self, group: str) -> str:
         """Return the name of the grasp frame of an arm's group; the robot's first one for a group without its own."""
@@ -264,7 +265,7 @@ class RobotModel:
         rng = np.random.default_rng(0)
         hands = {j for hand in self.description.hands for j in self.description.groups.get(hand, ())}
         names = tuple(n for n in self.description.joints if n not in hands)
-        columns, limits = [self._columns[n] for n in names], self._limits_of(names)
+        columns, limits = [self._columns[n] for n in names], self.limits_of(names)
         data, counts = self.geometry.createData(), np.zeros(len(self.geometry.collisionPairs))
         q = np.array(self._rest)
         for _ in range(_SAMPLES):

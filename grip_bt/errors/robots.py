@@ -28,7 +28,7 @@ class NoIkError(ExpectedError):
 
 
 class OutOfLimitsError(ExpectedError):
-    """Joint positions lie outside their limits; `data['joints']` names the joints."""
+    """Joints would be outside their limits, of positions or on the way; `data['joints']` names the joints."""
 
     code = "out_of_limits"
 

@@ -146,14 +146,17 @@ class Arm(Protocol):
         """
         ...
 
-    def plan_along(self, trajectory: Trajectory) -> Operation[Plan]:
+    def plan_along(self, trajectory: Trajectory, *, slow_down: bool = False) -> Operation[Plan]:
         """Check a trajectory that was made elsewhere, such as a stored one, and make a plan of it, as it is.
+
+        Points without velocities get those of the monotone cubic through them.
 
         Args:
             trajectory: of some or all of the arm's joints; the others stay where they are. It may begin elsewhere than
                 the arm is.
+            slow_down: whether it is made longer as a whole where it is faster than other plans of the arm.
 
-        Ends with OutOfLimitsError (positions, velocities) or PathInvalidError (collision).
+        Ends with OutOfLimitsError (positions, velocities, accelerations) or PathInvalidError (collision).
 
         Raises:
             UnknownNameError: it names a joint that isn't the arm's.

@@ -68,6 +68,10 @@ class JointState(ComparesArrays):
         return np.array([mine[n] for n in names])
 
 
+MOVE_GROUP = "move_group"
+"""The planner of plans that MoveIt's move_group made."""
+
+
 @dataclass(frozen=True, slots=True)
 class Closing:
     """What a hand did when it last closed.

@@ -18,6 +18,7 @@ from grip_bt.commanders.held import rest_of
 from grip_bt.commanders.jogging import jogged, lasting
 from grip_bt.commanders.planning.motions import answer
 from grip_bt.commanders.planning.requests import (
+    PlanAlong,
     PlanningSettings,
     PlanOnward,
     PlanStraight,
@@ -110,6 +111,7 @@ def kinds() -> dict[str, Callable[[Motions, np.random.Generator], Trajectory]]:
         "jog for a while": _jog,
         "through way points, blended": _blended,
         "through way points, searched": _searched,
+        "given without velocities": _given,
         "steered (follow, jog without end)": _steered,
         "stop ramp": _stopped,
         "stop ramp of any motion": lambda motions, rng: _stopped(motions, rng, _any(motions, rng)),
@@ -154,6 +156,13 @@ def _searched(motions: Motions, rng: np.random.Generator) -> Trajectory:
     begin, first, second = (motions.free(rng, 0.6) for _ in range(3))
     points = (WayPoint(motions.goal(first), radius=0.1, straight=False), WayPoint(motions.goal(second), straight=False))
     return motions.answer(PlanThrough(motions.at(begin), points))
+
+
+def _given(motions: Motions, rng: np.random.Generator) -> Trajectory:
+    begin = motions.free(rng, 0.6)
+    rows = np.stack([begin, *(motions.free(rng, 0.6) for _ in range(3))])
+    times = np.concatenate([[0.0], np.cumsum(rng.uniform(1.0, 5.0, 3))])
+    return motions.answer(PlanAlong(motions.at(begin), Trajectory(motions.chain.joints, times, rows)))
 
 
 def _steered(motions: Motions, rng: np.random.Generator) -> Trajectory:

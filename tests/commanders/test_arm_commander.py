@@ -173,14 +173,14 @@ def test_a_given_trajectory_becomes_a_plan_for_all_joints(rig):
 
 def test_a_given_trajectory_that_is_too_fast_says_how_much_longer_it_has_to_last(rig):
     first = rig.arm.state().names[0]
-    with pytest.raises(OutOfLimitsError, match=rf"moves {first} at 30\.00 rad/s, .* times as long") as caught:
+    with pytest.raises(OutOfLimitsError, match=rf"velocity of {first} = -?45\.\d+ .* times as long") as caught:
         rig.arm.plan_along(swung(rig, first, 0.3, 0.01)).result()
     assert caught.value.data["joints"] == (first,)
 
 
 def test_a_given_trajectory_out_of_limits_says_where(rig):
     first = rig.arm.state().names[0]
-    with pytest.raises(OutOfLimitsError, match=rf"20\.0 s after its beginning, .* out of limits: {first} = "):
+    with pytest.raises(OutOfLimitsError, match=rf"20\.00 s after its beginning, .* out of limits: {first} = "):
         rig.arm.plan_along(swung(rig, first, 9.0, 20.0)).result()
 
 
@@ -201,9 +201,44 @@ def test_a_given_trajectory_is_looked_at_where_a_controller_draws_it_between_its
     home = rig.arm.state()
     rows, velocities = np.tile(home.position, (4, 1)), np.zeros((4, 7))
     rows[1:3, 1] += 0.3  # the shoulder leans forward, far above the table
-    rig.arm.plan_along(Trajectory(home.names, [0.0, 1.0, 3.0, 4.0], rows, velocities)).result()
-    velocities[1:3, 1] = [1.8, -1.8]  # through the same points, and into the table between the inner ones
-    swung = Trajectory(home.names, [0.0, 1.0, 3.0, 4.0], rows, velocities)
+    rig.arm.plan_along(Trajectory(home.names, [0.0, 1.5, 3.5, 5.0], rows, velocities)).result()
+    velocities[1:3, 1] = [1.5, -1.5]  # through the same points, and into the table between the inner ones
+    swung = Trajectory(home.names, [0.0, 1.5, 3.5, 5.0], rows, velocities)
     with pytest.raises(PathInvalidError, match=r"of the trajectory, .* touches") as caught:
         rig.arm.plan_along(swung).result()
-    assert 1.0 < caught.value.data["time"] < 3.0
+    assert 1.5 < caught.value.data["time"] < 3.5
+
+
+def abrupt(rig):
+    """A motion of 0.2 s within its limits of velocity, and twice as hard as its acceleration may be."""
+    first, limits = rig.arm.state().names[0], rig.model.limits("arm")
+    return swung(rig, first, 2.0 * limits.acceleration[0] * 0.2**2 / 6, 0.2)
+
+
+def test_a_given_trajectory_that_accelerates_too_hard_is_refused_and_can_be_given_more_time(rig):
+    given, limits = abrupt(rig), rig.model.limits("arm")
+    with pytest.raises(OutOfLimitsError, match=r"acceleration of panda_joint1 = .*1\.41\d times.*slow_down") as caught:
+        rig.arm.plan_along(given).result()
+    assert abs(caught.value.data["value"]) == pytest.approx(2.0 * limits.acceleration[0], rel=1e-3)
+    assert abs(caught.value.data["limit"]) == limits.acceleration[0]
+    plan = rig.arm.plan_along(given, slow_down=True).result()
+    assert plan.trajectory.positions[:, 0] == pytest.approx(given.positions[:, 0])
+    speed, times = PlanningSettings().speed, np.linspace(0.0, plan.trajectory.duration, 1001)
+    hardest = np.abs(plan.trajectory.sampled(times)[2]).max(axis=0)[0]
+    assert hardest == pytest.approx(limits.acceleration[0] * speed, rel=1e-3)
+    assert rig.arm.execute(plan).result().position == pytest.approx(rig.arm.state().position)
+
+
+@pytest.mark.parametrize("made", ["elsewhere", "RRTConnect"])
+def test_a_plan_that_is_beyond_limits_moves_nothing_whoever_is_said_to_have_made_it(rig, made):
+    first = rig.arm.state()
+    slow = rig.arm.plan_along(swung(rig, first.names[0], 0.3, 2.0)).result()
+    hasty = slow.trajectory
+    hasty = Trajectory(hasty.names, hasty.times / 10, hasty.positions, hasty.velocities * 10)
+    with pytest.raises(OutOfLimitsError, match="of panda_joint1 = "):
+        rig.arm.execute(Plan("arm", hasty, made)).result()
+    jumping = Trajectory(hasty.names, [0.0, 5.0, 10.0], hasty.positions)
+    with pytest.raises(OutOfLimitsError, match="without velocities"):
+        rig.arm.execute(Plan("arm", jumping, made)).result()
+    assert rig.arm.state().position == pytest.approx(first.position)
+    assert rig.arm.execute(Plan("arm", hasty, "move_group")).result() == rig.arm.state()  # its controllers' business

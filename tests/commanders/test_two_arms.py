@@ -16,7 +16,8 @@ from grip_bt.commanders.planning.motions import answer
 from grip_bt.commanders.planning.requests import CheckTogether, PlanningSettings, Situation
 from grip_bt.commanders.scene import Box, Carrier, SceneObject, SceneSnapshot
 from grip_bt.commanders.together import execute_together
-from grip_bt.errors import PathInvalidError
+from grip_bt.commanders.trajectory.splines import eased
+from grip_bt.errors import OutOfLimitsError, PathInvalidError
 from grip_bt.operation import Operation
 from grip_bt.runtime.clock import ManualClock
 from grip_bt.values import JointState, Plan, Pose, Trajectory
@@ -90,17 +91,15 @@ def test_what_is_held_meets_the_other_arm_and_what_that_holds(model, carriers):
 
 def plan(model, side, end, seconds=2.0):
     joints = model.description.group(f"{side}_manipulator")
-    times = np.linspace(0, seconds, 21)
-    rows = np.outer(times / seconds, end)
-    return Plan(f"{side}_manipulator", Trajectory(joints, times, rows), "test")
+    return Plan(f"{side}_manipulator", eased(joints, UPRIGHT, np.array(end), seconds), "test")
 
 
 def in_and_out(model, side, begin):
-    """One second inward and one back, beginning at a time [s]; at rest before and after."""
+    """Three seconds inward and three back, beginning at a time [s]; at rest before and after."""
     joints = model.description.group(f"{side}_manipulator")
     rows = [UPRIGHT, UPRIGHT, np.array(HALF_IN[side]), UPRIGHT, UPRIGHT]
-    times = [0.0, begin + 0.01, begin + 1.0, begin + 2.0, 5.0]
-    return Plan(f"{side}_manipulator", Trajectory(joints, times, rows), "test")
+    times = [0.0, begin + 0.01, begin + 3.0, begin + 6.0, 15.0]
+    return Plan(f"{side}_manipulator", Trajectory(joints, times, rows, np.zeros((5, 6))), "test")
 
 
 HALF_IN = {"left": [-np.pi / 2, 0.7, 0, 0, 0, 0], "right": [np.pi / 2, 0.7, 0, 0, 0, 0]}
@@ -126,7 +125,7 @@ def test_motions_that_meet_on_the_way_are_refused_with_when_and_what(model, carr
 
 
 def test_motions_one_after_the_other_are_fine_where_the_same_at_once_are_not(model, carriers):
-    apart = (in_and_out(model, "left", 0.0), in_and_out(model, "right", 2.5))
+    apart = (in_and_out(model, "left", 0.0), in_and_out(model, "right", 7.5))
     assert answer(model, CheckTogether(situation(model, carriers), apart), lambda: False) is None
     at_once = (in_and_out(model, "left", 0.0), in_and_out(model, "right", 0.0))
     with pytest.raises(PathInvalidError):
@@ -212,19 +211,30 @@ def test_arms_that_would_meet_do_not_begin(model, arms):
         assert made[side].state().position == pytest.approx(UPRIGHT)
 
 
+def test_no_arm_begins_when_the_plan_of_another_is_beyond_its_limits(model, arms):
+    made, clock, _ = arms
+    ends = {"left": UPRIGHT + 0.1, "right": np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0])}
+    together = execute_together({side: (made[side], plan(model, side, ends[side], 0.5)) for side in SIDES})
+    clock.advance(5)
+    with pytest.raises(OutOfLimitsError, match="of right_j6 = "):
+        together.result()
+    for side in SIDES:
+        assert made[side].state().position == pytest.approx(UPRIGHT)
+
+
 def test_plans_are_stretched_before_they_are_checked(model, arms):
     made, clock, planner = arms
     plans = {"left": plan(model, "left", HALF_IN["left"], 8.0), "right": plan(model, "right", UPRIGHT + 0.1, 1.0)}
     together = execute_together({side: (made[side], plans[side]) for side in SIDES})
     clock.advance(8.1)
     assert together.result()["right"].position == pytest.approx(UPRIGHT + 0.1)
-    assert [p.trajectory.duration for p in planner.asked[-1].plans] == [8.0, 8.0]
+    assert [p.trajectory.duration for p in planner.asked[-1].plans] == pytest.approx([8.0, 8.0])
 
 
 def test_an_arm_is_planned_round_where_the_other_is_now(model, arms):
     made, clock, planner = arms
-    moving = made["right"].execute(plan(model, "right", INWARD["right"], 1.0))
-    clock.advance(1.1)
+    moving = made["right"].execute(plan(model, "right", INWARD["right"], 3.0))
+    clock.advance(3.1)
     assert moving.result()
     with pytest.raises(PathInvalidError):
         made["left"].plan_straight(

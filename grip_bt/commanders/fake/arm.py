@@ -136,7 +136,7 @@ class FakeArm:
         planned = self._planned("plan_through", ends, begin)
         return planned.then(lambda plan: Operation.finished(replace(plan, radii=none)))
 
-    def plan_along(self, trajectory: Trajectory) -> Operation[Plan]:
+    def plan_along(self, trajectory: Trajectory, *, slow_down: bool = False) -> Operation[Plan]:
         """Make a plan of a trajectory; fakes know no limits and no shapes. See `ports.Arm`."""
         require_joints(trajectory.names, self._joints, self._name)
         failure = next(self._scripts["plan_along"])

@@ -4,26 +4,26 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
 
-from grip_bt.errors import OutOfLimitsError, PathInvalidError
+from grip_bt.errors import PathInvalidError
 from grip_bt.values import Trajectory
 
 from ..collision import recent_checker
-from ..model import Chain, RobotModel
+from ..model import RobotModel
+from ..trajectory.limits import longer, refuse_beyond_limits
+from .beginning import allowed
 from .continuous import first_touch
 from .goals import out_of_limits, touching
 from .requests import PlanAlong
-
-FASTER = 1e-3
-"""A joint may be asked to go faster than its limit by this part: times in files are rounded."""
 
 
 def plan_along(model: RobotModel, request: PlanAlong) -> Trajectory:
     """Return the trajectory for all joints of the group; those that it doesn't name stay where they are.
 
     Raises:
-        OutOfLimitsError: a way-point breaks position limits, or a joint would have to move faster than it can;
-            `data['joints']` names the joints.
+        OutOfLimitsError: a joint would leave its limits of position, velocity or acceleration, at a point or between
+            two; `data['joints']` names it.
         PathInvalidError: something would be touched; `data` says after what `time` [s], and which `pairs`.
     """
     given, situation = request.trajectory, request.situation
@@ -31,17 +31,24 @@ def plan_along(model: RobotModel, request: PlanAlong) -> Trajectory:
     positions = np.tile(situation.start.ordered(chain.joints), (len(given.times), 1))
     columns = [chain.joints.index(name) for name in given.names]
     positions[:, columns] = given.positions
-    _refuse_limits(chain, given, positions)
+    for time, row in zip(given.times, positions, strict=True):
+        if not chain.within_limits(row):
+            raise out_of_limits(chain, row, f"{time:.2f} s after its beginning, the trajectory is")
+    checker = recent_checker(chain, situation.scene, situation.hand, 0.0)
+    if met := checker.pairs(positions[0]):
+        raise PathInvalidError(f"where the trajectory begins, {touching(met)}", pairs=met, time=0.0)
+    known = given.velocities is not None
     whole = Trajectory(
         chain.joints,
         given.times,
         positions,
-        _of_all(given.velocities, columns, positions),
-        _of_all(given.accelerations, columns, positions),
+        _of_all(given.velocities if known else _smooth(given), columns, positions),
+        _of_all(given.accelerations if known else None, columns, positions),
     )
-    checker = recent_checker(chain, situation.scene, situation.hand, 0.0)
-    if met := checker.pairs(positions[0]):
-        raise PathInvalidError(f"where the trajectory begins, {touching(met)}", pairs=met, time=0.0)
+    if request.slow_down:
+        velocity, acceleration, _ = allowed(chain, situation.settings)
+        whole = whole.stretched(whole.duration * longer(whole, velocity, acceleration))
+    refuse_beyond_limits(whole, chain.limits)
     if touched := first_touch(checker, whole):
         at, pairs = touched
         raise PathInvalidError(f"after {at:.1f} s of the trajectory, {touching(pairs)}", pairs=pairs, time=at)
@@ -59,19 +66,14 @@ def _of_all(
     return whole
 
 
-def _refuse_limits(chain: Chain, given: Trajectory, positions: NDArray[np.float64]) -> None:
-    for time, row in zip(given.times, positions, strict=True):
-        if not chain.within_limits(row):
-            raise out_of_limits(chain, row, f"{time:.1f} s after its beginning, the trajectory is")
+def _smooth(given: Trajectory) -> NDArray[np.float64]:
+    """Return velocities at way points that have positions alone, shape (k, n), at rest at both ends.
+
+    They are those of the monotone cubic through the points (Fritsch and Butland 1984): no joint leaves what is between
+    two points.
+    """
     if len(given.times) < 2:
-        return
-    fastest = np.abs(np.diff(positions, axis=0) / np.diff(given.times)[:, None]).max(axis=0)
-    over = fastest / chain.limits.velocity
-    if over.max() > 1.0 + FASTER:
-        joints = tuple(name for name, part in zip(chain.joints, over, strict=True) if part > 1.0 + FASTER)
-        worst = int(over.argmax())
-        raise OutOfLimitsError(
-            f"the trajectory moves {chain.joints[worst]} at {fastest[worst]:.2f} rad/s, and it can do "
-            f"{chain.limits.velocity[worst]:.2f}; give its way-points {over.max():.1f} times as long",
-            joints=joints,
-        )
+        return np.zeros_like(given.positions)
+    velocities: NDArray[np.float64] = PchipInterpolator(given.times, given.positions).derivative()(given.times)
+    velocities[[0, -1]] = 0.0
+    return velocities

@@ -139,10 +139,12 @@ class PlanAlong:
     Attributes:
         situation: where the joints are that it doesn't name, and what is avoided.
         trajectory: of some joints of the group.
+        slow_down: whether it is made longer as a whole where it is faster than the settings say.
     """
 
     situation: Situation
     trajectory: Trajectory
+    slow_down: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from grip_bt.catalog.controller_config import MOVE_GROUP
 from grip_bt.commanders.planning.requests import (
     ChooseGrasp,
     ChosenGrasp,
@@ -29,7 +28,7 @@ from grip_bt.errors import (
     UnknownNameError,
 )
 from grip_bt.operation import Operation
-from grip_bt.values import JointState, Plan, Pose, Trajectory
+from grip_bt.values import MOVE_GROUP, JointState, Plan, Pose, Trajectory
 from grip_bt.values.pose import check_frame
 
 from ..convert_geometry import joints_to_message, pose_to_message, pose_to_stamped, trajectory_from_message

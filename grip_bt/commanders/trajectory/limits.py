@@ -1,0 +1,69 @@
+"""Whether trajectories that weren't timed here keep to joints' limits on what controllers draw between their points."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grip_bt.errors import OutOfLimitsError
+from grip_bt.values import Trajectory
+
+from ..model import Limits
+from ..stillness import STILL
+
+Array = NDArray[np.float64]
+ROUNDED = 1e-3
+"""Limits may be exceeded by this part, those of positions by so much [rad or m]: numbers in files are rounded."""
+_PERIOD, _MOST = 1e-3, 100_000
+"""Trajectories are looked at every so often [s], at no more times than that, and on both sides of each point."""
+
+
+def refuse_beyond_limits(trajectory: Trajectory, limits: Limits) -> None:
+    """Look at positions, velocities and accelerations all along, and whether it begins and ends at rest.
+
+    Args:
+        trajectory: as `Trajectory.sampled` interpolates.
+        limits: of its joints, in its order.
+
+    Raises:
+        OutOfLimitsError: it breaks one; `data` has the `joints`, the `time` [s], the `value` and the `limit`.
+    """
+    if len(trajectory.times) > 1 and trajectory.velocities is None:
+        words = "has points without velocities, where speeds would jump; have `plan_along` make a plan of it"
+        raise OutOfLimitsError(f"the trajectory {words}", joints=trajectory.names)
+    times, position, velocity, acceleration = _all_along(trajectory)
+    fastest, hardest, still = limits.velocity, limits.acceleration, np.full(len(trajectory.names), STILL)
+    needed = np.ceil(longer(trajectory, fastest, hardest) * 1000) / 1000
+    slower = f"; give its points {needed:g} times as long (`slow_down: true` of arm/execute_trajectory does that)"
+    ends, rest = trajectory.times[[0, -1]], "; it has to begin and end at rest"
+    for what, at, found, low, high, unit, remedy in (
+        ("position", times, position, limits.lower, limits.upper, 1.0, ""),
+        ("velocity", times, velocity, -fastest, fastest, fastest, slower),
+        ("acceleration", times, acceleration, -hardest, hardest, hardest, slower),
+        ("velocity", ends, trajectory.sampled(ends)[1], -still, still, STILL, rest),
+    ):
+        over = np.maximum(low - found, found - high) / unit
+        row, joint = np.unravel_index(int(over.argmax()), over.shape)
+        if not over[row, joint] <= ROUNDED:  # what isn't a number isn't either
+            name, value = trajectory.names[joint], float(found[row, joint])
+            raise OutOfLimitsError(
+                f"{at[row]:.2f} s after its beginning, the trajectory is out of limits: {what} of {name} = {value:.3f} "
+                f"(allowed {low[joint]:.3f} .. {high[joint]:.3f}){remedy}",
+                joints=(name,),
+                time=float(at[row]),
+                value=value,
+                limit=float(high[joint] if value > high[joint] else low[joint]),
+            )
+
+
+def longer(trajectory: Trajectory, velocity: Array, acceleration: Array) -> float:
+    """Return how many times as long a trajectory has to last to keep to limits of its joints, each shape (n,)."""
+    _, _, fastest, hardest = _all_along(trajectory)
+    return float(max((np.abs(fastest) / velocity).max(), np.sqrt((np.abs(hardest) / acceleration).max())))
+
+
+def _all_along(trajectory: Trajectory) -> tuple[Array, Array, Array, Array]:
+    """Return times, shape (m,), and positions, velocities and accelerations then, each shape (m, n)."""
+    points, step = trajectory.times, max(_PERIOD, trajectory.duration / _MOST)
+    times = np.concatenate([np.arange(0.0, trajectory.duration, step), points, points[1:] - 1e-9])
+    return times, *trajectory.sampled(times)
