@@ -13,6 +13,7 @@ from typing import Any
 from py_trees.common import Status
 
 from grip_bt.compilers import Halted
+from grip_bt.errors import GripError
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.observer import Silent
 
@@ -51,13 +52,15 @@ class ClosedContext:
 
 
 def in_background(what: str, action: Callable[[], object]) -> threading.Thread:
-    """Call `action()` in a daemon thread of its own; what it raises is logged."""
+    """Call `action()` in a daemon thread of its own; what it raises is logged, with its traceback if it is a bug."""
 
     def work() -> None:
         try:
             action()
         except Halted:
             pass  # a leaf that was left behind
+        except GripError as error:  # such as a simulator that is gone
+            _log.warning("%s: %s", what, error)
         except BaseException:  # noqa: BLE001 - there is nobody who could do anything about it
             _log.exception("%s", what)
 

@@ -11,11 +11,12 @@ import pytest
 from py_trees.common import Status
 from runtime_world import KINDS, TARGETS, Ending, Hanging, Started, Waiting, leaf
 
-from grip_bt.errors import HungError, NodeError
+from grip_bt.errors import GripError, HungError, NodeError
 from grip_bt.nodes.leaf import OperationLeaf
 from grip_bt.operation import Operation
 from grip_bt.runtime import Journal, JournalReader, RunContext, Runner
 from grip_bt.runtime.runner import ABANDON
+from grip_bt.runtime.stopping import in_background
 
 both = pytest.mark.parametrize("target", TARGETS)
 
@@ -279,3 +280,15 @@ def test_work_that_hangs_takes_no_place_in_the_pool() -> None:
     assert waiting.result() == 7
     assert hanging.lingers
     block.set()
+
+
+@pytest.mark.parametrize(("error", "traceback"), [(GripError("the simulator is gone"), False), (KeyError("x"), True)])
+def test_only_bugs_show_their_traceback(error: Exception, traceback: bool, caplog: pytest.LogCaptureFixture) -> None:
+    def fails() -> None:
+        raise error
+
+    in_background("hold of right", fails).join(30.0)
+    (record,) = caplog.records
+    assert "hold of right" in record.message
+    assert bool(record.exc_info) == traceback
+    assert traceback or "the simulator is gone" in record.message
