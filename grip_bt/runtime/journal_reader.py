@@ -7,6 +7,7 @@ import json
 import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -99,13 +100,13 @@ class JournalReader:
         Raises:
             UnknownNameError: there is none of this id.
         """
-        for record in filter(None, map(self._record, self._run_rows("runs.id=?", id))):
+        for record in filter(None, map(self._record, self._run_rows("id=?", id))):
             return record
         raise UnknownNameError("run", id, [r.id for r in self.runs()[:20]], str(self.file))
 
     def lives(self, run: str) -> bool:
         """Tell whether the process that executes a run, or has done so last, is there, as far as this machine knows."""
-        return any(self._process(row) for row in self._run_rows("runs.id=?", run))
+        return bool(self._process(run))
 
     def count(self, run: str) -> int:
         """Return how many events of a run there are so far."""
@@ -120,12 +121,12 @@ class JournalReader:
         if not self._rows.packed or self._old(run):
             return ""
         after, bad = 0, 0
-        while rows := self._page(run, after):
-            for first, last, *columns, total in rows:
-                if last > after:
-                    spoilt = total is not None and total != checksum((first, last, *columns))
-                    bad += max(0, first - after - 1) + (last - max(first, after + 1) + 1 if spoilt else 0)
-                    after = last
+        for row in self._stored(run, 0):
+            spoilt = row[-1] is not None and row[-1] != checksum(row[:-1])
+            first, last = row[0], self._end_of(run, row) if spoilt else row[1]
+            if last > after:
+                bad += max(0, first - after - 1) + (last - max(first, after + 1) + 1 if spoilt else 0)
+                after = last
         return f"{bad} of its {after} events can't be read; the rest is shown" if bad else ""
 
     def events(self, run: str, after_seq: int = 0, limit: int | None = None) -> list[Event]:
@@ -208,20 +209,21 @@ class JournalReader:
     # --- runs ---
 
     def _run_rows(self, condition: str, *values: Any) -> list[tuple[Any, ...]]:
-        """Return rows of runs, with the process that executes each."""
-        columns = ", ".join(f"runs.{name.strip()}" for name in _COLUMNS.split(","))
-        statement = f"SELECT {columns}, pid, since, host FROM runs LEFT JOIN processes ON run=runs.id"
-        if not self._rows.columns("processes"):
-            statement = f"SELECT {columns}, NULL, NULL, NULL FROM runs"
-        return self._rows.whole(statement, "runs", condition, *values)
+        return self._rows.whole(f"SELECT {_COLUMNS} FROM runs", "runs", condition, *values)
 
-    @staticmethod
-    def _process(row: tuple[Any, ...]) -> bool | None:
-        return is_there(dict(zip(("pid", "since", "host"), row[-3:], strict=True)))
+    def _process(self, run: str) -> bool | None:
+        """Tell whether the process that executes a run is there; None where that isn't known."""
+        rows: list[tuple[Any, ...]] = []
+        try:
+            if self._rows.columns("processes"):
+                rows = self._rows.query("SELECT pid, since, host FROM processes WHERE run=?", run)
+        except DamagedError as error:
+            self._rows.note(f"{error}; which process executes run {run} isn't known")
+        return is_there(dict(zip(("pid", "since", "host"), rows[0], strict=True)) if rows else {})
 
     def _record(self, row: tuple[Any, ...]) -> RunRecord | None:
         """Return a run as it is now; None where it has no id."""
-        id, name, path, text, target, seed, started, ended, status, outcome = row[:-3]
+        id, name, path, text, target, seed, started, ended, status, outcome = row
         if not isinstance(id, str) or not id:
             self._rows.note(f"a run of {self.file} has no id ({id!r:.80}), and is left out")
             return None
@@ -239,7 +241,7 @@ class JournalReader:
         for field in (field for field, bad in wrong.items() if bad):
             self._rows.note(f"{field} of run {id} is no such thing")
         if status == "running":
-            status = {True: "running", False: "died", None: "lost"}[self._process(row)]
+            status = {True: "running", False: "died", None: "lost"}[self._process(id)]
         return RunRecord(
             id,
             "" if wrong["task_name"] else name,
@@ -256,25 +258,30 @@ class JournalReader:
     # --- events ---
 
     def _last(self, table: str, run: str) -> int:
-        column, good = ("last", _GOOD) if table == "blocks" else ("seq", "typeof(seq)='integer'")
+        sql = f"SELECT last FROM blocks WHERE run=? AND {_GOOD} ORDER BY first DESC LIMIT 1"
+        if table == "events":
+            sql = "SELECT max(seq) FROM events WHERE run=? AND typeof(seq)='integer'"
         try:
-            return int(self._rows.query(f"SELECT max({column}) FROM {table} WHERE run=? AND {good}", run)[0][0] or 0)
+            return max((row[0] or 0 for row in self._rows.query(sql, run)), default=0)
         except DamagedError:
             return max((row[1] for row in self._all_blocks(run)), default=0)
 
     def _writes(self, run: str, until_seq: int | None) -> Iterator[Event]:
         """Yield the writes in order, of blocks that have any."""
-        until = 2**62 if until_seq is None else until_seq
+        until, done = 2**62 if until_seq is None else until_seq, 0
         bounds: list[tuple[int, int]] | None = None
         if self._rows.packed and not self._old(run):
-            sql = f"SELECT first, last FROM blocks WHERE run=? AND writes>0 AND first<=? AND {_GOOD} ORDER BY first"
+            some = "(writes IS NOT 0 OR instr(data, '\"variable\"'))"  # no checksum covers that number
+            sql = f"SELECT first, last FROM blocks WHERE run=? AND {some} AND first<=? AND {_GOOD} ORDER BY first"
             try:
                 bounds = [(row[0], row[1]) for row in self._rows.query(sql, run, until)]
             except DamagedError:
                 bounds = None
         pages = [self.iterate(run)] if bounds is None else (self.events(run, a - 1, b - a + 1) for a, b in bounds)
-        for page in pages:
-            yield from (event for event in page if event.event == "write" and event.seq <= until)
+        for event in chain.from_iterable(pages):
+            if event.event == "write" and done < event.seq <= until:  # pages overlap where blocks are damaged
+                done = event.seq
+                yield event
 
     def _old(self, run: str) -> bool:
         """Tell whether a run was written by an earlier version, a row per event."""
@@ -286,37 +293,60 @@ class JournalReader:
             yield self._of_rows(run, after, left)
             return
         t = 0.0
-        while left > 0 and self._rows.packed:
-            rows = self._page(run, after)
-            for row in rows:
-                if row[1] <= after:
-                    continue  # of a damaged file: the events of another block
-                events: list[Event] = []
-                if row[0] > after + 1:
-                    events.append(self._hole(run, after + 1, row[0] - 1, t, "they aren't there"))
-                try:
-                    events += self._unpacked(run, row, after, left)
-                except ValueError as error:
-                    events.append(self._hole(run, max(row[0], after + 1), row[1], t, str(error)))
-                after, t = row[1], events[-1].t if events else t
-                left -= len(events)
-                yield events
-                if left <= 0:
-                    return
-            if not rows:
+        for row in self._stored(run, after) if left > 0 and self._rows.packed else ():
+            first, last = row[:2]
+            if last <= after:
+                continue  # of a damaged file: the events of another block
+            events: list[Event] = []
+            if first > after + 1:
+                events.append(self._hole(run, after + 1, first - 1, t, "they aren't there"))
+            try:
+                events += self._unpacked(run, row, after, left)
+            except ValueError as error:
+                last = self._end_of(run, row)
+                if last <= after:
+                    self._rows.note(
+                        f"a block of run {run} can't be read that claims events {first} to {row[1]}: {error}"
+                    )
+                    continue
+                events.append(self._hole(run, max(first, after + 1), last, t, str(error)))
+            after, t = last, events[-1].t if events else t
+            left -= len(events)
+            yield events
+            if left <= 0:
                 return
 
-    def _page(self, run: str, after: int) -> list[tuple[Any, ...]]:
-        """Return the next blocks after an event, in order."""
+    def _stored(self, run: str, after: int) -> Iterator[tuple[Any, ...]]:
+        """Yield the blocks that have events after one, in order."""
+        since = 0
+        while rows := self._page(run, after, since):
+            yield from rows
+            since = rows[-1][0]
+
+    def _page(self, run: str, after: int, since: int) -> list[tuple[Any, ...]]:
+        """Return the next of them, which begin after the event `since`."""
         if run not in self._found:
             try:
-                if after == 0 and self._rows.query(f"SELECT 1 FROM blocks WHERE run=? AND NOT ({_GOOD}) LIMIT 1", run):
+                if after == since == 0 and self._rows.query(
+                    f"SELECT 1 FROM blocks WHERE run=? AND NOT ({_GOOD}) LIMIT 1", run
+                ):
                     self._rows.note(f"blocks of run {run} whose place among its events isn't known are left out")
-                condition = f"run=? AND last>? AND {_GOOD} ORDER BY first LIMIT 64"
-                return self._rows.query(f"{self._select()} WHERE {condition}", run, after)
+                condition = f"run=? AND first>? AND last>? AND {_GOOD} ORDER BY first LIMIT 64"
+                return self._rows.query(f"{self._select()} WHERE {condition}", run, since, after)
             except DamagedError:
                 self._all_blocks(run)
-        return [row for row in self._found[run] if row[1] > after][:64]
+        return [row for row in self._found[run] if row[0] > since and row[1] > after][:64]
+
+    def _end_of(self, run: str, row: tuple[Any, ...]) -> int:
+        """Return where a block ends that is damaged: at the latest where the next one begins, whatever it says."""
+        first, last = row[:2]
+        if run not in self._found:
+            sql = f"SELECT min(?, first - 1) FROM blocks WHERE run=? AND first>? AND {_GOOD} ORDER BY first LIMIT 1"
+            try:
+                return int(next((end for (end,) in self._rows.query(sql, last, run, first)), last))
+            except DamagedError:
+                self._all_blocks(run)
+        return int(min([last, *(row[0] - 1 for row in self._found[run] if row[0] > first)]))
 
     def _all_blocks(self, run: str) -> list[tuple[Any, ...]]:
         """Return what can be found of a run's blocks in a damaged table."""
@@ -357,9 +387,8 @@ class JournalReader:
         found: dict[int, Name] = {}
         try:
             rows = self._rows.query(f"SELECT {columns} FROM names WHERE run=?", run)
-        except DamagedError as error:
-            self._rows.note(f"{error}; events whose names aren't found are left out")
-            rows = []
+        except DamagedError:
+            rows = []  # events whose names aren't found are left out, and say so
             for number in range(1000):
                 try:
                     rows += self._rows.query(f"SELECT {columns} FROM names WHERE run=? AND id=?", run, number)
@@ -390,6 +419,9 @@ class JournalReader:
         sql = f"SELECT {columns} FROM events WHERE run=? AND seq>? AND typeof(seq)='integer' ORDER BY seq LIMIT ?"
         found = []
         for seq, t, wall, path, kind, outcome, code, data in self._rows.query(sql, run, after, most):
+            if seq > after + 1:
+                found.append(self._hole(run, after + 1, seq - 1, 0.0, "they aren't there"))
+            after = seq
             try:
                 if not (is_time(t) and is_time(wall) and is_name(path, kind, outcome, code)):
                     raise ValueError("it has no name or time")

@@ -7,6 +7,8 @@ import signal
 import sqlite3
 import subprocess
 import sys
+import threading
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -89,6 +91,24 @@ while True:
         log.append(n, "/", "enter", data={"n": n})
     journal.flush()
 """
+
+
+def test_who_flushes_waits_for_however_long_another_process_has_the_file(file: Path) -> None:
+    with Journal(file) as journal:
+        log = journal.begin("patient")
+        journal.flush()
+        with closing(sqlite3.connect(file, isolation_level=None)) as other:
+            other.execute("BEGIN IMMEDIATE")
+            log.append(0, "/", "enter")
+            returned = threading.Event()
+            thread = threading.Thread(target=lambda: (journal.flush(), returned.set()), daemon=True)
+            thread.start()
+            assert not returned.wait(0.5), "nothing can have been committed"
+            other.execute("ROLLBACK")
+            thread.join(60)
+        assert returned.is_set()
+        with JournalReader(file) as reader:
+            assert reader.count(log.id) == 1
 
 
 def test_a_killed_writer_loses_nothing_that_it_announced(file: Path) -> None:

@@ -1,0 +1,270 @@
+"""Whatever of a journal is damaged: all else is shown as it was written, and what isn't shown is said."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import sqlite3
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from grip_bt.runtime import Event, Journal, JournalError, JournalReader, ManualClock
+from grip_bt.runtime.journal_events import DAMAGED
+from grip_bt.runtime.recorder import Recorder
+
+BLOCKS, PAGE = 18, 4096
+WRONG = (
+    None,
+    "",
+    "abc",
+    0,
+    1,
+    -1,
+    1.5,
+    10**18,
+    float("inf"),
+    -1e300,
+    b"",
+    b"\x00\xff",
+    b"z\x00",
+    "\x00",
+    "[]",
+    '{"0": 1}',
+)
+COLUMNS = ("first", "last", "name", "t", "wall", "wall_offset", "data", "writes", "sum")
+HOLE = re.compile(r"events? (\d+)(?: to (\d+))? of run")
+OLD = """
+CREATE TABLE runs(
+  id TEXT PRIMARY KEY, task_name TEXT, task_path TEXT, task_text TEXT, target TEXT, seed INTEGER,
+  started REAL, ended REAL, status TEXT, outcome TEXT);
+CREATE TABLE events(
+  run TEXT, seq INTEGER, t REAL, wall REAL, path TEXT, event TEXT, outcome TEXT, code TEXT, data TEXT,
+  PRIMARY KEY(run, seq)) WITHOUT ROWID;
+INSERT INTO runs VALUES('old', 'pick', '', '', 'bt', 3, 1.0, 2.0, 'success', 'success');
+"""
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A journal of three runs; the one in the middle has many blocks, in each of which something is written."""
+    file = tmp_path_factory.mktemp("whole") / "runs.sqlite"
+    with Journal(file) as journal:
+        logs, clock = [journal.begin("pick", "pick.yaml", "grip: 1", "sm", 7) for _ in range(3)], ManualClock()
+        recorders = [Recorder(log, clock) for log in logs]
+        for number in range(BLOCKS + 2):  # the first block and the last one are of the run in the middle
+            recorder = recorders[{1: 0, 2: 2}.get(number, 1)]
+            recorder.entered("a")
+            recorder.wrote("a", f"v{number % 5}", "str", f"word {number}." + 440 * "x")
+            recorder.ended("a", "success", None)
+            clock.advance(0.1)
+            journal.flush()
+        for log in logs:
+            log.end("success", "success")
+    with closing(sqlite3.connect(file)) as database:
+        database.execute("VACUUM")  # nothing is left in it of what was elsewhere before
+    return file
+
+
+@pytest.fixture
+def file(whole: Path, tmp_path: Path) -> Path:
+    """A copy of it, to be damaged."""
+    return Path(shutil.copy(whole, tmp_path / "runs.sqlite"))
+
+
+def long_run(file: Path) -> str:
+    with JournalReader(file) as reader:
+        return max((record.id for record in reader.runs()), key=reader.count)
+
+
+def change(file: Path, statement: str, *values: Any) -> None:
+    with closing(sqlite3.connect(file)) as database, database:
+        database.execute(statement, values)
+
+
+def missing_of(reader: JournalReader, run: str, written: dict[int, Event], lost: set[int]) -> set[int]:
+    """Return which events aren't shown, of which at most those `lost` may be; each has to be named."""
+    found = reader.events(run)
+    assert [event.seq for event in found] == sorted({event.seq for event in found})
+    shown = {event.seq: event for event in found if event.event != DAMAGED}
+    outside = written.keys() - lost
+    assert {seq: shown.get(seq) for seq in outside} == {seq: written[seq] for seq in outside}
+    named: set[int] = set()
+    for hole in (event for event in found if event.event == DAMAGED):
+        first, last = HOLE.match(hole.data["message"]).groups()  # type: ignore[union-attr]
+        named |= set(range(int(first), int(last or first) + 1))
+        assert max(named) == hole.seq
+    assert not named & shown.keys()
+    missing = written.keys() - shown.keys()
+    assert not missing or reader.damage
+    assert missing - named in (set(), set(range(max({0, *shown.keys(), *named}) + 1, len(written) + 1))), "but an end"
+    pages, after = [], 0
+    while page := reader.events(run, after, 5):
+        pages += page
+        after = page[-1].seq
+    assert [(event.seq, event.event) for event in pages] == [(event.seq, event.event) for event in found]
+    writes = [event for event in shown.values() if event.event == "write"]
+    assert reader.variables(run) == {event.data["variable"]: event for event in writes}
+    assert reader.history(run, "v0", 99) == [event for event in writes if event.data["variable"] == "v0"]
+    return missing
+
+
+def damages(file: Path, run: str) -> Iterator[tuple[str, Any, tuple[int, int]]]:
+    """Yield a column, what it becomes, and the first and last event of the block whose column that is."""
+    with closing(sqlite3.connect(file)) as database:
+        stored = database.execute("SELECT first, last FROM blocks WHERE run=? ORDER BY first", (run,)).fetchall()
+    assert len(stored) >= BLOCKS
+    yield from ((column, 1, stored[0]) for column in ("t", "data"))
+    for first, last in (stored[7], stored[-1]):
+        near = {"first": (first - 1, first + 1, first - 5), "last": (last - 1, last + 1, last + 5, first + 60_000)}
+        for column in COLUMNS:
+            wrong = WRONG if (column in near) is (first == stored[-1][0]) else WRONG[::3]
+            yield from ((column, value, (first, last)) for value in (*wrong, *near.get(column, ())))
+
+
+@pytest.mark.parametrize("sums", [True, False])
+def test_a_block_with_another_field_takes_nothing_else_along(file: Path, sums: bool) -> None:
+    run = long_run(file)
+    if not sums:
+        change(file, "UPDATE blocks SET sum=NULL")
+    content = file.read_bytes()
+    with JournalReader(file) as reader:
+        written = {event.seq: event for event in reader.events(run)}
+        assert not reader.damage
+        assert reader.count(run) == len(written)
+    for column, value, (first, last) in damages(file, run):
+        change(file, f"UPDATE OR IGNORE blocks SET {column}=? WHERE run=? AND first=?", value, run, first)
+        inside = set(range(first, last + 1))
+        with JournalReader(file) as reader:
+            if sums:
+                missing = missing_of(reader, run, written, set() if column == "writes" else inside)
+                if last < len(written):
+                    assert reader.count(run) == len(written), (column, value)
+                    said = f"{len(missing)} of its {len(written)} events can't be read; the rest is shown"
+                    assert reader.damage_of(run) == (said if missing else ""), (column, value)
+            else:  # what is in the block may be taken for something else
+                shown = {event.seq: event for event in reader.events(run)}
+                assert all(shown[seq] == written[seq] for seq in written.keys() - inside), (column, value)
+                assert all(abs(event.t) < 1e11 and event.path for event in shown.values())
+        file.write_bytes(content)
+
+
+def test_events_without_a_name_are_named_by_their_numbers(file: Path) -> None:
+    run = long_run(file)
+    content = file.read_bytes()
+    with JournalReader(file) as reader:
+        written = {event.seq: event for event in reader.events(run)}
+        others = [reader.events(record.id) for record in reader.runs() if record.id != run]
+    for column in ("id", "path", "event", "outcome", "code"):
+        for value in WRONG:
+            change(file, f"UPDATE OR IGNORE names SET {column}=? WHERE run=? AND id=1", value, run)
+            with JournalReader(file) as reader:
+                found = reader.events(run)
+                assert {event.seq for event in found if event.event != DAMAGED} in (set(), set(written))
+                assert found[-1].seq == len(written)
+                assert all(isinstance(text, str) and text for event in found for text in (event.path, event.event))
+                assert bool(reader.damage) == any(event.event == DAMAGED for event in found)
+                assert [reader.events(record.id) for record in reader.runs() if record.id != run] == others
+            file.write_bytes(content)
+
+
+@pytest.mark.parametrize("byte", [0, 255])
+def test_a_page_of_the_file_takes_only_along_what_was_on_it(file: Path, byte: int) -> None:
+    run = long_run(file)
+    content = file.read_bytes()
+    with JournalReader(file) as reader:
+        written = {event.seq: event for event in reader.events(run)}
+        records = {record.id: record for record in reader.runs()}
+    of_word = {int(event.data["preview"].split()[1].split(".")[0]): seq for seq, event in written.items() if event.data}
+    partly = 0
+    for start in range(PAGE, len(content), PAGE):
+        page = content[start : start + PAGE]
+        words = {int(word) for word in re.findall(rb"word (\d+)\.", page)}
+        lost = {of_word[word] + n for word in words & of_word.keys() for n in (-1, 0, 1)}
+        names = page[0] == 10 and b"success" in page
+        if names or page[0] == 5:
+            lost = set(written)  # which events those are, and where their blocks are
+        partly += 0 < len(lost) < len(written)
+        file.write_bytes(content[:start] + bytes([byte]) * PAGE + content[start + PAGE :])
+        with JournalReader(file) as reader:
+            missing = missing_of(reader, run, written, lost)
+            assert reader.count(run) >= max(written.keys() - missing, default=0)
+            found = {record.id: record for record in reader.runs()}
+            assert all(records[id] == record for id, record in found.items())
+            assert len(found) == len(records) or (reader.damage and b"pick.yaml" in page)
+    assert partly >= 3
+
+
+@pytest.mark.parametrize("row", [1, 2, 3])
+def test_a_field_of_a_run_that_is_no_such_thing_is_named_and_the_others_are_shown(file: Path, row: int) -> None:
+    content = file.read_bytes()
+    with JournalReader(file) as reader:
+        records = reader.runs()[::-1]
+        assert not reader.damage
+    for record in records:
+        assert (record.task_name, record.task_path, record.task_text) == ("pick", "pick.yaml", "grip: 1")
+        assert (record.target, record.seed, record.status, record.outcome) == ("sm", 7, "success", "success")
+    fields = ("id", "task_name", "task_path", "task_text", "target", "seed", "started", "ended", "status", "outcome")
+    for field in fields:
+        for value in WRONG:
+            change(file, f"UPDATE runs SET {field}=? WHERE rowid=?", value, row)
+            with closing(sqlite3.connect(file)) as database:
+                (kept,) = database.execute(f"SELECT {field} FROM runs WHERE rowid=?", (row,)).fetchone()
+            with JournalReader(file) as reader:
+                found = {record.id: record for record in reader.runs()}
+                said = "; ".join(reader.damage)
+            others = [record for number, record in enumerate(records, 1) if number != row]
+            assert [found.pop(record.id) for record in others] == others
+            if found:
+                (record,) = found.values()
+                for name in fields:
+                    shown = getattr(record, name)
+                    assert shown == (kept if name == field else getattr(records[row - 1], name)) or (
+                        name == field and f"{field} of run {record.id} is no such thing" in said
+                    ), (field, value, record, said)
+                    assert not isinstance(shown, float) or 0 <= shown < 1e11
+                assert "\0" not in record.task_path
+                assert record.target in ("bt", "sm")
+            else:
+                assert field == "id"
+                assert "has no id" in said
+            file.write_bytes(content)
+
+
+def test_a_row_of_an_old_journal_that_is_none_is_named_and_the_others_are_shown(tmp_path: Path) -> None:
+    file = tmp_path / "runs.sqlite"
+    with closing(sqlite3.connect(file)) as database, database:
+        database.executescript(OLD)
+        for seq in range(1, 13):
+            row = ("old", seq, seq / 2, 1e9 + seq, "a", *(("enter", None), ("exit", "success"))[seq % 2], None, None)
+            database.execute("INSERT INTO events VALUES(?,?,?,?,?,?,?,?,?)", row)
+    content = file.read_bytes()
+    with JournalReader(file) as reader:
+        written = {event.seq: event for event in reader.events("old")}
+    assert len(written) == 12
+    for column in ("seq", "t", "wall", "path", "event", "outcome", "code", "data"):
+        for value in WRONG:
+            change(file, f"UPDATE OR IGNORE events SET {column}=? WHERE seq=5", value)
+            with JournalReader(file) as reader:
+                found = {event.seq: event for event in reader.events("old")}
+                kept = found.get(5)
+                assert {seq: event for seq, event in found.items() if seq in written and seq != 5} == {
+                    seq: event for seq, event in written.items() if seq != 5
+                }
+                assert kept is not None
+                assert all(isinstance(text, str) and text for text in (kept.path, kept.event))
+                assert abs(kept.t) < 1e11
+                assert abs(kept.wall) < 1e11
+                assert kept.event != DAMAGED or kept.data["message"] in reader.damage
+            file.write_bytes(content)
+
+
+def test_a_journal_without_its_first_page_says_that_it_is_none(file: Path) -> None:
+    content = file.read_bytes()
+    for start, end in ((0, 16), (16, 100), (100, PAGE), (0, PAGE)):
+        file.write_bytes(content[:start] + bytes(end - start) + content[end:])
+        with pytest.raises(JournalError, match="isn't a journal"):
+            JournalReader(file)
