@@ -150,7 +150,14 @@ def open_session(
     for point in options.breaks:
         make_breakpoint(compiled, 0, **point)  # refused before anything is started
     needs, own = {manifest.id for manifest in working}, {manifest.implementation for manifest in working}
-    parts = open_resources(project, needs, options.robot, options.seed, options.pace, progress, hold, own)
+    running: list[Runner] = []
+
+    def told(part: str, words: str) -> None:
+        progress(part, words)
+        for runner in running:
+            runner.tell(part, words)
+
+    parts = open_resources(project, needs, options.robot, options.seed, options.pace, told, hold, own)
     with parts as resources, Journal(options.journal or project.journal) as journal:
         log = reliving = None
         kept = kept_parts(resources)
@@ -191,6 +198,7 @@ def open_session(
             runner.debugger.set(**point)
         if options.paused:
             runner.pause()
+        running.append(runner)
         try:
             yield Session(project, document, report, resources, runner, journal.file)
         finally:

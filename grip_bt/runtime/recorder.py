@@ -74,6 +74,10 @@ class Recorder:
         self._append(self._now(), "/", "run_ended", outcome, data=data)
         self._log.end(status, outcome)
 
+    def told(self, part: str, text: str) -> None:
+        """A part of the robot says something of itself, such as that its process has died."""
+        self._append(self._now(), "/", "message", data={"part": part, "text": f"{part}: {text}"})
+
     def lost(self, why: str) -> None:
         """Whoever controlled it has gone: it is cut off here."""
         self._log.cut(self._now(), why)

@@ -68,7 +68,11 @@ class Recording:
         self, events: Iterable[Event], leaves: Collection[str], put: Callable[[Event], None] = lambda event: None
     ):
         events = list(events)
-        self.events = [e for e in events if e.event in NODES or (e.event == "message" and e.path not in leaves)]
+        self.events = [
+            e  # what a part of the robot told doesn't happen again
+            for e in events
+            if e.event in NODES or (e.event == "message" and e.path not in leaves and "part" not in e.data)
+        ]
         self.requests = tuple(event.seq for event in events if event.event == PREEMPT)
         self._put = put
         self._lock = threading.RLock()

@@ -260,6 +260,11 @@ class Runner:
         assert self._result is not None, "a run that has ended has a result"
         return self._result
 
+    def tell(self, part: str, text: str) -> None:
+        """Have the journal say what a part of the robot tells while the task runs; from any thread."""
+        if self._recorder is not None and self._thread is not None and not self._returned.is_set():
+            self._recorder.told(part, text)
+
     def dismiss(self) -> None:
         """Have the journal say of a new run that wasn't begun, and won't be, that it was stopped."""
         if self._begun.acquire(blocking=False) and self._recorder is not None and self._reliving is None:

@@ -258,6 +258,9 @@ def test_a_planner_that_was_killed_is_told_and_the_run_goes_on(tmp_path: Path) -
     with JournalReader(tmp_path / ".grip" / "runs.sqlite") as reader:
         before = reader.count(record.id)
         wait_until(lambda: reader.count(record.id) > before + 3, "the task goes on")
+        said = [event for event in reader.events(record.id) if event.event == "message" and event.path == "/"]
+        assert [event.data["part"] for event in said] == ["planner"]
+        assert said[0].data["text"].startswith(f"planner: {words}")
     run.send_signal(signal.SIGINT)
     wait_until(lambda: run.poll() is not None, "the parent ends")
     wait_until(lambda: gone(mark), "nobody is left behind")

@@ -239,6 +239,8 @@ def resume(case: dict[str, Any], target: str, world: Outside) -> Life | None:
     compiled = _compiled(case, world, target)
     how: dict[str, Any] = dict.fromkeys(compiled.leaves, "resume")
     events = list(world.seen)
+    told = {"part": "planner", "text": "planner: its process was ended"}  # what nobody repeats
+    events.insert(len(events) // 2, Event(0, events[len(events) // 2].t, 0.0, "/", "message", None, None, told))
     reliving = Reliving(compiled, events, lambda event: event.data["value"], world.clock, how=how)
     compiled.observe(News(reliving.recording, world))
     context = _Context(reliving.clock)
