@@ -12,7 +12,8 @@ import numpy as np
 from grip_bt.errors import ExecutionAbortedError, OutOfLimitsError, UnknownNameError
 from grip_bt.operation import Operation
 from grip_bt.ports import Executor
-from grip_bt.values import MOVE_GROUP, Grasp, JointState, PathConstraint, Plan, Pose, Trajectory, WayPoint
+from grip_bt.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory, WayPoint
+from grip_bt.values.joints import MOVE_GROUP
 
 from .ik.target import FREE
 from .jogging import approaching, bounded, jogged, lasting

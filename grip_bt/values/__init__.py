@@ -2,13 +2,12 @@
 
 from .constraint import PathConstraint
 from .grasp import Failure, Grasp
-from .joints import MOVE_GROUP, JointState, Plan, Trajectory
+from .joints import JointState, Plan, Trajectory
 from .perception import CameraInfo, DepthImage, Image, PointCloud, RgbdFrame
 from .pose import Pose
 from .way_point import WayPoint
 
 __all__ = [
-    "MOVE_GROUP",
     "CameraInfo",
     "DepthImage",
     "Failure",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from grip_bt.errors import PathInvalidError
-from grip_bt.values import MOVE_GROUP
+from grip_bt.values.joints import MOVE_GROUP
 
 from ..collision import CollisionChecker
 from ..model import RobotModel

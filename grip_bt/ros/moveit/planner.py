@@ -28,7 +28,8 @@ from grip_bt.errors import (
     UnknownNameError,
 )
 from grip_bt.operation import Operation
-from grip_bt.values import MOVE_GROUP, JointState, Plan, Pose, Trajectory
+from grip_bt.values import JointState, Plan, Pose, Trajectory
+from grip_bt.values.joints import MOVE_GROUP
 from grip_bt.values.pose import check_frame
 
 from ..convert_geometry import joints_to_message, pose_to_message, pose_to_stamped, trajectory_from_message
