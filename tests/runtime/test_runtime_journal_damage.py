@@ -135,6 +135,7 @@ def test_a_block_with_another_field_takes_nothing_else_along(file: Path, sums: b
         written = {event.seq: event for event in reader.events(run)}
         assert not reader.damage
         assert reader.count(run) == len(written)
+    assert {event.meaning for event in written.values() if event.event == "exit"} == {"success"}
     for column, value, (first, last) in damages(file, run):
         change(file, f"UPDATE OR IGNORE blocks SET {column}=? WHERE run=? AND first=?", value, run, first)
         inside = set(range(first, last + 1))
