@@ -168,8 +168,9 @@ class Session:
         self._grips = "allegro" not in robot and "shadow" not in robot
         (folder / "grip.yaml").write_text(settings)
         if self._grips:
-            (folder / "nodes" / "top_grasps.py").write_text(PROVIDER)
-            (folder / "nodes" / "top_grasps.yaml").write_text(MANIFEST)
+            (folder / "nodes" / "top_grasps").mkdir()
+            (folder / "nodes" / "top_grasps" / "top_grasps.py").write_text(PROVIDER)
+            (folder / "nodes" / "top_grasps" / "manifest.yaml").write_text(MANIFEST)
         self.task = one_attempt(folder / "tasks" / "reactive_pick.yaml", self._grips)
         self._compile = to_machine if form == "sm" else to_tree
         project = find_project(folder / "tasks" / "reactive_pick.yaml")
