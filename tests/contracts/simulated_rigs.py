@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import atexit
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 from contract_rigs import PATIENT, ArmRig, ExecutorRig, HandRig, Patient
@@ -12,8 +13,10 @@ from patience import PATIENCE
 
 from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.robots import build_robot
+from grip_bt.commanders.worker import PlanningProcess
+from grip_bt.errors import GripError
 from grip_bt.values import JointState, Pose, Trajectory
-from grip_sim import WorldSpec, start_simulation
+from grip_sim import Simulation, WorldSpec, start_simulation
 from grip_sim.specs import ObjectSpec
 
 AT = np.array([0.2319, 0.6334, -0.4097, -2.4792, 2.2391, 1.4242, -1.3702])
@@ -22,9 +25,67 @@ SPOT = Pose([0.55, 0.05, 0.09])
 THING = ObjectSpec("thing", "cylinder", 0.03, 0.18, (0.9, 0.45, 0.09))
 
 
+class Shared:
+    """A simulation that tests use one after the other; each finds it as the first one did.
+
+    Args:
+        spec: its world.
+        prepare: brings a new one to where tests begin.
+    """
+
+    def __init__(self, spec: WorldSpec, prepare: Callable[[Simulation], None] = lambda simulation: None):
+        self._spec, self._prepare = spec, prepare
+        self._simulation: Simulation | None = None
+        atexit.register(self._close)
+
+    @contextmanager
+    def borrowed(self) -> Iterator[Simulation]:
+        """Lend it; what a test leaves moving, paused or lost doesn't reach the next one."""
+        if self._simulation is None or not self._put_back(self._simulation):
+            self._close()
+            self._simulation = start_simulation(self._spec, pace=1.0)
+            self._prepare(self._simulation)
+            self._begin = self._simulation.kept()
+        yield self._simulation
+
+    def _put_back(self, simulation: Simulation) -> bool:
+        try:
+            simulation.resume()
+            simulation.executor("arm").stop()
+            simulation.hand("hand").stop()
+            simulation.settle(0.5)
+            simulation.put_back(self._begin)
+        except GripError:
+            return False
+        return True
+
+    def _close(self) -> None:
+        if self._simulation is not None:
+            self._simulation.close()
+            self._simulation = None
+
+
+def _reach(simulation: Simulation) -> None:
+    arm = simulation.executor("arm")
+    home, way = arm.state(), np.linspace(0, 1, 41)[:, None]
+    there = arm.execute(Trajectory(home.names, 2 * way[:, 0], home.position + (AT - home.position) * way))
+    assert there.wait(PATIENCE)
+    there.result()
+
+
+@cache
+def _planner() -> PlanningProcess:
+    planner = PlanningProcess(build_robot("panda_allegro"))
+    atexit.register(planner.close)
+    return planner
+
+
+TABLE, SURROUNDED = Shared(WorldSpec()), Shared(WorldSpec(objects=(THING,)), _reach)
+
+
 @contextmanager
 def simulated_executor() -> Iterator[ExecutorRig]:
-    with start_simulation(WorldSpec(), pace=1.0) as simulation:
+    with TABLE.borrowed() as simulation:
         executor = simulation.executor("arm")
         home = executor.state()
         goal = JointState(home.names, home.position + [0.5, 0, 0.2, 0, 0, 0, 0.4])
@@ -40,12 +101,7 @@ def simulated_hand_port() -> Iterator[HandRig]:
     thumb = set(opened.names[-4:])
     pairs = zip(opened.names, opened.position, closed.ordered(opened.names), strict=True)
     part = JointState(opened.names, [o if name in thumb else c for name, o, c in pairs])
-    with start_simulation(WorldSpec(objects=(THING,)), pace=1.0) as simulation:
-        arm = simulation.executor("arm")
-        home, way = arm.state(), np.linspace(0, 1, 41)[:, None]
-        there = arm.execute(Trajectory(home.names, 2 * way[:, 0], home.position + (AT - home.position) * way))
-        assert there.wait(PATIENCE)
-        there.result()
+    with SURROUNDED.borrowed() as simulation:
         hand = simulation.hand("hand")
 
         def take() -> None:
@@ -71,14 +127,13 @@ def commanded_simulated_arm() -> Iterator[ArmRig]:
     from grip_bt.commanders.arm import ArmCommander
     from grip_bt.commanders.model import RobotModel
     from grip_bt.commanders.scene import PlanningScene
-    from grip_bt.commanders.worker import PlanningProcess
 
     model, spec = RobotModel(build_robot("panda_allegro")), WorldSpec()
-    with PlanningProcess(model.description) as planner, start_simulation(spec, pace=1.0) as simulation:
+    with TABLE.borrowed() as simulation:
         executor, hand = simulation.executor("arm"), simulation.hand("hand")
         boxes = {box.name: (box.size, Pose(box.centre)) for box in spec.boxes()}
         scene = PlanningScene({"hand": lambda: model.grasp_pose(executor.state())}, boxes)
-        arm = ArmCommander("right", model, Patient(planner), executor, scene, "hand", hand.state, PATIENT)
+        arm = ArmCommander("right", model, Patient(_planner()), executor, scene, "hand", hand.state, PATIENT)
         home = executor.state()
         away = JointState(home.names, home.position + [0.5, 0, 0.3, 0, 0, 0.2, 0])
         yield ArmRig(arm, simulation.settle, away, np.array([0.0, 0.02, -0.1]))
