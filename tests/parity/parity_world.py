@@ -417,9 +417,18 @@ def _cut_short(case: dict[str, Any], left: Run, right: Run) -> bool:
     """Tell whether two runs needn't have come equally far."""
     if left.turns > MAX_TURNS or right.turns > MAX_TURNS:
         return True
-    if case.get("concurrent"):
-        return left.end[0] in ("error", "stopped") and right.end[0] in ("error", "stopped")
-    return bool(case.get("embedded")) and left.end[0] == right.end[0] == "stopped"
+    if not case.get("concurrent") and not case.get("embedded"):
+        return False
+    ends = {left.end[0], right.end[0]}
+    if "stopped" in ends and _asked_and_halted(case, left, right):
+        return True  # one may even have ended in the tick in which the stop was asked for
+    return ends <= ({"error", "stopped"} if case.get("concurrent") else {"stopped"})
+
+
+def _asked_and_halted(case: dict[str, Any], left: Run, right: Run) -> bool:
+    """Tell whether the same leaf was interrupted in both runs, of a case in which leaves ask for stops."""
+    asks = any(step.get("stops") for steps in case["scripts"].values() for step in steps)
+    return asks and bool({r[0] for r in left.trace if "halted" in r} & {r[0] for r in right.trace if "halted" in r})
 
 
 def _agree(left: Any, right: Any, margin: int) -> bool:
