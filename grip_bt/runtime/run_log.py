@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from typing import TYPE_CHECKING, Any
 
@@ -71,6 +72,7 @@ class RunLog:
         self.turns: list[tuple[float, float, int]] | None = None
         self.ended = False
         self.last: Noted | None = None
+        self._cutting = threading.RLock()
         journal.follow(self)
 
     def follow(self, clock: Clock) -> None:
@@ -124,10 +126,12 @@ class RunLog:
     def cut(self, t: float, why: str) -> None:
         """End the journal of the run here, as if its process had died: it can be gone on with from here.
 
-        What happens after this, such as that everything is interrupted, isn't written.
+        What happens after this, such as that everything is interrupted, isn't written: whoever has the run stopped
+        because of it, from whichever thread, does so when this has returned.
         """
-        if self.ended or self.last is not None:
-            return
-        self.last = Noted("run_ended", data={"status": DIED, "message": why})
-        self.note(t, "/", self.last)
-        self.end(DIED, None)
+        with self._cutting:
+            if self.ended or self.last is not None:
+                return
+            self.last = Noted("run_ended", data={"status": DIED, "message": why})
+            self.note(t, "/", self.last)
+            self.end(DIED, None)

@@ -27,7 +27,7 @@ bits = st.lists(
 ).map("".join)  # fmt: skip
 
 
-@settings(deadline=None, max_examples=500)
+@settings(deadline=None, max_examples=250)
 @given(bits, st.sampled_from(["{}", "a: {}", "a:\n  {}\nb: 1", "a: {{b: {}}}", "a: |\n  {}", "a: >\n  {}\n b\n"]))
 def test_libyaml_reads_what_it_reads_like_the_patient_parser_places_included(bit, around):
     text = around.format(bit)
@@ -40,7 +40,7 @@ def test_libyaml_reads_what_it_reads_like_the_patient_parser_places_included(bit
         assert repr(quick) == repr(plain(patient))
 
 
-@settings(deadline=None, max_examples=500)
+@settings(deadline=None, max_examples=250)
 @given(bits, st.sampled_from(["{}", "- {}", "- a: {}\n  b: 1\n- c", "[a, {}]", "- - {}\n- b: {}\n"]))
 def test_lists_are_read_alike_too_where_they_are_expected(bit, around):
     text = around.replace("{}", bit)
@@ -77,7 +77,7 @@ lines = st.tuples(
 ).map("".join)
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=150)
 @given(st.lists(lines, min_size=1, max_size=7).map("\n".join), st.sampled_from(["\n", "", "\n\n", "\n  \n", "\n#"]))
 def test_what_is_read_as_tidy_is_what_the_patient_parser_reads(text, end):
     text += end
@@ -91,7 +91,7 @@ def test_what_is_read_as_tidy_is_what_the_patient_parser_reads(text, end):
         assert repr(tidy) == repr(plain(_patiently(text, "")))
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=150)
 @given(tasks, st.randoms())
 def test_canonical_texts_are_read_alike_with_comments_strewn_in(task, random):
     text, _ = with_comments(dumps(task), random)

@@ -217,3 +217,32 @@ def test_a_run_that_is_never_begun_is_entered_as_stopped_and_one_that_has_ended_
         runs = [idle.runner.run_id, done.runner.run_id]
     with JournalReader(file) as reader:
         assert [reader.run(run).status for run in runs if run] == ["stopped", "success"]
+
+
+def test_nobody_who_has_a_run_cut_off_goes_on_before_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with Journal(tmp_path / "runs.sqlite") as journal:
+        log = journal.begin("t")
+        inside, released, note = threading.Event(), threading.Event(), log.note
+
+        def slow(*event: Any) -> None:
+            inside.set()
+            assert released.wait(60)
+            note(*event)
+
+        def cut_and_interrupt() -> None:
+            log.cut(1.0, "whoever controlled it has gone")
+            log.append(1.0, "a", "interrupted")
+
+        monkeypatch.setattr(log, "note", slow)
+        first = threading.Thread(target=log.cut, args=(1.0, "whoever controlled it has gone"))
+        first.start()
+        assert inside.wait(60)
+        monkeypatch.setattr(log, "note", note)
+        second = threading.Thread(target=cut_and_interrupt)
+        second.start()
+        second.join(0.2)
+        released.set()
+        for thread in (first, second):
+            thread.join(60)
+    with JournalReader(tmp_path / "runs.sqlite") as reader:
+        assert [event.event for event in reader.events(log.id)] == ["run_ended"]

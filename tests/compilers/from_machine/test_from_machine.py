@@ -19,7 +19,7 @@ from grip_bt.compilers.from_machine import RefusedMachineError, to_task
 from grip_bt.graph import Task, dumps
 from grip_bt.smach_compat import State
 
-TASKS = int(os.environ.get("GRIP_FUZZ_TASKS", "400"))
+TASKS = int(os.environ.get("GRIP_FUZZ_TASKS", "200"))
 FIRST = int(os.environ.get("GRIP_FUZZ_SEED", "0"))
 
 

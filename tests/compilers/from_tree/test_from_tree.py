@@ -26,7 +26,7 @@ from grip_bt.errors import InvalidTaskError
 from grip_bt.graph import Task, dumps
 from grip_bt.runtime import ManualClock
 
-TASKS = int(os.environ.get("GRIP_FUZZ_TASKS", "400"))
+TASKS = int(os.environ.get("GRIP_FUZZ_TASKS", "200"))
 FIRST = int(os.environ.get("GRIP_FUZZ_SEED", "0"))
 STEP = {"node": "flow/succeed"}
 

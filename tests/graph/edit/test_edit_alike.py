@@ -48,7 +48,7 @@ def test_values_that_are_not_numbers_are_alike() -> None:
     assert not said_alike([math.inf], [None])
 
 
-@settings(deadline=None, max_examples=80, suppress_health_check=list(HealthCheck))
+@settings(deadline=None, max_examples=50, suppress_health_check=list(HealthCheck))
 @given(st.data())
 def test_it_says_what_comparing_the_written_form_says(data: st.DataObject) -> None:
     before = load(data.draw(st.sampled_from(EXAMPLES)))

@@ -13,7 +13,7 @@ from grip_bt.graph import dumps, fmt, read_text, walk
 from grip_bt.graph.edit import Comment, Group, Rename, apply, apply_to_document, comment_of
 
 unhurried = settings(
-    deadline=None, max_examples=100, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large]
+    deadline=None, max_examples=60, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large]
 )
 TEXT = """\
 # A task.

@@ -13,7 +13,7 @@ from grip_bt.graph import dumps, fmt, read_text, walk
 from grip_bt.graph.edit import Comment, Group, History, Rename, Set, apply, apply_to_document, command_of, comment_of
 
 unhurried = settings(
-    deadline=None, max_examples=100, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large]
+    deadline=None, max_examples=60, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large]
 )
 BODY = "grip: 1\nname: demo\n# all that happens\nroot: {node: flow/wait}\n"
 TEXT = "# Clears a table.\n#   It needs a hand.\n\n#by the people of the lab\n\n" + BODY

@@ -12,7 +12,7 @@ from grip_bt.graph import Task, dumps, loads, read_text
 from grip_bt.graph.edit import Group, apply, apply_to_document, command_of
 
 unhurried = settings(
-    deadline=None, max_examples=120, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large]
+    deadline=None, max_examples=70, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large]
 )
 
 

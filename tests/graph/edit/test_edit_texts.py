@@ -13,7 +13,7 @@ from grip_bt.graph.edit import apply, apply_to_document, command_of
 from grip_bt.graph.edit.regions import is_tidy, line_start, region_end
 
 unhurried = settings(
-    deadline=None, max_examples=80, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large]
+    deadline=None, max_examples=50, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large]
 )
 randoms = st.randoms(use_true_random=False)
 KEEPING = ("add", "rename", "connect", "bind", "declare", "rename_variable")

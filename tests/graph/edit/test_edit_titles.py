@@ -65,7 +65,7 @@ def test_no_command_is_without_a_title():
     assert {type(command_of(command)) for command, _ in TITLES} == set(get_args(AnyCommand))
 
 
-@settings(deadline=None, max_examples=100)
+@settings(deadline=None, max_examples=60)
 @given(st.data(), tasks)
 def test_titles_are_one_short_line(data, task):
     title = title_of(data.draw(commands(task)))
