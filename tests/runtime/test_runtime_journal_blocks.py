@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from old_journal import OLD
 
 from grip_bt.runtime import Journal, JournalError, JournalReader, ManualClock, WallClock
 from grip_bt.runtime import run_log as run_logs
@@ -131,18 +132,13 @@ def test_a_run_goes_on_where_another_process_stopped_writing_it(file: Path) -> N
         assert [(e.seq, e.path) for e in reader.events(log.id)] == [(1, "a"), (2, "b"), (3, "b"), (4, "c")]
 
 
-VERSION_1 = """
-CREATE TABLE runs(
-  id TEXT PRIMARY KEY, task_name TEXT, task_path TEXT, task_text TEXT, target TEXT, seed INTEGER,
-  started REAL, ended REAL, status TEXT, outcome TEXT);
-CREATE TABLE events(
-  run TEXT, seq INTEGER, t REAL, wall REAL, path TEXT, event TEXT, outcome TEXT, code TEXT, data TEXT,
-  PRIMARY KEY(run, seq)) WITHOUT ROWID;
-INSERT INTO runs VALUES('old', 'pick', '', '', 'bt', 3, 1.0, 2.0, 'success', 'success');
-INSERT INTO events VALUES('old', 1, 0.5, 1.5, 'a', 'enter', NULL, NULL, NULL);
+VERSION_1 = (
+    OLD
+    + """INSERT INTO events VALUES('old', 1, 0.5, 1.5, 'a', 'enter', NULL, NULL, NULL);
 INSERT INTO events VALUES('old', 2, 0.6, 1.6, 'a', 'write', NULL, NULL, '{"variable": "x", "preview": "1"}');
 INSERT INTO events VALUES('old', 3, 0.7, 1.7, 'a', 'exit', 'success', NULL, NULL);
 """
+)
 
 
 def test_a_journal_of_rows_is_read_and_new_runs_are_added_to_it(file: Path) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from old_journal import OLD
 
 from grip_bt.runtime import Event, Journal, JournalError, JournalReader, ManualClock
 from grip_bt.runtime.journal_events import DAMAGED
@@ -37,15 +38,6 @@ WRONG = (
 )
 COLUMNS = ("first", "last", "name", "t", "wall", "wall_offset", "data", "writes", "sum")
 HOLE = re.compile(r"events? (\d+)(?: to (\d+))? of run")
-OLD = """
-CREATE TABLE runs(
-  id TEXT PRIMARY KEY, task_name TEXT, task_path TEXT, task_text TEXT, target TEXT, seed INTEGER,
-  started REAL, ended REAL, status TEXT, outcome TEXT);
-CREATE TABLE events(
-  run TEXT, seq INTEGER, t REAL, wall REAL, path TEXT, event TEXT, outcome TEXT, code TEXT, data TEXT,
-  PRIMARY KEY(run, seq)) WITHOUT ROWID;
-INSERT INTO runs VALUES('old', 'pick', '', '', 'bt', 3, 1.0, 2.0, 'success', 'success');
-"""
 
 
 @pytest.fixture(scope="module")

@@ -33,8 +33,7 @@ def refuse_beyond_limits(trajectory: Trajectory, limits: Limits) -> None:
         raise OutOfLimitsError(f"the trajectory {words}", joints=trajectory.names)
     times, position, velocity, acceleration = _all_along(trajectory)
     fastest, hardest, still = limits.velocity, limits.acceleration, np.full(len(trajectory.names), STILL)
-    needed = np.ceil(longer(trajectory, fastest, hardest) * 1000) / 1000
-    slower = f"; give its points {needed:g} times as long (`slow_down: true` of arm/execute_trajectory does that)"
+    slower = "; give its points {:g} times as long (`slow_down: true` of arm/execute_trajectory does that)"
     ends, rest = trajectory.times[[0, -1]], "; it has to begin and end at rest"
     for what, at, found, low, high, unit, remedy in (
         ("position", times, position, limits.lower, limits.upper, 1.0, ""),
@@ -46,6 +45,8 @@ def refuse_beyond_limits(trajectory: Trajectory, limits: Limits) -> None:
         row, joint = np.unravel_index(int(over.argmax()), over.shape)
         if not over[row, joint] <= ROUNDED:  # what isn't a number isn't either
             name, value = trajectory.names[joint], float(found[row, joint])
+            if remedy == slower:
+                remedy = slower.format(np.ceil(longer(trajectory, fastest, hardest) * 1000) / 1000)
             raise OutOfLimitsError(
                 f"{at[row]:.2f} s after its beginning, the trajectory is out of limits: {what} of {name} = {value:.3f} "
                 f"(allowed {low[joint]:.3f} .. {high[joint]:.3f}){remedy}",
