@@ -54,9 +54,9 @@ e2e: $(STAMP) ## the page in a real browser
 
 fuzz: $(STAMP) ## the long proofs; figures go to docs/proofs.md
 	@GRIP_FUZZ_TASKS=$${GRIP_FUZZ_TASKS:-20000} $(BIN)/pytest -q -s -n 2 --timeout 7200 tests/parity
-	@GRIP_FUZZ_EXAMPLES=1 $(BIN)/pytest -q -n 2 --timeout 7200 tests/graph tests/compilers tests/validation tests/values tests/codegen
-	@GRIP_FUZZ_DOCUMENTS=$${GRIP_FUZZ_DOCUMENTS:-5000} $(BIN)/pytest -q -s --timeout 14400 tests/validation/test_any_document.py
-	@GRIP_FUZZ_FILES=$${GRIP_FUZZ_FILES:-10000} $(BIN)/pytest -q -s --timeout 7200 tests/graph/test_mutated_files.py
+	@GRIP_FUZZ_EXAMPLES=1 $(BIN)/pytest -q -n 2 --timeout 7200 tests/task tests/base tests/compilers tests/formats tests/codegen
+	@GRIP_FUZZ_DOCUMENTS=$${GRIP_FUZZ_DOCUMENTS:-5000} $(BIN)/pytest -q -s --timeout 14400 tests/task/validation/test_any_document.py
+	@GRIP_FUZZ_FILES=$${GRIP_FUZZ_FILES:-10000} $(BIN)/pytest -q -s --timeout 7200 tests/task/test_mutated_files.py
 	@GRIP_FUZZ_SOURCE=1 GRIP_FUZZ_TASKS=3000 $(BIN)/pytest -q -s -n 2 --timeout 7200 tests/parity/test_parity_fuzz.py
 	@GRIP_FUZZ_RACES=10000 GRIP_FUZZ_GOALS=10000 $(BIN)/pytest -q -s --timeout 7200 tests/ros/test_goal_machine.py \
 	    tests/ros/test_ros_action.py -k races
@@ -68,7 +68,7 @@ fuzz: $(STAMP) ## the long proofs; figures go to docs/proofs.md
 	@GRIP_FUZZ_DAMAGE=$${GRIP_FUZZ_DAMAGE:-400} $(BIN)/pytest -q -n 2 --timeout 7200 tests/cli/test_damaged_journals.py
 	@GRIP_FUZZ_KILLS=100 $(BIN)/pytest -q -s --timeout 7200 tests/runtime/test_runtime_journal_blocks.py
 	@GRIP_FUZZ_DELAYS=20000 $(BIN)/pytest -q -s --timeout 7200 tests/ros/test_late_changes.py
-	@GRIP_FUZZ_TASKS=250 $(BIN)/pytest -q -s -n 2 --timeout 7200 tests/smach_import/test_smach_import_lowerings.py
+	@GRIP_FUZZ_TASKS=250 $(BIN)/pytest -q -s -n 2 --timeout 7200 tests/formats/smach/test_smach_import_lowerings.py
 	@GRIP_FUZZ_TURNS=300 $(BIN)/pytest -q -n 2 --timeout 7200 tests/runtime/test_lockstep.py
 	@$(BIN)/python benchmarks/repeated.py
 

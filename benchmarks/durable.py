@@ -15,13 +15,13 @@ import tempfile
 import time
 from pathlib import Path
 
-from grip_bt.catalog import Catalog, Manifest
 from grip_bt.compilers import to_tree
-from grip_bt.graph.model import Task
 from grip_bt.nodes import Leaf
 from grip_bt.nodes.leaf import Status
 from grip_bt.runtime import Journal, RunContext, Runner
 from grip_bt.runtime.durable import Durable
+from grip_bt.task.catalog import Catalog, Manifest
+from grip_bt.task.model import Task
 
 FACE = Manifest(id="my/move", doc="Moves nothing.", implementation="move.py:Move")
 

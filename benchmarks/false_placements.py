@@ -28,12 +28,12 @@ import yaml
 
 from grip_bt.app.project import find_project
 from grip_bt.app.resources import open_resources, silent
+from grip_bt.base.values import Failure, Grasp, JointState, Pose
 from grip_bt.compilers import to_machine, to_tree
-from grip_bt.graph import read_text
-from grip_bt.graph.model import Task
 from grip_bt.nodes.observer import Silent
 from grip_bt.runtime import Runner
-from grip_bt.values import Failure, Grasp, JointState, Pose
+from grip_bt.task import read_text
+from grip_bt.task.model import Task
 from grip_sim.tables import table_world
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
@@ -45,7 +45,7 @@ PROVIDER = """
 import numpy as np
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.objects import SEEN
-from grip_bt.values import Grasp, Pose
+from grip_bt.base.values import Grasp, Pose
 
 
 class TopGrasps(Leaf):

@@ -24,7 +24,7 @@ from pathlib import Path
 import numpy as np
 
 from grip_bt.app.domain import free_domain
-from grip_bt.interpreter import python_command
+from grip_bt.base.interpreter import python_command
 from grip_bt.ros.bus import Bus
 from grip_bt.ros.process import child_environment
 from grip_bt.ros.topic import Received

@@ -12,18 +12,18 @@ import time
 
 import yaml
 
-from grip_bt.catalog import Catalog, Manifest
-from grip_bt.catalog.manifest import InputPort, OutputPort, Parameter
+from grip_bt.base.yaml.syntax import _patiently, parse
 from grip_bt.compilers import to_tree
-from grip_bt.graph import read_text
-from grip_bt.graph.edit import Rename, Set, apply, apply_to_document
-from grip_bt.graph.model import Task
-from grip_bt.graph.quick import _by_libyaml, quick_data
-from grip_bt.graph.shape import task_of
-from grip_bt.graph.syntax import _patiently, parse
 from grip_bt.nodes import Leaf
 from grip_bt.runtime import RunContext
-from grip_bt.validation import validate
+from grip_bt.task import read_text
+from grip_bt.task.catalog import Catalog, Manifest
+from grip_bt.task.catalog.manifest import InputPort, OutputPort, Parameter
+from grip_bt.task.edit import Rename, Set, apply, apply_to_document
+from grip_bt.task.model import Task
+from grip_bt.task.quick import _by_libyaml, quick_data
+from grip_bt.task.shape import task_of
+from grip_bt.task.validation import validate
 
 ROUNDS = 9
 CATALOG = Catalog(

@@ -25,6 +25,9 @@ os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")  # read once, when the first
 
 import pinocchio as pin
 
+from grip_bt.base.errors import UnfitSolverError
+from grip_bt.base.failures import ExpectedError
+from grip_bt.base.values import Grasp, JointState, Pose
 from grip_bt.commanders.collision import CollisionChecker
 from grip_bt.commanders.ik import SOLVERS, Target, solve
 from grip_bt.commanders.model import RobotModel
@@ -33,8 +36,6 @@ from grip_bt.commanders.planning.paths import interpolated
 from grip_bt.commanders.planning.requests import ChooseGrasp, PlanningSettings, PlanTo, Situation
 from grip_bt.commanders.robots import ROBOTS, build_robot
 from grip_bt.commanders.scene import Box, PlanningScene, SceneObject, SceneSnapshot
-from grip_bt.errors import ExpectedError, UnfitSolverError
-from grip_bt.values import Grasp, JointState, Pose
 
 TABLE = {
     "table": ((0.7, 1.2, 0.1), (0.65, 0.0, -0.05)),

@@ -16,13 +16,13 @@ from plan_timing import seconds
 from py_trees.common import Status
 from py_trees.visitors import SnapshotVisitor
 
-from grip_bt.catalog import Catalog, Manifest
 from grip_bt.compilers import Rushing, to_machine, to_tree
-from grip_bt.graph.model import Task
 from grip_bt.nodes import Leaf
 from grip_bt.runtime import Journal, Plan, RunContext, WallClock
 from grip_bt.runtime.plan import ticker
 from grip_bt.runtime.recorder import Recorder
+from grip_bt.task.catalog import Catalog, Manifest
+from grip_bt.task.model import Task
 
 PORTS = {"inputs": {"x": {"type": "int"}}, "outputs": {"y": {"type": "int", "on": ["success"]}}}
 CATALOG = Catalog(

@@ -28,6 +28,8 @@ from numpy.typing import NDArray
 from plan_ways import queries
 from searches import SOLVED
 
+from grip_bt.base.failures import ExpectedError
+from grip_bt.base.values import JointState
 from grip_bt.commanders.collision import CollisionChecker
 from grip_bt.commanders.model import RobotModel
 from grip_bt.commanders.planning import free, motions
@@ -37,8 +39,6 @@ from grip_bt.commanders.planning.requests import PlanTo
 from grip_bt.commanders.robots import ROBOTS, build_robot
 from grip_bt.commanders.scene import SceneSnapshot
 from grip_bt.commanders.worker import PlanningProcess
-from grip_bt.errors import ExpectedError
-from grip_bt.values import JointState
 
 Array = NDArray[np.float64]
 MOVED = ("tower", "block", "wide_block")

@@ -24,6 +24,8 @@ import motion
 import searches
 from shortenings import SHORTENINGS
 
+from grip_bt.base.failures import ExpectedError
+from grip_bt.base.values import JointState
 from grip_bt.commanders.collision import CollisionChecker
 from grip_bt.commanders.model import RobotModel
 from grip_bt.commanders.planning import free, motions
@@ -31,8 +33,6 @@ from grip_bt.commanders.planning.paths import length
 from grip_bt.commanders.planning.requests import PlanningSettings, PlanTo, Situation
 from grip_bt.commanders.robots import ROBOTS, build_robot
 from grip_bt.commanders.scene import SceneSnapshot
-from grip_bt.errors import ExpectedError
-from grip_bt.values import JointState
 
 Way = Callable[..., Any]
 HEADINGS = ("median", "95 %", "mean", "search", "length", "paired", "solved")

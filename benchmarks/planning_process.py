@@ -18,6 +18,8 @@ import numpy as np
 from motion import spread
 from plan_ways import queries
 
+from grip_bt.base.failures import CanceledError, ExpectedError
+from grip_bt.base.values import JointState, PathConstraint, Pose
 from grip_bt.commanders.collision import CollisionChecker
 from grip_bt.commanders.model import RobotModel
 from grip_bt.commanders.planning.free import planners
@@ -26,8 +28,6 @@ from grip_bt.commanders.planning.requests import PlanningSettings, PlanTo, Situa
 from grip_bt.commanders.robots import ROBOTS, build_robot
 from grip_bt.commanders.scene import Box, SceneObject, SceneSnapshot
 from grip_bt.commanders.worker import PlanningProcess
-from grip_bt.errors import CanceledError, ExpectedError
-from grip_bt.values import JointState, PathConstraint, Pose
 
 ANYWHERE = PathConstraint(box=Pose(), size=(9.0, 9.0, 9.0))
 

@@ -13,11 +13,11 @@ from pathlib import Path
 
 import numpy as np
 
+from grip_bt.base.values import PointCloud
 from grip_bt.ros.bus import Bus
 from grip_bt.ros.convert import from_message, to_message
 from grip_bt.ros.interfaces import build_interfaces
 from grip_bt.ros.process import child_environment
-from grip_bt.values import PointCloud
 
 ROOT = Path(__file__).parents[1]
 DOMAIN = 90

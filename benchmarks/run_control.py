@@ -13,13 +13,13 @@ from typing import Any
 
 from py_trees.common import Status
 
-from grip_bt.catalog import Catalog, Manifest
 from grip_bt.compilers import to_tree
 from grip_bt.compilers.probe import parts_of
-from grip_bt.graph.model import Task
 from grip_bt.nodes import Leaf
 from grip_bt.runtime import RunContext, Runner
 from grip_bt.runtime.pulse import LARGEST, Pulse
+from grip_bt.task.catalog import Catalog, Manifest
+from grip_bt.task.model import Task
 
 WAKES, STOPS, NODES, PASSES = 2000, 20, 100, 400
 

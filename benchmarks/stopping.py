@@ -163,7 +163,7 @@ def plain(name: str, wire: Wire, count: int, seed: int) -> None:
     from plain_client import plain_client, swing
     from stopping import BEYOND, of_states
 
-    from grip_bt.values import JointState
+    from grip_bt.base.values import JointState
 
     rng = np.random.default_rng(seed + 4)
     with plain_client(wire.action, wire.kind, wire.names, wire.domain, wire.overlays) as client:
@@ -210,7 +210,7 @@ def simulation_killed(count: int) -> None:
 
     program = """
 import numpy as np, sys, time
-from grip_bt.values import Trajectory
+from grip_bt.base.values import Trajectory
 from grip_sim import WorldSpec, start_simulation
 s = start_simulation(WorldSpec(), pace=1.0)
 e = s.executor("arm"); h = e.state()

@@ -13,11 +13,11 @@ from pathlib import Path
 import py_trees
 from py_trees.common import Status
 
-from grip_bt.catalog import Catalog, Manifest
 from grip_bt.compilers import Rushing, to_machine, to_tree
-from grip_bt.graph.model import Task
 from grip_bt.nodes import Leaf
 from grip_bt.runtime import Journal, RunContext, Runner
+from grip_bt.task.catalog import Catalog, Manifest
+from grip_bt.task.model import Task
 
 CATALOG = Catalog([Manifest(id="bench/leaf", doc="Ends at once.", implementation="bench:Quick")])
 ROUNDS = 7

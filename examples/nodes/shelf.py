@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 import grip_bt as grip
-from grip_bt.errors import TimeOutError
-from grip_bt.values import PointCloud, Pose
+from grip_bt.base.failures import TimeOutError
+from grip_bt.base.values import PointCloud, Pose
 
 
 @grip.leaf("shelf/height", outputs={"height": float})

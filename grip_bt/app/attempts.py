@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from grip_bt.base.values import Failure, Grasp
 from grip_bt.nodes.observer import Silent
-from grip_bt.values import Failure, Grasp
 
 Truth = Callable[[], Mapping[str, Any]]
 """Asks the referee: object -> something with `.status` (`held`, `placed`, ...) and `.pose`."""

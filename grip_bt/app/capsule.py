@@ -21,12 +21,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grip_bt import __version__
-from grip_bt.catalog import Catalog
-from grip_bt.compilers.draw import View, to_svg
-from grip_bt.compilers.draw.scheme import describe
-from grip_bt.errors import DocumentError
-from grip_bt.graph import Leaf, Task, loads, outcomes_of, walk
+from grip_bt.base.errors import DocumentError
+from grip_bt.formats.draw import View, to_svg
+from grip_bt.formats.draw.scheme import describe
 from grip_bt.runtime import Event, JournalReader, RunRecord
+from grip_bt.task import Leaf, Task, loads, outcomes_of, walk
+from grip_bt.task.catalog import Catalog
 
 from .project import project_catalog
 

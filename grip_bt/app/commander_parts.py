@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.errors import UnknownNameError
-from grip_bt.ports import Executor, HandPort
-from grip_bt.values import JointState, Pose
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.ports import Executor, HandPort
+from grip_bt.base.values import JointState, Pose
 
 from .named_parts import TAUGHT, common_states, faults_of_fields, field_of
 from .project import ArmConfig, Project

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
-from grip_bt.catalog.component_file import ComponentFile
-from grip_bt.graph.evaluation import condition_of
-from grip_bt.graph.expression import parse_expression
+from grip_bt.base.evaluation import condition_of
+from grip_bt.base.expression import parse_expression
+from grip_bt.task.catalog.component_file import ComponentFile
 
 
 def label_of(component: ComponentFile, reply: Mapping[str, Any]) -> str:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import grip_bt
-from grip_bt.errors import MissingPartError, NotWritableError, UnknownNameError
+from grip_bt.base.errors import MissingPartError, NotWritableError, UnknownNameError
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from typing import Literal
 
-from grip_bt.interpreter import python_command
+from grip_bt.base.interpreter import python_command
 
 INSTALL = "make demo (sets up .venv), or: pip install 'grip-bt[{extra}]'"
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from grip_bt.errors import GripError
+from grip_bt.base.errors import GripError
 
 DOMAINS = range(1, 101)
 """Above 101 the ports of a domain fall into the range that Linux hands out to anybody."""

@@ -6,8 +6,8 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
-from grip_bt.catalog.equipment import UNFIT, UNMOVED, Equipment, Equipped, Trouble
-from grip_bt.errors import DocumentError, GripError, MissingPartError, UnknownNameError
+from grip_bt.base.errors import DocumentError, GripError, MissingPartError, UnknownNameError
+from grip_bt.task.catalog.equipment import UNFIT, UNMOVED, Equipment, Equipped, Trouble
 
 from .equipment_frames import frames_in_doubt
 from .named_parts import TAUGHT, common_states, faults_of_arm, faults_of_hand

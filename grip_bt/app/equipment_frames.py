@@ -7,13 +7,13 @@ from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from grip_bt.catalog.component_file import ComponentFile, load_component
-from grip_bt.catalog.equipment import UNFIT, Trouble
-from grip_bt.errors import DocumentError, UnknownNameError, nearest
-from grip_bt.validation.wording import take_hint
+from grip_bt.base.errors import DocumentError, UnknownNameError, nearest
+from grip_bt.task.catalog.component_file import ComponentFile, load_component
+from grip_bt.task.catalog.equipment import UNFIT, Trouble
+from grip_bt.task.validation.wording import take_hint
 
 if TYPE_CHECKING:
-    from grip_bt.catalog.process_config import ProcessConfig
+    from grip_bt.task.catalog.process_config import ProcessConfig
 
     from .project import Project
 

@@ -7,7 +7,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from grip_bt.errors import GripError, MissingPartError
+from grip_bt.base.errors import GripError, MissingPartError
 from grip_bt.runtime import Event, JournalReader
 
 from .foxglove import SCHEMAS, messages, stamp

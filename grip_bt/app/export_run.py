@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 
-from grip_bt.errors import DocumentError, UnknownNameError
+from grip_bt.base.errors import DocumentError, UnknownNameError
 from grip_bt.runtime import JournalReader
 
 COLUMNS = ("seq", "t", "wall", "path", "event", "outcome", "code", "data", "meaning")

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from grip_bt.base.errors import GripError, InvalidRobotError
+from grip_bt.base.values import JointState, Pose
 from grip_bt.commanders.fake import FakeArm
-from grip_bt.errors import GripError, InvalidRobotError
-from grip_bt.values import JointState, Pose
 
 from .project import Project
 

@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
-from grip_bt.catalog.component_file import load_component
-from grip_bt.catalog.manifest import Manifest
-from grip_bt.catalog.sensor_config import SensorConfig
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import ExpectedError
+from grip_bt.base.values import Pose
 from grip_bt.commanders.fake import FakeArm, FakeCamera, FakeComponent, FakeHand, FakeRos, FakeSensor
 from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.scene import PlanningScene
 from grip_bt.commanders.taught import Taught
-from grip_bt.errors import ExpectedError, UnknownNameError
-from grip_bt.values import Pose
+from grip_bt.task.catalog.component_file import load_component
+from grip_bt.task.catalog.manifest import Manifest
+from grip_bt.task.catalog.sensor_config import SensorConfig
 
 from .fake_joints import HandFacts, arm_states, description_of, hand_facts
 from .fake_state import FakeState

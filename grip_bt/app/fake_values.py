@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from grip_bt.catalog.types import VALUES, Type, parse_type
-from grip_bt.errors import SensorError
-from grip_bt.values import (
+from grip_bt.base.failures import SensorError
+from grip_bt.base.types import VALUES, Type, parse_type
+from grip_bt.base.values import (
     CameraInfo,
     DepthImage,
     Failure,
@@ -61,7 +61,7 @@ def value_of(type_: str | Type) -> Any:
 
 
 def _message(name: str) -> Any:
-    from grip_bt.errors import MissingPartError, UnknownNameError
+    from grip_bt.base.errors import MissingPartError, UnknownNameError
 
     try:
         from grip_bt.ros.types import load_type

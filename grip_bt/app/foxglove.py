@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from grip_bt.values import DepthImage, Grasp, Image, PointCloud, Pose, RgbdFrame
+from grip_bt.base.values import DepthImage, Grasp, Image, PointCloud, Pose, RgbdFrame
 
 Message = tuple[str, dict[str, Any]]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from grip_bt.errors import GripError
+from grip_bt.base.errors import GripError
 from grip_bt.ros.frames import FrameTree
 
 from .project import Project

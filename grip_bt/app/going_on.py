@@ -9,14 +9,12 @@ from dataclasses import dataclass, field
 from itertools import takewhile
 from typing import Any
 
-from grip_bt.catalog import Manifest, check_value
+from grip_bt.base.errors import GripError, ResumeError, UnknownNameError, WrongTypeError
+from grip_bt.base.ports import Clock
 from grip_bt.compilers import CompiledMachine, CompiledTree
 from grip_bt.compilers.probe import parts_of
 from grip_bt.compilers.resolve import Part
-from grip_bt.errors import GripError, ResumeError, UnknownNameError, WrongTypeError
-from grip_bt.graph import model
 from grip_bt.nodes.mock import MockLeaf
-from grip_bt.ports import Clock
 from grip_bt.runtime import (
     Event,
     Journal,
@@ -33,6 +31,8 @@ from grip_bt.runtime.journal_events import DAMAGED
 from grip_bt.runtime.keeping import KEPT, Kept
 from grip_bt.runtime.run_log import Noted
 from grip_bt.runtime.value_codec import snapshot
+from grip_bt.task import model
+from grip_bt.task.catalog import Manifest, check_value
 
 from .keeping import ANEW, WORDS, BroughtBack, bring_back, parts_lost
 from .replay import Until

@@ -6,10 +6,10 @@ import shlex
 from pathlib import Path
 from xml.etree import ElementTree
 
-from grip_bt.catalog.component_file import load_component
-from grip_bt.catalog.component_parts import Start
-from grip_bt.catalog.process_config import ProcessConfig
 from grip_bt.ros.starting import text_of
+from grip_bt.task.catalog.component_file import load_component
+from grip_bt.task.catalog.component_parts import Start
+from grip_bt.task.catalog.process_config import ProcessConfig
 
 from .project import Project
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from grip_bt.catalog.process_config import ProcessConfig
-from grip_bt.errors import UnknownNameError
+from grip_bt.base.errors import UnknownNameError
 from grip_bt.ros.launch.group import Member
 from grip_bt.ros.process import child_environment
 from grip_bt.ros.starting import command_of
+from grip_bt.task.catalog.process_config import ProcessConfig
 
 from .project import Project
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from contextlib import ExitStack
 
-from grip_bt.messages import LocalMessages, MessageLibrary, load, save
+from grip_bt.base.message_store import LocalMessages, MessageLibrary, load, save
 from grip_bt.runtime.value_codec import decode, encode
 
 from .project import ARCHIVE, MESSAGES, Project

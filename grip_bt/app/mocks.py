@@ -8,16 +8,16 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from grip_bt.catalog import Catalog, Manifest
+from grip_bt.base.errors import DocumentError, UnknownNameError
+from grip_bt.base.frozen import FrozenDict
+from grip_bt.base.yaml.settings_file import read_model
 from grip_bt.compilers.leaves import LeafFactory, implementation_of
 from grip_bt.compilers.resolve import Part, resolve
-from grip_bt.errors import DocumentError, UnknownNameError
-from grip_bt.graph.frozen import FrozenDict
-from grip_bt.graph.model import AnyNode, Leaf, Task
-from grip_bt.graph.settings_file import read_model
-from grip_bt.graph.walking import children_of, join
 from grip_bt.nodes.mock import MockLeaf, MockStep
 from grip_bt.runtime.breakpoints import node_path
+from grip_bt.task.catalog import Catalog, Manifest
+from grip_bt.task.model import AnyNode, Leaf, Task
+from grip_bt.task.walking import children_of, join
 
 
 class Step(BaseModel):

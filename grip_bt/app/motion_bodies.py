@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.values.solids import CellMap, Mesh
+from grip_bt.base.values.solids import CellMap, Mesh
 
 FINE = 1500
 """Meshes with more triangles than this are made coarser."""

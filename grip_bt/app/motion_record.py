@@ -16,14 +16,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from grip_bt.errors import GripError
-from grip_bt.values import Pose
-from grip_bt.values.solids import Box, CellMap, Cylinder, Mesh, Solid, Sphere
+from grip_bt.base.errors import GripError
+from grip_bt.base.values import Pose
+from grip_bt.base.values.solids import Box, CellMap, Cylinder, Mesh, Solid, Sphere
 
 from .motion_bodies import Bodies
 
 if TYPE_CHECKING:
-    from grip_bt.ports import Arm, Clock, Hand
+    from grip_bt.base.ports import Arm, Clock, Hand
 
     from .resources import Resources
 

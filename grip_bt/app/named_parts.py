@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from grip_bt.catalog.controller_config import MOVE_GROUP
+from grip_bt.base.errors import GripError, UnknownNameError
+from grip_bt.base.values import JointState
 from grip_bt.commanders.names import PLANNERS, SOLVERS
-from grip_bt.errors import GripError, UnknownNameError
-from grip_bt.values import JointState
+from grip_bt.task.catalog.controller_config import MOVE_GROUP
 
 from .project import ArmConfig, Project
 

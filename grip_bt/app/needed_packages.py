@@ -8,10 +8,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from grip_bt.catalog.component_file import load_component
-from grip_bt.catalog.component_parts import Start
-from grip_bt.catalog.equipment import MISSING, UNFIT, Trouble, missing_package, missing_type
-from grip_bt.errors import DocumentError
+from grip_bt.base.errors import DocumentError
+from grip_bt.task.catalog.component_file import load_component
+from grip_bt.task.catalog.component_parts import Start
+from grip_bt.task.catalog.equipment import MISSING, UNFIT, Trouble, missing_package, missing_type
 
 if TYPE_CHECKING:
     from .project import Project

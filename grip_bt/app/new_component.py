@@ -11,14 +11,14 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from grip_bt.catalog.component_file import FILE_NAME, ComponentFile
-from grip_bt.catalog.interface_spec import InterfaceSpec
+from grip_bt.base.errors import DocumentError, GripError
+from grip_bt.base.yaml.faults import document_error, fault_of
+from grip_bt.base.yaml.settings_file import check_model
+from grip_bt.base.yaml.syntax import Mapping, parse
 from grip_bt.codegen.component_text import OutcomesNeededError, component_text, parse_outcomes, suggested_name
 from grip_bt.codegen.contract import check_contract
-from grip_bt.errors import DocumentError, GripError
-from grip_bt.graph.faults import document_error, fault_of
-from grip_bt.graph.settings_file import check_model
-from grip_bt.graph.syntax import Mapping, parse
+from grip_bt.task.catalog.component_file import FILE_NAME, ComponentFile
+from grip_bt.task.catalog.interface_spec import InterfaceSpec
 
 from .project import find_project
 

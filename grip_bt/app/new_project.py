@@ -5,7 +5,7 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
-from grip_bt.errors import ProjectExistsError
+from grip_bt.base.errors import ProjectExistsError
 
 TEMPLATE = Path(__file__).with_name("template")
 FOLDERS = ("tasks", "components", "nodes", "messages")

@@ -8,18 +8,18 @@ from contextlib import ExitStack
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from grip_bt.catalog.controller_config import MOVE_GROUP, MoveGroupConfig
-from grip_bt.errors import MissingPartError
-from grip_bt.operation import Operation
+from grip_bt.base.errors import MissingPartError
+from grip_bt.base.operation import Operation
+from grip_bt.task.catalog.controller_config import MOVE_GROUP, MoveGroupConfig
 
 from .project import ArmConfig, Project
 
 if TYPE_CHECKING:
+    from grip_bt.base.values import Plan
     from grip_bt.commanders.planning.requests import ChosenGrasp, Request
     from grip_bt.commanders.robots import RobotDescription
     from grip_bt.commanders.worker import PlanningService, Searcher
     from grip_bt.ros.bus import Bus
-    from grip_bt.values import Plan
 
 
 class PlannerByName:

@@ -9,19 +9,19 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import BaseModel, ByteSize, ConfigDict, Field, StringConstraints
 
-from grip_bt.catalog import Catalog, CodePath, OwnCode, TaskFolder, find_manifests, find_python_nodes
-from grip_bt.catalog.controller_config import RosRobotConfig
-from grip_bt.catalog.process_config import ProcessConfig
-from grip_bt.catalog.sensor_config import SensorConfig
-from grip_bt.catalog.sensors import sensor_manifest
+from grip_bt.base.errors import DocumentError, NotWritableError
+from grip_bt.base.yaml.settings_file import read_model
 from grip_bt.commanders.description.config import RobotConfig
-from grip_bt.errors import DocumentError, NotWritableError
-from grip_bt.graph.settings_file import read_model
+from grip_bt.task.catalog import Catalog, CodePath, OwnCode, TaskFolder, find_manifests, find_python_nodes
+from grip_bt.task.catalog.controller_config import RosRobotConfig
+from grip_bt.task.catalog.process_config import ProcessConfig
+from grip_bt.task.catalog.sensor_config import SensorConfig
+from grip_bt.task.catalog.sensors import sensor_manifest
 
 if TYPE_CHECKING:
-    from grip_bt.catalog.equipment import Equipment
     from grip_bt.commanders.robots import RobotDescription
     from grip_bt.commanders.scene import SceneObject
+    from grip_bt.task.catalog.equipment import Equipment
 
 FILE_NAME = "grip.yaml"
 MESSAGES, ARCHIVE = "messages", "messages.values.sqlite"
@@ -150,7 +150,7 @@ class Project:
 
     def message_names(self) -> Mapping[str, set[str]] | None:
         """Return store -> names of the messages that a run begins with; None where a server or nobody knows."""
-        from grip_bt.messages import MessageLibrary, names
+        from grip_bt.base.message_store import MessageLibrary, names
 
         if self.file.message_server:
             return None

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
-from grip_bt.errors import AmbiguousNameError, UnknownNameError
+from grip_bt.base.errors import AmbiguousNameError, UnknownNameError
 from grip_bt.runtime import Event, JournalReader, Moment, RunRecord
 from grip_bt.runtime.breakpoints import node_path
 

@@ -7,10 +7,10 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from grip_bt.errors import DocumentError, UnknownNameError
-from grip_bt.operation import Operation
-from grip_bt.ports import Arm, Camera, Clock, Component, Hand, Messages, Pausable, Ros, Scene, Sensor
-from grip_bt.values import JointState
+from grip_bt.base.errors import DocumentError, UnknownNameError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Arm, Camera, Clock, Component, Hand, Messages, Pausable, Ros, Scene, Sensor
+from grip_bt.base.values import JointState
 
 from .own_needs import ROBOT, parts_asked_for
 from .project import Project

@@ -8,8 +8,8 @@ from collections.abc import Callable, Collection
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
-from grip_bt.catalog.component_file import Start, load_component
-from grip_bt.errors import ServerLostError
+from grip_bt.base.failures import ServerLostError
+from grip_bt.task.catalog.component_file import Start, load_component
 
 from .domain import own_domain
 from .frame_parts import provide_frames, robot_frames

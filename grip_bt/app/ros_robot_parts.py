@@ -9,9 +9,10 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
-from grip_bt.catalog.controller_config import ControllerConfig, RosRobotConfig
-from grip_bt.errors import GripError, MissingPartError, SensorError, UnknownNameError
-from grip_bt.ports import Camera, Executor, HandPort
+from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
+from grip_bt.base.failures import SensorError
+from grip_bt.base.ports import Camera, Executor, HandPort
+from grip_bt.task.catalog.controller_config import ControllerConfig, RosRobotConfig
 
 from .commander_parts import open_commanders
 from .frame_parts import provide_frames, robot_frames

@@ -12,7 +12,7 @@ import traceback
 from pathlib import Path
 from typing import Any
 
-from grip_bt.errors import GripError
+from grip_bt.base.errors import GripError
 
 PROGRESS = "progress"
 

@@ -9,10 +9,10 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from grip_bt.errors import GripError, MissingPartError, UnknownNameError
-from grip_bt.operation import Operation
-from grip_bt.ports import Executor, HandPort
-from grip_bt.values import JointState, Trajectory
+from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Executor, HandPort
+from grip_bt.base.values import JointState, Trajectory
 
 from .named_parts import jerks_of_arms
 from .project import Project
@@ -117,7 +117,7 @@ def serve_world(
 class PressingFingers:
     """A hand as a trajectory controller without tolerances moves it: fingers that meet something press on.
 
-    Implements `grip_bt.ports.Executor`; of a trajectory only its end and its duration count.
+    Implements `grip_bt.base.ports.Executor`; of a trajectory only its end and its duration count.
     """
 
     def __init__(self, hand: HandPort):
@@ -175,10 +175,10 @@ def _mount(simulation: Simulation, project: Project, name: str) -> dict[str, Any
 
 
 def _room(simulation: Simulation) -> str:
+    from grip_bt.base.values import Pose
+    from grip_bt.base.values.solids import Box
     from grip_bt.commanders.scene import SceneObject
     from grip_bt.commanders.scene_writer import scene_text
-    from grip_bt.values import Pose
-    from grip_bt.values.solids import Box
 
     boxes = simulation.spec.boxes()
     return scene_text("room", [SceneObject(box.name, Box(box.size), Pose(box.centre), fixed=True) for box in boxes])

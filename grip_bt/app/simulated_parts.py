@@ -6,9 +6,9 @@ from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
 
-from grip_bt.errors import GripError, MissingPartError
+from grip_bt.base.errors import GripError, MissingPartError
+from grip_bt.base.values import Pose
 from grip_bt.runtime.lockstep import InTurn, Lockstep
-from grip_bt.values import Pose
 
 from .commander_parts import open_commanders
 from .named_parts import check_arms, jerks_of_arms

@@ -8,12 +8,12 @@ from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from grip_bt.errors import GripError, StrangeCodeError
+from grip_bt.base.errors import GripError, StrangeCodeError
 
 if TYPE_CHECKING:
-    from grip_bt.catalog import Catalog
-    from grip_bt.catalog.component_parts import Start
-    from grip_bt.graph import Task
+    from grip_bt.task import Task
+    from grip_bt.task.catalog import Catalog
+    from grip_bt.task.catalog.component_parts import Start
 
     from .project import Project
 
@@ -51,7 +51,7 @@ def of_task(project: Project, task: Task, catalog: Catalog, robot: str, mocked: 
         mocked: paths of nodes that play scripts.
     """
     from grip_bt.compilers.resolve import resolve
-    from grip_bt.graph.model import Foreign
+    from grip_bt.task.model import Foreign
 
     components = {}
     for part in resolve(task, catalog).root.walk():
@@ -70,7 +70,7 @@ def of_task(project: Project, task: Task, catalog: Catalog, robot: str, mocked: 
 
 def of_component(folder: Path | None) -> Iterator[str]:
     """Yield what the server of a component would start; nothing where it has none of its own."""
-    from grip_bt.catalog.component_file import load_component
+    from grip_bt.task.catalog.component_file import load_component
 
     try:
         component = None if folder is None else load_component(folder)

@@ -23,8 +23,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from grip_bt.errors import GripError
-from grip_bt.interpreter import how_ended, python_command
+from grip_bt.base.errors import GripError
+from grip_bt.base.interpreter import how_ended, python_command
 from grip_bt.runtime.pulse import LARGEST, PulseReader
 from grip_bt.runtime.rest import Rest
 

@@ -12,11 +12,11 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any, get_args
 
-from grip_bt.errors import DocumentError, EvaluationError, ExpressionError, GripError, nearest
-from grip_bt.graph.evaluation import condition_of
-from grip_bt.graph.expression import parse_expression
+from grip_bt.base.errors import DocumentError, EvaluationError, ExpressionError, GripError, nearest
+from grip_bt.base.evaluation import condition_of
+from grip_bt.base.expression import parse_expression
+from grip_bt.base.values import Failure
 from grip_bt.nodes.observer import Silent
-from grip_bt.values import Failure
 from grip_sim.referee import Status
 
 if TYPE_CHECKING:

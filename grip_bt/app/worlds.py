@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from grip_bt.errors import DocumentError, GripError, UnknownNameError
+from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
 
 from .project import Project
 

@@ -8,14 +8,14 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from grip_bt.errors import DocumentError, EditError
+from grip_bt.base.errors import DocumentError, EditError
 
 from .streams import put
 
 if TYPE_CHECKING:  # the verbs are listed without loading what they run
-    from grip_bt.catalog import Catalog
-    from grip_bt.graph.document import Document
-    from grip_bt.graph.edit import Edited
+    from grip_bt.task.catalog import Catalog
+    from grip_bt.task.document import Document
+    from grip_bt.task.edit import Edited
 
 
 def add_parser(subparsers: Any) -> None:
@@ -35,7 +35,7 @@ def run(args: argparse.Namespace) -> int:
     """Apply the commands in their order, all or none."""
     from grip_bt.app.project import project_catalog
     from grip_bt.cli.fmt import replace_text
-    from grip_bt.graph import read
+    from grip_bt.task import read
 
     words = sys.stdin.read() if args.command == "-" else args.command
     document, catalog = read(args.task), project_catalog(args.task)
@@ -69,7 +69,7 @@ def _applied(data: Any, document: Document, catalog: Catalog, files: dict[str, s
     from pydantic import ValidationError
 
     from grip_bt.compilers.restructure import expanded, extracted
-    from grip_bt.graph.edit import Extract, apply_to_document, command_of
+    from grip_bt.task.edit import Extract, apply_to_document, command_of
 
     try:
         command = command_of(data)

@@ -92,7 +92,7 @@ def _run(path: Path, args: argparse.Namespace) -> int:
 
 
 def _own_folder(project: Project) -> Path:
-    from grip_bt.errors import NotWritableError
+    from grip_bt.base.errors import NotWritableError
 
     try:
         return project.state_folder

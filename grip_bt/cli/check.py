@@ -6,10 +6,10 @@ import argparse
 import json
 from typing import TYPE_CHECKING, Any
 
-from grip_bt.errors import DocumentError, GripError
+from grip_bt.base.errors import DocumentError, GripError
 
 if TYPE_CHECKING:
-    from grip_bt.validation import Issue
+    from grip_bt.task.validation import Issue
 
 
 def add_parser(subparsers: Any) -> None:
@@ -25,7 +25,7 @@ def add_parser(subparsers: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Print the issues of all tasks; 1 when one of them has an error, or a warning where that is asked for."""
     if args.schema:
-        from grip_bt.graph import schema
+        from grip_bt.task import schema
 
         print(json.dumps(schema(), indent=2))
         return 0
@@ -46,9 +46,9 @@ def run(args: argparse.Namespace) -> int:
 def _issues(path: str) -> tuple[Issue, ...]:
     """Return the issues of a file; what keeps it from being read is one too."""
     from grip_bt.app import project_catalog
-    from grip_bt.graph import read_text
-    from grip_bt.graph.document import read_file
-    from grip_bt.validation import Issue, validate
+    from grip_bt.base.yaml.files import read_file
+    from grip_bt.task import read_text
+    from grip_bt.task.validation import Issue, validate
 
     try:
         document = read_text(read_file(path), path)
@@ -62,7 +62,7 @@ def _issues(path: str) -> tuple[Issue, ...]:
 
 
 def _unreadable(error: DocumentError) -> Issue:
-    from grip_bt.validation import Issue
+    from grip_bt.task.validation import Issue
 
     message = error.message.rstrip(".")
     return Issue("", "bad-document", "error", message, "", error.line or 1, error.column or 1, error.source)

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from grip_bt.errors import GripError, listing, nearest
+from grip_bt.base.errors import GripError, listing, nearest
 
 from .parser import add_no_code
 
@@ -102,7 +102,7 @@ def _check_component(folder: Path) -> None:
         GripError: it doesn't; it says what to give instead, or what to rename.
     """
     from grip_bt.app.new_component import components_folder
-    from grip_bt.catalog.component_file import FILE_NAME, load_component
+    from grip_bt.task.catalog.component_file import FILE_NAME, load_component
 
     if not (folder / FILE_NAME).exists():
         kinds = ("srv", "action", "msg")
@@ -131,7 +131,7 @@ def _check_folder(path: Path, project: Path) -> None:
         GripError: there is none; it names the nearest one of the project.
     """
     from grip_bt.app.new_component import components_folder
-    from grip_bt.catalog.component_file import FILE_NAME
+    from grip_bt.task.catalog.component_file import FILE_NAME
 
     if path.exists():
         return
@@ -148,7 +148,7 @@ def _made(wish: Any, args: argparse.Namespace) -> Path:
     from dataclasses import replace
 
     from grip_bt.app.new_component import components_folder, make_component
-    from grip_bt.catalog.component_file import load_component
+    from grip_bt.task.catalog.component_file import load_component
 
     wish = replace(wish, name=args.name, server=args.server or wish.server)
     failures = [label for label in args.failure.split(",") if label]
@@ -186,8 +186,8 @@ def check(folders: Sequence[Path]) -> int:
 def run_list(args: argparse.Namespace) -> int:
     """Print each component with its service, outcomes and whether its node is up to date; 1 when one is broken."""
     from grip_bt.app.project import find_project
-    from grip_bt.catalog.component_file import load_component
     from grip_bt.codegen import outdated
+    from grip_bt.task.catalog.component_file import load_component
 
     project = find_project(args.project)
     found = project.component_folders()
@@ -215,8 +215,8 @@ def run_test(args: argparse.Namespace) -> int:
     from grip_bt.app.component_answer import label_of
     from grip_bt.app.project import find_project
     from grip_bt.app.strange_code import of_component, refuse
-    from grip_bt.catalog.component_file import load_component
     from grip_bt.ros.components import start_components
+    from grip_bt.task.catalog.component_file import load_component
 
     folder = args.folder.resolve()
     component = load_component(folder)
@@ -243,10 +243,10 @@ def rendered(folder: Path) -> dict[str, str]:
     """
     from functools import partial
 
-    from grip_bt.catalog.component_file import load_component
     from grip_bt.codegen import render
     from grip_bt.ros.interfaces import read_interface
     from grip_bt.ros.interfaces.source import fields_within, interface_file
+    from grip_bt.task.catalog.component_file import load_component
 
     component, packages = load_component(folder), folder / "interfaces"
     own = interface_file(packages, component.interface)

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from grip_bt.errors import GripError
+from grip_bt.base.errors import GripError
 
 from .fmt import replace_text
 from .streams import put
@@ -16,19 +16,19 @@ from .streams import put
 if TYPE_CHECKING:
     from typing import Any
 
-    from grip_bt.catalog import Catalog
     from grip_bt.compilers.restructure import Restructured
-    from grip_bt.graph.document import Document
+    from grip_bt.task.catalog import Catalog
+    from grip_bt.task.document import Document
 
 
 def _picture(document: Document, catalog: Catalog, args: argparse.Namespace) -> str:
-    from grip_bt.compilers import draw
+    from grip_bt.formats import draw
 
     return str(getattr(draw, f"to_{args.to}")(document.task, catalog, args.view))
 
 
 def _yaml(document: Document, catalog: Catalog, args: argparse.Namespace) -> str:
-    from grip_bt.graph import fmt
+    from grip_bt.task import fmt
 
     return fmt(document.text, document.source)
 
@@ -58,25 +58,25 @@ def _compared(document: Document, result: Restructured, catalog: Catalog) -> str
 
 
 def _stand_alone(document: Document, catalog: Catalog, args: argparse.Namespace) -> str:
-    from grip_bt.codegen.standalone import export
+    from grip_bt.formats.standalone import export
 
     return export(document.task, catalog, None if args.output == "-" else Path(args.output).parent)
 
 
 def _smach(document: Document, catalog: Catalog, args: argparse.Namespace) -> str:
-    from grip_bt.codegen.smach import export
+    from grip_bt.formats.smach_export import export
 
     return export(document.task, catalog, None if args.output == "-" else Path(args.output).parent)
 
 
 def _pytrees_xml(document: Document, catalog: Catalog, args: argparse.Namespace) -> str:
-    from grip_bt.compilers.pytrees_xml import to_xml
+    from grip_bt.formats.pytrees_xml import to_xml
 
     return to_xml(document.task, catalog)
 
 
 def _btcpp(document: Document, catalog: Catalog, args: argparse.Namespace) -> str:
-    from grip_bt.compilers.btcpp import to_xml
+    from grip_bt.formats.btcpp import to_xml
 
     return to_xml(document.task, catalog)
 
@@ -127,8 +127,8 @@ def add_parser(subparsers: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Convert one task."""
     from grip_bt.app import project_catalog
-    from grip_bt.graph import read_text
-    from grip_bt.graph.document import read_file
+    from grip_bt.base.yaml.files import read_file
+    from grip_bt.task import read_text
 
     if args.approximate and args.to != "sm":
         args.usage_error("--approximate is for --to sm")

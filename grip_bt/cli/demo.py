@@ -37,8 +37,8 @@ def run(args: argparse.Namespace) -> int:
     from grip_bt.app import open_session
     from grip_bt.app.report import object_table
     from grip_bt.app.verdict import Verdict
-    from grip_bt.graph import walk
     from grip_bt.runtime.control import result_facts
+    from grip_bt.task import walk
 
     demo = find_demo(args.name)
     if args.gui:

@@ -7,7 +7,7 @@ import signal
 from pathlib import Path
 from typing import Any
 
-from grip_bt.errors import DocumentError, MissingPartError
+from grip_bt.base.errors import DocumentError, MissingPartError
 
 from .parser import add_no_code
 from .signals import on_hang_up

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from grip_bt.errors import MissingPartError
+from grip_bt.base.errors import MissingPartError
 
 _PACKAGES = {
     "motion": ("coal", "example_robot_data", "ompl", "pinocchio", "pytracik", "toppra", "xacro"),

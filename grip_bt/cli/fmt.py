@@ -40,8 +40,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _both(path: str) -> tuple[str, str]:
-    from grip_bt.graph import fmt
-    from grip_bt.graph.document import read_file
+    from grip_bt.base.yaml.files import read_file
+    from grip_bt.task import fmt
 
     before = sys.stdin.read() if path == "-" else read_file(path)
     return before, fmt(before, "<stdin>" if path == "-" else path)

@@ -8,13 +8,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from grip_bt.errors import GripError
+from grip_bt.base.errors import GripError
 
 from . import import_btcpp, import_grip, import_pytrees
 from .parser import add_no_code
 
 if TYPE_CHECKING:
-    from grip_bt.smach_import import ImportedFile
+    from grip_bt.formats.smach import ImportedFile
 
 
 def add_parser(subparsers: Any) -> None:
@@ -68,7 +68,7 @@ def run(args: argparse.Namespace) -> int:
 
 def import_smach(args: argparse.Namespace) -> int:
     """Report on every container; 1 when one of them wasn't imported."""
-    from grip_bt.smach_import import advice, import_file, import_with_execution
+    from grip_bt.formats.smach import advice, import_file, import_with_execution
 
     if args.arguments is not None and not args.execute:
         args.usage_error("--arguments are for --execute")
@@ -103,8 +103,8 @@ def _files(path: Path) -> list[Path]:
 def _arguments(path: Path | None) -> dict[str, dict[str, Any]]:
     if path is None:
         return {}
-    from grip_bt.graph.document import read_file
-    from grip_bt.graph.syntax import parse, plain
+    from grip_bt.base.yaml.files import read_file
+    from grip_bt.base.yaml.syntax import parse, plain
 
     given = plain(parse(read_file(path), str(path)))
     if not isinstance(given, dict) or not all(isinstance(each, dict) for each in given.values()):
@@ -129,7 +129,7 @@ def _report(imported: ImportedFile) -> None:
 
 def _write(imports: list[ImportedFile], args: argparse.Namespace) -> None:
     from grip_bt.app.project import find_project
-    from grip_bt.smach_import import write_import
+    from grip_bt.formats.smach import write_import
 
     every = [(imported, name) for imported in imports for name in imported.tasks]
     chosen = [(i, name) for i, name in every if args.machine in (None, name)]

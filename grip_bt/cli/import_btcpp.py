@@ -7,14 +7,14 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from grip_bt.errors import GripError
+from grip_bt.base.errors import GripError
 
 from .fmt import replace_text
 from .import_pytrees import write_task
 
 if TYPE_CHECKING:
-    from grip_bt.catalog import Manifest
-    from grip_bt.compilers.btcpp import ImportedFile
+    from grip_bt.formats.btcpp import ImportedFile
+    from grip_bt.task.catalog import Manifest
 
 HEADER = """\
 # Made by `grip import --from btcpp` from {origin}, once; it is yours to edit.
@@ -26,8 +26,8 @@ HEADER = """\
 def run(args: argparse.Namespace) -> int:
     """Import one tree; its task goes to a file or to stdout, what to know about it to stderr."""
     from grip_bt.app.project import find_project
-    from grip_bt.compilers.btcpp import from_xml
-    from grip_bt.graph.document import read_file
+    from grip_bt.base.yaml.files import read_file
+    from grip_bt.formats.btcpp import from_xml
 
     if args.execute or args.arguments is not None:
         args.usage_error("--execute and --arguments are for Python code; an XML file is only read")
@@ -49,7 +49,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _report(imported: ImportedFile, origin: str) -> str:
     """Return what became of a file, in words."""
-    from grip_bt.graph import model, walking
+    from grip_bt.task import model, walking
 
     nodes = [node for _, node in walking.walk(imported.task.root)]
     known = sorted({n.node for n in nodes if isinstance(n, model.Leaf)} - {m.id for m in imported.manifests})
@@ -65,7 +65,7 @@ def _report(imported: ImportedFile, origin: str) -> str:
 def _provide(manifests: tuple[Manifest, ...], output: Path | None, origin: str) -> None:
     """Write a manifest for each node type, in a folder of its own among the project's nodes."""
     from grip_bt.app.project import find_project
-    from grip_bt.codegen.manifest_text import manifest_text
+    from grip_bt.task.catalog.manifest_text import manifest_text
 
     names = ", ".join(manifest.id for manifest in manifests)
     if output is None:

@@ -7,15 +7,15 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from grip_bt.errors import GripError
+from grip_bt.base.errors import GripError
 
 if TYPE_CHECKING:
-    from grip_bt.grip_import import GripImport
+    from grip_bt.formats.first_grip import GripImport
 
 
 def run(args: argparse.Namespace) -> int:
     """Report on what becomes of it, and write the project; 1 when a task has errors that somebody has to mend."""
-    from grip_bt.grip_import import import_grip
+    from grip_bt.formats.first_grip import import_grip
 
     if args.execute or args.arguments is not None or args.machine is not None:
         args.usage_error("--execute, --arguments and --machine are for other sources: nothing of the first GRIP is run")
@@ -33,9 +33,9 @@ def run(args: argparse.Namespace) -> int:
 
 def _write(imported: GripImport, folder: Path) -> int:
     from grip_bt.app.project import find_project
-    from grip_bt.graph.document import read_text
-    from grip_bt.grip_import import write_files
-    from grip_bt.validation import validate
+    from grip_bt.formats.first_grip import write_files
+    from grip_bt.task.document import read_text
+    from grip_bt.task.validation import validate
 
     texts = dict(imported.texts)
     if "grip.yaml" not in texts and not (folder / "grip.yaml").exists():

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from grip_bt.errors import GripError
+from grip_bt.base.errors import GripError
 
 from .parser import add_no_code
 

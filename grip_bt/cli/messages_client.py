@@ -11,10 +11,11 @@ from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
-from grip_bt.errors import GripError, NoEntryError, ServerLostError, ServerTimeOutError
+from grip_bt.base.errors import GripError
+from grip_bt.base.failures import NoEntryError, ServerLostError, ServerTimeOutError
 
 if TYPE_CHECKING:
-    from grip_bt.operation import Operation
+    from grip_bt.base.operation import Operation
     from grip_bt.ros.managers import RosMessages
 
 WAIT = 15.0
@@ -48,7 +49,7 @@ def run_list(args: argparse.Namespace) -> int:
 
 def run_show(args: argparse.Namespace) -> int:
     """Print one message, or take the oldest of a queue."""
-    from grip_bt.messages.written import plain_of, text_of
+    from grip_bt.base.message_store.written import plain_of, text_of
     from grip_bt.ros.managers.text import text_of_message
     from grip_bt.ros.types import type_name
 
@@ -126,7 +127,7 @@ def _value(server: RosMessages, args: argparse.Namespace) -> Any:
     Raises:
         GripError: it says none, or more than one.
     """
-    from grip_bt.graph.document import read_file
+    from grip_bt.base.yaml.files import read_file
     from grip_bt.ros.managers.text import value_from_text
 
     given = [way for way in (args.value, args.file, args.topic) if way is not None]

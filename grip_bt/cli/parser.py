@@ -6,7 +6,7 @@ import argparse
 import re
 from typing import NoReturn
 
-from grip_bt.errors import nearest
+from grip_bt.base.errors import nearest
 
 _CHOICE = re.compile(r"invalid choice: '([^']*)' \(choose from (.*)\)$")
 

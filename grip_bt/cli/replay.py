@@ -10,7 +10,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from grip_bt.errors import MissingPartError, UnknownNameError
+from grip_bt.base.errors import MissingPartError, UnknownNameError
 
 if TYPE_CHECKING:
     from grip_bt.app.replay import Until

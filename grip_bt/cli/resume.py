@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from grip_bt.errors import ResumeError
+from grip_bt.base.errors import ResumeError
 
 if TYPE_CHECKING:
     from grip_bt.app import RunOptions

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from grip_bt.errors import GripError, MissingPartError
+from grip_bt.base.errors import GripError, MissingPartError
 
 if TYPE_CHECKING:
     from grip_bt.commanders.description.findings import Finding

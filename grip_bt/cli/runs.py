@@ -9,7 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from grip_bt.errors import UnknownNameError
+from grip_bt.base.errors import UnknownNameError
 
 if TYPE_CHECKING:
     from grip_bt.runtime import JournalReader

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from importlib import import_module
 
 from grip_bt import __version__
-from grip_bt.errors import GripError, NodeError
+from grip_bt.base.errors import GripError, NodeError
 
 from . import streams
 from .extras import missing_extra

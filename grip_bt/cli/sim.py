@@ -7,7 +7,7 @@ import threading
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from grip_bt.errors import GripError
+from grip_bt.base.errors import GripError
 
 if TYPE_CHECKING:
     from grip_bt.app.sim_node import Served

@@ -7,11 +7,12 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from grip_bt.errors import ExpectedError, GripError, MissingPartError, UnknownNameError
+from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
+from grip_bt.base.failures import ExpectedError
 
 if TYPE_CHECKING:
     from grip_bt.app.resources import Resources
-    from grip_bt.values import JointState, Pose
+    from grip_bt.base.values import JointState, Pose
 
 
 def add_parser(subparsers: Any) -> None:
@@ -83,7 +84,7 @@ def _list(file: Path, as_json: bool) -> int:
 
 
 def _plain(value: JointState | Pose) -> dict[str, Any]:
-    from grip_bt.values import JointState
+    from grip_bt.base.values import JointState
 
     if isinstance(value, JointState):
         return {"state": value.as_mapping()}
@@ -93,7 +94,7 @@ def _plain(value: JointState | Pose) -> dict[str, Any]:
 
 
 def _line(part: str, name: str, value: JointState | Pose) -> str:
-    from grip_bt.values import JointState
+    from grip_bt.base.values import JointState
 
     if isinstance(value, JointState):
         return f"{part}/{name}: " + ", ".join(f"{joint} {angle:.4f}" for joint, angle in value.as_mapping().items())

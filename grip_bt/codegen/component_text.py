@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Collection
 
-from grip_bt.catalog.component_file import ComponentFile
-from grip_bt.catalog.interface_spec import FieldSpec, InterfaceSpec
-from grip_bt.errors import GripError
+from grip_bt.base.errors import GripError
+from grip_bt.task.catalog.component_file import ComponentFile
+from grip_bt.task.catalog.interface_spec import FieldSpec, InterfaceSpec
 
 from .contract import keeps_contract, suggested_outcomes
 from .port_fit import VALUE_OF

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from grip_bt.catalog.component_file import FEEDBACK, ComponentFile
-from grip_bt.catalog.interface_spec import FieldSpec, InterfaceSpec
-from grip_bt.catalog.types import parse_type
-from grip_bt.errors import ContractError, listing, nearest
-from grip_bt.graph.expression import parse_expression
-from grip_bt.validation.expression_types import type_of
+from grip_bt.base.errors import ContractError, listing, nearest
+from grip_bt.base.expression import parse_expression
+from grip_bt.base.types import parse_type
+from grip_bt.task.catalog.component_file import FEEDBACK, ComponentFile
+from grip_bt.task.catalog.interface_spec import FieldSpec, InterfaceSpec
+from grip_bt.task.validation.expression_types import type_of
 
 from .port_fit import FieldsOf, misfits, port_type
 

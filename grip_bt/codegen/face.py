@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from grip_bt.catalog.component_file import FEEDBACK, ComponentFile
-from grip_bt.catalog.interface_spec import FieldSpec, InterfaceSpec
-from grip_bt.catalog.manifest import InputPort, Manifest, OutputPort
-from grip_bt.graph.frozen import FrozenDict
-from grip_bt.graph.model import Meaning
+from grip_bt.base.frozen import FrozenDict
+from grip_bt.task.catalog.component_file import FEEDBACK, ComponentFile
+from grip_bt.task.catalog.interface_spec import FieldSpec, InterfaceSpec
+from grip_bt.task.catalog.manifest import InputPort, Manifest, OutputPort
+from grip_bt.task.model import Meaning
 
 from .contract import INPUT, input_ports, output_ports
 from .port_fit import port_type

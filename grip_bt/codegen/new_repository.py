@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 from typing import Literal
 
-from grip_bt.errors import GripError, ProjectExistsError
+from grip_bt.base.errors import GripError, ProjectExistsError
 
 Language = Literal["python", "cpp"]
 _TEMPLATES = Path(__file__).with_name("repository")

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 
-from grip_bt.catalog.component_file import ComponentFile
-from grip_bt.catalog.component_parts import PortType
-from grip_bt.catalog.interface_spec import INTEGER_TYPES, FieldSpec
-from grip_bt.catalog.types import BUILTINS, VALUES, Type, parse_type
-from grip_bt.errors import listing, nearest
+from grip_bt.base.errors import listing, nearest
+from grip_bt.base.types import BUILTINS, VALUES, Type, parse_type
+from grip_bt.task.catalog.component_file import ComponentFile
+from grip_bt.task.catalog.component_parts import PortType
+from grip_bt.task.catalog.interface_spec import INTEGER_TYPES, FieldSpec
 
 FieldsOf = Callable[[str], Sequence[FieldSpec] | None]
 """Name of a message -> its fields; None where nobody knows it."""

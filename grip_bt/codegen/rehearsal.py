@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from grip_bt.catalog.implementation import load_implementation
-from grip_bt.catalog.reader import read_manifests
-from grip_bt.operation import Operation
+from grip_bt.base.operation import Operation
+from grip_bt.task.catalog.implementation import load_implementation
+from grip_bt.task.catalog.reader import read_manifests
 
 
 @dataclass(frozen=True)

@@ -6,15 +6,15 @@ from functools import cache
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from grip_bt.catalog.component_file import ComponentFile
-from grip_bt.catalog.interface_spec import InterfaceSpec
-from grip_bt.graph.expression import parse_expression
+from grip_bt.base.expression import parse_expression
+from grip_bt.base.python_literals import py
+from grip_bt.task.catalog.component_file import ComponentFile
+from grip_bt.task.catalog.interface_spec import InterfaceSpec
+from grip_bt.task.catalog.manifest_text import manifest_text
 
 from .contract import check_contract
 from .face import class_name, face
-from .manifest_text import manifest_text
 from .port_fit import FieldsOf
-from .quoting import py
 from .trial import default_outcome
 
 MARK = "Generated from component.yaml by `grip component add`"

@@ -5,11 +5,11 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from grip_bt.catalog.component_file import ComponentFile
-from grip_bt.catalog.interface_spec import INTEGER_TYPES, FieldSpec, InterfaceSpec
-from grip_bt.errors import EvaluationError
-from grip_bt.graph.evaluation import condition_of
-from grip_bt.graph.expression import parse_expression
+from grip_bt.base.errors import EvaluationError
+from grip_bt.base.evaluation import condition_of
+from grip_bt.base.expression import parse_expression
+from grip_bt.task.catalog.component_file import ComponentFile
+from grip_bt.task.catalog.interface_spec import INTEGER_TYPES, FieldSpec, InterfaceSpec
 
 from .contract import output_ports
 

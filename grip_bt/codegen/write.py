@@ -7,7 +7,7 @@ import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
-from grip_bt.errors import GripError
+from grip_bt.base.errors import GripError
 
 from .render import MARK
 

@@ -1,6 +1,6 @@
 """How robots are asked: descriptions, kinematics, collisions, planning, timing, and the commanders.
 
-Nothing here knows ROS or a simulator: executors, hands and cameras are Protocols of `grip_bt.ports`.
+Nothing here knows ROS or a simulator: executors, hands and cameras are Protocols of `grip_bt.base.ports`.
 The heavy libraries (pin, coal, OMPL, toppra) are imported by the modules that use them, never by this
 package itself.
 """

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from grip_bt.errors import ExecutionAbortedError, OutOfLimitsError, UnknownNameError
-from grip_bt.operation import Operation
-from grip_bt.ports import Executor
-from grip_bt.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory, WayPoint
-from grip_bt.values.joints import MOVE_GROUP
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import ExecutionAbortedError, OutOfLimitsError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Executor
+from grip_bt.base.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory, WayPoint
+from grip_bt.base.values.joints import MOVE_GROUP
 
 from .ik.target import FREE
 from .jogging import approaching, bounded, jogged, lasting

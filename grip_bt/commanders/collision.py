@@ -14,7 +14,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from grip_bt.values.solids import Box, Cylinder, Mesh, Solid, Sphere
+from grip_bt.base.values.solids import Box, Cylinder, Mesh, Solid, Sphere
 
 from .meshes import coal_mesh
 from .model import GRASP_FRAME, Chain

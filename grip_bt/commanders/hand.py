@@ -6,11 +6,12 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from grip_bt.errors import NoContactError, UnknownNameError
-from grip_bt.operation import Operation
-from grip_bt.ports import HandPort
-from grip_bt.values import JointState
-from grip_bt.values.joints import Closing
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import NoContactError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import HandPort
+from grip_bt.base.values import JointState
+from grip_bt.base.values.joints import Closing
 
 from .synergy import Synergies, finger_posture
 from .taught import Taught

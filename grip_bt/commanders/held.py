@@ -14,10 +14,10 @@ from typing import Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.errors import CanceledError, ExecutionAbortedError, ExpectedError
-from grip_bt.operation import Operation
-from grip_bt.ports import Executor, HandPort, Steerable
-from grip_bt.values import JointState, Trajectory
+from grip_bt.base.failures import CanceledError, ExecutionAbortedError, ExpectedError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Executor, HandPort, Steerable
+from grip_bt.base.values import JointState, Trajectory
 
 from .steering import spliced
 from .trajectory.braking import accelerations_of, paced
@@ -121,7 +121,7 @@ class _Motion(Generic[J]):
 
 
 class _Parts(Generic[J]):
-    """One motion at a time, done in parts; implements `grip_bt.ports.Pausable`.
+    """One motion at a time, done in parts; implements `grip_bt.base.ports.Pausable`.
 
     Args:
         do: begins a part.
@@ -260,7 +260,7 @@ class _Parts(Generic[J]):
 
 
 class HeldExecutor:
-    """Implements `grip_bt.ports.Executor` and `Pausable` over an executor that can be stopped.
+    """Implements `grip_bt.base.ports.Executor` and `Pausable` over an executor that can be stopped.
 
     A motion that is held ends with ExecutionAbortedError where the joints were moved by something else meanwhile.
 
@@ -291,7 +291,7 @@ class HeldExecutor:
         return self._executor.state()
 
     def execute(self, trajectory: Trajectory) -> Operation[JointState]:
-        """Follow a trajectory, however often it is held; see `grip_bt.ports.Executor`."""
+        """Follow a trajectory, however often it is held; see `grip_bt.base.ports.Executor`."""
         return self._parts.begin(trajectory)
 
     def stop(self) -> None:
@@ -339,7 +339,7 @@ class HeldSteerable(HeldExecutor):
         return self._steerable.passed() if self._parts.untouched() else None
 
     def amend(self, tail: Trajectory, at: float) -> bool:
-        """Go on with another trajectory from a moment on; see `grip_bt.ports.Steerable`."""
+        """Go on with another trajectory from a moment on; see `grip_bt.base.ports.Steerable`."""
         return self._parts.amend(lambda whole: spliced(whole, tail, at) if self._steerable.amend(tail, at) else None)
 
     def expect(self, at: float | None) -> None:
@@ -359,7 +359,7 @@ def held(
 
 
 class HeldHand:
-    """Implements `grip_bt.ports.HandPort` and `Pausable` over a hand that can be stopped."""
+    """Implements `grip_bt.base.ports.HandPort` and `Pausable` over a hand that can be stopped."""
 
     def __init__(self, hand: HandPort):
         self._hand = hand
@@ -377,7 +377,7 @@ class HeldHand:
         return self._hand.state()
 
     def move(self, posture: JointState, duration: float, torque_limit: float | None = None) -> Operation[JointState]:
-        """Move towards a posture, however often it is held; see `grip_bt.ports.HandPort`."""
+        """Move towards a posture, however often it is held; see `grip_bt.base.ports.HandPort`."""
         return self._parts.begin((posture, duration, torque_limit))
 
     def contacts(self) -> Mapping[str, float]:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.values import Plan, Pose
+from grip_bt.base.values import Plan, Pose
 
 MOST_LINEAR = 0.25
 """The grasp frame is jogged no quicker than this [m/s]: the limit of ISO 10218-1 for manual control."""

@@ -9,8 +9,8 @@ from pathlib import Path
 import coal
 import numpy as np
 
-from grip_bt.errors import DocumentError, UnknownNameError
-from grip_bt.values.solids import Mesh
+from grip_bt.base.errors import DocumentError, UnknownNameError
+from grip_bt.base.values.solids import Mesh
 
 PACKAGE = "package://"
 FORMATS = ("dae", "obj", "ply", "stl")

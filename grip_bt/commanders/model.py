@@ -17,7 +17,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from grip_bt.values import JointState, Pose
+from grip_bt.base.values import JointState, Pose
 
 from .outline import Outline, corners, outlined, radii, shape_reaches
 from .robots import RobotDescription

@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.errors import UnknownNameError
-from grip_bt.values import JointState, Pose
-from grip_bt.values.pose import check_frame
-from grip_bt.values.solids import Box, CellMap, Cylinder, Mesh, Solid
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.values import JointState, Pose
+from grip_bt.base.values.pose import check_frame
+from grip_bt.base.values.solids import Box, CellMap, Cylinder, Mesh, Solid
 
 ANYTHING = "*"
 """In an allowed collision, stands for every object and link."""

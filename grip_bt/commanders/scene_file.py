@@ -23,9 +23,9 @@ from pathlib import Path
 
 import numpy as np
 
-from grip_bt.errors import DocumentError, listing, nearest
-from grip_bt.values import Pose
-from grip_bt.values.solids import Box, Cylinder, Mesh, Solid, Sphere
+from grip_bt.base.errors import DocumentError, listing, nearest
+from grip_bt.base.values import Pose
+from grip_bt.base.values.solids import Box, Cylinder, Mesh, Solid, Sphere
 
 from .scene import SceneObject
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from grip_bt.values import Pose
-from grip_bt.values.solids import Box, Cylinder, Mesh, Solid, Sphere
+from grip_bt.base.values import Pose
+from grip_bt.base.values.solids import Box, Cylinder, Mesh, Solid, Sphere
 
 from .scene import SceneObject
 

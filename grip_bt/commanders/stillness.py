@@ -6,7 +6,7 @@ from collections import deque
 
 import numpy as np
 
-from grip_bt.values import JointState
+from grip_bt.base.values import JointState
 
 STILL = 0.01
 """Joints slower than this are at rest [rad/s or m/s], as for joint_trajectory_controller."""

@@ -10,10 +10,10 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.errors import CanceledError
-from grip_bt.operation import Operation
-from grip_bt.ports import Executor, Steerable
-from grip_bt.values import JointState, Trajectory
+from grip_bt.base.failures import CanceledError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Executor, Steerable
+from grip_bt.base.values import JointState, Trajectory
 
 from .steering import HOLD, SAMPLING
 

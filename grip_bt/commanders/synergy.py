@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.values import JointState
+from grip_bt.base.values import JointState
 
 _NOTHING = 1e-9
 

@@ -19,8 +19,9 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, RootModel
 
-from grip_bt.errors import DocumentError, NameTakenError, UnknownNameError
-from grip_bt.values import JointState, Pose
+from grip_bt.base.errors import DocumentError, UnknownNameError
+from grip_bt.base.failures import NameTakenError
+from grip_bt.base.values import JointState, Pose
 
 
 class _PoseEntry(BaseModel):
@@ -108,10 +109,10 @@ class Taught:
 def _read(file: Path) -> dict[str, dict[str, _Entry]]:
     from pydantic import ValidationError
 
-    from grip_bt.graph.document import read_file
-    from grip_bt.graph.faults import document_error, fault_of
-    from grip_bt.graph.syntax import Mapping as Entries
-    from grip_bt.graph.syntax import parse, plain
+    from grip_bt.base.yaml.faults import document_error, fault_of
+    from grip_bt.base.yaml.files import read_file
+    from grip_bt.base.yaml.syntax import Mapping as Entries
+    from grip_bt.base.yaml.syntax import parse, plain
 
     tree = parse(read_file(file), str(file))
     if not isinstance(tree, Entries):

@@ -10,9 +10,9 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from grip_bt.operation import Operation
-from grip_bt.ports import Arm
-from grip_bt.values import JointState, Plan, Trajectory
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Arm
+from grip_bt.base.values import JointState, Plan, Trajectory
 
 K = TypeVar("K")
 T = TypeVar("T")

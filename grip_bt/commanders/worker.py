@@ -10,10 +10,10 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import IO, Any, Protocol
 
-from grip_bt.errors import CanceledError, PlannerLostError
-from grip_bt.interpreter import how_ended, python_command
-from grip_bt.operation import Operation
-from grip_bt.values import Plan
+from grip_bt.base.failures import CanceledError, PlannerLostError
+from grip_bt.base.interpreter import how_ended, python_command
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import Plan
 
 from .planning.process import read_frame, write_frame
 from .planning.requests import ChooseGrasp, ChosenGrasp, PlanStraight, PlanTo, Request

@@ -8,11 +8,11 @@ from typing import Any
 
 from py_trees.common import Status
 
+from grip_bt.base.ports import Context
+from grip_bt.base.values import Failure
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.node import Node
-from grip_bt.ports import Context
 from grip_bt.smach_compat import State
-from grip_bt.values import Failure
 
 from .drive import Halted, Pacer, Rushing, alone, halt_after
 from .leaves import prepare

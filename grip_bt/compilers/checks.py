@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from grip_bt.catalog import Manifest
-from grip_bt.errors import listing, nearest
-from grip_bt.graph.model import Leaf, Parallel, Subtask, Task
-from grip_bt.graph.walking import outcomes_of
+from grip_bt.base.errors import listing, nearest
 from grip_bt.nodes.control import Edges
-from grip_bt.validation import Issue
+from grip_bt.task.catalog import Manifest
+from grip_bt.task.model import Leaf, Parallel, Subtask, Task
+from grip_bt.task.validation import Issue
+from grip_bt.task.walking import outcomes_of
 
 from .scopes import Scope
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from grip_bt.errors import NodeError
+from grip_bt.base.errors import NodeError
 from grip_bt.nodes.control import Rule
 from grip_bt.smach_compat import State
 

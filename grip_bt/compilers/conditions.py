@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from grip_bt.errors import ExpressionError, listing, nearest
-from grip_bt.graph import model, walking
-from grip_bt.graph.evaluation import condition_of, value_of
-from grip_bt.graph.expression import Expression, parse_expression
-from grip_bt.graph.model import AnyNode
-from grip_bt.graph.walking import expressions_of
+from grip_bt.base.errors import ExpressionError, listing, nearest
+from grip_bt.base.evaluation import condition_of, value_of
+from grip_bt.base.expression import Expression, parse_expression
 from grip_bt.nodes.control import Cases, Condition, Items, Passes, Rest, Rule
-from grip_bt.validation import Issue
+from grip_bt.task import model, walking
+from grip_bt.task.model import AnyNode
+from grip_bt.task.validation import Issue
+from grip_bt.task.walking import expressions_of
 
 from .scopes import Cell, Scope, Scopes
 

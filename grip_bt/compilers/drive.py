@@ -10,8 +10,8 @@ from typing import Protocol
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
+from grip_bt.base.values import Failure
 from grip_bt.nodes.node import halt
-from grip_bt.values import Failure
 
 
 class Halted(BaseException):

@@ -14,11 +14,11 @@ from typing import Any
 
 from py_trees.behaviour import Behaviour
 
-from grip_bt.catalog import OwnCode
-from grip_bt.errors import InvalidTaskError
-from grip_bt.graph.model import Foreign
-from grip_bt.validation import Issue
-from grip_bt.validation.rules.foreign import not_listed
+from grip_bt.base.errors import InvalidTaskError
+from grip_bt.task.catalog import OwnCode
+from grip_bt.task.model import Foreign
+from grip_bt.task.validation import Issue
+from grip_bt.task.validation.rules.foreign import not_listed
 
 BehaviourFactory = Callable[[str, str, Foreign], Behaviour]
 """(path, name, what the document says) -> the behaviour of a foreign node."""

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from copy import deepcopy
 from typing import Any
 
-from grip_bt.errors import NodeError
-from grip_bt.graph import model
+from grip_bt.base.errors import NodeError
+from grip_bt.task import model
 
 from .resolve import Part
 from .scopes import UNSET, Cell, Scope, Scopes

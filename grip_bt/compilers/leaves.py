@@ -8,10 +8,10 @@ from typing import Any, cast
 
 from py_trees.behaviour import Behaviour
 
-from grip_bt.catalog import Manifest, load_implementation
-from grip_bt.errors import ImplementationError, NodeError
-from grip_bt.graph import model
+from grip_bt.base.errors import ImplementationError, NodeError
 from grip_bt.nodes.leaf import Leaf
+from grip_bt.task import model
+from grip_bt.task.catalog import Manifest, load_implementation
 
 from .resolve import Part
 from .scopes import Cell, Scopes

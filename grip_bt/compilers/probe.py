@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
-from grip_bt.errors import ExpressionError, UnknownNameError
-from grip_bt.graph.expression import parse_expression
+from grip_bt.base.errors import ExpressionError, UnknownNameError
+from grip_bt.base.expression import parse_expression
 
 from .conditions import bind_condition
 from .resolve import Part

@@ -1,6 +1,6 @@
 """The front end of both compilers: a task with every name resolved, or all problems at once.
 
-Only what a compiler can't do without is looked at here; `grip_bt.validation` says more, earlier and with fixes.
+Only what a compiler can't do without is looked at here; `grip_bt.task.validation` says more, earlier and with fixes.
 """
 
 from __future__ import annotations
@@ -9,9 +9,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from grip_bt.catalog import Catalog, Manifest, check_value, face_of, parse_type
-from grip_bt.errors import GripError, InvalidTaskError, SubtaskError
-from grip_bt.graph.model import (
+from grip_bt.base.errors import GripError, InvalidTaskError, SubtaskError
+from grip_bt.nodes.control import Edges
+from grip_bt.task.catalog import Catalog, Manifest, check_value, face_of, parse_type
+from grip_bt.task.model import (
     AnyNode,
     Container,
     ForEach,
@@ -24,11 +25,10 @@ from grip_bt.graph.model import (
     Task,
     Variable,
 )
-from grip_bt.graph.walking import children_of, join, outcomes_of, with_refusal
-from grip_bt.nodes.control import Edges
-from grip_bt.validation import Issue
-from grip_bt.validation.known import KnownManifests
-from grip_bt.validation.rules.foreign import not_listed
+from grip_bt.task.validation import Issue
+from grip_bt.task.validation.known import KnownManifests
+from grip_bt.task.validation.rules.foreign import not_listed
+from grip_bt.task.walking import children_of, join, outcomes_of, with_refusal
 
 from .checks import check_edges, check_leaf, check_ports, check_root, check_rules, problem
 from .conditions import check_expressions

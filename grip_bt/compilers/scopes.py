@@ -10,9 +10,9 @@ from collections.abc import Callable, Iterator, Mapping
 from copy import deepcopy
 from typing import Any
 
-from grip_bt.catalog import check_value, parse_type
-from grip_bt.errors import DataError
-from grip_bt.graph.model import Variable
+from grip_bt.base.errors import DataError
+from grip_bt.task.catalog import check_value, parse_type
+from grip_bt.task.model import Variable
 
 
 class _Unset:

@@ -8,11 +8,11 @@ from contextlib import AbstractContextManager
 from typing import Any
 
 from grip_bt import smach_compat
-from grip_bt.errors import NodeError
+from grip_bt.base.errors import NodeError
+from grip_bt.base.values import Failure
 from grip_bt.nodes.control import Condition, End, Ruling, first_reason
 from grip_bt.nodes.observer import SILENT, Observer
 from grip_bt.smach_compat import Concurrence, State, StateMachine
-from grip_bt.values import Failure
 
 from .behaviour_state import MachineRun, Refined, TaskState, label, labels
 from .choice import Choice

@@ -9,13 +9,13 @@ from contextlib import contextmanager
 from typing import Any
 
 from grip_bt import smach_compat
-from grip_bt.catalog import Catalog
-from grip_bt.errors import NotExpressibleError
-from grip_bt.graph import model
+from grip_bt.base.errors import NotExpressibleError
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.node import Node
 from grip_bt.nodes.observer import Observer
 from grip_bt.smach_compat.log import silent
+from grip_bt.task import model
+from grip_bt.task.catalog import Catalog
 
 from .behaviour_state import BehaviourState, MachineRun, Planner, Refined, TaskState
 from .choice import Choice

@@ -8,12 +8,12 @@ from typing import Any, cast
 
 from py_trees.behaviour import Behaviour
 
-from grip_bt.catalog import Catalog
-from grip_bt.graph import model
 from grip_bt.nodes import control
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.node import Node
 from grip_bt.nodes.observer import Observer
+from grip_bt.task import model
+from grip_bt.task.catalog import Catalog
 
 from .conditions import bind_condition, bind_rule
 from .drive import Pacer, TaskEnd, drive

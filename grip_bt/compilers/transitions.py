@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from grip_bt.graph import model
+from grip_bt.task import model
 
 from .behaviour_state import Refined
 from .resolve import Part

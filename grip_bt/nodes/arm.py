@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from grip_bt.errors import UnknownNameError
-from grip_bt.operation import Operation
-from grip_bt.ports import Arm
-from grip_bt.values import JointState, PathConstraint
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Arm
+from grip_bt.base.values import JointState, PathConstraint
 
 from .keeping import read_keep, verify_keep
 from .leaf import OperationLeaf, Status

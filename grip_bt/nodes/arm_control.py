@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import JointState, Pose
 from grip_bt.commanders.jogging import twist_towards
-from grip_bt.operation import Operation
-from grip_bt.values import JointState, Pose
 
 from .arm import ArmLeaf
 from .leaf import Status

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import PathInvalidError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Arm
+from grip_bt.base.values import JointState, Plan, Pose
 from grip_bt.commanders.together import execute_together
-from grip_bt.errors import PathInvalidError, UnknownNameError
-from grip_bt.operation import Operation
-from grip_bt.ports import Arm
-from grip_bt.values import JointState, Plan, Pose
 
 from .arm import ArmLeaf, KeepingLeaf
 from .keeping import read_keep, verify_keep

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from grip_bt.errors import PathInvalidError
-from grip_bt.operation import Operation
-from grip_bt.values import JointState, Plan, Pose, WayPoint
+from grip_bt.base.failures import PathInvalidError
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import JointState, Plan, Pose, WayPoint
 
 from .arm import KeepingLeaf
 from .leaf import Status

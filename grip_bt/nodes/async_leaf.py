@@ -24,8 +24,8 @@ from collections.abc import Mapping
 from contextvars import ContextVar
 from typing import Any
 
-from grip_bt.errors import DataError
-from grip_bt.operation import Operation
+from grip_bt.base.errors import DataError
+from grip_bt.base.operation import Operation
 
 from .coroutines import run_coroutine
 from .leaf import OperationLeaf, Status

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.values import Pose
+from grip_bt.base.values import Pose
 
 from .objects import TABLE_GAP
 from .spots import turned

@@ -10,12 +10,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, ClassVar, SupportsIndex
 
-from grip_bt.catalog.component_file import FEEDBACK
-from grip_bt.errors import BadReplyError, EvaluationError
-from grip_bt.graph.evaluation import condition_of
-from grip_bt.graph.expression import parse_expression
-from grip_bt.operation import Operation
-from grip_bt.ports import Component
+from grip_bt.base.errors import EvaluationError
+from grip_bt.base.evaluation import condition_of
+from grip_bt.base.expression import parse_expression
+from grip_bt.base.failures import BadReplyError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Component
+from grip_bt.task.catalog.component_file import FEEDBACK
 
 from .leaf import OperationLeaf, Status
 

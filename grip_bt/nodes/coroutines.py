@@ -11,9 +11,9 @@ import threading
 from collections.abc import Callable, Coroutine
 from typing import Any
 
-from grip_bt.errors import CanceledError
-from grip_bt.operation import LEFT, Operation
-from grip_bt.ports import Context
+from grip_bt.base.failures import CanceledError
+from grip_bt.base.operation import LEFT, Operation
+from grip_bt.base.ports import Context
 
 
 class _Loop(asyncio.SelectorEventLoop):
@@ -27,7 +27,7 @@ class _Loop(asyncio.SelectorEventLoop):
 
 
 class HeldCoroutine:
-    """One coroutine under way; implements `grip_bt.ports.Pausable`.
+    """One coroutine under way; implements `grip_bt.base.ports.Pausable`.
 
     Args:
         make: called in the worker, returns the coroutine.

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grip_bt.values import RgbdFrame
+from grip_bt.base.values import RgbdFrame
 
 Mask = NDArray[np.bool_]
 

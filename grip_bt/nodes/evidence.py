@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.errors import listing
-from grip_bt.ports import Hand, Scene
-from grip_bt.values import DepthImage, JointState, Pose
+from grip_bt.base.errors import listing
+from grip_bt.base.ports import Hand, Scene
+from grip_bt.base.values import DepthImage, JointState, Pose
 
 from .difference import Change
 from .sight import MARGIN, Hulls, Mask, outline, robot_pixels, share

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from grip_bt.errors import DataError
-from grip_bt.graph.evaluation import Thunk, value_of
-from grip_bt.graph.expression import parse_expression
+from grip_bt.base.errors import DataError
+from grip_bt.base.evaluation import Thunk, value_of
+from grip_bt.base.expression import parse_expression
 
 from .leaf import Leaf
 

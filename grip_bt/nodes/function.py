@@ -21,10 +21,10 @@ import typing
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
-from grip_bt.catalog.manifest import InputPort, Manifest, OutputPort, Parameter
-from grip_bt.graph.frozen import FrozenDict
-from grip_bt.operation import Operation
-from grip_bt.ports import Context
+from grip_bt.base.frozen import FrozenDict
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Context
+from grip_bt.task.catalog.manifest import InputPort, Manifest, OutputPort, Parameter
 
 from .coroutines import run_coroutine
 from .leaf import Leaf, OperationLeaf, Status

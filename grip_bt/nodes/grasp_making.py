@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.values import Grasp, JointState, Pose
+from grip_bt.base.values import Grasp, JointState, Pose
 
 from .arm import ArmLeaf
 from .leaf import Leaf, Status

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.errors import ExpectedError, NoGraspError
-from grip_bt.operation import Operation
-from grip_bt.ports import Hand
-from grip_bt.values import Grasp, JointState, Pose
+from grip_bt.base.failures import ExpectedError, NoGraspError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Hand
+from grip_bt.base.values import Grasp, JointState, Pose
 
 from .arm import ArmLeaf
 from .leaf import Leaf, Status

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from grip_bt.operation import Operation
-from grip_bt.ports import Hand
-from grip_bt.values import Grasp, JointState
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Hand
+from grip_bt.base.values import Grasp, JointState
 
 from .leaf import OperationLeaf, Status
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from grip_bt.errors import NotTaughtError, listing
-from grip_bt.operation import Operation
-from grip_bt.values import JointState
+from grip_bt.base.errors import listing
+from grip_bt.base.failures import NotTaughtError
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import JointState
 
 from .hand import HandLeaf
 from .leaf import Status

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from grip_bt.operation import Operation
-from grip_bt.values import DepthImage, Grasp, RgbdFrame
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import DepthImage, Grasp, RgbdFrame
 
 from .difference import Change, Thresholds
 from .evidence import Limits, Voice, hand_voices, holds, image_voice, sight_voice

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from grip_bt.errors import listing, nearest
-from grip_bt.values import PathConstraint, Pose
+from grip_bt.base.errors import listing, nearest
+from grip_bt.base.values import PathConstraint, Pose
 
 from .leaf import Leaf
 

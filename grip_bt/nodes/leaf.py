@@ -18,11 +18,12 @@ from typing import Any, ClassVar, TypeVar
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status as Status
 
-from grip_bt.catalog.manifest import Manifest
-from grip_bt.errors import CanceledError, DataError, ExpectedError, NodeError, NotStoppedError
-from grip_bt.operation import Operation
-from grip_bt.ports import Context
-from grip_bt.values import Failure
+from grip_bt.base.errors import DataError, NodeError, NotStoppedError
+from grip_bt.base.failures import CanceledError, ExpectedError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Context
+from grip_bt.base.values import Failure
+from grip_bt.task.catalog.manifest import Manifest
 
 from .asked import AskedContext, Asker
 from .beginning import begin

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from grip_bt.catalog.types import check_value
-from grip_bt.errors import BadReplyError
-from grip_bt.operation import Operation
+from grip_bt.base.failures import BadReplyError
+from grip_bt.base.operation import Operation
+from grip_bt.base.types import check_value
 
 from .leaf import OperationLeaf, Status
 

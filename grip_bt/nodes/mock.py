@@ -8,8 +8,8 @@ from typing import Any
 
 from py_trees.common import Status
 
-from grip_bt.catalog.manifest import Manifest
-from grip_bt.values import Failure
+from grip_bt.base.values import Failure
+from grip_bt.task.catalog.manifest import Manifest
 
 from .leaf import Leaf
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from typing import Generic, TypeVar
 
-from grip_bt.errors import CanceledError, ExpectedError, NoPlanError
-from grip_bt.operation import Operation
-from grip_bt.ports import Arm, Scene
-from grip_bt.values import JointState, PathConstraint, Pose
-from grip_bt.values.solids import Solid
+from grip_bt.base.failures import CanceledError, ExpectedError, NoPlanError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Arm, Scene
+from grip_bt.base.values import JointState, PathConstraint, Pose
+from grip_bt.base.values.solids import Solid
 
 T = TypeVar("T")
 

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from grip_bt.values import Failure
+from grip_bt.base.values import Failure
 
 from .observer import SILENT, Observer
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grip_bt.ports import Scene
-from grip_bt.values import Grasp, Pose
+from grip_bt.base.ports import Scene
+from grip_bt.base.values import Grasp, Pose
 
 SEEN = "seen_"
 """Objects that perception found; the next look replaces them."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Protocol
 
-from grip_bt.values import Failure
+from grip_bt.base.values import Failure
 
 
 class Observer(Protocol):

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from grip_bt.errors import SensorError
-from grip_bt.operation import Operation
-from grip_bt.ports import Camera, Context
-from grip_bt.values import Grasp, PointCloud, RgbdFrame
+from grip_bt.base.failures import SensorError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Camera, Context
+from grip_bt.base.values import Grasp, PointCloud, RgbdFrame
 
 from .difference import Change, Thresholds, compare
 from .evidence import image_voice

@@ -9,9 +9,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.errors import ExpectedError, NoGraspError, NoRoomError, NoTargetError, NothingHeldError
-from grip_bt.operation import Operation
-from grip_bt.values import Grasp, JointState, Pose
+from grip_bt.base.failures import ExpectedError, NoGraspError, NoRoomError, NoTargetError, NothingHeldError
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import Grasp, JointState, Pose
 
 from .evidence import Limits, hand_voices
 from .grasping import ArmHandLeaf

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from grip_bt.values import Pose
+from grip_bt.base.values import Pose
 
 from .leaf import Leaf, Status
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+from grip_bt.base.failures import SensorError
+from grip_bt.base.ports import Context
+from grip_bt.base.values import JointState
 from grip_bt.commanders.stillness import Stillness
-from grip_bt.errors import SensorError
-from grip_bt.ports import Context
-from grip_bt.values import JointState
 
 LOOK = 0.05
 """How often it is looked at whether they are [s]."""

@@ -6,10 +6,10 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from grip_bt.catalog import parse_type
-from grip_bt.errors import DataError, GripError
-from grip_bt.operation import Operation
-from grip_bt.values import Pose
+from grip_bt.base.errors import DataError, GripError
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import Pose
+from grip_bt.task.catalog import parse_type
 
 from .leaf import OperationLeaf, Status
 

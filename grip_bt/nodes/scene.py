@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.errors import SensorError
-from grip_bt.operation import Operation
-from grip_bt.ports import Scene
-from grip_bt.values import PointCloud, Pose
+from grip_bt.base.failures import SensorError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Scene
+from grip_bt.base.values import PointCloud, Pose
 
 from .clusters import clusters_above, upright_box
 from .leaf import Leaf, OperationLeaf, Status

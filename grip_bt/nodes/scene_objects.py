@@ -6,11 +6,12 @@ from collections.abc import Callable
 from fnmatch import fnmatchcase
 from typing import TypeVar
 
-from grip_bt.errors import BadFileError, DocumentError, NoObjectError, SensorError, UnknownNameError, listing
-from grip_bt.operation import Operation
-from grip_bt.ports import Scene
-from grip_bt.values import PointCloud, Pose
-from grip_bt.values.solids import Box, CellMap, Cylinder, Solid, Sphere
+from grip_bt.base.errors import DocumentError, UnknownNameError, listing
+from grip_bt.base.failures import BadFileError, NoObjectError, SensorError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Scene
+from grip_bt.base.values import PointCloud, Pose
+from grip_bt.base.values.solids import Box, CellMap, Cylinder, Solid, Sphere
 
 from .hand import HandLeaf
 from .leaf import Leaf, OperationLeaf, Status

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from grip_bt.errors import SensorError
-from grip_bt.operation import Operation
-from grip_bt.ports import Sensor
+from grip_bt.base.failures import SensorError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Sensor
 
 from .leaf import OperationLeaf, Status
 

@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.values import CameraInfo, DepthImage
+from grip_bt.base.values import CameraInfo, DepthImage
 
 Hulls = Sequence[NDArray[np.float64]]
 Mask = NDArray[np.bool_]

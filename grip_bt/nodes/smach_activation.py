@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
-from grip_bt.operation import Operation
+from grip_bt.base.operation import Operation
 from grip_bt.smach_compat import Remapper, UserData
 
 from .smach_among import KeysLeaf

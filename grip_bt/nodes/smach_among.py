@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 from weakref import WeakKeyDictionary
 
-from grip_bt.errors import DataError
+from grip_bt.base.errors import DataError
 
 from .leaf import Leaf
 from .smach_asking import Asking, Enclosing

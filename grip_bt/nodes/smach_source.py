@@ -15,7 +15,7 @@ from types import ModuleType
 from typing import Any
 
 from grip_bt import smach_compat
-from grip_bt.errors import DocumentError
+from grip_bt.base.errors import DocumentError
 
 TAB = 8
 """Columns of a tab, which Python 2 allowed to be mixed with spaces."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grip_bt.values import Pose
+from grip_bt.base.values import Pose
 
 from .objects import Region
 

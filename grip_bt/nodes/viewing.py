@@ -7,10 +7,11 @@ from functools import partial
 
 import numpy as np
 
-from grip_bt.errors import UnknownNameError, ViewBlockedError
-from grip_bt.operation import Operation
-from grip_bt.ports import Camera
-from grip_bt.values import JointState
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import ViewBlockedError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Camera
+from grip_bt.base.values import JointState
 
 from .arm import ArmLeaf
 from .leaf import Status

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from action_msgs.srv import CancelGoal
 
-from grip_bt.errors import CanceledError, ServerLostError, UnfitServerError
-from grip_bt.operation import Operation
+from grip_bt.base.failures import CanceledError, ServerLostError, UnfitServerError
+from grip_bt.base.operation import Operation
 
 from .action_wire import ActionWire, new_goal_id, status_in
 from .client import pass_error

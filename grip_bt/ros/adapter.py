@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from grip_bt.catalog.component_file import ComponentFile
-from grip_bt.catalog.component_parts import UNITS, PortType
-from grip_bt.values import JointState, PointCloud, Pose
+from grip_bt.base.values import JointState, PointCloud, Pose
+from grip_bt.task.catalog.component_file import ComponentFile
+from grip_bt.task.catalog.component_parts import UNITS, PortType
 
 from .convert import from_message, to_message
 from .fields import WHOLE, ConversionError, FieldType, check_field

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 
-from grip_bt.catalog.component_file import ComponentFile
-from grip_bt.errors import ExpectedError, UnfitServerError
+from grip_bt.base.failures import ExpectedError, UnfitServerError
+from grip_bt.task.catalog.component_file import ComponentFile
 
 from .starting import uses_our_python
 

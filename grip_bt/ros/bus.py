@@ -31,8 +31,9 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from grip_bt.errors import CanceledError, GripError
-from grip_bt.operation import Operation
+from grip_bt.base.errors import GripError
+from grip_bt.base.failures import CanceledError
+from grip_bt.base.operation import Operation
 
 from .action import ActionClient
 from .client import ServiceClient

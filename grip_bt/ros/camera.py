@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from grip_bt.catalog.controller_config import CameraTopics
-from grip_bt.errors import BadReplyError, SensorError
-from grip_bt.operation import Operation
-from grip_bt.values import CameraInfo, RgbdFrame
+from grip_bt.base.failures import BadReplyError, SensorError
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import CameraInfo, RgbdFrame
+from grip_bt.task.catalog.controller_config import CameraTopics
 
 from .convert_geometry import seconds
 from .convert_perception import camera_from_message, depth_from_message, image_from_message
@@ -25,7 +25,7 @@ WORLD = "world"
 
 
 class RosCamera:
-    """Implements `grip_bt.ports.Camera` over topics.
+    """Implements `grip_bt.base.ports.Camera` over topics.
 
     Args:
         name: the sensor's.
@@ -83,7 +83,7 @@ class RosCamera:
 
 
 class UnnamedCamera:
-    """A sensor whose topics nobody has named; others go on without it. Implements `grip_bt.ports.Camera`."""
+    """A sensor whose topics nobody has named; others go on without it. Implements `grip_bt.base.ports.Camera`."""
 
     def __init__(self, name: str):
         self._name = name

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-from grip_bt.errors import CanceledError, ServerLostError, ServerTimeOutError, UnfitServerError
-from grip_bt.operation import Operation
+from grip_bt.base.failures import CanceledError, ServerLostError, ServerTimeOutError, UnfitServerError
+from grip_bt.base.operation import Operation
 
 from .futures import give_way, when_done
 from .others import explained

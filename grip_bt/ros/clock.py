@@ -14,7 +14,7 @@ TOPIC, MESSAGE = "/clock", "rosgraph_msgs/msg/Clock"
 
 
 class RosClock:
-    """Implements `grip_bt.ports.Clock`: the simulator's time, 0 until it is first heard; never goes back.
+    """Implements `grip_bt.base.ports.Clock`: the simulator's time, 0 until it is first heard; never goes back.
 
     A simulator that starts again sends an earlier time: the clock then stands still until the simulator has caught up.
 

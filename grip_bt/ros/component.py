@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from grip_bt.catalog.component_file import FEEDBACK, ComponentFile
-from grip_bt.errors import BadReplyError, CanceledError, GoalAbortedError
-from grip_bt.operation import Operation
+from grip_bt.base.failures import BadReplyError, CanceledError, GoalAbortedError
+from grip_bt.base.operation import Operation
+from grip_bt.task.catalog.component_file import FEEDBACK, ComponentFile
 
 from .action import ActionClient
 from .adapter import Adapter
@@ -22,7 +22,7 @@ Client = ServiceClient | ActionClient | TopicReader | TopicWriter
 
 
 class RosComponent:
-    """A service, an action or a topic; implements `grip_bt.ports.Component`.
+    """A service, an action or a topic; implements `grip_bt.base.ports.Component`.
 
     Args:
         file: what the component is.

@@ -7,9 +7,10 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from grip_bt.catalog.component_file import FILE_NAME, ComponentFile, load_component
-from grip_bt.errors import DocumentError, ServerLostError, UnknownNameError
-from grip_bt.ports import Component
+from grip_bt.base.errors import DocumentError, UnknownNameError
+from grip_bt.base.failures import ServerLostError
+from grip_bt.base.ports import Component
+from grip_bt.task.catalog.component_file import FILE_NAME, ComponentFile, load_component
 
 from .action import ActionClient
 from .advice import advice

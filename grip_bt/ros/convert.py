@@ -15,7 +15,7 @@ from typing import Any, get_args, get_origin
 
 import numpy as np
 
-from grip_bt.values import CameraInfo, DepthImage, Image, JointState, PointCloud, Pose, Trajectory
+from grip_bt.base.values import CameraInfo, DepthImage, Image, JointState, PointCloud, Pose, Trajectory
 
 from . import convert_geometry as geometry
 from . import convert_perception as perception

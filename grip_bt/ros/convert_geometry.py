@@ -12,7 +12,7 @@ from sensor_msgs.msg import JointState as JointStateMessage
 from std_msgs.msg import Header
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from grip_bt.values import JointState, Pose, Trajectory
+from grip_bt.base.values import JointState, Pose, Trajectory
 
 DEFAULT_FRAME = "world"
 """The frame of a message that names none."""

@@ -12,7 +12,7 @@ from sensor_msgs.msg import CameraInfo as CameraInfoMessage
 from sensor_msgs.msg import Image as ImageMessage
 from sensor_msgs.msg import PointCloud2, PointField
 
-from grip_bt.values import CameraInfo, DepthImage, Image, PointCloud, Pose
+from grip_bt.base.values import CameraInfo, DepthImage, Image, PointCloud, Pose
 
 from .convert_geometry import DEFAULT_FRAME, header, seconds
 from .fields import ConversionError

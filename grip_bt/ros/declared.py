@@ -1,12 +1,12 @@
-"""Declared port types as Python types: `list[Grasp]` -> `list[grip_bt.values.Grasp]`."""
+"""Declared port types as Python types: `list[Grasp]` -> `list[grip_bt.base.values.Grasp]`."""
 
 from __future__ import annotations
 
 from functools import cache
 from typing import Any
 
-from grip_bt import values
-from grip_bt.catalog.types import BUILTINS, VALUES, Type, parse_type
+from grip_bt.base import values
+from grip_bt.base.types import BUILTINS, VALUES, Type, parse_type
 
 _KNOWN: dict[str, Any] = {"Any": Any, "None": None, "bool": bool, "int": int, "float": float, "str": str}
 _KNOWN |= {"bytes": bytes, **{name: getattr(values, name) for name in VALUES}}

@@ -1,4 +1,4 @@
-"""ROS as leaves ask for it: topics, frames and parameters by name; implements `grip_bt.ports.Ros`."""
+"""ROS as leaves ask for it: topics, frames and parameters by name; implements `grip_bt.base.ports.Ros`."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from grip_bt.errors import BadReplyError, ExpectedError
-from grip_bt.operation import Operation
-from grip_bt.values import Pose
+from grip_bt.base.failures import BadReplyError, ExpectedError
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import Pose
 
 from .bus import Bus
 from .convert import from_message, to_message
@@ -31,7 +31,7 @@ class BadRequestError(ExpectedError):
 
 
 class RosDoor:
-    """Implements `grip_bt.ports.Ros` over a bus.
+    """Implements `grip_bt.base.ports.Ros` over a bus.
 
     Args:
         bus: the connection to ROS.

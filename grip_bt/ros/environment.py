@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from grip_bt.errors import MissingPartError
+from grip_bt.base.errors import MissingPartError
 
 DDS_PROFILE = Path(__file__).with_name("fastdds_profile.xml")
 """Settings of Fast DDS: a dead participant is noticed after 2.7 s, not 20 s, and a running one found in 0.5 s."""

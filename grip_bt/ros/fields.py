@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from grip_bt.errors import GripError, nearest
+from grip_bt.base.errors import GripError, nearest
 
 from .types import load_type, type_name
 

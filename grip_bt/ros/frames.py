@@ -12,10 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from grip_bt.catalog.controller_config import CameraTopics
-from grip_bt.catalog.sensor_config import Mount, SensorConfig
-from grip_bt.errors import ExpectedError, UnknownNameError
-from grip_bt.values import Grasp, PointCloud, Pose
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import ExpectedError
+from grip_bt.base.values import Grasp, PointCloud, Pose
+from grip_bt.task.catalog.controller_config import CameraTopics
+from grip_bt.task.catalog.sensor_config import Mount, SensorConfig
 
 ROOT = "world"
 

@@ -7,8 +7,8 @@ import threading
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from grip_bt.errors import ServerTimeOutError
-from grip_bt.operation import Operation
+from grip_bt.base.failures import ServerTimeOutError
+from grip_bt.base.operation import Operation
 
 from .bus import Bus
 from .convert_geometry import seconds

@@ -21,8 +21,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any, Literal
 
-from grip_bt.errors import CanceledError, ExpectedError, GoalRejectedError, ServerLostError, ServerTimeOutError
-from grip_bt.operation import STOPPED
+from grip_bt.base.failures import CanceledError, ExpectedError, GoalRejectedError, ServerLostError, ServerTimeOutError
+from grip_bt.base.operation import STOPPED
 
 Status = Literal["succeeded", "aborted", "canceled"]
 STATUSES: dict[int, Status] = {4: "succeeded", 5: "canceled", 6: "aborted"}

@@ -9,7 +9,7 @@ from typing import Any, Literal
 from rclpy.action.graph import get_action_names_and_types
 from rclpy.node import Node
 
-from grip_bt.errors import GripError, UnknownNameError
+from grip_bt.base.errors import GripError, UnknownNameError
 
 from .bus import Bus
 from .others import hidden

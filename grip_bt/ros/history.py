@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from grip_bt.values import Pose
+from grip_bt.base.values import Pose
 
 KEPT = 10.0
 """How long transforms are kept [s], by their stamps."""

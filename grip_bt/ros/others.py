@@ -9,7 +9,8 @@ from typing import Any
 from rclpy.action.graph import get_action_names_and_types
 from rclpy.node import Node
 
-from grip_bt.errors import ServerLostError, listing, nearest
+from grip_bt.base.errors import listing, nearest
+from grip_bt.base.failures import ServerLostError
 
 from .types import type_name
 

@@ -14,7 +14,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from grip_bt.errors import GripError
+from grip_bt.base.errors import GripError
 
 from .interfaces.prefixes import python_folder
 

@@ -6,7 +6,7 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from grip_bt.errors import GripError, nearest
+from grip_bt.base.errors import GripError, nearest
 
 from .interfaces.prefixes import search_path, share_folder
 

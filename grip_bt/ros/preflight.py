@@ -16,7 +16,7 @@ from typing import Any
 from rclpy.node import Node
 from rclpy.qos import ReliabilityPolicy
 
-from grip_bt.errors import UnfitServerError
+from grip_bt.base.failures import UnfitServerError
 
 _ACTION_PART = re.compile(r"_(SendGoal|GetResult|FeedbackMessage)$")
 

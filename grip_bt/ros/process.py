@@ -12,7 +12,7 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from grip_bt.operation import Operation
+from grip_bt.base.operation import Operation
 
 from . import warden
 from .environment import DDS_PROFILE, PROFILE_VARIABLES

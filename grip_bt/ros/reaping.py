@@ -10,8 +10,8 @@ import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 
-from grip_bt.errors import GripError
-from grip_bt.interpreter import python_command
+from grip_bt.base.errors import GripError
+from grip_bt.base.interpreter import python_command
 
 REPORT = "GRIP_REAPER_REPORT"
 """Environment variable: number of the file descriptor for the reaper's report."""

@@ -7,10 +7,11 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
-from grip_bt.catalog.sensor_config import SensorConfig
-from grip_bt.errors import BadReplyError, CanceledError, GripError, SensorError
-from grip_bt.operation import Operation
-from grip_bt.values import CameraInfo
+from grip_bt.base.errors import GripError
+from grip_bt.base.failures import BadReplyError, CanceledError, SensorError
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import CameraInfo
+from grip_bt.task.catalog.sensor_config import SensorConfig
 
 from .convert import from_message
 from .convert_geometry import seconds
@@ -56,7 +57,7 @@ def taken(
 
 
 class TopicSensor:
-    """A sensor on topics; implements `grip_bt.ports.Sensor`.
+    """A sensor on topics; implements `grip_bt.base.ports.Sensor`.
 
     Args:
         name: the sensor's.
@@ -137,7 +138,7 @@ class TopicSensor:
 
 
 class BrokenSensor:
-    """A sensor that couldn't be set up; others go on without it. Implements `grip_bt.ports.Sensor`."""
+    """A sensor that couldn't be set up; others go on without it. Implements `grip_bt.base.ports.Sensor`."""
 
     def __init__(self, name: str, reason: str):
         self.name, self.reason = name, reason

@@ -13,8 +13,9 @@ from typing import Any
 from action_msgs.msg import GoalStatus
 from std_msgs.msg import Header
 
-from grip_bt.errors import GoalRejectedError, GripError, ServerLostError
-from grip_bt.operation import Operation
+from grip_bt.base.errors import GripError
+from grip_bt.base.failures import GoalRejectedError, ServerLostError
+from grip_bt.base.operation import Operation
 from grip_bt.smach_compat.smach_ros._port import ServiceFailedError
 
 from .bus import Bus

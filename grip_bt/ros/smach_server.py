@@ -11,7 +11,7 @@ from action_msgs.msg import GoalStatus
 from rclpy.action.server import ActionServer, CancelResponse, GoalResponse
 from rclpy.task import Future
 
-from grip_bt.operation import Operation
+from grip_bt.base.operation import Operation
 
 if TYPE_CHECKING:
     from .bus import Bus

@@ -6,9 +6,9 @@ import shutil
 import sys
 from pathlib import Path
 
-from grip_bt.catalog.component_parts import Start
-from grip_bt.errors import listing, nearest
-from grip_bt.interpreter import python_command
+from grip_bt.base.errors import listing, nearest
+from grip_bt.base.interpreter import python_command
+from grip_bt.task.catalog.component_parts import Start
 
 from .packages import PackageError, executable_of, launch_file_of
 

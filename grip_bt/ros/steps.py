@@ -11,8 +11,8 @@ from collections import deque
 from collections.abc import Callable, Generator
 from typing import Any, TypeVar
 
-from grip_bt.errors import CanceledError
-from grip_bt.operation import Operation
+from grip_bt.base.failures import CanceledError
+from grip_bt.base.operation import Operation
 
 T = TypeVar("T")
 Steps = Generator[Operation[Any], Any, T]

@@ -13,9 +13,10 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from grip_bt.errors import CanceledError, MissingPartError, UnknownNameError
-from grip_bt.operation import Operation
-from grip_bt.values import Pose
+from grip_bt.base.errors import MissingPartError, UnknownNameError
+from grip_bt.base.failures import CanceledError
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import Pose
 
 from .bus import Bus
 from .convert_geometry import pose_from_transform_stamped, seconds

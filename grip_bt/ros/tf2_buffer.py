@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
-from grip_bt.values import Pose
+from grip_bt.base.values import Pose
 
 from .convert_geometry import pose_from_transform_stamped, pose_to_transform
 from .frames import FrameError, FrameTree

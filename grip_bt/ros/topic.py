@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-from grip_bt.errors import CanceledError, GripError, ServerTimeOutError
-from grip_bt.operation import Operation
+from grip_bt.base.errors import GripError
+from grip_bt.base.failures import CanceledError, ServerTimeOutError
+from grip_bt.base.operation import Operation
 
 from .client import pass_error
 from .futures import give_way

@@ -6,7 +6,7 @@ from functools import cache
 from importlib import import_module
 from typing import Any
 
-from grip_bt.errors import GripError, MissingPartError, UnknownNameError
+from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
 
 from .interfaces.prefixes import package_like, search_path
 

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
+from grip_bt.base.errors import UnknownNameError
 from grip_bt.compilers import CompiledMachine, CompiledTree
 from grip_bt.compilers.probe import parts_of, probe
-from grip_bt.errors import UnknownNameError
 
 When = Literal["before", "after"]
 

@@ -7,9 +7,9 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
 
-from grip_bt.errors import MissingPartError, UnknownNameError
-from grip_bt.operation import Operation
-from grip_bt.ports import (
+from grip_bt.base.errors import MissingPartError, UnknownNameError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import (
     Arm,
     Camera,
     Clock,
@@ -37,7 +37,7 @@ MESSAGES = ("next", "recent", "together")
 
 
 class RunContext:
-    """Implements `grip_bt.ports.Context` over mappings.
+    """Implements `grip_bt.base.ports.Context` over mappings.
 
     Args:
         clock: the run's clock; the wall's by default.

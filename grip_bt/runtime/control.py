@@ -13,7 +13,7 @@ import threading
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, TextIO
 
-from grip_bt.errors import ExpressionError, GripError, UnknownNameError
+from grip_bt.base.errors import ExpressionError, GripError, UnknownNameError
 
 from .debugger import facts_of
 from .journal_writer import preview

@@ -7,10 +7,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from grip_bt.base.errors import GripError, UnknownNameError
+from grip_bt.base.values import Failure
 from grip_bt.compilers import CompiledMachine, CompiledTree
-from grip_bt.errors import GripError, UnknownNameError
 from grip_bt.nodes.observer import Silent
-from grip_bt.values import Failure
 
 from .breakpoints import Breakpoint, When, make_breakpoint
 from .pacing import Pacing

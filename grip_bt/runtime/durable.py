@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import Any
 
-from grip_bt.values import Failure
+from grip_bt.base.values import Failure
 
 from .journal import Journal, JournalError
 

@@ -18,7 +18,7 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Any
 
-from grip_bt.errors import GripError
+from grip_bt.base.errors import GripError
 
 from .journal_schema import prepare_to_write
 from .journal_writer import RunWriter

@@ -11,7 +11,7 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from grip_bt.errors import UnknownNameError
+from grip_bt.base.errors import UnknownNameError
 
 from .blocks import expanded
 from .journal import JournalError

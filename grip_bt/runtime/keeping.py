@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
+from grip_bt.base.values import Failure
 from grip_bt.nodes.observer import Silent
-from grip_bt.values import Failure
 
 KEPT = "kept"
 """The event; its data has `part` and, as a write has, the state."""

@@ -22,10 +22,10 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, TypeVar
 
-from grip_bt.errors import CanceledError
+from grip_bt.base.failures import CanceledError
+from grip_bt.base.operation import WAITS, Operation
+from grip_bt.base.ports import Stepped
 from grip_bt.nodes.observer import Silent
-from grip_bt.operation import WAITS, Operation
-from grip_bt.ports import Stepped
 
 from .waker import Waker
 

@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
-from grip_bt.errors import NotStoppedError
-from grip_bt.operation import Operation
+from grip_bt.base.errors import NotStoppedError
+from grip_bt.base.operation import Operation
 
 _BEGIN = ("execute", "jog", "open", "close", "move")
 """Methods of `ports.Arm` and `ports.Hand` that begin a motion."""

@@ -10,8 +10,8 @@ import mmap
 import threading
 from collections.abc import Mapping, Sequence
 
+from grip_bt.base.values import Failure
 from grip_bt.nodes.observer import Silent
-from grip_bt.values import Failure
 
 BEAT = 0.1
 """How often the count goes on [s]."""

@@ -6,9 +6,9 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from grip_bt.errors import NodeError
-from grip_bt.ports import Clock
-from grip_bt.values import Failure
+from grip_bt.base.errors import NodeError
+from grip_bt.base.ports import Clock
+from grip_bt.base.values import Failure
 
 from .journal_writer import preview
 from .recording import PREEMPT

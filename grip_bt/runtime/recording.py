@@ -12,7 +12,7 @@ from collections import defaultdict, deque
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, field
 
-from grip_bt.errors import DivergedError
+from grip_bt.base.errors import DivergedError
 
 from .journal_events import Event
 

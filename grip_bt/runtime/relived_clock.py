@@ -10,8 +10,8 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+from grip_bt.base.ports import Clock, Pausable
 from grip_bt.nodes.control import Rest
-from grip_bt.ports import Clock, Pausable
 
 from .recording import Recording
 

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from py_trees.common import Status
 
+from grip_bt.base.values import Failure
 from grip_bt.nodes import Leaf
 from grip_bt.nodes.asked import AskedBefore
-from grip_bt.values import Failure
 
 from .journal_events import Event
 from .recording import Activation, Recording

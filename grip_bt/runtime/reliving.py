@@ -16,15 +16,15 @@ from typing import Any, Literal
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
+from grip_bt.base.errors import DivergedError
+from grip_bt.base.ports import Clock
+from grip_bt.base.values import Failure
 from grip_bt.compilers import CompiledMachine, CompiledTree, Halted
 from grip_bt.compilers.behaviour_state import BehaviourState
 from grip_bt.compilers.probe import parts_of
-from grip_bt.errors import DivergedError
-from grip_bt.graph import model, walking
 from grip_bt.nodes import Leaf, control
 from grip_bt.nodes.observer import Observer
-from grip_bt.ports import Clock
-from grip_bt.values import Failure
+from grip_bt.task import model, walking
 
 from .journal_events import Event
 from .pacing import Pacing

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from grip_bt.errors import GripError, listing
-from grip_bt.operation import Operation
-from grip_bt.ports import Arm, Hand
-from grip_bt.values import JointState
+from grip_bt.base.errors import GripError, listing
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Arm, Hand
+from grip_bt.base.values import JointState
 
 APART = 0.1
 """Two measurements so far apart tell whether joints stand still [s]."""

@@ -6,7 +6,7 @@ import threading
 import time
 from typing import TYPE_CHECKING, Any
 
-from grip_bt.ports import Clock
+from grip_bt.base.ports import Clock
 
 from .clock import WallClock
 

@@ -12,14 +12,14 @@ from typing import Any, Literal
 
 from py_trees.behaviour import Behaviour
 
+from grip_bt.base.errors import NodeError, NotStoppedError
+from grip_bt.base.ports import Clock
+from grip_bt.base.values import Failure
 from grip_bt.compilers import CompiledMachine, CompiledTree, Halted, Pacer, TaskEnd
 from grip_bt.compilers.probe import parts_of
-from grip_bt.errors import NodeError, NotStoppedError
 from grip_bt.nodes.control import Foreign
 from grip_bt.nodes.leaf import STOPPING
 from grip_bt.nodes.observer import SILENT, Observer, Observers
-from grip_bt.ports import Clock
-from grip_bt.values import Failure
 
 from .context import RunContext
 from .debugger import Debugger

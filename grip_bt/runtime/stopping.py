@@ -12,8 +12,8 @@ from typing import Any
 
 from py_trees.common import Status
 
+from grip_bt.base.errors import GripError
 from grip_bt.compilers import Halted
-from grip_bt.errors import GripError
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.observer import Silent
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any, Self
 
+from grip_bt.base.errors import DataError, NodeError
+from grip_bt.base.evaluation import condition_of, value_of
+from grip_bt.base.expression import Expression, parse_expression
 from grip_bt.compilers.behaviour_state import Refined, label, labels
-from grip_bt.errors import DataError, NodeError
-from grip_bt.graph.evaluation import condition_of, value_of
-from grip_bt.graph.expression import Expression, parse_expression
 from grip_bt.nodes.control import Cases, Condition, Passes, Rule
 from grip_bt.smach_compat import State
 

@@ -13,14 +13,14 @@ from py_trees.behaviour import Behaviour
 from py_trees.blackboard import Blackboard
 from py_trees.common import Status
 
-from grip_bt.catalog import Catalog, Manifest
 from grip_bt.compilers import CompiledTree, Halted, Pacer, drive, to_tree
 from grip_bt.compilers.behaviour_state import MachineRun, Refined, StateContext, label, labels
 from grip_bt.compilers.leaves import LeafFactory, implementation_of
 from grip_bt.compilers.scopes import UNSET, Scopes
-from grip_bt.graph import Leaf, Task
-from grip_bt.graph.walking import join
 from grip_bt.smach_compat import State
+from grip_bt.task import Leaf, Task
+from grip_bt.task.catalog import Catalog, Manifest
+from grip_bt.task.walking import join
 
 from .context import RunContext
 from .pacing import Pacing

@@ -4,7 +4,7 @@ The bytes are one line of JSON, then the contents of the arrays, each at a multi
 booleans, null, lists and objects with plain keys mean themselves; anything else is an object with one key:
 
 * `{"$array": [dtype, shape, offset]}` - offset counts from the end of the JSON line [bytes]; or a list of items
-* `{"$value": [name, {field: ...}]}` - a class of `grip_bt.values`, a solid, or a state of the planning scene
+* `{"$value": [name, {field: ...}]}` - a class of `grip_bt.base.values`, a solid, or a state of the planning scene
 * `{"$tuple": [...]}`, `{"$set": [...]}`, `{"$frozenset": [...]}`, `{"$bytes": base64}`, `{"$float": "nan"}`
 * `{"$dict": [[key, value], ...]}` - keys that aren't strings, or begin with `$`
 * `{"$opaque": [type, text]}` - can't be restored
@@ -22,11 +22,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt import values
-from grip_bt.errors import GripError
+from grip_bt.base import values
+from grip_bt.base.errors import GripError
 
 _CLASSES = {name: getattr(values, name) for name in values.__all__}
-_ELSEWHERE = ("grip_bt.values.solids", "grip_bt.commanders.scene")
+_ELSEWHERE = ("grip_bt.base.values.solids", "grip_bt.commanders.scene")
 """Modules whose frozen dataclasses are kept too; imported when one of them comes."""
 _ATOMS = (str, int, bool, type(None))
 _UNCHANGING = frozenset({*_ATOMS, float, bytes, *_CLASSES.values()} - {values.Failure})
@@ -43,8 +43,8 @@ class OpaqueValueError(GripError):
 
     def __init__(self, type_name: str, text: str):
         super().__init__(
-            f"a {type_name} can't be restored from the journal: {text}. Values that can are those of grip_bt.values,"
-            " numpy arrays and Python's own; have the node write one of them"
+            f"a {type_name} can't be restored from the journal: {text}. Values that can are those of"
+            " grip_bt.base.values, numpy arrays and Python's own; have the node write one of them"
         )
         self.type_name, self.text = type_name, text
 

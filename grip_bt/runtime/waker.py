@@ -6,7 +6,7 @@ import heapq
 import threading
 from typing import TYPE_CHECKING
 
-from grip_bt.ports import Clock
+from grip_bt.base.ports import Clock
 
 if TYPE_CHECKING:
     from .lockstep import Lockstep

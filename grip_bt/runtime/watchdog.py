@@ -8,8 +8,8 @@ import time
 import traceback
 from collections.abc import Callable, Mapping
 
+from grip_bt.base.errors import HungError, NodeError
 from grip_bt.compilers import BehaviourState, drive
-from grip_bt.errors import HungError, NodeError
 from grip_bt.nodes.leaf import Leaf
 
 from .pacing import Pacing

@@ -7,7 +7,7 @@ import threading
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from grip_bt.operation import Operation
+from grip_bt.base.operation import Operation
 
 T = TypeVar("T")
 

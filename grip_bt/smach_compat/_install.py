@@ -11,7 +11,7 @@ from types import ModuleType
 from typing import Any
 
 from grip_bt import smach_compat as smach
-from grip_bt.errors import GripError
+from grip_bt.base.errors import GripError
 
 from ._settings import Settings, configure
 

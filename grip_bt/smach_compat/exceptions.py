@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from grip_bt import smach_compat as smach
-from grip_bt.errors import GripError
+from grip_bt.base.errors import GripError
 
 
 class SmachError(GripError):

@@ -4,9 +4,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .application import create_app
-    from .launcher import RunOptions
-    from .server import serve
+    from grip_gui.application import create_app
+    from grip_gui.launcher import RunOptions
+    from grip_gui.server import serve
 
 _HOME = {"serve": "server", "create_app": "application", "RunOptions": "launcher"}
 __all__ = ["RunOptions", "create_app", "serve"]

@@ -15,22 +15,21 @@ from fastapi.responses import JSONResponse
 from fastapi.staticfiles import StaticFiles
 from starlette.exceptions import HTTPException
 
-from grip_bt.errors import DocumentError, GripError, HandoverError, MissingPartError, UnknownNameError
-
-from .edit_routes import make_edit_router
-from .editing import ChangedOnDiskError, EditDesk, StaleEditError, UnfinishedTextError
-from .journal import JournalRuns, RunSource
-from .launcher import CommandLineLauncher, Launcher, RunOptions
-from .lease import HeldElsewhereError
-from .live import RosWindow
-from .live_routes import make_live_router
-from .messages import Trouble
-from .project import OutsideProjectError, ProjectFolder
-from .routes import make_router
-from .run_desk import BusyError, RunDesk
-from .run_routes import make_run_router
-from .security import Gate
-from .setup_routes import make_setup_router
+from grip_bt.base.errors import DocumentError, GripError, HandoverError, MissingPartError, UnknownNameError
+from grip_gui.edit_routes import make_edit_router
+from grip_gui.editing import ChangedOnDiskError, EditDesk, StaleEditError, UnfinishedTextError
+from grip_gui.journal import JournalRuns, RunSource
+from grip_gui.launcher import CommandLineLauncher, Launcher, RunOptions
+from grip_gui.lease import HeldElsewhereError
+from grip_gui.live import RosWindow
+from grip_gui.live_routes import make_live_router
+from grip_gui.messages import Trouble
+from grip_gui.project import OutsideProjectError, ProjectFolder
+from grip_gui.routes import make_router
+from grip_gui.run_desk import BusyError, RunDesk
+from grip_gui.run_routes import make_run_router
+from grip_gui.security import Gate
+from grip_gui.setup_routes import make_setup_router
 
 log = logging.getLogger(__name__)
 STATIC = Path(__file__).parent / "static"

@@ -9,10 +9,9 @@ from pathlib import Path
 
 from pydantic import TypeAdapter, ValidationError
 
-from grip_bt.graph.edit import path_after
-from grip_bt.graph.edit.steps import Step
-
-from .run_messages import Breakpoint
+from grip_bt.task.edit import path_after
+from grip_bt.task.edit.steps import Step
+from grip_gui.run_messages import Breakpoint
 
 log = logging.getLogger(__name__)
 _FILE: TypeAdapter[dict[str, list[Breakpoint]]] = TypeAdapter(dict[str, list[Breakpoint]])

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from grip_bt.app.project import project_catalog
-from grip_bt.catalog import Catalog, face_of
-from grip_bt.errors import DocumentError, GripError, SubtaskError, UnknownNameError
-from grip_bt.graph.document import Document, read_file, read_text
-from grip_bt.validation import Issue, validate
-from grip_bt.validation.fixes import Fixer
-
-from .messages import FixView, Problem, TaskView
-from .project import ProjectFolder
-from .projection import Drawn, Faces, FindManifest, project_task
+from grip_bt.base.errors import DocumentError, GripError, SubtaskError, UnknownNameError
+from grip_bt.base.yaml.files import read_file
+from grip_bt.task.catalog import Catalog, face_of
+from grip_bt.task.document import Document, read_text
+from grip_bt.task.validation import Issue, validate
+from grip_bt.task.validation.fixes import Fixer
+from grip_gui.messages import FixView, Problem, TaskView
+from grip_gui.project import ProjectFolder
+from grip_gui.projection import Drawn, Faces, FindManifest, project_task
 
 FIXED = 100
 """Problems for which fixes are looked for; who has more begins with these."""

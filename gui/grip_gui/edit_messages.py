@@ -6,8 +6,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from .messages import Meaning, NodeView, Problem, TaskView, VariableView, Wire
-from .run_messages import RunEvent
+from grip_gui.messages import Meaning, NodeView, Problem, TaskView, VariableView, Wire
+from grip_gui.run_messages import RunEvent
 
 TaskPath = Annotated[str, Field(max_length=1024)]
 View = Literal["flow", "tree"]

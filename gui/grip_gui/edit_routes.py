@@ -9,11 +9,10 @@ from typing import Annotated, TypeVar
 from fastapi import APIRouter, Query, Response
 from pydantic import ValidationError
 
-from grip_bt.errors import EditError
-from grip_bt.graph.edit import AnyCommand, command_of
-
-from .documents import catalog_of
-from .edit_messages import (
+from grip_bt.base.errors import EditError
+from grip_bt.task.edit import AnyCommand, command_of
+from grip_gui.documents import catalog_of
+from grip_gui.edit_messages import (
     CatalogView,
     CommentView,
     ConversionView,
@@ -33,13 +32,13 @@ from .edit_messages import (
     StepWish,
     TextWish,
 )
-from .editing import EditDesk, Sheet, StaleEditError
-from .editing.changes import Shown
-from .editing.conversion import conversion_view, convert
-from .editing.forms import forms_view
-from .editing.palette import catalog_view
-from .editing.parts import carry_out, takes_catalogue
-from .editing.views import check_expression, comment_view, document_view, parts_view, places_view, problems_view
+from grip_gui.editing import EditDesk, Sheet, StaleEditError
+from grip_gui.editing.changes import Shown
+from grip_gui.editing.conversion import conversion_view, convert
+from grip_gui.editing.forms import forms_view
+from grip_gui.editing.palette import catalog_view
+from grip_gui.editing.parts import carry_out, takes_catalogue
+from grip_gui.editing.views import check_expression, comment_view, document_view, parts_view, places_view, problems_view
 
 T = TypeVar("T")
 QUIET = 0.3

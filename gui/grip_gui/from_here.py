@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Mapping
 
-from grip_bt.errors import GripError, UnknownNameError
-
-from .messages import Meaning, NodeView, TaskView
+from grip_bt.base.errors import GripError, UnknownNameError
+from grip_gui.messages import Meaning, NodeView, TaskView
 
 _CHOOSERS = {"switch": "chooses by its own conditions"}
 

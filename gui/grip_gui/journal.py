@@ -7,12 +7,11 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Protocol
 
-from grip_bt.errors import GripError, UnknownNameError
+from grip_bt.base.errors import GripError, UnknownNameError
 from grip_bt.runtime import Event, Journal, JournalError, JournalReader, RunLog
 from grip_bt.runtime import RunRecord as JournalRecord
-
-from .run_messages import RunEvent, RunRecord, ValueView
-from .values import unkept_view, value_view
+from grip_gui.run_messages import RunEvent, RunRecord, ValueView
+from grip_gui.values import unkept_view, value_view
 
 LISTED = 100
 """Most runs that are offered."""

@@ -6,7 +6,7 @@ import asyncio
 from collections import Counter
 from collections.abc import Callable
 
-from grip_bt.errors import GripError
+from grip_bt.base.errors import GripError
 
 GRACE = 5.0
 """How long control waits for a page that has gone away, which a reload does for a moment [s]."""

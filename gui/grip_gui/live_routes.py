@@ -15,14 +15,13 @@ from fastapi import APIRouter, Query
 from pydantic import ValidationError
 
 from grip_bt.app.project import find_project
-from grip_bt.errors import GripError
-from grip_bt.graph.syntax import parse, plain
-
-from .editing.files import TextFile
-from .live import RosWindow
-from .live.motion import last_state, motion_of
-from .live.samples import form_of, source_of
-from .live_messages import (
+from grip_bt.base.errors import GripError
+from grip_bt.base.yaml.syntax import parse, plain
+from grip_gui.editing.files import TextFile
+from grip_gui.live import RosWindow
+from grip_gui.live.motion import last_state, motion_of
+from grip_gui.live.samples import form_of, source_of
+from grip_gui.live_messages import (
     ComponentForm,
     Done,
     GeometryView,
@@ -39,11 +38,11 @@ from .live_messages import (
     TryView,
     TryWish,
 )
-from .project import ProjectFolder
-from .setup.changes import set_value
-from .setup.geometry import geometry
-from .setup.kinds import JOINT_STATES, POSES, kind_of
-from .setup.probes import Prober
+from grip_gui.project import ProjectFolder
+from grip_gui.setup.changes import set_value
+from grip_gui.setup.geometry import geometry
+from grip_gui.setup.kinds import JOINT_STATES, POSES, kind_of
+from grip_gui.setup.probes import Prober
 
 RunId = Annotated[str, Query(pattern=r"^[A-Za-z0-9_-]+$", max_length=200)]
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import count
 
-from .run_messages import Introduce, Onlooker, Selected, Selection
+from grip_gui.run_messages import Introduce, Onlooker, Selected, Selection
 
 COLOURS = 8
 """How many colours there are; with more pages some look alike, and their names tell them apart."""

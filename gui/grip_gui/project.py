@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path, PurePosixPath
 
-from grip_bt.errors import DocumentError, GripError
-
-from .messages import TaskEntry
+from grip_bt.base.errors import DocumentError, GripError
+from grip_gui.messages import TaskEntry
 
 
 class OutsideProjectError(GripError):

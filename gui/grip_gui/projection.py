@@ -8,13 +8,12 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, Literal, TypeAlias
 
-from grip_bt.catalog.manifest import Manifest
-from grip_bt.graph.canonical import data_of
-from grip_bt.graph.edit.draft import deep as plain_data
-from grip_bt.graph.model import AnyNode, Leaf, StateMachine, Subtask, Task, Variable
-from grip_bt.graph.walking import children_of, join, outcomes_of, walk
-
-from .messages import Meaning, NodeView, Problem, TaskView, Transition, VariableView
+from grip_bt.task.canonical import data_of
+from grip_bt.task.catalog.manifest import Manifest
+from grip_bt.task.edit.draft import deep as plain_data
+from grip_bt.task.model import AnyNode, Leaf, StateMachine, Subtask, Task, Variable
+from grip_bt.task.walking import children_of, join, outcomes_of, walk
+from grip_gui.messages import Meaning, NodeView, Problem, TaskView, Transition, VariableView
 
 FindManifest: TypeAlias = Callable[[str], "Manifest | None"]
 _SHOWN = {"node", "kind", "children", "child", "with", "in", "out"}

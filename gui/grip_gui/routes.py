@@ -6,18 +6,17 @@ from typing import Annotated
 
 from fastapi import APIRouter, Path, WebSocket
 
-from grip_bt.errors import UnknownNameError
-
-from .documents import task_view, view_of_text
-from .editing import EditDesk
-from .journal import RunSource
-from .messages import ProjectView, TaskView
-from .project import ProjectFolder
-from .run_desk import RunDesk
-from .run_messages import CloudView, PageId, RunRecord, RunView, ValueView
-from .run_routes import robots
-from .stream import Viewer
-from .values import cloud_view
+from grip_bt.base.errors import UnknownNameError
+from grip_gui.documents import task_view, view_of_text
+from grip_gui.editing import EditDesk
+from grip_gui.journal import RunSource
+from grip_gui.messages import ProjectView, TaskView
+from grip_gui.project import ProjectFolder
+from grip_gui.run_desk import RunDesk
+from grip_gui.run_messages import CloudView, PageId, RunRecord, RunView, ValueView
+from grip_gui.run_routes import robots
+from grip_gui.stream import Viewer
+from grip_gui.values import cloud_view
 
 
 def make_router(

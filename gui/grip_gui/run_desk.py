@@ -7,16 +7,15 @@ import logging
 from collections.abc import Sequence
 from pathlib import Path
 
-from grip_bt.errors import GripError, UnknownNameError
-from grip_bt.graph.edit.steps import Step
-
-from .breakpoints import Breakpoints
-from .journal import RunSource
-from .launcher import Launcher, RunOptions
-from .lease import Lease
-from .presence import Presence
-from .run_messages import Breakpoint, Control, DeskView, SessionView
-from .session import STOP, Session
+from grip_bt.base.errors import GripError, UnknownNameError
+from grip_bt.task.edit.steps import Step
+from grip_gui.breakpoints import Breakpoints
+from grip_gui.journal import RunSource
+from grip_gui.launcher import Launcher, RunOptions
+from grip_gui.lease import Lease
+from grip_gui.presence import Presence
+from grip_gui.run_messages import Breakpoint, Control, DeskView, SessionView
+from grip_gui.session import STOP, Session
 
 log = logging.getLogger(__name__)
 

@@ -8,14 +8,13 @@ from typing import get_args
 from fastapi import APIRouter
 
 from grip_bt.app.execute import RobotKind
-from grip_bt.errors import GripError, UnknownNameError
-
-from .documents import task_view
-from .from_here import mocks_before
-from .launcher import RunOptions
-from .project import ProjectFolder
-from .run_desk import RunDesk
-from .run_messages import BreakpointsWish, Control, DeskView, LeaseWish, SessionView, StartRun
+from grip_bt.base.errors import GripError, UnknownNameError
+from grip_gui.documents import task_view
+from grip_gui.from_here import mocks_before
+from grip_gui.launcher import RunOptions
+from grip_gui.project import ProjectFolder
+from grip_gui.run_desk import RunDesk
+from grip_gui.run_messages import BreakpointsWish, Control, DeskView, LeaseWish, SessionView, StartRun
 
 
 def robots() -> list[str]:

@@ -13,12 +13,11 @@ from urllib.parse import urlencode
 import uvicorn
 
 from grip_bt.app.project import find_project
-from grip_bt.errors import GripError
-
-from .application import create_app
-from .journal import JournalRuns
-from .launcher import RunOptions
-from .project import ProjectFolder
+from grip_bt.base.errors import GripError
+from grip_gui.application import create_app
+from grip_gui.journal import JournalRuns
+from grip_gui.launcher import RunOptions
+from grip_gui.project import ProjectFolder
 
 HOST = "127.0.0.1"
 LARGEST_FRAME = 64 * 1024

@@ -10,9 +10,9 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from .journal import RunSource
-from .launcher import RunProcess
-from .run_messages import Breakpoint, Held, RunState, SessionView
+from grip_gui.journal import RunSource
+from grip_gui.launcher import RunProcess
+from grip_gui.run_messages import Breakpoint, Held, RunState, SessionView
 
 log = logging.getLogger(__name__)
 

@@ -7,17 +7,16 @@ from collections.abc import Callable
 
 from fastapi import APIRouter
 
-from grip_bt.errors import GripError
-
-from .journal import RunSource
-from .project import ProjectFolder
-from .setup import SetupDesk
-from .setup.importing import import_file
-from .setup.interfaces import look_at, make
-from .setup.names import names_of
-from .setup.probes import Prober
-from .setup.recording import record
-from .setup_messages import (
+from grip_bt.base.errors import GripError
+from grip_gui.journal import RunSource
+from grip_gui.project import ProjectFolder
+from grip_gui.setup import SetupDesk
+from grip_gui.setup.importing import import_file
+from grip_gui.setup.interfaces import look_at, make
+from grip_gui.setup.names import names_of
+from grip_gui.setup.probes import Prober
+from grip_gui.setup.recording import record
+from grip_gui.setup_messages import (
     ImportView,
     ImportWish,
     InterfaceView,

@@ -11,11 +11,10 @@ from contextlib import suppress
 from fastapi import WebSocket, WebSocketDisconnect
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
-from grip_bt.errors import GripError
-
-from .journal import RunSource
-from .run_desk import RunDesk
-from .run_messages import (
+from grip_bt.base.errors import GripError
+from grip_gui.journal import RunSource
+from grip_gui.run_desk import RunDesk
+from grip_gui.run_messages import (
     ClientFrame,
     DeskFrame,
     DeskView,

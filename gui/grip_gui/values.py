@@ -10,11 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from grip_bt.errors import GripError
-from grip_bt.values import DepthImage, Grasp, Image, JointState, PointCloud, Pose, RgbdFrame
-
-from .pictures import address, drawn_cloud, drawn_depth, drawn_image
-from .run_messages import CloudView, NamedPlace, ValueView
+from grip_bt.base.errors import GripError
+from grip_bt.base.values import DepthImage, Grasp, Image, JointState, PointCloud, Pose, RgbdFrame
+from grip_gui.pictures import address, drawn_cloud, drawn_depth, drawn_image
+from grip_gui.run_messages import CloudView, NamedPlace, ValueView
 
 ROWS = 60
 """Most parts that are listed."""

@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.operation import Operation
-from grip_bt.values import CameraInfo, DepthImage, Image, JointState, Pose, RgbdFrame, Trajectory
-
-from .client import SimClient
-from .referee import ObjectTruth
-from .replies import Reply
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import CameraInfo, DepthImage, Image, JointState, Pose, RgbdFrame, Trajectory
+from grip_sim.client import SimClient
+from grip_sim.referee import ObjectTruth
+from grip_sim.replies import Reply
 
 
 def _state(reply: Reply) -> JointState:
@@ -47,7 +46,7 @@ class _Joints:
 
 
 class SimExecutor(_Joints):
-    """Implements `grip_bt.ports.Executor` and `grip_bt.ports.Steerable`."""
+    """Implements `grip_bt.base.ports.Executor` and `grip_bt.base.ports.Steerable`."""
 
     def execute(self, trajectory: Trajectory) -> Operation[JointState]:
         """Follow a trajectory; see the port.
@@ -85,7 +84,7 @@ class SimExecutor(_Joints):
 
 
 class SimHand(_Joints):
-    """Implements `grip_bt.ports.HandPort`."""
+    """Implements `grip_bt.base.ports.HandPort`."""
 
     def move(self, posture: JointState, duration: float, torque_limit: float | None = None) -> Operation[JointState]:
         """Move the fingers towards a posture; see the port.
@@ -111,7 +110,7 @@ class SimHand(_Joints):
 
 
 class SimCamera:
-    """Implements `grip_bt.ports.Camera`."""
+    """Implements `grip_bt.base.ports.Camera`."""
 
     def __init__(self, client: SimClient, name: str, info: CameraInfo):
         self._client, self._name, self._info = client, name, info

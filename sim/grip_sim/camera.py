@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .geometry import camera_info
-from .physics import physx
-from .specs import BoxSpec, CameraSpec, Colour
+from grip_sim.geometry import camera_info
+from grip_sim.physics import physx
+from grip_sim.specs import BoxSpec, CameraSpec, Colour
 
 Floats = NDArray[np.floating]
 LIGHT = np.array([0.35, -0.25, 0.9]) / np.linalg.norm([0.35, -0.25, 0.9])

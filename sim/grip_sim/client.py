@@ -15,15 +15,14 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from grip_bt.errors import SimulatorLostError
-from grip_bt.operation import Operation
-from grip_bt.ports import InTurnOf
-
-from .clock import SimClock
-from .process import SimProcess
-from .replies import Reply, complete, end
-from .specs import WorldSpec
-from .wire import Arrays, ClosedError, pack, receive
+from grip_bt.base.errors import SimulatorLostError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import InTurnOf
+from grip_sim.clock import SimClock
+from grip_sim.process import SimProcess
+from grip_sim.replies import Reply, complete, end
+from grip_sim.specs import WorldSpec
+from grip_sim.wire import Arrays, ClosedError, pack, receive
 
 START_TIME, ANSWER_TIME, CLOSE_TIME = 300.0, 120.0, 1.0
 SILENCE = 120.0
@@ -100,7 +99,7 @@ class SimClient:
         return operation if self._in_turn is None else self._in_turn(operation, holds=False)
 
     def take_turns(self, in_turn: InTurnOf, stood: Callable[[], None]) -> None:
-        """Have simulated time stand still but for `go`; see `grip_bt.ports.Stepped`."""
+        """Have simulated time stand still but for `go`; see `grip_bt.base.ports.Stepped`."""
         self.ask("take_turns")
         self._in_turn, self._stood = in_turn, stood
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .specs import Vector
+from grip_sim.specs import Vector
 
 
 class Contact(NamedTuple):

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from grip_bt.values import CameraInfo, Pose
-
-from .specs import CameraSpec
+from grip_bt.base.values import CameraInfo, Pose
+from grip_sim.specs import CameraSpec
 
 
 def camera_info(spec: CameraSpec) -> CameraInfo:

@@ -8,12 +8,11 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from grip_bt.base.values import Trajectory
 from grip_bt.commanders.trajectory.braking import even_ramp, stop_ramp
 from grip_bt.commanders.trajectory.smooth import jerks_of
-from grip_bt.values import Trajectory
-
-from .robot import SimRobot
-from .world import World
+from grip_sim.robot import SimRobot
+from grip_sim.world import World
 
 Floats = NDArray[np.float64]
 START_TOLERANCE, END_TOLERANCE = 0.05, 0.02

@@ -10,7 +10,7 @@ with warnings.catch_warnings():
     import sapien
     from sapien import physx
 
-from .specs import GRAVITY
+from grip_sim.specs import GRAVITY
 
 
 def make_scene(dt: float) -> sapien.Scene:

@@ -7,7 +7,7 @@ import subprocess
 import threading
 from collections import deque
 
-from grip_bt.interpreter import python_command
+from grip_bt.base.interpreter import python_command
 
 LINES = 40
 """How many of the last lines are kept for the message about its end."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import subprocess
 
-from grip_bt.interpreter import python_command
+from grip_bt.base.interpreter import python_command
 
 _PROBE = "import sapien; sapien.render.RenderSystem(); print(sapien.render.get_device_summary())"
 

@@ -9,8 +9,9 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from grip_bt.errors import CanceledError, ExecutionAbortedError, ExpectedError, GripError
-from grip_bt.operation import Operation
+from grip_bt.base.errors import GripError
+from grip_bt.base.failures import CanceledError, ExecutionAbortedError, ExpectedError
+from grip_bt.base.operation import Operation
 
 _ERRORS: dict[str, type[ExpectedError]] = {"aborted": ExecutionAbortedError, "canceled": CanceledError}
 _log = logging.getLogger(__name__)

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from grip_bt.commanders.robots import Mimic, RobotDescription
 from grip_bt.commanders.trajectory.braking import accelerations_of
-
-from .physics import ignore_each_other, physx, sapien
+from grip_sim.physics import ignore_each_other, physx, sapien
 
 Floats = NDArray[np.float64]
 HAND_FRICTION = 1.0

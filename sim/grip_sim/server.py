@@ -10,15 +10,14 @@ from typing import Any
 
 import numpy as np
 
+from grip_bt.base.errors import GripError
+from grip_bt.base.values import Pose
 from grip_bt.commanders.trajectory.braking import even_ramp
-from grip_bt.errors import GripError
-from grip_bt.values import Pose
-
-from .motions import STILL, Brake, Ended, Follow, Motion, MoveHand, Wait
-from .referee import judge
-from .specs import WorldSpec
-from .wire import Arrays, ClosedError, pack, receive
-from .world import World
+from grip_sim.motions import STILL, Brake, Ended, Follow, Motion, MoveHand, Wait
+from grip_sim.referee import judge
+from grip_sim.specs import WorldSpec
+from grip_sim.wire import Arrays, ClosedError, pack, receive
+from grip_sim.world import World
 
 STEPS_PER_LOOK = 4
 """Steps between two looks at the connection: 17 ms of simulated time, a few ms of ours."""

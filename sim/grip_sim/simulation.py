@@ -7,22 +7,21 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.ports import InTurnOf
 from grip_bt.commanders.description.load import load_robot
-from grip_bt.errors import UnknownNameError
-from grip_bt.ports import InTurnOf
-
-from .adapters import SimCamera, SimExecutor, SimHand, SimReferee, check_positive
-from .client import SimClient
-from .clock import SimClock
-from .geometry import camera_info
-from .specs import WorldSpec
+from grip_sim.adapters import SimCamera, SimExecutor, SimHand, SimReferee, check_positive
+from grip_sim.client import SimClient
+from grip_sim.clock import SimClock
+from grip_sim.geometry import camera_info
+from grip_sim.specs import WorldSpec
 
 SETTLE = 0.5
 """How long objects are left to come to rest at the start [s]."""
 
 
 class Simulation:
-    """A running simulator. Physics advances only while something is under way. Implements `grip_bt.ports.Stepped`.
+    """A running simulator. Physics advances only while something is under way. Implements `grip_bt.base.ports.Stepped`.
 
     Attributes:
         spec: the world.
@@ -112,7 +111,7 @@ class Simulation:
         self.clock.keep_to_simulated(only)
 
     def take_turns(self, in_turn: InTurnOf, stood: Callable[[], None]) -> None:
-        """Have simulated time stand still but for `go`; see `grip_bt.ports.Stepped`."""
+        """Have simulated time stand still but for `go`; see `grip_bt.base.ports.Stepped`."""
         self._client.take_turns(in_turn, stood)
 
     def go(self, until: float | None) -> bool:

@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from .specs import Colour, ObjectSpec, WorldSpec
+from grip_sim.specs import Colour, ObjectSpec, WorldSpec
 
 PICK_X, PICK_Y = (0.42, 0.64), (-0.08, 0.32)
 RADIUS, HEIGHT, CLEARANCE = (0.028, 0.034), (0.14, 0.17), 0.15

@@ -9,16 +9,15 @@ from collections.abc import Iterable, Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.values import Pose
 from grip_bt.commanders.description.load import load_robot
 from grip_bt.commanders.robots import RobotDescription
-from grip_bt.errors import UnknownNameError
-from grip_bt.values import Pose
-
-from .camera import Frame, RayCamera, Target
-from .contacts import Contact
-from .physics import make_scene, physx, sapien
-from .robot import SimRobot
-from .specs import BoxSpec, ObjectSpec, WorldSpec
+from grip_sim.camera import Frame, RayCamera, Target
+from grip_sim.contacts import Contact
+from grip_sim.physics import make_scene, physx, sapien
+from grip_sim.robot import SimRobot
+from grip_sim.specs import BoxSpec, ObjectSpec, WorldSpec
 
 TOUCH = 1e-3
 """Contact forces below this are none [N]."""

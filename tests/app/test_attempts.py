@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from grip_bt.app.attempts import AttemptRecorder
-from grip_bt.values import Failure
+from grip_bt.base.values import Failure
 
 LEFT, LOST = Failure("something_left", "", {}), Failure("no_contact", "", {})
 

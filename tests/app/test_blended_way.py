@@ -7,11 +7,11 @@ import json
 import numpy as np
 import pytest
 
+from grip_bt.base.values import JointState
 from grip_bt.cli.__main__ import main
 from grip_bt.commanders.model import RobotModel
 from grip_bt.commanders.robots import panda_allegro
 from grip_bt.runtime import JournalReader
-from grip_bt.values import JointState
 
 PROJECT = "grip: 1\nrobot: panda_allegro\narms: {right: {hand: right_hand}}\nhands: {right_hand: {}}\nworld: table\n"
 TASK = """grip: 1

@@ -207,8 +207,8 @@ def test_a_fake_robot_is_where_it_was_without_a_question(tmp_path: Path) -> None
 
 def test_fakes_are_put_back_to_where_they_were() -> None:
     from grip_bt.app.fake_state import FakeState
+    from grip_bt.base.values import JointState, Pose
     from grip_bt.commanders.fake import FakeArm, FakeComponent, FakeHand
-    from grip_bt.values import JointState, Pose
 
     def made() -> FakeState:
         hand = FakeHand(JointState(("finger",), np.zeros(1)), thing=JointState(("finger",), np.full(1, 0.6)))

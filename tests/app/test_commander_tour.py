@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from grip_bt.app import RunOptions, open_session
+from grip_bt.base.values import Pose
 from grip_bt.commanders.taught import Taught
 from grip_bt.runtime import JournalReader
-from grip_bt.values import Pose
 
 PROJECT = """grip: 1
 robot: panda_allegro

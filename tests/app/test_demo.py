@@ -10,15 +10,15 @@ from trial_project import grip, processes_in, result_of
 from grip_bt.app import RunOptions, open_session
 from grip_bt.app.attempts import AttemptRecorder
 from grip_bt.app.demos import examples_folder, find_demo
+from grip_bt.base.values import Pose
 from grip_bt.nodes.observer import Silent
-from grip_bt.values import Pose
 
 pytestmark = [pytest.mark.ros, pytest.mark.sim, pytest.mark.slow]
 
 FAR_LEAF = '''
 
 from grip_bt.nodes import Leaf
-from grip_bt.values import Grasp, Pose
+from grip_bt.base.values import Grasp, Pose
 
 
 class FarObject(Leaf):

@@ -9,7 +9,7 @@ from contextlib import ExitStack
 import pytest
 
 from grip_bt.app.domain import DOMAINS, free_domain, own_domain
-from grip_bt.errors import GripError
+from grip_bt.base.errors import GripError
 
 
 @pytest.fixture(autouse=True)

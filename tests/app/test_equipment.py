@@ -13,9 +13,9 @@ from smally_project import write_project
 
 from grip_bt.app import project_catalog
 from grip_bt.cli.__main__ import main
-from grip_bt.graph import read_text
-from grip_bt.validation import validate
-from grip_bt.validation.fixes import Fixer
+from grip_bt.task import read_text
+from grip_bt.task.validation import validate
+from grip_bt.task.validation.fixes import Fixer
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 PROJECT = """grip: 1

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from grip_bt.app import project_catalog
-from grip_bt.graph import read_text
-from grip_bt.validation import validate
+from grip_bt.task import read_text
+from grip_bt.task.validation import validate
 
 PROJECT = "grip: 1\nrobot: panda_allegro\narms: {right: {hand: right_hand}}\nhands: {right_hand: {}}\n"
 TASK = "grip: 1\nname: demo\nroot: ROOT\n"

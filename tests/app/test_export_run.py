@@ -14,11 +14,11 @@ import pytest
 from mcap.reader import make_reader
 
 from grip_bt.app.export_run import COLUMNS, FORMATS, export_run
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.values import CameraInfo, DepthImage, Failure, Grasp, Image, PointCloud, Pose, RgbdFrame
 from grip_bt.cli.__main__ import main
-from grip_bt.errors import UnknownNameError
 from grip_bt.runtime import Journal, JournalReader, ManualClock
 from grip_bt.runtime.recorder import Recorder
-from grip_bt.values import CameraInfo, DepthImage, Failure, Grasp, Image, PointCloud, Pose, RgbdFrame
 
 RNG = np.random.default_rng(4)
 CLOUD = PointCloud(RNG.normal(size=(600, 3)), RNG.integers(0, 255, (600, 3), np.uint8), "camera")

@@ -3,7 +3,7 @@
 import pytest
 
 from grip_bt.app import run
-from grip_bt.errors import DocumentError
+from grip_bt.base.errors import DocumentError
 
 HANDS = "hands: {right_hand: {group: hand}}\narms: {right: {group: arm, hand: right_hand}}\n"
 

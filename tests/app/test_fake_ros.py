@@ -10,12 +10,13 @@ import pytest
 
 from grip_bt.app import run
 from grip_bt.app.fake_values import value_of
-from grip_bt.catalog.types import BUILTINS, VALUES
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import SensorError
+from grip_bt.base.ports import Ros, Sensor
+from grip_bt.base.types import BUILTINS, VALUES
+from grip_bt.base.values import Pose
 from grip_bt.commanders.fake import FakeRos, FakeSensor
-from grip_bt.errors import SensorError, UnknownNameError
-from grip_bt.ports import Ros, Sensor
 from grip_bt.runtime import JournalReader
-from grip_bt.values import Pose
 
 PROJECT = """
 grip: 1

@@ -11,8 +11,8 @@ from smally_project import robot_files
 from grip_bt.app import RunOptions, find_project, open_session
 from grip_bt.app.named_parts import check_arms, jerks_of_arms
 from grip_bt.app.project import ArmConfig
+from grip_bt.base.errors import GripError
 from grip_bt.cli.__main__ import main
-from grip_bt.errors import GripError
 
 SIMULATED = pytest.param("sim", marks=[pytest.mark.sim, pytest.mark.slow])
 PROJECT = """grip: 1

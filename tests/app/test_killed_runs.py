@@ -15,8 +15,8 @@ from typing import Any
 
 import pytest
 
+from grip_bt.base.errors import GripError
 from grip_bt.cli.__main__ import main
-from grip_bt.errors import GripError
 from grip_bt.runtime import JournalReader, RunRecord
 
 DEATHS = int(os.environ.get("GRIP_FUZZ_DEATHS", "6"))

@@ -11,8 +11,8 @@ import pytest
 from grip_bt.app.launch_file import launch_file_of
 from grip_bt.app.launching import project_members
 from grip_bt.app.project import find_project
+from grip_bt.base.errors import DocumentError, UnknownNameError
 from grip_bt.cli.__main__ import main
-from grip_bt.errors import DocumentError, UnknownNameError
 from grip_bt.ros.launch import read_launch_file
 
 GOLDEN = Path(__file__).parents[1] / "golden" / "launch" / "project.launch.xml"

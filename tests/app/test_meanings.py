@@ -14,10 +14,10 @@ import pytest
 from grip_bt.app.capsule import columns_of
 from grip_bt.app.export_mcap import _line
 from grip_bt.app.replay import ENDS, line_of
-from grip_bt.catalog import Catalog
 from grip_bt.compilers import to_machine, to_tree
-from grip_bt.graph import Task, dumps
 from grip_bt.runtime import Event, Journal, JournalReader, ManualClock, RunContext, Runner
+from grip_bt.task import Task, dumps
+from grip_bt.task.catalog import Catalog
 
 LABELS = ("success", "failure", "gave_up", "done", "no_luck", "best_effort")
 

@@ -9,7 +9,7 @@ import pytest
 
 from grip_bt.app import RunOptions, open_session
 from grip_bt.app.mocks import read_mocks
-from grip_bt.errors import DocumentError, UnknownNameError
+from grip_bt.base.errors import DocumentError, UnknownNameError
 from grip_bt.runtime import JournalReader
 
 TASK = """

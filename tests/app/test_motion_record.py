@@ -12,12 +12,12 @@ import numpy as np
 from grip_bt.app.motion_bodies import MOST_CELLS, Bodies, few_cells
 from grip_bt.app.motion_record import KEPT, motion_file, recorded_motion
 from grip_bt.app.resources import Resources
+from grip_bt.base.errors import SimulatorLostError
+from grip_bt.base.values import JointState, Pose
+from grip_bt.base.values.solids import CellMap, Mesh
 from grip_bt.commanders.fake import FakeArm
 from grip_bt.commanders.scene import PlanningScene
-from grip_bt.errors import SimulatorLostError
 from grip_bt.runtime import WallClock
-from grip_bt.values import JointState, Pose
-from grip_bt.values.solids import CellMap, Mesh
 
 
 class Turning:

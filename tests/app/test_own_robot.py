@@ -6,7 +6,7 @@ import pytest
 from smally_project import PROJECT, write_project
 
 from grip_bt.app import RunOptions, find_project, open_session
-from grip_bt.errors import DocumentError, InvalidRobotError
+from grip_bt.base.errors import DocumentError, InvalidRobotError
 from grip_bt.runtime import JournalReader
 
 SIMULATED = pytest.param("sim", marks=[pytest.mark.sim, pytest.mark.slow])

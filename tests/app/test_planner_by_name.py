@@ -3,6 +3,8 @@
 import pytest
 
 from grip_bt.app.planner_parts import PlannerByName
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import JointState, Pose, Trajectory
 from grip_bt.commanders.planning.requests import (
     CheckTogether,
     ChooseGrasp,
@@ -13,8 +15,6 @@ from grip_bt.commanders.planning.requests import (
     Situation,
 )
 from grip_bt.commanders.scene import SceneSnapshot
-from grip_bt.operation import Operation
-from grip_bt.values import JointState, Pose, Trajectory
 
 START = JointState(("a",), [0.0])
 ROAD = Trajectory(("a",), [0.0, 1.0], [[0.0], [1.0]])

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from grip_bt.app.project import find_project, project_catalog
-from grip_bt.errors import DocumentError
+from grip_bt.base.errors import DocumentError
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 

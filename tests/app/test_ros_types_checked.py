@@ -8,8 +8,8 @@ import sys
 import pytest
 
 from grip_bt.app import project_catalog
-from grip_bt.graph import read_text
-from grip_bt.validation import validate
+from grip_bt.task import read_text
+from grip_bt.task.validation import validate
 
 pytest.importorskip("rclpy")
 COMPONENT = "name: c\ninterface: INTERFACE\nserver: /c\noutcomes: {done: 'true'}\n"

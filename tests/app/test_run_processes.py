@@ -16,7 +16,7 @@ import pytest
 
 from grip_bt.app import run_process
 from grip_bt.app.supervisor import Supervisor
-from grip_bt.errors import GripError
+from grip_bt.base.errors import GripError
 from grip_bt.runtime import JournalReader
 
 NODES = """

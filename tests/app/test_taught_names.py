@@ -6,9 +6,9 @@ import pytest
 
 from grip_bt.app import project_catalog
 from grip_bt.cli.__main__ import main
-from grip_bt.graph import read_text
-from grip_bt.validation import SEVERITY, validate
-from grip_bt.validation.fixes import Fixer
+from grip_bt.task import read_text
+from grip_bt.task.validation import SEVERITY, validate
+from grip_bt.task.validation.fixes import Fixer
 
 PROJECT = "grip: 1\nrobot: panda_allegro\narms: {right: {hand: right_hand}}\nhands: {right_hand: {}}\n"
 TWO_ARMS = "grip: 1\nrobot: two_ur5_allegro\narms: {left: {group: left_arm}, right: {group: right_arm}}\n"

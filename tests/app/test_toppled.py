@@ -5,7 +5,7 @@ import pytest
 
 from grip_bt.app import RunOptions, open_session
 from grip_bt.app.demos import find_demo
-from grip_bt.values import Pose
+from grip_bt.base.values import Pose
 
 pytestmark = [pytest.mark.ros, pytest.mark.sim, pytest.mark.slow]
 

@@ -10,9 +10,9 @@ import grip_bt
 from grip_bt import smach_compat
 from grip_bt.app import project_catalog
 from grip_bt.app.execute import RunOptions, open_session
-from grip_bt.codegen.smach import export
-from grip_bt.graph import load
+from grip_bt.formats.smach_export import export
 from grip_bt.runtime import JournalReader
+from grip_bt.task import load
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 TASKS = sorted((EXAMPLES / "tasks").glob("*.yaml"))

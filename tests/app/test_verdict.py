@@ -11,8 +11,8 @@ import pytest
 from trial_project import grip
 
 from grip_bt.app.verdict import PLACE, Verdict, words
+from grip_bt.base.errors import DocumentError, SimulatorLostError
 from grip_bt.cli.run import exit_status, sentence
-from grip_bt.errors import DocumentError, SimulatorLostError
 
 
 def verdict_over(states: dict[str, str] | None, goal: str = "", placing: int = 0, target: str = "crate") -> Verdict:

@@ -6,8 +6,8 @@ import pytest
 
 from grip_bt.app import project_catalog
 from grip_bt.cli.__main__ import main
-from grip_bt.graph import read_text
-from grip_bt.validation import validate
+from grip_bt.task import read_text
+from grip_bt.task.validation import validate
 
 PROJECT = """grip: 1
 robot: panda_allegro

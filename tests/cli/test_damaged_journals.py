@@ -139,7 +139,7 @@ def look(file: Path, run: str, capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def page(file: Path) -> None:
-    from grip_bt.errors import GripError
+    from grip_bt.base.errors import GripError
 
     pytest.importorskip("fastapi")
     from grip_gui.journal import JournalRuns

@@ -135,7 +135,12 @@ def test_the_pages_processes_dont_either(hostile: Path) -> None:
 
 def test_nothing_else_starts_this_python() -> None:
     """Whatever is started anew goes through `python_command`, is isolated (the warden), or somebody's `{python}`."""
-    known = {"grip_bt/interpreter.py", "grip_bt/ros/process.py", "grip_bt/ros/starting.py", "grip_bt/app/doctor.py"}
+    known = {
+        "grip_bt/base/interpreter.py",
+        "grip_bt/ros/process.py",
+        "grip_bt/ros/starting.py",
+        "grip_bt/app/doctor.py",
+    }
     rooms = [ROOT / "grip_bt", ROOT / "sim", ROOT / "gui" / "grip_gui"]
     found = {
         file.relative_to(ROOT).as_posix()

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from grip_bt.graph import loads
+from grip_bt.task import loads
 
 XML = (
     '<root main_tree_to_execute="Main"><BehaviorTree ID="Main"><Sequence>'

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-DATA = Path(__file__).parents[1] / "smach_import" / "data"
+DATA = Path(__file__).parents[1] / "formats" / "smach" / "data"
 
 
 def grip(*arguments):

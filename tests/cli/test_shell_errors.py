@@ -2,8 +2,8 @@
 
 import pytest
 
+from grip_bt.base.errors import NotWritableError
 from grip_bt.cli.__main__ import main
-from grip_bt.errors import NotWritableError
 from grip_bt.ros.interfaces import build_interfaces
 
 TASK = "grip: 1\nname: first\nroot: {node: flow/succeed}\n"

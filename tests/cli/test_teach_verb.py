@@ -4,9 +4,9 @@ import json
 
 import pytest
 
+from grip_bt.base.values import JointState, Pose
 from grip_bt.cli.__main__ import main
 from grip_bt.commanders.taught import Taught
-from grip_bt.values import JointState, Pose
 
 PROJECT = "grip: 1\nrobot: panda_allegro\narms: {right: {hand: right_hand}}\nhands: {right_hand: {}}\nworld: table\n"
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from grip_bt.base.errors import DocumentError
 from grip_bt.cli.__main__ import main
-from grip_bt.errors import DocumentError
 from grip_bt.ros.components import find_components
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "components" / "antipodal_grasps"

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from grip_bt.catalog.component_file import load_component
-from grip_bt.errors import DocumentError
+from grip_bt.base.errors import DocumentError
+from grip_bt.task.catalog.component_file import load_component
 
 GOOD = """\
 name: my_grasps

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from grip_bt.catalog.component_file import ComponentFile, load_component
-from grip_bt.catalog.interface_spec import FieldSpec, InterfaceSpec
+from grip_bt.base.errors import ContractError, DocumentError
 from grip_bt.codegen import check_contract
-from grip_bt.errors import ContractError, DocumentError
+from grip_bt.task.catalog.component_file import ComponentFile, load_component
+from grip_bt.task.catalog.interface_spec import FieldSpec, InterfaceSpec
 
 REQUEST = (
     FieldSpec("input", "sensor_msgs/msg/PointCloud2"),

@@ -11,9 +11,9 @@ from xml.etree import ElementTree
 
 import pytest
 
-from grip_bt.catalog.component_file import load_component
+from grip_bt.base.errors import GripError, ProjectExistsError
 from grip_bt.codegen.new_repository import make_repository
-from grip_bt.errors import GripError, ProjectExistsError
+from grip_bt.task.catalog.component_file import load_component
 
 
 def grip(*words: object, cwd: Path, **env: str) -> subprocess.CompletedProcess[str]:

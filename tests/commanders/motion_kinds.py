@@ -13,6 +13,8 @@ import numpy as np
 from scipy.interpolate import BPoly
 from table_top import PATIENCE, robot_model, room
 
+from grip_bt.base.failures import ExpectedError
+from grip_bt.base.values import JointState, Trajectory, WayPoint
 from grip_bt.commanders.collision import CollisionChecker
 from grip_bt.commanders.held import rest_of
 from grip_bt.commanders.jogging import jogged, lasting
@@ -30,8 +32,6 @@ from grip_bt.commanders.planning.requests import (
 from grip_bt.commanders.scene import SceneSnapshot
 from grip_bt.commanders.steering import HOLD, spliced
 from grip_bt.commanders.trajectory.braking import stop_ramp
-from grip_bt.errors import ExpectedError
-from grip_bt.values import JointState, Trajectory, WayPoint
 
 PERIOD = 1e-3
 """Controllers take their set points at this period [s]."""

@@ -4,20 +4,20 @@ import numpy as np
 import pytest
 from table_top import named, place_things, robot_model, room, side_grasps
 
-from grip_bt.commanders.arm import ArmCommander
-from grip_bt.commanders.fake import FakeExecutor
-from grip_bt.commanders.planning.motions import answer
-from grip_bt.commanders.planning.requests import PlanningSettings, PlanTo
-from grip_bt.errors import (
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import (
     ExecutionAbortedError,
     ExpectedError,
     OutOfLimitsError,
     PathInvalidError,
     StartInCollisionError,
-    UnknownNameError,
 )
-from grip_bt.operation import Operation
-from grip_bt.values import JointState, Plan, Pose, Trajectory
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import JointState, Plan, Pose, Trajectory
+from grip_bt.commanders.arm import ArmCommander
+from grip_bt.commanders.fake import FakeExecutor
+from grip_bt.commanders.planning.motions import answer
+from grip_bt.commanders.planning.requests import PlanningSettings, PlanTo
 
 
 class PlansHere:

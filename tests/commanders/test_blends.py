@@ -6,12 +6,18 @@ import numpy as np
 import pytest
 from table_top import named, robot_model, room, situation
 
+from grip_bt.base.failures import (
+    CanceledError,
+    GoalInCollisionError,
+    NoIkError,
+    PathInvalidError,
+    StartInCollisionError,
+)
+from grip_bt.base.values import JointState, Pose, WayPoint
 from grip_bt.commanders.collision import CollisionChecker
 from grip_bt.commanders.planning.motions import answer
 from grip_bt.commanders.planning.paths import interpolated
 from grip_bt.commanders.planning.requests import PlanThrough
-from grip_bt.errors import CanceledError, GoalInCollisionError, NoIkError, PathInvalidError, StartInCollisionError
-from grip_bt.values import JointState, Pose, WayPoint
 
 
 def planned(goals, radii, straight=True, scene=None, model=None):

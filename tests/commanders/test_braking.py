@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from grip_bt.base.values import Trajectory
 from grip_bt.commanders.trajectory.braking import (
     ACCELERATION,
     LATER,
@@ -16,7 +17,6 @@ from grip_bt.commanders.trajectory.braking import (
     stop_ramp,
 )
 from grip_bt.commanders.trajectory.smooth import braking_times, each_by_itself
-from grip_bt.values import Trajectory
 
 SEEDS = st.integers(0, 10**6)
 

@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 from scipy.interpolate import BPoly
 from table_top import robot_model
 
+from grip_bt.base.values import Pose, Trajectory
 from grip_bt.commanders.collision import CollisionChecker, recent_checker
 from grip_bt.commanders.planning.continuous import continuously_free, first_touch
 from grip_bt.commanders.planning.free import halving
 from grip_bt.commanders.planning.paths import interpolated
 from grip_bt.commanders.scene import Box, Cylinder, SceneObject, SceneSnapshot
-from grip_bt.values import Pose, Trajectory
 
 SCENE = SceneSnapshot(
     {

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from grip_bt.base.errors import DocumentError
 from grip_bt.commanders.description import expansions, xacro_files
 from grip_bt.commanders.description.packages import Packages
 from grip_bt.commanders.description.reading import noting_files
-from grip_bt.errors import DocumentError
 
 OUTER = (
     '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="n" default="a"/>'

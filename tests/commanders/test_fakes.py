@@ -3,20 +3,20 @@
 import numpy as np
 import pytest
 
-from grip_bt.commanders.fake import AtOnce, FakeArm, FakeCamera, FakeComponent, FakeExecutor, FakeHand, OnClock
-from grip_bt.commanders.hand import HandCommander
-from grip_bt.errors import (
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import (
     ExecutionAbortedError,
     NoIkError,
     NoPlanError,
     SensorError,
     ServerLostError,
     ServerTimeOutError,
-    UnknownNameError,
 )
-from grip_bt.ports import Arm, Camera, Component
+from grip_bt.base.ports import Arm, Camera, Component
+from grip_bt.base.values import CameraInfo, DepthImage, Image, JointState, Pose, RgbdFrame, Trajectory
+from grip_bt.commanders.fake import AtOnce, FakeArm, FakeCamera, FakeComponent, FakeExecutor, FakeHand, OnClock
+from grip_bt.commanders.hand import HandCommander
 from grip_bt.runtime.clock import ManualClock
-from grip_bt.values import CameraInfo, DepthImage, Image, JointState, Pose, RgbdFrame, Trajectory
 
 START = JointState(("a",), [0.0])
 

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from table_top import named, robot_model
 
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import NoIkError
+from grip_bt.base.values import JointState
 from grip_bt.commanders.ik.fingertips import TOLERANCE, fingertip_positions, fingertip_posture
-from grip_bt.errors import NoIkError, UnknownNameError
-from grip_bt.values import JointState
 
 
 @pytest.fixture(scope="module")

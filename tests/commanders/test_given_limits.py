@@ -6,10 +6,10 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import BPoly
 
+from grip_bt.base.failures import OutOfLimitsError
+from grip_bt.base.values import Trajectory
 from grip_bt.commanders.model import Limits
 from grip_bt.commanders.trajectory.limits import ROUNDED, refuse_beyond_limits
-from grip_bt.errors import OutOfLimitsError
-from grip_bt.values import Trajectory
 
 FAR = 1e9
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import NameTakenError
+from grip_bt.base.values import JointState
 from grip_bt.commanders.fake import FakeHand
 from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.robots import build_robot
 from grip_bt.commanders.synergy import Synergies
 from grip_bt.commanders.taught import Taught
-from grip_bt.errors import NameTakenError, UnknownNameError
-from grip_bt.values import JointState
 
 FINGERS = {"index": ("joint_0.0", "joint_1.0"), "thumb": ("joint_12.0", "joint_13.0")}
 STATES = build_robot("panda_allegro").named_states["hand"]

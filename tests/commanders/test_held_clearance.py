@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from grip_bt.base.values import JointState, Pose
 from grip_bt.commanders.collision import HELD_SLACK, CollisionChecker
 from grip_bt.commanders.model import RobotModel
 from grip_bt.commanders.robots import build_robot
 from grip_bt.commanders.scene import PlanningScene
-from grip_bt.values import JointState, Pose
 
 
 @pytest.fixture(scope="module")

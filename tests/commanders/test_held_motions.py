@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from grip_bt.base.failures import ExecutionAbortedError, SensorError
+from grip_bt.base.values import JointState, Trajectory
 from grip_bt.commanders.fake import FakeExecutor, FakeHand, OnClock
 from grip_bt.commanders.held import ASIDE, HeldExecutor, HeldHand, rest_of
 from grip_bt.commanders.model import Limits
 from grip_bt.commanders.trajectory.timing import Allowed, timed
-from grip_bt.errors import ExecutionAbortedError, SensorError
 from grip_bt.runtime.clock import ManualClock
-from grip_bt.values import JointState, Trajectory
 
 NAMES = ("a", "b")
 LIMITS = np.array([8.0, 8.0])

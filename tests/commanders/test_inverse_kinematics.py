@@ -5,12 +5,12 @@ import pinocchio as pin
 import pytest
 from table_top import named, robot_model
 
+from grip_bt.base.errors import UnfitSolverError, UnknownNameError
 from grip_bt.commanders.ik import SOLVERS, Target, nearest, solve, solver
 from grip_bt.commanders.ik.damped_least_squares import TOLERANCE, solve_from
 from grip_bt.commanders.ik.target import FREE
 from grip_bt.commanders.model import RobotModel
 from grip_bt.commanders.robots import build_robot
-from grip_bt.errors import UnfitSolverError, UnknownNameError
 
 FITS = [(name, robot) for name in SOLVERS for robot in ("panda_allegro", "ur10_allegro")]
 FITS.remove(("analytic", "panda_allegro"))  # seven joints

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from table_top import named, robot_model, situation
 
+from grip_bt.base.failures import ConstraintBrokenError
+from grip_bt.base.values import JointState, PathConstraint, Pose, WayPoint
 from grip_bt.commanders.planning.constraints import CONSTRAINT_SLACK
 from grip_bt.commanders.planning.motions import answer
 from grip_bt.commanders.planning.requests import PlanThrough
 from grip_bt.commanders.scene import SceneSnapshot
-from grip_bt.errors import ConstraintBrokenError
-from grip_bt.values import JointState, PathConstraint, Pose, WayPoint
 
 
 def home() -> Pose:

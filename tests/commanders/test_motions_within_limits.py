@@ -7,12 +7,12 @@ from hypothesis import strategies as st
 from motion_kinds import ARMS, PERIOD, Motions, drawn, kinds, many, used
 from table_top import robot_model
 
+from grip_bt.base.failures import OutOfLimitsError, PathInvalidError
+from grip_bt.base.values import JointState, WayPoint
 from grip_bt.commanders.model import Limits
 from grip_bt.commanders.planning.requests import PlanStraight, PlanThrough, PlanTo
 from grip_bt.commanders.trajectory.splines import eased, peaks, slowed
 from grip_bt.commanders.trajectory.timing import STILL, Allowed, timed
-from grip_bt.errors import OutOfLimitsError, PathInvalidError
-from grip_bt.values import JointState, WayPoint
 
 ROUNDED = 1 + 1e-6
 

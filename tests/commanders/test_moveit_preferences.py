@@ -11,11 +11,11 @@ from robot_files import description_package, moveit_package
 from grip_bt.app.commander_parts import settings_of
 from grip_bt.app.planner_parts import planners_in_force
 from grip_bt.app.project import ArmConfig, find_project
+from grip_bt.base.errors import UnknownNameError
 from grip_bt.cli.__main__ import main
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.load import inspect_robot, load_robot
 from grip_bt.commanders.robots.description import Preference
-from grip_bt.errors import UnknownNameError
 
 PLANNING = """planner_configs:
   Both: {type: geometric::RRTConnect, range: 0.7}

@@ -7,6 +7,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from grip_bt.base.errors import MissingPartError
+from grip_bt.base.values import JointState
 from grip_bt.cli.__main__ import main
 from grip_bt.commanders.collision import CollisionChecker
 from grip_bt.commanders.description import packages
@@ -15,8 +17,6 @@ from grip_bt.commanders.description.load import inspect_robot, load_robot
 from grip_bt.commanders.model import RobotModel
 from grip_bt.commanders.robots import build_robot
 from grip_bt.commanders.scene import PlanningScene
-from grip_bt.errors import MissingPartError
-from grip_bt.values import JointState
 
 WAYS = {
     "ur3_gripper": 0.138,

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from table_top import CRATE, named, place_things, robot_model, room, side_grasps, situation
 
+from grip_bt.base.failures import ExpectedError, NoGraspError
+from grip_bt.base.values import Pose
 from grip_bt.commanders.planning.motions import answer
 from grip_bt.commanders.planning.requests import ChooseGrasp, PlanStraight, PlanTo
-from grip_bt.errors import ExpectedError, NoGraspError
-from grip_bt.values import Pose
 
 SCENES = 30
 

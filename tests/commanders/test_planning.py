@@ -15,12 +15,8 @@ from table_top import (
     situation,
 )
 
-from grip_bt.commanders.collision import CollisionChecker
-from grip_bt.commanders.planning.free import planners
-from grip_bt.commanders.planning.motions import answer
-from grip_bt.commanders.planning.paths import interpolated
-from grip_bt.commanders.planning.requests import ChooseGrasp, PlanningSettings, PlanStraight, PlanTo
-from grip_bt.errors import (
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import (
     CanceledError,
     GoalInCollisionError,
     NoGraspError,
@@ -28,9 +24,13 @@ from grip_bt.errors import (
     OutOfLimitsError,
     PathInvalidError,
     StartInCollisionError,
-    UnknownNameError,
 )
-from grip_bt.values import JointState, Pose
+from grip_bt.base.values import JointState, Pose
+from grip_bt.commanders.collision import CollisionChecker
+from grip_bt.commanders.planning.free import planners
+from grip_bt.commanders.planning.motions import answer
+from grip_bt.commanders.planning.paths import interpolated
+from grip_bt.commanders.planning.requests import ChooseGrasp, PlanningSettings, PlanStraight, PlanTo
 
 
 def never():

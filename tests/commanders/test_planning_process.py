@@ -11,14 +11,15 @@ import numpy as np
 import pytest
 from table_top import endless_request, named, place_things, robot_model, room, side_grasps, situation
 
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import CanceledError, GoalInCollisionError, PlannerLostError
+from grip_bt.base.values import JointState, Pose
 from grip_bt.commanders import worker
 from grip_bt.commanders.collision import CollisionChecker
 from grip_bt.commanders.planning.free import planners
 from grip_bt.commanders.planning.motions import answer
 from grip_bt.commanders.planning.requests import ChooseGrasp, PlanTo
 from grip_bt.commanders.worker import PlanningProcess
-from grip_bt.errors import CanceledError, GoalInCollisionError, PlannerLostError, UnknownNameError
-from grip_bt.values import JointState, Pose
 
 
 @pytest.fixture(scope="module")

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.ports import Scene
+from grip_bt.base.values import Pose
 from grip_bt.commanders.scene import PlanningScene
-from grip_bt.errors import UnknownNameError
-from grip_bt.ports import Scene
-from grip_bt.values import Pose
 
 
 class MovingHand:

@@ -3,9 +3,9 @@ import re
 import pytest
 from robot_files import SRDF, urdf
 
+from grip_bt.base.errors import InvalidRobotError
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.load import inspect_robot, load_robot
-from grip_bt.errors import InvalidRobotError
 
 LIMIT = '<limit lower="-2.8" upper="2.8" velocity="2.0" effort="80"/>'
 J1 = f'<axis xyz="0 0 1"/>{LIMIT}'

@@ -4,13 +4,13 @@ import yaml
 from robot_files import JOINTS, SRDF, description_package, moveit_package, urdf
 
 from grip_bt.app.project import ProjectFile
+from grip_bt.base.errors import DocumentError, InvalidRobotError, MissingPartError, UnknownNameError
+from grip_bt.base.values import JointState
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.load import inspect_robot, load_robot
 from grip_bt.commanders.description.packages import Packages
 from grip_bt.commanders.model import RobotModel
 from grip_bt.commanders.moveit_package import read_package
-from grip_bt.errors import DocumentError, InvalidRobotError, MissingPartError, UnknownNameError
-from grip_bt.values import JointState
 
 
 @pytest.fixture

@@ -5,11 +5,11 @@ import pinocchio as pin
 import pytest
 from table_top import AT_TABLES, named, place_things, robot_model, room
 
+from grip_bt.base.values import JointState, Pose
 from grip_bt.commanders.collision import CollisionChecker
 from grip_bt.commanders.robots.assembly import load_urdf
 from grip_bt.commanders.robots.parts import PACKAGE, asset_folder
 from grip_bt.commanders.shapes import simplified
-from grip_bt.values import JointState, Pose
 
 
 def random_configurations(chain, count, seed=0):

@@ -5,6 +5,9 @@ import pytest
 from robot_files import JOINTS, SRDF, urdf
 from table_top import robot_model
 
+from grip_bt.base.errors import InvalidRobotError
+from grip_bt.base.failures import StartInCollisionError
+from grip_bt.base.values import JointState
 from grip_bt.commanders.collision import CollisionChecker
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.load import inspect_robot, load_robot
@@ -12,8 +15,6 @@ from grip_bt.commanders.model import RobotModel
 from grip_bt.commanders.planning.motions import answer
 from grip_bt.commanders.planning.requests import PlanningSettings, PlanTo, Situation
 from grip_bt.commanders.scene import PlanningScene
-from grip_bt.errors import InvalidRobotError, StartInCollisionError
-from grip_bt.values import JointState
 
 NOTHING = PlanningScene({}).snapshot()
 

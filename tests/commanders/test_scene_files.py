@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from grip_bt.base.errors import DocumentError
+from grip_bt.base.values import Pose
+from grip_bt.base.values.solids import Box, Cylinder, Mesh, Sphere
 from grip_bt.commanders.scene import PlanningScene
 from grip_bt.commanders.scene_file import load_scene, parse_scene
-from grip_bt.errors import DocumentError
-from grip_bt.values import Pose
-from grip_bt.values.solids import Box, Cylinder, Mesh, Sphere
 
 NEW = """(noname)+
 * table top

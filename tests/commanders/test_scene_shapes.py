@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from table_top import named, robot_model
 
+from grip_bt.base.errors import DocumentError, UnknownNameError
+from grip_bt.base.values import Pose
+from grip_bt.base.values.solids import Box, CellMap, Cylinder, Mesh, Sphere
 from grip_bt.commanders.collision import CollisionChecker
 from grip_bt.commanders.meshes import hull_of, load_mesh
 from grip_bt.commanders.robot_links import joints_of_fingers, limits_of_joints, links_of_groups
 from grip_bt.commanders.scene import PlanningScene, SceneObject, SceneSnapshot
-from grip_bt.errors import DocumentError, UnknownNameError
-from grip_bt.values import Pose
-from grip_bt.values.solids import Box, CellMap, Cylinder, Mesh, Sphere
 
 CUBE = np.array([(x, y, z) for x in (-0.05, 0.05) for y in (-0.05, 0.05) for z in (-0.05, 0.05)])
 SIDES = [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4)]

@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from grip_bt.base.values import Pose
+from grip_bt.base.values.solids import Box, Cylinder, Mesh, Sphere
 from grip_bt.commanders.scene import SceneObject
 from grip_bt.commanders.scene_file import parse_scene
 from grip_bt.commanders.scene_writer import scene_text
-from grip_bt.values import Pose
-from grip_bt.values.solids import Box, Cylinder, Mesh, Sphere
 
 LENGTHS = st.floats(0.001, 5.0)
 SHAPES = st.one_of(

@@ -5,9 +5,9 @@ import pinocchio as pin
 import pytest
 from table_top import robot_model
 
+from grip_bt.base.errors import DocumentError
+from grip_bt.base.values import JointState
 from grip_bt.commanders.description.mjcf import urdf_of_mjcf
-from grip_bt.errors import DocumentError
-from grip_bt.values import JointState
 
 
 def place(model, link, positions, of="rh_palm"):

@@ -4,6 +4,10 @@ import numpy as np
 import pytest
 from table_top import named, robot_model, room
 
+from grip_bt.base.failures import ExpectedError, NoIkError, OutOfLimitsError, PathInvalidError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Steerable
+from grip_bt.base.values import Pose, Trajectory
 from grip_bt.commanders.arm import ArmCommander
 from grip_bt.commanders.collision import recent_checker
 from grip_bt.commanders.fake import FakeExecutor, OnClock
@@ -11,11 +15,7 @@ from grip_bt.commanders.jogging import approaching
 from grip_bt.commanders.planning.motions import answer
 from grip_bt.commanders.planning.requests import PlanningSettings, PlanOnward
 from grip_bt.commanders.steering import HOLD, SAMPLING, spliced, steered
-from grip_bt.errors import ExpectedError, NoIkError, OutOfLimitsError, PathInvalidError
-from grip_bt.operation import Operation
-from grip_bt.ports import Steerable
 from grip_bt.runtime.clock import ManualClock
-from grip_bt.values import Pose, Trajectory
 
 TICK = 0.05
 

@@ -9,12 +9,12 @@ import pinocchio as pin
 import pytest
 from table_top import named, robot_model, situation
 
+from grip_bt.base.failures import ExpectedError
+from grip_bt.base.values import JointState, Pose, WayPoint
 from grip_bt.commanders.planning.lines import OFF, TURNED
 from grip_bt.commanders.planning.motions import answer
 from grip_bt.commanders.planning.requests import PlanStraight, PlanThrough
 from grip_bt.commanders.scene import SceneSnapshot
-from grip_bt.errors import ExpectedError
-from grip_bt.values import JointState, Pose, WayPoint
 
 
 def moved(pose: Pose, way, turn) -> Pose:

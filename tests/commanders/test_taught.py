@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from grip_bt.base.errors import DocumentError, UnknownNameError
+from grip_bt.base.failures import NameTakenError
+from grip_bt.base.values import JointState, Pose
 from grip_bt.commanders.taught import Taught
-from grip_bt.errors import DocumentError, NameTakenError, UnknownNameError
-from grip_bt.values import JointState, Pose
 
 
 def test_states_and_poses_come_back_to_the_last_digit(tmp_path):

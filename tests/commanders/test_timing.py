@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from table_top import named
 
+from grip_bt.base.failures import PathInvalidError
 from grip_bt.commanders.trajectory.timing import SAMPLING, Allowed, timed
-from grip_bt.errors import PathInvalidError
 
 
 def accept_all(trajectory):

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from grip_bt.base.failures import CanceledError, ExecutionAbortedError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Executor
+from grip_bt.base.values import JointState, Pose, Trajectory
 from grip_bt.commanders.fake import FakeArm, FakeExecutor, OnClock
 from grip_bt.commanders.together import JoinedExecutor, all_of, execute_together
-from grip_bt.errors import CanceledError, ExecutionAbortedError
-from grip_bt.operation import Operation
-from grip_bt.ports import Executor
 from grip_bt.runtime.clock import ManualClock
-from grip_bt.values import JointState, Pose, Trajectory
 
 
 @pytest.fixture

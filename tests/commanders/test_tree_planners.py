@@ -7,6 +7,8 @@ import pinocchio as pin
 import pytest
 from table_top import joined, named, robot_model
 
+from grip_bt.base.failures import ConstraintBrokenError, NoIkError, TimeOutError
+from grip_bt.base.values import JointState, PathConstraint, Pose
 from grip_bt.commanders.collision import CollisionChecker
 from grip_bt.commanders.ik import Target, solve
 from grip_bt.commanders.planning.bitrrt import CLEARANCES, costs
@@ -18,8 +20,6 @@ from grip_bt.commanders.planning.paths import interpolated
 from grip_bt.commanders.planning.requests import PlanningSettings, PlanTo, Situation
 from grip_bt.commanders.planning.trees import Tree
 from grip_bt.commanders.scene import Box, SceneObject, SceneSnapshot
-from grip_bt.errors import ConstraintBrokenError, NoIkError, TimeOutError
-from grip_bt.values import JointState, PathConstraint, Pose
 
 LEVEL = pin.rpy.rpyToMatrix(0, np.pi / 2, 0)
 """A grasp frame whose z axis points forward, level."""

@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 from robot_files import SRDF, urdf
 
+from grip_bt.base.failures import OutOfLimitsError, PathInvalidError
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import JointState, Plan, Pose, Trajectory
 from grip_bt.commanders.arm import ArmCommander
 from grip_bt.commanders.collision import CollisionChecker
 from grip_bt.commanders.description.config import RobotConfig
@@ -17,10 +20,7 @@ from grip_bt.commanders.planning.requests import CheckTogether, PlanningSettings
 from grip_bt.commanders.scene import Box, Carrier, SceneObject, SceneSnapshot
 from grip_bt.commanders.together import execute_together
 from grip_bt.commanders.trajectory.splines import eased
-from grip_bt.errors import OutOfLimitsError, PathInvalidError
-from grip_bt.operation import Operation
 from grip_bt.runtime.clock import ManualClock
-from grip_bt.values import JointState, Plan, Pose, Trajectory
 
 UPRIGHT = np.zeros(6)
 SIDES = ("left", "right")

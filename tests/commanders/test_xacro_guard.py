@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from grip_bt.base.errors import DocumentError
 from grip_bt.commanders.description import expansions
 from grip_bt.commanders.description.packages import Packages
 from grip_bt.commanders.description.xacro_files import expand
-from grip_bt.errors import DocumentError
 
 
 @pytest.fixture(autouse=True)

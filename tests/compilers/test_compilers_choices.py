@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 from test_compilers_machine import LEAF, edges, machine_of
 
+from grip_bt.base.errors import NodeError, NotExpressibleError
 from grip_bt.compilers import Halted, Rushing
-from grip_bt.errors import NodeError, NotExpressibleError
 from grip_bt.smach_compat import StateMachine
 
 ITEMS = {"data": {"some": {"type": "list[int]", "value": [1, 2]}}, "items": "some", "item": "one"}

@@ -9,11 +9,11 @@ import pytest
 from py_trees.common import Status
 
 from grip_bt import smach_compat
-from grip_bt.catalog import Catalog, Manifest
+from grip_bt.base.errors import NodeError, NotExpressibleError
 from grip_bt.compilers import BehaviourState, Halted, Rushing, to_machine
-from grip_bt.errors import NodeError, NotExpressibleError
-from grip_bt.graph.model import Task
 from grip_bt.nodes import Leaf
+from grip_bt.task.catalog import Catalog, Manifest
+from grip_bt.task.model import Task
 
 CATALOG = Catalog([Manifest(id="test/leaf", doc="Ends as it is told.", implementation="tests:Told")])
 

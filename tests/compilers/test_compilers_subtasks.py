@@ -8,14 +8,14 @@ from typing import Any
 import pytest
 from py_trees.common import Status
 
-from grip_bt.catalog import Catalog, Manifest, TaskFolder, TaskTexts
-from grip_bt.codegen.standalone import export
+from grip_bt.base.errors import InvalidTaskError, NodeError, NotExpressibleError, SubtaskError
 from grip_bt.compilers import Rushing, to_machine, to_tree
-from grip_bt.compilers.from_tree import to_task
-from grip_bt.compilers.pytrees_xml import to_xml
-from grip_bt.errors import InvalidTaskError, NodeError, NotExpressibleError, SubtaskError
-from grip_bt.graph import loads
+from grip_bt.formats.pytrees import to_task
+from grip_bt.formats.pytrees_xml import to_xml
+from grip_bt.formats.standalone import export
 from grip_bt.nodes import Leaf
+from grip_bt.task import loads
+from grip_bt.task.catalog import Catalog, Manifest, TaskFolder, TaskTexts
 
 FACE = Manifest(
     id="test/add",

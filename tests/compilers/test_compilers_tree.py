@@ -9,12 +9,12 @@ import py_trees
 import pytest
 from py_trees.common import Status
 
-from grip_bt.catalog import Catalog, Manifest, TaskTexts
+from grip_bt.base.errors import DataError, InvalidTaskError, NodeError
 from grip_bt.compilers import Rushing, to_machine, to_tree
 from grip_bt.compilers.scopes import UNSET
-from grip_bt.errors import DataError, InvalidTaskError, NodeError
-from grip_bt.graph.model import KINDS, Task
 from grip_bt.nodes import Leaf
+from grip_bt.task.catalog import Catalog, Manifest, TaskTexts
+from grip_bt.task.model import KINDS, Task
 
 FACE = Manifest(
     id="test/copy",

@@ -32,15 +32,15 @@ from simulated_rigs import (
     simulated_hand_port,
 )
 
+from grip_bt.base.failures import ExecutionAbortedError
+from grip_bt.base.values import JointState, Pose
 from grip_bt.commanders.fake import FakeArm, FakeExecutor, FakeHand, OnClock
 from grip_bt.commanders.fake.hand import BRAKING
 from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.held import HeldHand, held
 from grip_bt.commanders.robots import build_robot
 from grip_bt.commanders.together import JoinedExecutor
-from grip_bt.errors import ExecutionAbortedError
 from grip_bt.runtime.clock import ManualClock
-from grip_bt.values import JointState, Pose
 
 
 @contextmanager

@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 from patience import PATIENCE
 
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Arm, Executor, Hand, HandPort
+from grip_bt.base.values import JointState
 from grip_bt.commanders.planning.requests import PlanningSettings
 from grip_bt.commanders.trajectory.braking import ACCELERATION
-from grip_bt.operation import Operation
-from grip_bt.ports import Arm, Executor, Hand, HandPort
-from grip_bt.values import JointState
 
 PATIENT = PlanningSettings(time_limit=PATIENCE)
 """A plan may take what a slow machine needs."""

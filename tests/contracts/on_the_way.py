@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from patience import PATIENCE
 
-from grip_bt.operation import Operation
-from grip_bt.values import JointState, Trajectory
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import JointState, Trajectory
 
 SLOW = 20.0
 """How long a motion takes whose end isn't waited for [s]."""

@@ -15,10 +15,10 @@ from patience import PATIENCE
 from ros_rigs import SERVERS, THEIRS, spoilt
 from server_process import serving
 
+from grip_bt.base.values import JointState, Pose, Trajectory
 from grip_bt.commanders.held import held
 from grip_bt.commanders.model import RobotModel
 from grip_bt.commanders.robots import build_robot
-from grip_bt.values import JointState, Pose, Trajectory
 
 ROBOT = "panda_allegro"
 

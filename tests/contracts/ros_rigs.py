@@ -14,12 +14,12 @@ from on_the_way import SLOW
 from patience import PATIENCE, until
 from server_process import serving
 
+from grip_bt.base.values import JointState
 from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.held import HeldHand
 from grip_bt.commanders.robots import build_robot
 from grip_bt.commanders.together import JoinedExecutor
 from grip_bt.commanders.trajectory.braking import ACCELERATION
-from grip_bt.values import JointState
 
 SERVERS = Path(__file__).parents[1] / "ros" / "data"
 NAMES = ("joint_a", "joint_b")

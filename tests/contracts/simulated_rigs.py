@@ -11,11 +11,11 @@ import numpy as np
 from contract_rigs import PATIENT, ArmRig, ExecutorRig, HandRig, Patient
 from patience import PATIENCE
 
+from grip_bt.base.errors import GripError
+from grip_bt.base.values import JointState, Pose, Trajectory
 from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.robots import build_robot
 from grip_bt.commanders.worker import PlanningProcess
-from grip_bt.errors import GripError
-from grip_bt.values import JointState, Pose, Trajectory
 from grip_sim import Simulation, WorldSpec, start_simulation
 from grip_sim.specs import ObjectSpec
 

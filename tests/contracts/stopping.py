@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from patience import PATIENCE
 from plain_client import swing
 
-from grip_bt.errors import CanceledError
-from grip_bt.operation import Operation
-from grip_bt.values import JointState, Trajectory
+from grip_bt.base.failures import CanceledError
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import JointState, Trajectory
 
 AT_REST = 0.02
 """Joints slower than this are at rest [rad/s or m/s]: what is measured of simulated ones is never quite still."""

@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 from on_the_way import SLOW, let_stand
 
-from grip_bt.errors import (
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import (
     CanceledError,
     ConstraintBrokenError,
     ExecutionAbortedError,
     NameTakenError,
     NoGraspError,
-    UnknownNameError,
 )
-from grip_bt.ports import Arm
-from grip_bt.values import PathConstraint, Pose, Trajectory
+from grip_bt.base.ports import Arm
+from grip_bt.base.values import PathConstraint, Pose, Trajectory
 
 
 def go(rig, goal):

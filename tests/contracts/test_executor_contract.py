@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from on_the_way import begun, came, let_stand, towards
 
-from grip_bt.errors import CanceledError, ExecutionAbortedError
-from grip_bt.ports import Executor, Steerable
-from grip_bt.values import Trajectory
+from grip_bt.base.failures import CanceledError, ExecutionAbortedError
+from grip_bt.base.ports import Executor, Steerable
+from grip_bt.base.values import Trajectory
 
 
 def test_it_satisfies_the_protocol(executor_rig):

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from grip_bt.errors import NoContactError, UnknownNameError
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import NoContactError
+from grip_bt.base.ports import Hand
 from grip_bt.nodes.evidence import Limits, hand_voices, holds
-from grip_bt.ports import Hand
 
 
 def test_it_satisfies_the_protocol(hand_rig):

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from on_the_way import SLOW, let_stand
 
-from grip_bt.errors import CanceledError
-from grip_bt.ports import HandPort
+from grip_bt.base.failures import CanceledError
+from grip_bt.base.ports import HandPort
 
 
 def position(rig):

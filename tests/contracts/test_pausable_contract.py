@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from on_the_way import begun, came, let_come, let_stand, towards
 
-from grip_bt.errors import CanceledError
-from grip_bt.ports import Executor, Pausable
+from grip_bt.base.failures import CanceledError
+from grip_bt.base.ports import Executor, Pausable
 
 
 def test_it_satisfies_both_protocols(pausable_rig):

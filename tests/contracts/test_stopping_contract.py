@@ -10,7 +10,7 @@ import pytest
 from on_the_way import SLOW
 from stopping import AT_REST, BEYOND, Stopped, go_elsewhere, smooth, stopped
 
-from grip_bt.errors import CanceledError
+from grip_bt.base.failures import CanceledError
 
 SECONDS = 2.0
 MOMENTS = np.random.default_rng(13).uniform(0.0, 0.9, 40) * SECONDS

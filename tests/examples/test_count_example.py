@@ -8,12 +8,12 @@ import pytest
 
 from grip_bt.app import check_task
 from grip_bt.app.execute import RunOptions, open_session
-from grip_bt.catalog import Catalog
+from grip_bt.base.errors import InvalidTaskError
 from grip_bt.cli.__main__ import main
-from grip_bt.compilers.draw import to_dot, to_mermaid, to_svg
-from grip_bt.errors import InvalidTaskError
-from grip_bt.graph import dumps, load, loads
+from grip_bt.formats.draw import to_dot, to_mermaid, to_svg
 from grip_bt.runtime import JournalReader
+from grip_bt.task import dumps, load, loads
+from grip_bt.task.catalog import Catalog
 
 TASKS = Path(__file__).parents[2] / "examples" / "tasks"
 UP, TO = TASKS / "count_up.yaml", TASKS / "count_to.yaml"

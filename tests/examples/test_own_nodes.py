@@ -12,10 +12,10 @@ import pytest
 from grip_bt.app import check_task
 from grip_bt.app.execute import RunOptions, open_session
 from grip_bt.app.project import find_project
-from grip_bt.catalog import load_implementation
+from grip_bt.base.values import PointCloud, Pose
 from grip_bt.cli.__main__ import main
 from grip_bt.runtime import JournalReader, RunContext
-from grip_bt.values import PointCloud, Pose
+from grip_bt.task.catalog import load_implementation
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 TASK = EXAMPLES / "tasks" / "fill_shelf.yaml"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from random import Random
 from typing import Any
 
-from grip_bt.graph import Leaf, StateMachine, Task, children_of, outcomes_of, walk
+from grip_bt.task import Leaf, StateMachine, Task, children_of, outcomes_of, walk
 
 NAMES = ["look", "take", "put", "again", "wait a bit", "a", "b", "c", "on", "x1"]
 LEAVES = [

@@ -7,10 +7,10 @@ import time
 
 import numpy as np
 
+from grip_bt.base.values import Image, PointCloud
 from grip_bt.ros.bus import Bus
 from grip_bt.ros.convert import to_message
 from grip_bt.ros.types import load_type
-from grip_bt.values import Image, PointCloud
 
 PERIOD = 0.1
 

@@ -375,8 +375,8 @@ def test_an_expression_is_checked_where_it_would_stand(pen: Pen) -> None:
 
 
 def test_the_palette_has_every_node_and_kind(page: TestClient) -> None:
-    from grip_bt.catalog import Catalog
-    from grip_bt.graph import KINDS
+    from grip_bt.task import KINDS
+    from grip_bt.task.catalog import Catalog
 
     catalog = page.get("/api/catalog").json()
     assert [node["id"] for node in catalog["nodes"]] == list(Catalog.builtin().ids())

@@ -9,9 +9,9 @@ import pytest
 from starlette.testclient import TestClient
 
 import grip_gui.edit_routes
-from grip_bt.catalog import Catalog
 from grip_bt.compilers.restructure import to_trees
-from grip_bt.graph.edit import command_of
+from grip_bt.task.catalog import Catalog
+from grip_bt.task.edit import command_of
 from grip_gui.editing import EditDesk
 from grip_gui.editing.forms import forms_view
 from grip_gui.project import ProjectFolder

@@ -13,11 +13,11 @@ from played import TASK, TestClient
 from test_gui_e2e import SCENARIO, browser, editing
 
 from grip_bt.app.domain import own_domain
-from grip_bt.messages.written import plain_of, text_of, value_of
+from grip_bt.base.message_store.written import plain_of, text_of, value_of
+from grip_bt.base.values import JointState, Pose
 from grip_bt.runtime import Journal
 from grip_bt.runtime.run_log import Noted
 from grip_bt.runtime.value_codec import snapshot
-from grip_bt.values import JointState, Pose
 from grip_gui.live.samples import form_of, source_of
 
 COMPONENT = """\
@@ -148,7 +148,7 @@ def test_values_are_the_same_after_being_text() -> None:
     ],
 )
 def test_a_typed_value_that_is_wrong_is_told(store: str, text: str, reason: str) -> None:
-    from grip_bt.errors import GripError
+    from grip_bt.base.errors import GripError
 
     with pytest.raises(GripError, match=reason):
         value_of(store, "there", text)
@@ -160,7 +160,7 @@ def test_what_is_too_much_is_not_made_text() -> None:
 
 
 def test_samples_are_named_by_run_or_store() -> None:
-    from grip_bt.errors import GripError
+    from grip_bt.base.errors import GripError
 
     assert source_of("run:20261121-1/7") == {"run": "20261121-1", "seq": 7}
     assert source_of("messages:poses/bin") == {"store": "poses", "name": "bin"}
@@ -173,7 +173,7 @@ def test_a_component_without_a_node_says_what_to_do(project: Path, switcher: Pat
 
 
 def test_the_robots_place_is_kept_as_named_messages(page: TestClient, project: Path, switcher: Path) -> None:
-    from grip_bt.messages import MessageLibrary
+    from grip_bt.base.message_store import MessageLibrary
 
     assert ask(page, "robot")["arms"] == ["right"]
     done = ask(page, "measure", {"robot": "fake", "part": "right", "what": "pose", "name": "here"})

@@ -6,11 +6,11 @@ from pathlib import Path
 
 from played import TestClient
 
-from grip_bt.catalog import Catalog, Manifest
-from grip_bt.errors import UnknownNameError
-from grip_bt.graph import load, loads, read_text
-from grip_bt.graph.edit import Connect, Move, Remove, Rename, Set, Wrap, apply_to_document
-from grip_bt.graph.walking import walk
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.task import load, loads, read_text
+from grip_bt.task.catalog import Catalog, Manifest
+from grip_bt.task.edit import Connect, Move, Remove, Rename, Set, Wrap, apply_to_document
+from grip_bt.task.walking import walk
 from grip_gui.projection import Drawn, Faces, project_task
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "tasks" / "reactive_pick.yaml"

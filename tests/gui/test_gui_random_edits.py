@@ -13,10 +13,10 @@ from played import TASK
 from random_edits import random_command, random_typing
 from test_gui_e2e import browser, editing
 
-from grip_bt.errors import DocumentError, EditError
-from grip_bt.graph import read_text
-from grip_bt.graph.edit import command_of
-from grip_bt.graph.edit.history import LIMIT
+from grip_bt.base.errors import DocumentError, EditError
+from grip_bt.task import read_text
+from grip_bt.task.edit import command_of
+from grip_bt.task.edit.history import LIMIT
 from grip_gui.editing import ChangedOnDiskError, EditDesk, StaleEditError, UnfinishedTextError
 from grip_gui.project import ProjectFolder
 

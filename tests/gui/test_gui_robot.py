@@ -16,14 +16,14 @@ from test_gui_e2e import SCENARIO, browser, editing
 
 from grip_bt.app.motion_bodies import FINE, Bodies, coarse
 from grip_bt.app.motion_record import motion_file
+from grip_bt.base.message_store.library import MessageLibrary
+from grip_bt.base.values import Grasp, JointState, PointCloud, Pose
+from grip_bt.base.values.solids import CellMap, Mesh
 from grip_bt.commanders.model import RobotModel
 from grip_bt.commanders.robots import build_robot
-from grip_bt.messages.library import MessageLibrary
 from grip_bt.runtime import Journal
 from grip_bt.runtime.run_log import Noted
 from grip_bt.runtime.value_codec import snapshot
-from grip_bt.values import Grasp, JointState, PointCloud, Pose
-from grip_bt.values.solids import CellMap, Mesh
 from grip_gui.live import RosWindow
 from grip_gui.live.motion import last_state, motion_of
 from grip_gui.live_routes import make_live_router

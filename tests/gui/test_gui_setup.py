@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from played import TASK, TestClient
 
+from grip_bt.base.values import JointState, Pose
 from grip_bt.runtime import Journal
 from grip_bt.runtime.run_log import Noted
 from grip_bt.runtime.value_codec import snapshot
-from grip_bt.values import JointState, Pose
 from grip_gui.setup.changes import UnchangeableError, remove, rename, set_value
 
 GRIP = """\
@@ -230,7 +230,7 @@ def test_a_file_that_somebody_else_has_changed_is_not_overwritten_unasked(page: 
 
 
 def test_a_new_file_of_messages_is_made_and_read_by_the_projects_library(page: TestClient, project: Path) -> None:
-    from grip_bt.messages.library import MessageLibrary
+    from grip_bt.base.message_store.library import MessageLibrary
 
     view = page.get("/api/setup/file", params={"path": "messages/poses.yaml"}).json()
     template = view["templates"][0]
@@ -307,7 +307,7 @@ def test_without_a_robot_no_name_is_doubted(page: TestClient) -> None:
 
 
 def test_measured_poses_and_joint_states_of_a_run_are_kept_by_name(page: TestClient, project: Path) -> None:
-    from grip_bt.messages.library import MessageLibrary
+    from grip_bt.base.message_store.library import MessageLibrary
 
     pose = Pose([0.1, 0.2, 0.3], [0.5, 0.5, 0.5, 0.5], "table")
     state = JointState(("a", "b"), [0.25, -1.5])

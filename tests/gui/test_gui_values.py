@@ -15,10 +15,10 @@ import pytest
 from numpy.typing import NDArray
 from played import TASK, TestClient
 
+from grip_bt.base.values import CameraInfo, DepthImage, Grasp, Image, JointState, PointCloud, Pose, RgbdFrame
 from grip_bt.runtime import Journal
 from grip_bt.runtime.run_log import Noted
 from grip_bt.runtime.value_codec import snapshot
-from grip_bt.values import CameraInfo, DepthImage, Grasp, Image, JointState, PointCloud, Pose, RgbdFrame
 from grip_gui.pictures import LARGEST, drawn_cloud, drawn_depth, png
 from grip_gui.values import PLACES, POINTS, ROWS, cloud_view, value_view
 

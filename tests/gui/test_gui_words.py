@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from grip_bt.catalog import Catalog
-from grip_bt.graph.model import KINDS
+from grip_bt.task.catalog import Catalog
+from grip_bt.task.model import KINDS
 from grip_gui.editing.palette import catalog_view
 
 SRC = Path(__file__).parents[2] / "gui" / "frontend" / "src"

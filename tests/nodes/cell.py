@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from grip_bt.base.values import JointState, Pose
 from grip_bt.commanders.fake import FakeArm, FakeHand, OnClock
 from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.scene import PlanningScene
 from grip_bt.runtime.clock import ManualClock
-from grip_bt.values import JointState, Pose
 
 OPEN, CLOSED = (JointState(("finger", "thumb"), [angle, angle]) for angle in (0.0, 1.0))
 SUCCESS = ("SUCCESS", "success", None)

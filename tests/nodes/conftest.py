@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 from py_trees.common import Status
 
-from grip_bt.catalog import Catalog
-from grip_bt.catalog.implementation import load_implementation
-from grip_bt.catalog.manifest import Manifest
+from grip_bt.base.errors import DataError, UnknownNameError
+from grip_bt.base.failures import CanceledError, NoGraspError
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import Grasp, JointState, Plan, Pose, Trajectory
 from grip_bt.commanders.scene import PlanningScene
-from grip_bt.errors import CanceledError, DataError, NoGraspError, UnknownNameError
-from grip_bt.operation import Operation
-from grip_bt.values import Grasp, JointState, Plan, Pose, Trajectory
+from grip_bt.task.catalog import Catalog
+from grip_bt.task.catalog.implementation import load_implementation
+from grip_bt.task.catalog.manifest import Manifest
 
 AWAY = Pose([0.3, 0.0, 0.6])
 

@@ -1,7 +1,8 @@
 import pytest
 from py_trees.common import Status
 
-from grip_bt.errors import (
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import (
     ExecutionAbortedError,
     GoalInCollisionError,
     NoIkError,
@@ -9,9 +10,8 @@ from grip_bt.errors import (
     PathInvalidError,
     StartInCollisionError,
     TimeOutError,
-    UnknownNameError,
 )
-from grip_bt.values import Pose
+from grip_bt.base.values import Pose
 
 EXPECTED = [
     ("plan", StartInCollisionError),

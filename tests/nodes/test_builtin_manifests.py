@@ -7,15 +7,15 @@ from pathlib import Path
 
 import pytest
 
-from grip_bt.catalog import Catalog
-from grip_bt.catalog.implementation import load_implementation
-from grip_bt.catalog.reference import builtin_reference
-from grip_bt.catalog.sensors import sensor_manifest
-from grip_bt.catalog.types import check_value, parse_type
-from grip_bt.graph import load
-from grip_bt.graph.model import Leaf as LeafNode
-from grip_bt.graph.walking import walk
+from grip_bt.base.types import check_value, parse_type
 from grip_bt.nodes import Leaf
+from grip_bt.task import load
+from grip_bt.task.catalog import Catalog
+from grip_bt.task.catalog.implementation import load_implementation
+from grip_bt.task.catalog.reference import builtin_reference
+from grip_bt.task.catalog.sensors import sensor_manifest
+from grip_bt.task.model import Leaf as LeafNode
+from grip_bt.task.walking import walk
 
 ROOT = Path(__file__).parents[2]
 MANIFESTS = [*Catalog.builtin(), sensor_manifest("overhead")]
@@ -84,4 +84,4 @@ def test_the_example_task_binds_only_what_the_manifests_declare():
 
 def test_the_reference_page_is_as_new_as_the_manifests():
     page = (ROOT / "docs/nodes.md").read_text(encoding="utf-8")
-    assert page == builtin_reference(), "run: python -m grip_bt.catalog.reference docs/nodes.md"
+    assert page == builtin_reference(), "run: python -m grip_bt.task.catalog.reference docs/nodes.md"

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from grip_bt.catalog import Catalog, read_python_nodes
-from grip_bt.catalog.sensors import sensor_manifest
 from grip_bt.commanders.taught import Taught
-from grip_bt.graph import loads
-from grip_bt.validation import validate
+from grip_bt.task import loads
+from grip_bt.task.catalog import Catalog, read_python_nodes
+from grip_bt.task.catalog.sensors import sensor_manifest
+from grip_bt.task.validation import validate
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGES = {name: (DOCS / f"{name}.md").read_text() for name in ("commanders", "own_nodes")}

@@ -6,16 +6,10 @@ import numpy as np
 import pytest
 from cell import CLOSED, OPEN, SUCCESS, Cell
 
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import ExecutionAbortedError, NoIkError, OutOfLimitsError, PathInvalidError, SensorError
+from grip_bt.base.values import JointState, Pose, Trajectory
 from grip_bt.commanders.fake import FakeArm
-from grip_bt.errors import (
-    ExecutionAbortedError,
-    NoIkError,
-    OutOfLimitsError,
-    PathInvalidError,
-    SensorError,
-    UnknownNameError,
-)
-from grip_bt.values import JointState, Pose, Trajectory
 
 BRAKING = 1.0
 """A fake is at rest so long after it was told to stop [s]."""

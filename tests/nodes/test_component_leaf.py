@@ -3,9 +3,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from grip_bt.catalog.manifest import Manifest
-from grip_bt.errors import BadReplyError, ServerLostError, ServerTimeOutError
-from grip_bt.operation import Operation
+from grip_bt.base.failures import BadReplyError, ServerLostError, ServerTimeOutError
+from grip_bt.base.operation import Operation
+from grip_bt.task.catalog.manifest import Manifest
 
 MANIFEST = Manifest.model_validate(
     {

@@ -1,6 +1,6 @@
 import pytest
 
-from grip_bt.errors import DataError
+from grip_bt.base.errors import DataError
 
 
 def test_wait_ends_when_the_clock_says_so_and_asks_to_be_woken_then(world, tick):

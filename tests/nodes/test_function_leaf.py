@@ -4,12 +4,12 @@ import threading
 import pytest
 from py_trees.common import Status
 
-from grip_bt.catalog.types import parse_type
-from grip_bt.errors import NoGraspError
+from grip_bt.base.failures import NoGraspError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Context
+from grip_bt.base.types import parse_type
+from grip_bt.base.values import Grasp, PointCloud
 from grip_bt.nodes.function import leaf, type_name
-from grip_bt.operation import Operation
-from grip_bt.ports import Context
-from grip_bt.values import Grasp, PointCloud
 
 
 def make(cls, context, data=None, inputs=None, **params):

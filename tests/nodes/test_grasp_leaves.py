@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 from py_trees.common import Status
 
-from grip_bt.errors import CanceledError, ExecutionAbortedError, NoContactError, PathInvalidError
+from grip_bt.base.failures import CanceledError, ExecutionAbortedError, NoContactError, PathInvalidError
+from grip_bt.base.values import Pose
 from grip_bt.nodes.grasping import same_grasp
-from grip_bt.values import Pose
 
 # --- choose and remember ---
 

@@ -3,8 +3,9 @@ import dataclasses
 import pytest
 from py_trees.common import Status
 
-from grip_bt.errors import NoContactError, UnknownNameError
-from grip_bt.values import JointState
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import NoContactError
+from grip_bt.base.values import JointState
 
 
 def test_open_uses_the_named_posture(world, tick):

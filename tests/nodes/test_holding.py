@@ -8,10 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_perception_leaves import BEFORE, OTHER, PLACE, frame, thing
 
+from grip_bt.base.values import JointState, Pose
+from grip_bt.base.values.joints import Closing
 from grip_bt.commanders.scene import PlanningScene
 from grip_bt.nodes.evidence import Limits, Voice, fingers_voice, holds, sight_voice
-from grip_bt.values import JointState, Pose
-from grip_bt.values.joints import Closing
 
 NAMES = ("contact", "fingers", "sight", "image")
 

@@ -7,9 +7,9 @@ import re
 import numpy as np
 import pytest
 
+from grip_bt.base.values import PathConstraint, Pose
 from grip_bt.commanders.fake import FakeArm
 from grip_bt.nodes.keeping import read_keep
-from grip_bt.values import PathConstraint, Pose
 
 TURNED = Pose((0.3, -0.4, 0.5), (0.8, 0.6, 0.0, 0.0))
 

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from patience import PATIENCE
 
+from grip_bt.base.failures import CanceledError, NoPlanError
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import JointState, Trajectory
 from grip_bt.commanders.held import HeldExecutor
 from grip_bt.commanders.together import all_of
-from grip_bt.errors import CanceledError, NoPlanError
 from grip_bt.nodes.motion import first_of, tolerant
-from grip_bt.operation import Operation
-from grip_bt.values import JointState, Trajectory
 
 ros = partial(pytest.param, marks=pytest.mark.ros)
 WAY = Trajectory(("a",), np.array([0.0, 1.0]), np.array([[0.0], [1.0]]))

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from grip_bt.errors import CanceledError, NoIkError, NoPlanError
+from grip_bt.base.failures import CanceledError, NoIkError, NoPlanError
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import Pose
 from grip_bt.nodes.motion import first_of, tolerant, without
-from grip_bt.operation import Operation
-from grip_bt.values import Pose
 
 
 def test_first_of_ends_with_the_first_success_and_tries_no_more():

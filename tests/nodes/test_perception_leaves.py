@@ -5,10 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from grip_bt.catalog.sensors import sensor_manifest
-from grip_bt.errors import SensorError, UnknownNameError
-from grip_bt.operation import Operation
-from grip_bt.values import CameraInfo, DepthImage, Image, Pose, RgbdFrame
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import SensorError
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import CameraInfo, DepthImage, Image, Pose, RgbdFrame
+from grip_bt.task.catalog.sensors import sensor_manifest
 
 F = 536.0
 INFO = CameraInfo(

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from py_trees.common import Status
 
-from grip_bt.errors import NoPlanError, PathInvalidError
-from grip_bt.values import Pose
+from grip_bt.base.failures import NoPlanError, PathInvalidError
+from grip_bt.base.values import Pose
 
 LOW, HIGH = np.array([0.35, -0.55]), np.array([0.61, -0.25])
 

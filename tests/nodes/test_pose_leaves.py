@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from grip_bt.values import Pose
+from grip_bt.base.values import Pose
 
 
 def test_a_pose_is_made_of_numbers_and_wrong_ones_are_found_before_the_run(world, tick):

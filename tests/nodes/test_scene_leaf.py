@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from py_trees.common import Status
 
-from grip_bt.values import PointCloud, Pose
+from grip_bt.base.values import PointCloud, Pose
 
 
 def top_of(x, y, half=0.03, height=0.15, yaw=0.0, n=25):

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.values import PointCloud, Pose
+from grip_bt.base.values.solids import Box, CellMap, Cylinder, Mesh, Sphere
 from grip_bt.commanders.scene import PlanningScene
-from grip_bt.errors import UnknownNameError
-from grip_bt.values import PointCloud, Pose
-from grip_bt.values.solids import Box, CellMap, Cylinder, Mesh, Sphere
 
 OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 SUCCESS = ("SUCCESS", "success", None)

@@ -4,11 +4,11 @@ import threading
 import pytest
 from py_trees.common import Status
 
-from grip_bt.catalog.manifest import Manifest
-from grip_bt.errors import NodeError
+from grip_bt.base.errors import NodeError
 from grip_bt.nodes.observer import Silent
 from grip_bt.nodes.smach_leaf import NextItem, SmachLeaf, task_name
 from grip_bt.smach_compat import State
+from grip_bt.task.catalog.manifest import Manifest
 
 WAIT = 120  # s; only a broken leaf takes so long
 

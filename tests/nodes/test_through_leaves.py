@@ -7,13 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from grip_bt.catalog import Catalog
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import NoIkError, PathInvalidError
+from grip_bt.base.values import PathConstraint, Pose, WayPoint
 from grip_bt.commanders.fake import FakeArm, OnClock
-from grip_bt.errors import NoIkError, PathInvalidError, UnknownNameError
-from grip_bt.graph import loads
 from grip_bt.runtime.clock import ManualClock
-from grip_bt.validation import validate
-from grip_bt.values import PathConstraint, Pose, WayPoint
+from grip_bt.task import loads
+from grip_bt.task.catalog import Catalog
+from grip_bt.task.validation import validate
 
 OFFSETS = [[0.1, 0.0, 0.0], [0.1, 0.1, 0.0], [0.0, 0.1, 0.0]]
 

@@ -7,7 +7,7 @@ import dataclasses
 import pytest
 from cell import CLOSED, SUCCESS, Cell
 
-from grip_bt.values import Pose
+from grip_bt.base.values import Pose
 
 
 @pytest.fixture

@@ -14,14 +14,14 @@ from typing import Any
 from parity_world import MAX_TURNS, ScriptedLeaf, World, catalog_of
 from py_trees.common import Status
 
+from grip_bt.base.errors import DivergedError, NodeError
 from grip_bt.compilers import CompiledMachine, CompiledTree, Halted, to_machine, to_tree
-from grip_bt.errors import DivergedError, NodeError
-from grip_bt.graph.model import Task
 from grip_bt.nodes.asked import AskedBefore
 from grip_bt.runtime import Event, Reliving
 from grip_bt.runtime.pacing import Pacing
 from grip_bt.runtime.recording import PREEMPT
 from grip_bt.runtime.reliving import News, RelivingPacer
+from grip_bt.task.model import Task
 
 
 class Killed(BaseException):

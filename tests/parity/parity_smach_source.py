@@ -7,11 +7,11 @@ from typing import Any
 from parity_world import MAX_TURNS, Run, _factory, _world, catalog_of
 
 from grip_bt import smach_compat
-from grip_bt.codegen.smach import export
+from grip_bt.base.errors import NodeError
 from grip_bt.compilers import Halted
-from grip_bt.errors import NodeError
-from grip_bt.graph.model import Task
+from grip_bt.formats.smach_export import export
 from grip_bt.runtime import TreeRun
+from grip_bt.task.model import Task
 
 
 def run_exported(case: dict[str, Any]) -> tuple[Run, str]:

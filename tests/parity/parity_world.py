@@ -13,16 +13,16 @@ from oracle.running import FACES, MAX_ACTIVATIONS, MAX_TURNS, TIRED, Oracle, Run
 from py_trees.common import Status
 from py_trees.trees import BehaviourTree
 
-from grip_bt.catalog import Catalog, Manifest, TaskTexts
+from grip_bt.base.errors import DataError, NodeError
 from grip_bt.compilers import Halted, to_machine, to_tree
 from grip_bt.compilers.scopes import Scopes
-from grip_bt.errors import DataError, NodeError
-from grip_bt.graph.model import Subtask, Task
-from grip_bt.graph.walking import walk
 from grip_bt.nodes import Leaf
 from grip_bt.nodes.node import halt
 from grip_bt.runtime import ManualClock, Plan
 from grip_bt.runtime.plan import ticker
+from grip_bt.task.catalog import Catalog, Manifest, TaskTexts
+from grip_bt.task.model import Subtask, Task
+from grip_bt.task.walking import walk
 
 CATALOG = Catalog(
     Manifest(

@@ -11,9 +11,9 @@ from parity_flows import make_flow
 from parity_generate import make_case
 from parity_world import run_tree
 
-from grip_bt.errors import EditError
-from grip_bt.graph import Task, walk
-from grip_bt.graph.edit import RenameOutcome, apply
+from grip_bt.base.errors import EditError
+from grip_bt.task import Task, walk
+from grip_bt.task.edit import RenameOutcome, apply
 
 TASKS = int(os.environ.get("GRIP_FUZZ_TASKS", "200"))
 FIRST = int(os.environ.get("GRIP_FUZZ_SEED", "0"))

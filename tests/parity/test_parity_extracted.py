@@ -11,12 +11,12 @@ import pytest
 from parity_generate import make_case
 from parity_world import catalog_of, compare, run_machine, run_tree
 
-from grip_bt.catalog import TaskTexts
+from grip_bt.base.errors import EditError
 from grip_bt.compilers.restructure import extracted, inlined
-from grip_bt.errors import EditError
-from grip_bt.graph import Subtask, Task, loads, walk
-from grip_bt.graph.edit import Extract, Inline, apply
-from grip_bt.validation import validate
+from grip_bt.task import Subtask, Task, loads, walk
+from grip_bt.task.catalog import TaskTexts
+from grip_bt.task.edit import Extract, Inline, apply
+from grip_bt.task.validation import validate
 
 TASKS = int(os.environ.get("GRIP_FUZZ_TASKS", "300"))
 FIRST = int(os.environ.get("GRIP_FUZZ_SEED", "0"))

@@ -16,7 +16,7 @@ from parity_shrink import shrink
 from parity_world import difference
 from ruamel.yaml import YAML
 
-from grip_bt.errors import InvalidTaskError
+from grip_bt.base.errors import InvalidTaskError
 
 TASKS = int(os.environ.get("GRIP_FUZZ_TASKS", "1000"))
 FIRST = int(os.environ.get("GRIP_FUZZ_SEED", "0"))

@@ -14,11 +14,11 @@ from parity_shrink import shrink
 from parity_world import catalog_of, compare, run_machine, run_tree
 from ruamel.yaml import YAML
 
-from grip_bt.catalog import Catalog
+from grip_bt.base.errors import InvalidTaskError
 from grip_bt.compilers.restructure import Restructured, to_state_machines, to_trees
-from grip_bt.errors import InvalidTaskError
-from grip_bt.graph import Task, walk
-from grip_bt.validation import validate
+from grip_bt.task import Task, walk
+from grip_bt.task.catalog import Catalog
+from grip_bt.task.validation import validate
 
 TASKS = int(os.environ.get("GRIP_FUZZ_TASKS", "300"))
 FIRST = int(os.environ.get("GRIP_FUZZ_SEED", "0"))

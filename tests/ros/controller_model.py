@@ -9,10 +9,10 @@ from itertools import count
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from grip_bt.errors import ExecutionAbortedError
-from grip_bt.operation import Operation
+from grip_bt.base.failures import ExecutionAbortedError
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import JointState, Trajectory
 from grip_bt.ros.controllers.following import Following
-from grip_bt.values import JointState, Trajectory
 
 
 class ModelTime:

@@ -7,7 +7,7 @@ import random
 from dataclasses import dataclass, field
 from itertools import count
 
-from grip_bt.errors import ExpectedError, UnfitServerError
+from grip_bt.base.failures import ExpectedError, UnfitServerError
 from grip_bt.ros.goal import AskCancel, AskResult, Goal, GoalEnd, Patience, Phase, Send, Tell
 
 POLL = 0.05

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from ros_bench import DATA, ended, gone
 
-from grip_bt.errors import ServerLostError
+from grip_bt.base.failures import ServerLostError
 from grip_bt.ros.components import start_components
 from grip_bt.ros.packages import PackageError, executable_of, launch_file_of, share_of
 

@@ -11,8 +11,8 @@ from goal_world import race
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from grip_bt.errors import CanceledError, GoalRejectedError, ServerLostError, ServerTimeOutError
-from grip_bt.operation import STOPPED
+from grip_bt.base.failures import CanceledError, GoalRejectedError, ServerLostError, ServerTimeOutError
+from grip_bt.base.operation import STOPPED
 from grip_bt.ros.goal import LIVE, AskCancel, AskResult, Goal, GoalEnd, Patience, Phase, Send, Tell
 
 RACES = int(os.environ.get("GRIP_FUZZ_RACES", "200"))

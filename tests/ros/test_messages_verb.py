@@ -144,9 +144,9 @@ def test_what_cannot_be_done_is_told(ask, words, told):
 
 
 def test_changes_are_printed_as_they_come(ask, served, capsys):
+    from grip_bt.base.values import Pose
     from grip_bt.ros.bus import Bus
     from grip_bt.ros.managers import RosMessages
-    from grip_bt.values import Pose
 
     over = threading.Event()
     with Bus("somebody", domain_id=served) as bus:

@@ -17,10 +17,10 @@ import pytest
 from patience import PATIENCE, until
 from ros_bench import ended
 
-from grip_bt.errors import (
+from grip_bt.base.errors import GripError
+from grip_bt.base.failures import (
     CanceledError,
     GoalRejectedError,
-    GripError,
     ServerLostError,
     ServerTimeOutError,
     UnfitServerError,

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import grip_bt.ros  # noqa: F401 - its settings come before any message package
-from grip_bt.catalog.component_file import ComponentFile
+from grip_bt.base.values import Grasp, JointState, PointCloud, Pose
 from grip_bt.ros.adapter import Adapter, scaled
 from grip_bt.ros.fields import ConversionError
 from grip_bt.ros.frames import FrameError, FrameTree, frame_of, transformed
-from grip_bt.values import Grasp, JointState, PointCloud, Pose
+from grip_bt.task.catalog.component_file import ComponentFile
 
 pytestmark = pytest.mark.ros
 QUARTER = Pose((1.0, 0.0, 0.0), (np.sqrt(0.5), 0, 0, np.sqrt(0.5)), "world")  # a quarter turn about z
@@ -103,7 +103,7 @@ def _holder(pose):
     [(2, "cm", 0.02), ([1, 2], "mm", [0.001, 0.002]), (180.0, "deg", np.pi), (50, "percent", 0.5)],
 )
 def test_numbers_are_scaled(value, unit, wanted):
-    from grip_bt.catalog.component_parts import UNITS
+    from grip_bt.task.catalog.component_parts import UNITS
 
     assert scaled(value, UNITS[unit], unit) == pytest.approx(wanted)
 

@@ -10,9 +10,7 @@ from patience import PATIENCE, until
 from ros_bench import ended
 
 import grip_bt.ros  # noqa: F401 - its settings come before any message package
-from grip_bt.catalog.component_file import ComponentFile
-from grip_bt.catalog.component_parts import Start
-from grip_bt.errors import ServerLostError, ServerTimeOutError, UnfitServerError
+from grip_bt.base.failures import ServerLostError, ServerTimeOutError, UnfitServerError
 from grip_bt.ros.advice import advice
 from grip_bt.ros.bus import Bus
 from grip_bt.ros.components import start_components
@@ -22,6 +20,8 @@ from grip_bt.ros.others import instead, instead_of_topic
 from grip_bt.ros.packages import PackageError
 from grip_bt.ros.starting import command_of
 from grip_bt.ros.types import load_type
+from grip_bt.task.catalog.component_file import ComponentFile
+from grip_bt.task.catalog.component_parts import Start
 
 pytestmark = pytest.mark.ros
 SET, TRIGGER = "std_srvs/srv/SetBool", "std_srvs/srv/Trigger"

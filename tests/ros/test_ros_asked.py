@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from grip_bt.app import run
-from grip_bt.errors import MissingPartError, UnknownNameError
+from grip_bt.base.errors import MissingPartError, UnknownNameError
 from grip_bt.ros.types import load_message, load_type
 
 pytestmark = pytest.mark.ros

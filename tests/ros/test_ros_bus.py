@@ -14,7 +14,8 @@ import pytest
 from patience import PATIENCE, until
 from ros_bench import ended
 
-from grip_bt.errors import CanceledError, GripError, ServerLostError, ServerTimeOutError, UnfitServerError
+from grip_bt.base.errors import GripError
+from grip_bt.base.failures import CanceledError, ServerLostError, ServerTimeOutError, UnfitServerError
 from grip_bt.ros.bus import Bus
 
 pytestmark = pytest.mark.ros

@@ -11,10 +11,7 @@ from patience import PATIENCE, until
 from py_trees.common import Status
 from ros_bench import DATA, ended, gone
 
-from grip_bt.catalog.implementation import load_implementation
-from grip_bt.catalog.reader import read_manifests
-from grip_bt.cli.__main__ import main
-from grip_bt.errors import (
+from grip_bt.base.failures import (
     BadReplyError,
     CanceledError,
     GoalAbortedError,
@@ -22,7 +19,10 @@ from grip_bt.errors import (
     ServerLostError,
     ServerTimeOutError,
 )
+from grip_bt.cli.__main__ import main
 from grip_bt.ros.components import start_components
+from grip_bt.task.catalog.implementation import load_implementation
+from grip_bt.task.catalog.reader import read_manifests
 
 pytestmark = pytest.mark.ros
 ACTION = """\

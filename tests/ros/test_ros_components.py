@@ -13,22 +13,16 @@ from patience import until
 from py_trees.common import Status
 from ros_bench import EXAMPLE, ended, gone, kill, session_of
 
-from grip_bt.catalog.implementation import load_implementation
-from grip_bt.catalog.reader import read_manifests
-from grip_bt.errors import (
-    BadReplyError,
-    DocumentError,
-    ServerLostError,
-    ServerTimeOutError,
-    UnfitServerError,
-    UnknownNameError,
-)
-from grip_bt.ports import Component
+from grip_bt.base.errors import DocumentError, UnknownNameError
+from grip_bt.base.failures import BadReplyError, ServerLostError, ServerTimeOutError, UnfitServerError
+from grip_bt.base.ports import Component
+from grip_bt.base.values import Grasp, PointCloud
 from grip_bt.ros.components import start_components
 from grip_bt.ros.fields import ConversionError
 from grip_bt.ros.interfaces import build_interfaces
 from grip_bt.ros.process import Process, child_environment
-from grip_bt.values import Grasp, PointCloud
+from grip_bt.task.catalog.implementation import load_implementation
+from grip_bt.task.catalog.reader import read_manifests
 
 pytestmark = pytest.mark.ros
 EMPTY = PointCloud(np.zeros((0, 3)))

@@ -13,7 +13,7 @@ import pytest
 from patience import PATIENCE, until
 from ros_bench import ended
 
-from grip_bt.errors import ServerLostError
+from grip_bt.base.failures import ServerLostError
 from grip_bt.ros.bus import Bus
 from grip_bt.ros.environment import DDS_PROFILE
 from grip_bt.ros.process import child_environment

@@ -10,9 +10,10 @@ import pytest
 from patience import PATIENCE, until
 from ros_bench import ended, stands
 
-from grip_bt.errors import CanceledError, ExecutionAbortedError, SensorError, UnknownNameError
-from grip_bt.ports import Executor, HandPort
-from grip_bt.values import JointState, Trajectory
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import CanceledError, ExecutionAbortedError, SensorError
+from grip_bt.base.ports import Executor, HandPort
+from grip_bt.base.values import JointState, Trajectory
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 NAMES = ("joint_a", "joint_b")
@@ -120,7 +121,7 @@ def test_what_the_controller_gives_up_is_an_aborted_motion_with_its_words(bus, s
 def test_a_cancelled_motion_that_a_newer_goal_has_overtaken_ends_as_cancelled(messages):
     from control_msgs.action import FollowJointTrajectory
 
-    from grip_bt.operation import Operation
+    from grip_bt.base.operation import Operation
     from grip_bt.ros.controllers.trajectory import as_motion
     from grip_bt.ros.goal import GoalEnd
 
@@ -204,7 +205,7 @@ class Reader:
     """Stands for the subscription: messages come when the test says so."""
 
     def listen(self, callback):
-        from grip_bt.operation import Operation
+        from grip_bt.base.operation import Operation
 
         self.callback = callback
         return Operation.finished(None)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from grip_bt.errors import MissingPartError, UnknownNameError
+from grip_bt.base.errors import MissingPartError, UnknownNameError
 from grip_bt.ros.definitions import FOLDER, NEEDS, provide
 from grip_bt.ros.interfaces import InterfaceBuildError, build_interfaces, read_package
 from grip_bt.ros.interfaces.compiler import compilers

@@ -15,16 +15,9 @@ from patience import PATIENCE, until
 from ros_bench import DATA, Deadline, ended
 
 from grip_bt.app import find_project, run
-from grip_bt.catalog.sensor_config import SensorConfig
-from grip_bt.errors import (
-    BadReplyError,
-    CanceledError,
-    DocumentError,
-    GripError,
-    SensorError,
-    ServerLostError,
-    ServerTimeOutError,
-)
+from grip_bt.base.errors import DocumentError, GripError
+from grip_bt.base.failures import BadReplyError, CanceledError, SensorError, ServerLostError, ServerTimeOutError
+from grip_bt.base.values import CameraInfo, DepthImage, Image, Pose
 from grip_bt.ros.bus import Bus
 from grip_bt.ros.door import BadRequestError, RosDoor
 from grip_bt.ros.frames import FrameError, FrameTree
@@ -32,7 +25,7 @@ from grip_bt.ros.sensors import mounted_frames, open_sensors
 from grip_bt.ros.synchronise import Synchroniser
 from grip_bt.ros.tf import Transforms
 from grip_bt.ros.types import load_type
-from grip_bt.values import CameraInfo, DepthImage, Image, Pose
+from grip_bt.task.catalog.sensor_config import SensorConfig
 
 CAMERA = {
     "topics": {
@@ -275,8 +268,8 @@ def test_a_picture_is_placed_where_the_camera_was_when_it_was_taken(tf_messages,
     from sensor_msgs.msg import PointCloud2
     from tf2_msgs.msg import TFMessage
 
+    from grip_bt.base.values import PointCloud
     from grip_bt.ros.convert import to_message
-    from grip_bt.values import PointCloud
 
     door = RosDoor(bus)
     topics = {"cloud": {"topic": "/cloud", "type": "PointCloud"}}

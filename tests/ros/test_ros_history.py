@@ -8,9 +8,9 @@ from types import ModuleType
 import numpy as np
 import pytest
 
+from grip_bt.base.values import Pose
 from grip_bt.ros.frames import FrameError, FrameTree
 from grip_bt.ros.history import KEPT, FrameHistory, between
-from grip_bt.values import Pose
 
 
 def about(axis, angle, position=(0, 0, 0), frame="base") -> Pose:

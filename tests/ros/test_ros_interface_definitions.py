@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from grip_bt.catalog.interface_spec import FieldSpec
-from grip_bt.errors import DocumentError, MissingPartError
+from grip_bt.base.errors import DocumentError, MissingPartError
 from grip_bt.ros.interfaces import (
     InterfaceBuildError,
     build_interfaces,
@@ -18,6 +17,7 @@ from grip_bt.ros.interfaces import (
     read_interface,
 )
 from grip_bt.ros.interfaces.generate import _quietly
+from grip_bt.task.catalog.interface_spec import FieldSpec
 
 PACKAGE_XML = "<package format='3'><name>{name}</name>{depends}</package>"
 

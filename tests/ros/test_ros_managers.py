@@ -13,8 +13,8 @@ import pytest
 from patience import PATIENCE, until
 from ros_bench import ended
 
-from grip_bt.errors import BadReplyError, EmptyQueueError, NoEntryError, ServerLostError
-from grip_bt.values import Grasp, Image, JointState, Plan, PointCloud, Pose, Trajectory
+from grip_bt.base.failures import BadReplyError, EmptyQueueError, NoEntryError, ServerLostError
+from grip_bt.base.values import Grasp, Image, JointState, Plan, PointCloud, Pose, Trajectory
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]  # the first one builds the interfaces
 POSES = """

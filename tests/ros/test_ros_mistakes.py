@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 import grip_bt.ros  # noqa: F401 - its settings come before any message package
-from grip_bt.catalog.component_file import ComponentFile
+from grip_bt.base.errors import ContractError, DocumentError
 from grip_bt.cli.__main__ import main
 from grip_bt.cli.component import rendered
-from grip_bt.errors import ContractError, DocumentError
 from grip_bt.ros.adapter import Adapter
+from grip_bt.task.catalog.component_file import ComponentFile
 
 pytestmark = pytest.mark.ros
 DATA = Path(__file__).parent / "data"

@@ -12,10 +12,8 @@ import pytest
 from patience import PATIENCE
 from ros_bench import ended, servers
 
-from grip_bt.commanders.description.load import load_robot
-from grip_bt.commanders.planning.requests import ChooseGrasp, PlanningSettings, PlanStraight, PlanTo, Situation
-from grip_bt.commanders.scene import PlanningScene
-from grip_bt.errors import (
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import (
     CanceledError,
     ConstraintBrokenError,
     ExecutionAbortedError,
@@ -29,10 +27,12 @@ from grip_bt.errors import (
     PlannerLostError,
     StartInCollisionError,
     TimeOutError,
-    UnknownNameError,
 )
-from grip_bt.ports import Executor
-from grip_bt.values import Grasp, JointState, Pose, Trajectory
+from grip_bt.base.ports import Executor
+from grip_bt.base.values import Grasp, JointState, Pose, Trajectory
+from grip_bt.commanders.description.load import load_robot
+from grip_bt.commanders.planning.requests import ChooseGrasp, PlanningSettings, PlanStraight, PlanTo, Situation
+from grip_bt.commanders.scene import PlanningScene
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 ROBOT = "ur5_allegro"
@@ -175,7 +175,7 @@ def test_objects_of_the_scene_are_avoided_and_forgotten_when_they_go(planning, r
 
 
 def test_every_shape_reaches_move_group_as_what_it_is(planning, robot, scene, shared):
-    from grip_bt.values.solids import CellMap, Cylinder, Mesh, Sphere
+    from grip_bt.base.values.solids import CellMap, Cylinder, Mesh, Sphere
 
     far = Pose(np.array([3.0, 3.0, 0.0]))
     corners = np.array([(x, y, z) for x in (0, 0.1) for y in (0, 0.2) for z in (0, 0.3)])
@@ -233,10 +233,10 @@ def test_allowing_and_forbidding_a_contact_leaves_what_the_robot_declares(planni
 
 
 def test_closing_takes_out_what_was_sent_and_leaves_what_others_put_there(robot, scene, shared):
+    from grip_bt.base.values.solids import Sphere
     from grip_bt.ros.moveit import Mount, MoveGroup, MoveGroupPlanner
     from grip_bt.ros.moveit.shapes import collision_object
     from grip_bt.ros.types import load_type
-    from grip_bt.values.solids import Sphere
 
     group, mount = MoveGroup(shared, wait=PATIENCE), Mount.of(robot, "arm", "hand")
     theirs = load_type("moveit_msgs/msg/PlanningScene")(is_diff=True)
@@ -475,8 +475,8 @@ def _link_turn(constraints) -> list[float]:
 
 
 def test_what_a_path_keeps_to_is_said_about_the_link(mounted):
+    from grip_bt.base.values import PathConstraint
     from grip_bt.ros.moveit.goals import ANY, on_the_way
-    from grip_bt.values import PathConstraint
 
     ordered, askew = mounted
     upright = PathConstraint(orientation=Pose(), tolerance=(0.1, 0.2, np.inf), axes="own")

@@ -10,11 +10,11 @@ import pytest
 from patience import PATIENCE
 from ros_bench import ended
 
-from grip_bt.catalog import Catalog, Manifest
 from grip_bt.compilers import to_machine, to_tree
-from grip_bt.graph.model import Task
 from grip_bt.nodes.leaf import OperationLeaf
 from grip_bt.runtime import RunContext, Runner
+from grip_bt.task.catalog import Catalog, Manifest
+from grip_bt.task.model import Task
 
 pytestmark = [pytest.mark.ros, pytest.mark.timeout(3000)]
 ROUNDS = int(os.environ.get("GRIP_FUZZ_OVERLAPS", "12"))

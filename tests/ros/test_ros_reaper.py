@@ -14,7 +14,7 @@ import pytest
 from patience import PATIENCE, until
 from ros_bench import DATA, ended, gone, stands
 
-from grip_bt.interpreter import python_command
+from grip_bt.base.interpreter import python_command
 from grip_bt.ros.process import child_environment
 from grip_bt.ros.reaper import GONE
 from grip_bt.ros.reaping import REPORT

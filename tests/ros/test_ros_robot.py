@@ -10,7 +10,7 @@ import sys
 import pytest
 from patience import PATIENCE
 
-from grip_bt.catalog.controller_config import ControllerConfig, RosRobotConfig
+from grip_bt.task.catalog.controller_config import ControllerConfig, RosRobotConfig
 
 HOME = dict(
     zip(
@@ -65,12 +65,12 @@ def test_a_task_runs_on_controllers_of_another_process(tmp_path, domain, start_s
 @pytest.mark.ros
 @pytest.mark.slow
 def test_where_a_real_robot_is_can_be_kept_from_the_editor(tmp_path, domain, start_server):
+    from grip_bt.base.message_store.written import value_of
+    from grip_bt.base.values import JointState, Pose
     from grip_bt.commanders.model import RobotModel
     from grip_bt.commanders.robots import build_robot
-    from grip_bt.messages.written import value_of
     from grip_bt.ros.definitions import provide
     from grip_bt.ros.process import child_environment
-    from grip_bt.values import JointState, Pose
 
     (tmp_path / "grip.yaml").write_text(PROJECT)
     prefixes = [*provide("control_msgs"), *provide("controller_manager_msgs")]

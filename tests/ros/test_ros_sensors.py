@@ -9,10 +9,10 @@ import pytest
 from patience import PATIENCE
 from ros_bench import Deadline, ended
 
-from grip_bt.catalog.sensor_config import SensorConfig
-from grip_bt.errors import SensorError, ServerTimeOutError
+from grip_bt.base.failures import SensorError, ServerTimeOutError
 from grip_bt.ros.door import RosDoor
 from grip_bt.ros.sensors import open_sensors
+from grip_bt.task.catalog.sensor_config import SensorConfig
 
 pytestmark = pytest.mark.ros
 NOW = 1000.0

@@ -14,8 +14,8 @@ import yaml
 from patience import until
 from simulated_robot import PATIENCE, PROJECT, World, simulated_robot
 
-from grip_bt.errors import CanceledError, GoalRejectedError
-from grip_bt.values import JointState, Trajectory
+from grip_bt.base.failures import CanceledError, GoalRejectedError
+from grip_bt.base.values import JointState, Trajectory
 
 TASK = """grip: 1
 name: look_and_move

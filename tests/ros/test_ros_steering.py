@@ -10,10 +10,10 @@ import pytest
 from patience import PATIENCE, until
 from ros_bench import ended
 
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Steerable
 from grip_bt.commanders.steering import steered
 from grip_bt.commanders.stream import Stream, velocity_of
-from grip_bt.operation import Operation
-from grip_bt.ports import Steerable
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 NAMES = ("joint_a", "joint_b")

@@ -2,8 +2,8 @@
 
 import pytest
 
-from grip_bt.errors import CanceledError, NoPlanError
-from grip_bt.operation import Operation
+from grip_bt.base.failures import CanceledError, NoPlanError
+from grip_bt.base.operation import Operation
 from grip_bt.ros.steps import Line, walk
 
 pytestmark = pytest.mark.ros

@@ -9,9 +9,9 @@ import pytest
 from patience import PATIENCE, until
 from ros_bench import ended, stands
 
+from grip_bt.base.failures import CanceledError, ExecutionAbortedError
+from grip_bt.base.values import Trajectory
 from grip_bt.commanders.together import JoinedExecutor, all_of
-from grip_bt.errors import CanceledError, ExecutionAbortedError
-from grip_bt.values import Trajectory
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 SIDES = {"left": "left_joint", "right": "right_joint"}

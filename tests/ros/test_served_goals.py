@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import grip_bt.ros  # noqa: F401 - its settings come before any message package
-from grip_bt.errors import CanceledError
-from grip_bt.operation import Operation
-from grip_bt.values import JointState
+from grip_bt.base.failures import CanceledError
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import JointState
 
 pytestmark = pytest.mark.ros
 

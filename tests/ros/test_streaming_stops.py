@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from patience import PATIENCE
 
-from grip_bt.errors import CanceledError, SensorError
-from grip_bt.operation import Operation
-from grip_bt.values import JointState, Trajectory
+from grip_bt.base.failures import CanceledError, SensorError
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import JointState, Trajectory
 
 pytestmark = pytest.mark.ros
 NAMES = ("joint_a", "joint_b")

@@ -7,12 +7,12 @@ from typing import Any
 
 from py_trees.common import Status
 
-from grip_bt.catalog import Catalog, Manifest
+from grip_bt.base.operation import Operation
 from grip_bt.compilers import to_machine, to_tree
-from grip_bt.graph.model import Task
 from grip_bt.nodes import Leaf, OperationLeaf
-from grip_bt.operation import Operation
 from grip_bt.runtime import Journal, RunContext, Runner, RunResult
+from grip_bt.task.catalog import Catalog, Manifest
+from grip_bt.task.model import Task
 
 TARGETS = (to_tree, to_machine)
 CATALOG = Catalog(

@@ -8,21 +8,21 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from grip_bt.catalog import Catalog, Manifest
-from grip_bt.errors import CanceledError
-from grip_bt.graph.model import Task
+from grip_bt.base.failures import CanceledError
+from grip_bt.base.operation import Operation
 from grip_bt.nodes import OperationLeaf
 from grip_bt.nodes.observer import Silent
-from grip_bt.operation import Operation
 from grip_bt.runtime import ManualClock, RunContext, Runner
 from grip_bt.runtime.lockstep import Lockstep
+from grip_bt.task.catalog import Catalog, Manifest
+from grip_bt.task.model import Task
 
 STEP = 0.01
 """Time goes in steps of this [s]."""
 
 
 class SteppedWorld:
-    """Implements `grip_bt.ports.Stepped`; motions take as long as they are said to take."""
+    """Implements `grip_bt.base.ports.Stepped`; motions take as long as they are said to take."""
 
     def __init__(self, delay: Callable[[], float]):
         self.clock, self.sent, self.free, self._delay = ManualClock(), 0, True, delay

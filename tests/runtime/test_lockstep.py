@@ -10,13 +10,13 @@ from typing import Any
 import pytest
 from stepped_world import KINDS, SteppedWorld, Trace, runner_of
 
-from grip_bt.catalog import Catalog
+from grip_bt.base.operation import Operation
 from grip_bt.compilers import to_machine, to_tree
-from grip_bt.graph.model import Task
-from grip_bt.operation import Operation
 from grip_bt.runtime import RunContext, Runner, lockstep
 from grip_bt.runtime.lockstep import Lockstep
 from grip_bt.runtime.waker import Waker
+from grip_bt.task.catalog import Catalog
+from grip_bt.task.model import Task
 
 TARGETS = (to_tree, to_machine)
 TASKS = int(os.environ.get("GRIP_FUZZ_TURNS", "24"))

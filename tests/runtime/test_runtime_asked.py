@@ -8,12 +8,12 @@ from typing import Any
 import pytest
 from runtime_world import TARGETS, Started, leaf
 
-from grip_bt.catalog import Catalog, Manifest
-from grip_bt.errors import CanceledError
-from grip_bt.graph.model import Task
+from grip_bt.base.failures import CanceledError
+from grip_bt.base.operation import Operation
 from grip_bt.nodes import OperationLeaf
-from grip_bt.operation import Operation
 from grip_bt.runtime import Event, Journal, JournalReader, Reliving, RunContext, Runner, WallClock
+from grip_bt.task.catalog import Catalog, Manifest
+from grip_bt.task.model import Task
 
 CATALOG = Catalog([Manifest(id="test/move", doc="Moves until it is told.", implementation="tests:Leaf")])
 TASK = {"kind": "fallback", "children": {"reach": {"node": "test/move"}, "retreat": {"node": "test/move"}}}

@@ -13,17 +13,17 @@ import pytest
 from runtime_world import TARGETS, Started
 
 import grip_bt as grip
-from grip_bt.catalog import Catalog, Manifest, read_python_nodes
+from grip_bt.base.failures import NoPlanError
+from grip_bt.base.operation import Operation
 from grip_bt.commanders.fake import FakeArm
 from grip_bt.commanders.fake.schedule import OnClock
 from grip_bt.compilers import to_tree
-from grip_bt.errors import NoPlanError
-from grip_bt.graph.model import Task
-from grip_bt.operation import Operation
 from grip_bt.runtime import Journal, JournalReader, ManualClock, RunContext, Runner
+from grip_bt.task.catalog import Catalog, Manifest, read_python_nodes
+from grip_bt.task.model import Task
 
 both = pytest.mark.parametrize("target", TARGETS)
-HEAD = "import asyncio\nimport grip_bt as grip\nfrom grip_bt.errors import NoPlanError\n"
+HEAD = "import asyncio\nimport grip_bt as grip\nfrom grip_bt.base.failures import NoPlanError\n"
 
 
 class World:

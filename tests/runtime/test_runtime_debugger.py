@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 from runtime_world import TARGETS, Started, leaf
 
+from grip_bt.base.errors import ExpressionError, UnknownNameError
 from grip_bt.compilers import to_tree
-from grip_bt.errors import ExpressionError, UnknownNameError
 from grip_bt.runtime.debugger import Held
 
 both = pytest.mark.parametrize("target", TARGETS)

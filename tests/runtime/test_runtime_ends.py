@@ -14,14 +14,15 @@ import pytest
 from py_trees.common import Status
 from runtime_world import KINDS, TARGETS, Started, Waiting, leaf
 
-from grip_bt.errors import CanceledError, NodeError, NotStoppedError
+from grip_bt.base.errors import NodeError, NotStoppedError
+from grip_bt.base.failures import CanceledError
+from grip_bt.base.operation import STOPPED, Operation
+from grip_bt.base.values import JointState
 from grip_bt.nodes.async_leaf import AsyncLeaf
 from grip_bt.nodes.leaf import Leaf, OperationLeaf
 from grip_bt.nodes.smach_leaf import SmachLeaf
-from grip_bt.operation import STOPPED, Operation
 from grip_bt.runtime import RunContext
 from grip_bt.smach_compat import State
-from grip_bt.values import JointState
 
 both = pytest.mark.parametrize("target", TARGETS)
 

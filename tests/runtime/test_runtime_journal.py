@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 from runtime_world import TARGETS, Started, leaf
 
-from grip_bt.errors import UnknownNameError
+from grip_bt.base.errors import UnknownNameError
 from grip_bt.runtime import Journal, JournalError, JournalReader
 from grip_bt.runtime.recorder import preview
 

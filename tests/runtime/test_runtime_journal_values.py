@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from grip_bt.base.values import Failure, Grasp, Image, JointState, PointCloud, Pose
 from grip_bt.runtime import Journal, JournalError, JournalReader, ManualClock
 from grip_bt.runtime.durable import Durable
 from grip_bt.runtime.journal_events import is_name
 from grip_bt.runtime.recorder import Recorder
 from grip_bt.runtime.value_codec import DEEPEST, OpaqueValueError, decode, encode, snapshot
-from grip_bt.values import Failure, Grasp, Image, JointState, PointCloud, Pose
 
 
 def random_value(rng: random.Random, depth: int = 3) -> Any:
@@ -159,8 +159,8 @@ def test_the_last_values_are_those_up_to_a_moment_and_have_a_history(file: Path)
 def test_states_of_the_planning_scene_come_back():
     from dataclasses import fields
 
+    from grip_bt.base.values.solids import CellMap, Cylinder, Mesh, Sphere
     from grip_bt.commanders.scene import PlanningScene, SceneSnapshot
-    from grip_bt.values.solids import CellMap, Cylinder, Mesh, Sphere
 
     scene = PlanningScene({"hand": lambda: Pose()}, {"table": ((1.0, 1.0, 0.1), Pose())})
     solids = {

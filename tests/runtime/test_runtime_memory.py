@@ -12,10 +12,10 @@ import pytest
 from py_trees.common import Status
 from runtime_world import TARGETS
 
-from grip_bt.catalog import Catalog, Manifest
-from grip_bt.graph.model import Task
 from grip_bt.nodes import Leaf
 from grip_bt.runtime import Journal, JournalReader, ManualClock, RunContext, Runner
+from grip_bt.task.catalog import Catalog, Manifest
+from grip_bt.task.model import Task
 
 CATALOG = Catalog(
     [

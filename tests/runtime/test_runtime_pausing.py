@@ -13,15 +13,15 @@ import numpy as np
 import pytest
 from runtime_world import TARGETS, Started, leaf
 
-from grip_bt.catalog import Catalog
+from grip_bt.base.errors import MissingPartError, UnknownNameError
+from grip_bt.base.ports import Context, Pausable
 from grip_bt.commanders.fake import FakeArm
 from grip_bt.commanders.fake.schedule import OnClock
 from grip_bt.compilers import to_tree
-from grip_bt.errors import MissingPartError, UnknownNameError
-from grip_bt.graph.model import Task
 from grip_bt.nodes.function import leaf as leaf_of
-from grip_bt.ports import Context, Pausable
 from grip_bt.runtime import ManualClock, RunContext, Runner, WallClock
+from grip_bt.task.catalog import Catalog
+from grip_bt.task.model import Task
 
 both = pytest.mark.parametrize("target", TARGETS)
 Passing = Callable[[float], None]

@@ -10,11 +10,11 @@ from py_trees.common import Status
 from runtime_world import CATALOG, Waiting
 
 from grip_bt.compilers import to_tree
-from grip_bt.graph.model import Task
 from grip_bt.runtime import Event, ManualClock, Reliving, RunContext, Runner, WallClock
 from grip_bt.runtime.recording import Recording
 from grip_bt.runtime.relived_clock import CooldownClock, RelivedClock
 from grip_bt.runtime.reliving import Result
+from grip_bt.task.model import Task
 
 TASK = {
     "grip": 1,

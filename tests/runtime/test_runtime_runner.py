@@ -9,8 +9,8 @@ import pytest
 from py_trees.common import Status
 from runtime_world import TARGETS, Started, leaf
 
+from grip_bt.base.errors import MissingPartError, NodeError, UnknownNameError
 from grip_bt.compilers import to_machine, to_tree
-from grip_bt.errors import MissingPartError, NodeError, UnknownNameError
 from grip_bt.runtime import ManualClock, RunContext, Runner
 
 both = pytest.mark.parametrize("target", TARGETS)

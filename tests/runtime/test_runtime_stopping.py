@@ -11,9 +11,9 @@ import pytest
 from py_trees.common import Status
 from runtime_world import KINDS, TARGETS, Ending, Hanging, Started, Waiting, leaf
 
-from grip_bt.errors import GripError, HungError, NodeError
+from grip_bt.base.errors import GripError, HungError, NodeError
+from grip_bt.base.operation import Operation
 from grip_bt.nodes.leaf import OperationLeaf
-from grip_bt.operation import Operation
 from grip_bt.runtime import Journal, JournalReader, RunContext, Runner
 from grip_bt.runtime.runner import ABANDON
 from grip_bt.runtime.stopping import in_background

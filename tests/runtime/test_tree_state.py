@@ -11,13 +11,13 @@ from py_trees.blackboard import Blackboard
 from py_trees.common import Status
 
 from grip_bt import smach_compat as smach
-from grip_bt.catalog import Catalog, Manifest
+from grip_bt.base.errors import NodeError
 from grip_bt.compilers import Halted, to_machine, to_tree
-from grip_bt.errors import NodeError
-from grip_bt.graph.model import Task
 from grip_bt.nodes import Leaf
 from grip_bt.nodes.smach_leaf import SmachLeaf
 from grip_bt.runtime import BehaviourTree, Choose, Each, RunContext, Runner, TreeRun
+from grip_bt.task.catalog import Catalog, Manifest
+from grip_bt.task.model import Task
 
 WAITING = Manifest(
     id="test/waits",

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from patience import PATIENCE
 
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import JointState, Pose, Trajectory
 from grip_bt.commanders.robots import build_robot
-from grip_bt.operation import Operation
-from grip_bt.values import JointState, Pose, Trajectory
 from grip_sim import Simulation
 from grip_sim.specs import ObjectSpec, WorldSpec
 

@@ -9,8 +9,8 @@ import pytest
 from same_run import compared
 
 from grip_bt.app import RunOptions, open_session
+from grip_bt.base.operation import Operation
 from grip_bt.commanders.worker import PlanningProcess
-from grip_bt.operation import Operation
 
 pytestmark = pytest.mark.sim
 PROJECT = """grip: 1
@@ -26,7 +26,7 @@ import random
 import time
 
 import grip_bt as grip
-from grip_bt.values import Pose
+from grip_bt.base.values import Pose
 
 
 @grip.leaf("own/think", outputs={"thought": float})

@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from grip_bt.values import DepthImage, Image, Pose, RgbdFrame
+from grip_bt.base.values import DepthImage, Image, Pose, RgbdFrame
 from grip_sim.geometry import camera_info
 from grip_sim.specs import CameraSpec, ObjectSpec, WorldSpec
 from grip_sim.tables import PICK_X, PICK_Y, table_world

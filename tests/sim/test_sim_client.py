@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from patience import PATIENCE
 
-from grip_bt.errors import CanceledError, ExecutionAbortedError, GripError, SimulatorLostError
+from grip_bt.base.errors import GripError, SimulatorLostError
+from grip_bt.base.failures import CanceledError, ExecutionAbortedError
 from grip_sim import client as client_module
 from grip_sim.client import SimClient
 from grip_sim.specs import WorldSpec

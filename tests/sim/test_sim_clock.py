@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from grip_bt.ports import Clock
+from grip_bt.base.ports import Clock
 from grip_sim import clock as clock_module
 from grip_sim.clock import SimClock
 

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from sim_bench import AT, SPEC, SPOT, Bench
 
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import CanceledError, ExecutionAbortedError
+from grip_bt.base.ports import Executor, HandPort
+from grip_bt.base.values import JointState, Trajectory
 from grip_bt.commanders.robots import build_robot
-from grip_bt.errors import CanceledError, ExecutionAbortedError, UnknownNameError
-from grip_bt.ports import Executor, HandPort
-from grip_bt.values import JointState, Trajectory
 from grip_sim import WorldSpec, start_simulation
 from grip_sim.motions import MoveHand
 from grip_sim.world import World

@@ -10,8 +10,9 @@ import pytest
 from patience import PATIENCE
 from sim_bench import SPEC, Bench
 
-from grip_bt.errors import CanceledError, GripError
-from grip_bt.ports import Pausable
+from grip_bt.base.errors import GripError
+from grip_bt.base.failures import CanceledError
+from grip_bt.base.ports import Pausable
 from grip_sim import start_simulation
 from grip_sim.motions import STILL
 

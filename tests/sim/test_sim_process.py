@@ -12,7 +12,7 @@ import pytest
 from patience import PATIENCE, until
 from sim_bench import SPEC, Bench
 
-from grip_bt.errors import SimulatorLostError, UnknownNameError
+from grip_bt.base.errors import SimulatorLostError, UnknownNameError
 from grip_sim import process as process_module
 from grip_sim import start_simulation
 from grip_sim.specs import ObjectSpec, WorldSpec

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from sim_bench import ABOVE, ASIDE, AT, SPOT
 
-from grip_bt.values import Pose
+from grip_bt.base.values import Pose
 from grip_sim import ObjectTruth
 
 pytestmark = pytest.mark.sim

@@ -79,9 +79,9 @@ def test_what_a_robot_hides_of_the_view_is_known_from_its_joints_and_its_descrip
     """The camera's segmentation is the judge: hulls, drawn without it, hide what the robot does and hardly more."""
     from dataclasses import replace
 
+    from grip_bt.base.values import DepthImage, JointState
     from grip_bt.commanders.model import RobotModel
     from grip_bt.nodes.sight import robot_pixels
-    from grip_bt.values import DepthImage, JointState
     from grip_sim.geometry import camera_info
     from grip_sim.tables import table_world
     from grip_sim.world import World

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from patience import PATIENCE
 
-from grip_bt.errors import UnknownNameError
-from grip_bt.values import Pose
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.values import Pose
 from grip_sim.specs import GRAVITY, ObjectSpec, WorldSpec
 from grip_sim.tables import table_world
 

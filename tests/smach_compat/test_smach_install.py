@@ -7,7 +7,7 @@ from types import ModuleType
 import pytest
 
 from grip_bt import smach_compat
-from grip_bt.errors import GripError
+from grip_bt.base.errors import GripError
 from grip_bt.smach_compat._settings import settings
 
 UPSTREAM = """

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from smach_states import ok
 
 from grip_bt import smach_compat as smach
-from grip_bt.errors import GripError
+from grip_bt.base.errors import GripError
 from grip_bt.smach_compat import (
     CBInterface,
     CBState,

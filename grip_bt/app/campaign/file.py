@@ -11,8 +11,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError, field_validator
 
 from grip_bt.app.mocks import Script
-from grip_bt.errors import CampaignError
-from grip_bt.graph.settings_file import read_model
+from grip_bt.base.errors import CampaignError
+from grip_bt.base.yaml.settings_file import read_model
 
 MOST_SEED, MOST_SEEDS = 2**32 - 1, 100_000
 Seed = Annotated[int, Field(ge=0, le=MOST_SEED)]

@@ -9,10 +9,10 @@ from typing import Any
 from grip_bt.app.execute import check_inputs, check_task
 from grip_bt.app.mocks import apply_mocks, scripted
 from grip_bt.app.strange_code import of_task, refuse
+from grip_bt.base.errors import CampaignError, EvaluationError, ExpressionError, nearest
+from grip_bt.base.evaluation import condition_of, value_of
+from grip_bt.base.expression import parse_expression
 from grip_bt.compilers.resolve import resolve
-from grip_bt.errors import CampaignError, EvaluationError, ExpressionError, nearest
-from grip_bt.graph.evaluation import condition_of, value_of
-from grip_bt.graph.expression import parse_expression
 from grip_bt.runtime import JournalReader
 from grip_bt.runtime.rest import Rest
 

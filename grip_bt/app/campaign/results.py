@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from grip_bt.errors import CampaignError, NotWritableError
+from grip_bt.base.errors import CampaignError, NotWritableError
 
 FORMAT = 1
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 
-from grip_bt.errors import DocumentError, UnknownNameError
+from grip_bt.base.errors import DocumentError, UnknownNameError
 
 from ..robots.description import RobotDescription
 from .build import accelerations_of, drives_of, named_states_of

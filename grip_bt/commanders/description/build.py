@@ -5,7 +5,7 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 
-from grip_bt.values import JointState
+from grip_bt.base.values import JointState
 
 from ..moveit_package.settings import JointLimits
 from ..robots.description import Drive, RobotDescription

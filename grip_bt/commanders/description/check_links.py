@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from grip_bt.errors import MissingPartError, listing
+from grip_bt.base.errors import MissingPartError, listing
 
 from .findings import Finding, Severity
 from .xml import numbers

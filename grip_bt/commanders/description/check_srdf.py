@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from grip_bt.errors import listing, nearest
+from grip_bt.base.errors import listing, nearest
 
 from .findings import Finding, Severity
 from .groups import resolve

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from grip_bt.errors import DocumentError, listing, nearest
+from grip_bt.base.errors import DocumentError, listing, nearest
 
 from .check_links import check_link
 from .findings import Finding, Severity

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-from grip_bt.errors import DocumentError, GripError
+from grip_bt.base.errors import DocumentError, GripError
 
 Severity = Literal["error", "warning"]
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
-from grip_bt.errors import UnknownNameError
+from grip_bt.base.errors import UnknownNameError
 
 from ..robots.assembly import Mount, cut_below, mounted
 from ..robots.description import EndEffector, GraspFrame, Mimic, RobotDescription

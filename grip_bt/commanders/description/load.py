@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from grip_bt.errors import DocumentError, InvalidRobotError, UnknownNameError
+from grip_bt.base.errors import DocumentError, InvalidRobotError, UnknownNameError
 
 from ..moveit_package import MoveItPackage
 from ..robots.description import RobotDescription

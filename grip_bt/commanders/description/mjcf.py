@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from grip_bt.errors import DocumentError
+from grip_bt.base.errors import DocumentError
 
 from .xml import line_of, numbers, read_xml
 

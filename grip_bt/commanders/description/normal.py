@@ -8,7 +8,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from pathlib import Path
 
-from grip_bt.errors import MissingPartError
+from grip_bt.base.errors import MissingPartError
 
 from ..moveit_package.settings import JointLimits
 from .packages import Packages

@@ -12,7 +12,7 @@ from importlib.metadata import PackageNotFoundError, distribution
 from importlib.util import find_spec
 from pathlib import Path
 
-from grip_bt.errors import MissingPartError
+from grip_bt.base.errors import MissingPartError
 
 SCHEMES = ("package://", "model://")
 
@@ -96,7 +96,7 @@ _PLACES: tuple[Callable[[str], Path | None], ...] = (_in_ros, _installed)
 
 
 def _name_in(manifest: Path) -> str:
-    from grip_bt.errors import DocumentError
+    from grip_bt.base.errors import DocumentError
 
     from .xml import read_xml
 

@@ -10,7 +10,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from grip_bt.values import Pose
+from grip_bt.base.values import Pose
 
 from ..robots.description import EndEffector, GraspFrame
 from .config import FrameConfig, RobotConfig

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from grip_bt.errors import DocumentError, UnknownNameError
+from grip_bt.base.errors import DocumentError, UnknownNameError
 
 from ..robots.description import EndEffector
 from .config import RobotConfig

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from grip_bt.errors import DocumentError, UnknownNameError, nearest
+from grip_bt.base.errors import DocumentError, UnknownNameError, nearest
 
 from ..moveit_package import MoveItPackage, read_package
 from ..moveit_package.settings import JointLimits

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from grip_bt.errors import DocumentError, UnknownNameError
-from grip_bt.graph.document import read_file
-from grip_bt.graph.faults import document_error
-from grip_bt.graph.settings_file import check_model, read_model
-from grip_bt.graph.syntax import Mapping, parse, plain
+from grip_bt.base.errors import DocumentError, UnknownNameError
+from grip_bt.base.yaml.faults import document_error
+from grip_bt.base.yaml.files import read_file
+from grip_bt.base.yaml.settings_file import check_model, read_model
+from grip_bt.base.yaml.syntax import Mapping, parse, plain
 
 from .config import RobotConfig
 from .reading import note

@@ -7,7 +7,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from grip_bt.errors import DocumentError
+from grip_bt.base.errors import DocumentError
 
 from ..robots.description import EndEffector
 from .xml import line_of, required

@@ -7,8 +7,8 @@ import subprocess
 from collections.abc import Mapping
 from pathlib import Path
 
-from grip_bt.errors import DocumentError
-from grip_bt.interpreter import python_command
+from grip_bt.base.errors import DocumentError
+from grip_bt.base.interpreter import python_command
 
 from . import expansions
 from .packages import Packages

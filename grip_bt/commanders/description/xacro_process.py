@@ -36,7 +36,7 @@ def _expanded(file: str, arguments: dict[str, str], packages: dict[str, str]) ->
     import xacro
     from xacro import substitution_args
 
-    from grip_bt.errors import GripError
+    from grip_bt.base.errors import GripError
 
     from .packages import Packages
     from .xacro_guard import UnsafeExpressionError, forbid_acts, guard

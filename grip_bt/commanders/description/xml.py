@@ -10,7 +10,7 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 from xml.parsers import expat
 
-from grip_bt.errors import DocumentError, listing
+from grip_bt.base.errors import DocumentError, listing
 
 from .reading import note
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import yaml
 
-from grip_bt.errors import DocumentError, nearest
+from grip_bt.base.errors import DocumentError, nearest
 
 from .reading import note
 

@@ -13,10 +13,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.errors import ConstraintBrokenError, ExpectedError, NoGraspError, UnknownNameError
-from grip_bt.operation import Operation
-from grip_bt.ports import FREEDOMS
-from grip_bt.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory, WayPoint
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import ConstraintBrokenError, ExpectedError, NoGraspError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import FREEDOMS
+from grip_bt.base.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory, WayPoint
 
 from ..held import held
 from ..jogging import approaching, bounded, jogged, lasting

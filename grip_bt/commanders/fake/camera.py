@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from itertools import cycle
 
-from grip_bt.errors import ExpectedError, SensorError
-from grip_bt.operation import Operation
-from grip_bt.values import CameraInfo, RgbdFrame
+from grip_bt.base.failures import ExpectedError, SensorError
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import CameraInfo, RgbdFrame
 
 
 class FakeCamera:

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Mapping
 from itertools import cycle
 from typing import Any
 
-from grip_bt.errors import ExpectedError, ServerLostError
-from grip_bt.operation import Operation
+from grip_bt.base.failures import ExpectedError, ServerLostError
+from grip_bt.base.operation import Operation
 
 from .schedule import AtOnce, Schedule
 

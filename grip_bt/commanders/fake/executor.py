@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.errors import CanceledError, ExecutionAbortedError
-from grip_bt.operation import Operation
-from grip_bt.values import JointState, Trajectory
+from grip_bt.base.failures import CanceledError, ExecutionAbortedError
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import JointState, Trajectory
 
 from ..joint_names import same_joints
 from ..steering import spliced

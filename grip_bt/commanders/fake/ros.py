@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from grip_bt.errors import ExpectedError
-from grip_bt.operation import Operation
-from grip_bt.values import Pose
+from grip_bt.base.failures import ExpectedError
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import Pose
 
 
 class FakeRos:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 from itertools import chain, repeat
 from typing import Protocol
 
-from grip_bt.errors import ExpectedError
+from grip_bt.base.failures import ExpectedError
 
 Script = Iterable[ExpectedError | None]
 

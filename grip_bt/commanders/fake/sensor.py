@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping
 from itertools import cycle
 from typing import Any
 
-from grip_bt.errors import ExpectedError, SensorError
-from grip_bt.operation import Operation
+from grip_bt.base.failures import ExpectedError, SensorError
+from grip_bt.base.operation import Operation
 
 
 class FakeSensor:

@@ -8,7 +8,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.errors import UnknownNameError
+from grip_bt.base.errors import UnknownNameError
 
 from ..model import Chain
 from . import analytic, damped_least_squares, trac_ik

@@ -15,7 +15,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from grip_bt.errors import UnfitSolverError
+from grip_bt.base.errors import UnfitSolverError
 
 from ..model import Chain
 from . import damped_least_squares

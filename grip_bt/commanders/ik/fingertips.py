@@ -13,8 +13,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from grip_bt.errors import NoIkError, UnknownNameError
-from grip_bt.values import JointState
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import NoIkError
+from grip_bt.base.values import JointState
 
 from ..model import GRASP_FRAME, RobotModel
 

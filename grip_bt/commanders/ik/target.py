@@ -8,8 +8,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from grip_bt.errors import UnknownNameError
-from grip_bt.ports.motion import FREEDOMS, Free
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.ports.motion import FREEDOMS, Free
 
 from ..model import Chain
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
-from grip_bt.errors import DocumentError, MissingPartError
+from grip_bt.base.errors import DocumentError, MissingPartError
 
 from ..description.findings import Finding
 from ..description.packages import Packages

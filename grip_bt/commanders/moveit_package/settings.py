@@ -8,7 +8,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from grip_bt.errors import DocumentError
+from grip_bt.base.errors import DocumentError
 
 from ..description.yaml_file import Reading, read_yaml
 

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
-from grip_bt.errors import PathInvalidError
-from grip_bt.values import Trajectory
+from grip_bt.base.failures import PathInvalidError
+from grip_bt.base.values import Trajectory
 
 from ..collision import recent_checker
 from ..model import RobotModel

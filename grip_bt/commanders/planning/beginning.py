@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.errors import PathInvalidError, StartInCollisionError
-from grip_bt.values import Trajectory
+from grip_bt.base.failures import PathInvalidError, StartInCollisionError
+from grip_bt.base.values import Trajectory
 
 from ..collision import CollisionChecker, recent_checker
 from ..model import Chain, RobotModel

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.values import PathConstraint
+from grip_bt.base.values import PathConstraint
 
 from ..collision import CollisionChecker
 from .constraints import kept, projected

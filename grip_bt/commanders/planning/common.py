@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from grip_bt.errors import PathInvalidError
-from grip_bt.values.joints import MOVE_GROUP
+from grip_bt.base.failures import PathInvalidError
+from grip_bt.base.values.joints import MOVE_GROUP
 
 from ..collision import CollisionChecker
 from ..model import RobotModel

@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from grip_bt.values import PathConstraint
+from grip_bt.base.values import PathConstraint
 
 from ..model import Chain
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.values import Trajectory
+from grip_bt.base.values import Trajectory
 
 from ..collision import CollisionChecker
 from ..trajectory.smooth import quintic_jerks

@@ -11,8 +11,9 @@ import ompl.geometric as og
 import ompl.util as ou
 from numpy.typing import NDArray
 
-from grip_bt.errors import CanceledError, NoPlanError, TimeOutError, UnknownNameError
-from grip_bt.values import PathConstraint
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import CanceledError, NoPlanError, TimeOutError
+from grip_bt.base.values import PathConstraint
 
 from ..collision import CollisionChecker
 from .bitrrt import bitrrt, costs, highest_cost

@@ -8,15 +8,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from grip_bt.errors import (
-    ConstraintBrokenError,
-    GoalInCollisionError,
-    NoIkError,
-    OutOfLimitsError,
-    UnknownNameError,
-)
-from grip_bt.values import JointState, Pose
-from grip_bt.values.pose import check_frame
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import ConstraintBrokenError, GoalInCollisionError, NoIkError, OutOfLimitsError
+from grip_bt.base.values import JointState, Pose
+from grip_bt.base.values.pose import check_frame
 
 from ..collision import CollisionChecker
 from ..ik import Target, solver

@@ -9,9 +9,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from grip_bt.errors import CanceledError, NoGraspError, NoPlanError, TimeOutError
-from grip_bt.values import Grasp, JointState, Pose
-from grip_bt.values.pose import check_frame
+from grip_bt.base.failures import CanceledError, NoGraspError, NoPlanError, TimeOutError
+from grip_bt.base.values import Grasp, JointState, Pose
+from grip_bt.base.values.pose import check_frame
 
 from ..collision import CollisionChecker
 from ..ik import Target, solver

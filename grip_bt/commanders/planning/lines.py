@@ -15,8 +15,8 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from grip_bt.errors import NoIkError, PathInvalidError
-from grip_bt.values import Trajectory
+from grip_bt.base.failures import NoIkError, PathInvalidError
+from grip_bt.base.values import Trajectory
 
 from ..collision import CollisionChecker
 from ..model import Chain, RobotModel

@@ -9,14 +9,8 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.errors import (
-    ConstraintBrokenError,
-    ExpectedError,
-    NoPlanError,
-    PathInvalidError,
-    TimeOutError,
-)
-from grip_bt.values import Plan, Trajectory
+from grip_bt.base.failures import ConstraintBrokenError, ExpectedError, NoPlanError, PathInvalidError, TimeOutError
+from grip_bt.base.values import Plan, Trajectory
 
 from ..collision import CollisionChecker, recent_checker
 from ..model import Chain, RobotModel

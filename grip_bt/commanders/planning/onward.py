@@ -6,8 +6,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from grip_bt.errors import NoIkError, PathInvalidError
-from grip_bt.values import Trajectory
+from grip_bt.base.failures import NoIkError, PathInvalidError
+from grip_bt.base.values import Trajectory
 
 from ..collision import recent_checker
 from ..jogging import bounded

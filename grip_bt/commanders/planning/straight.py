@@ -6,8 +6,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from grip_bt.values import Pose
-from grip_bt.values.pose import check_frame
+from grip_bt.base.values import Pose
+from grip_bt.base.values.pose import check_frame
 
 from ..ik.damped_least_squares import solve_from
 from ..ik.target import Target

@@ -14,8 +14,15 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.errors import ConstraintBrokenError, ExpectedError, NoIkError, NoPlanError, PathInvalidError, TimeOutError
-from grip_bt.values import JointState, PathConstraint, Pose, Trajectory, WayPoint
+from grip_bt.base.failures import (
+    ConstraintBrokenError,
+    ExpectedError,
+    NoIkError,
+    NoPlanError,
+    PathInvalidError,
+    TimeOutError,
+)
+from grip_bt.base.values import JointState, PathConstraint, Pose, Trajectory, WayPoint
 
 from ..collision import CollisionChecker
 from ..model import Chain, RobotModel

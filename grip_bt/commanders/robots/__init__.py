@@ -11,7 +11,7 @@ from functools import cache, partial
 from pathlib import Path
 from types import MappingProxyType
 
-from grip_bt.errors import InvalidRobotError, MissingPartError, UnknownNameError
+from grip_bt.base.errors import InvalidRobotError, MissingPartError, UnknownNameError
 
 from .description import Drive, EndEffector, GraspFrame, Mimic, RobotDescription
 from .panda import panda_allegro

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from grip_bt.values import Pose
+from grip_bt.base.values import Pose
 
 from .description import Drive, GraspFrame
 from .parts import HandPart

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from grip_bt.errors import DocumentError, MissingPartError
+from grip_bt.base.errors import DocumentError, MissingPartError
 
 PACKAGE = "package://"
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, fields
 from types import MappingProxyType
 from typing import Any
 
-from grip_bt.errors import UnknownNameError
-from grip_bt.values import JointState, Pose
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.values import JointState, Pose
 
 from .assembly import without_visuals
 

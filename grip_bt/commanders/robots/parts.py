@@ -9,8 +9,8 @@ from functools import cache
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
-from grip_bt.errors import MissingPartError
-from grip_bt.values import JointState
+from grip_bt.base.errors import MissingPartError
+from grip_bt.base.values import JointState
 
 from .assembly import Mount, cut_below, load_urdf, mounted
 from .description import Drive, GraspFrame, RobotDescription

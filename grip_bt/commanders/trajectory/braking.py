@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.values import Trajectory
+from grip_bt.base.values import Trajectory
 
 from .smooth import each_by_itself, smooth_stop
 from .splines import peaks

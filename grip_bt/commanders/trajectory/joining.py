@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from grip_bt.values import Trajectory
+from grip_bt.base.values import Trajectory
 
 
 def joined(pieces: list[Trajectory]) -> Trajectory:

@@ -9,7 +9,7 @@ import toppra.constraint
 from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 
-from grip_bt.errors import PathInvalidError
+from grip_bt.base.failures import PathInvalidError
 
 
 def squared_velocities(

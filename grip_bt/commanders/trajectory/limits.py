@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.errors import OutOfLimitsError
-from grip_bt.values import Trajectory
+from grip_bt.base.failures import OutOfLimitsError
+from grip_bt.base.values import Trajectory
 
 from ..model import Limits
 from ..stillness import STILL

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.values import Trajectory
+from grip_bt.base.values import Trajectory
 
 from .splines import s_curve
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.values import Trajectory
+from grip_bt.base.values import Trajectory
 
 Array = NDArray[np.float64]
 _STEP = 0.02

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
-from grip_bt.catalog import Catalog
-from grip_bt.errors import EditError, InvalidTaskError
-from grip_bt.graph import dumps, loads
-from grip_bt.graph.canonical import data_of
-from grip_bt.graph.edit import AnyCommand, Convert, Group, Inline, Patch, apply, path_after, title_of
-from grip_bt.graph.edit.draft import Draft, deep
-from grip_bt.graph.edit.rewriting import differences
-from grip_bt.graph.edit.steps import Place, Put, Rekey, Shift, Step
-from grip_bt.graph.model import Task
-from grip_bt.graph.shape import CHILDREN
-from grip_bt.graph.walking import join, walk
+from grip_bt.base.errors import EditError, InvalidTaskError
+from grip_bt.task import dumps, loads
+from grip_bt.task.canonical import data_of
+from grip_bt.task.catalog import Catalog
+from grip_bt.task.edit import AnyCommand, Convert, Group, Inline, Patch, apply, path_after, title_of
+from grip_bt.task.edit.draft import Draft, deep
+from grip_bt.task.edit.rewriting import differences
+from grip_bt.task.edit.steps import Place, Put, Rekey, Shift, Step
+from grip_bt.task.model import Task
+from grip_bt.task.shape import CHILDREN
+from grip_bt.task.walking import join, walk
 
 from .inlining import inlined
 from .result import Restructured

@@ -14,15 +14,15 @@ from typing import Any
 
 from py_trees.common import Status
 
-from grip_bt.catalog import Catalog, Manifest
-from grip_bt.errors import DataError, EvaluationError, NodeError
-from grip_bt.graph.model import Foreign as ForeignNode
-from grip_bt.graph.model import Leaf as LeafNode
-from grip_bt.graph.model import Parallel, Task
-from grip_bt.graph.walking import walk
+from grip_bt.base.errors import DataError, EvaluationError, NodeError
 from grip_bt.nodes import Leaf
 from grip_bt.nodes.node import halt
 from grip_bt.nodes.observer import Observer
+from grip_bt.task.catalog import Catalog, Manifest
+from grip_bt.task.model import Foreign as ForeignNode
+from grip_bt.task.model import Leaf as LeafNode
+from grip_bt.task.model import Parallel, Task
+from grip_bt.task.walking import walk
 
 from ..to_tree import CompiledTree, to_tree
 from .result import Restructured

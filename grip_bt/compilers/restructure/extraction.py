@@ -6,23 +6,23 @@ from dataclasses import dataclass
 from pathlib import PurePosixPath
 from typing import Any
 
-from grip_bt.catalog import Catalog
-from grip_bt.errors import EditError
-from grip_bt.graph import read_text
-from grip_bt.graph.canonical import dumps, lines_of
-from grip_bt.graph.document import Document
-from grip_bt.graph.edit import Patch, Set, Unset, apply_to_document, title_of
-from grip_bt.graph.edit.commands import Extract
-from grip_bt.graph.edit.draft import deep
-from grip_bt.graph.edit.editing import Editing, slot
-from grip_bt.graph.edit.steps import Assign
-from grip_bt.graph.frozen import FrozenDict
-from grip_bt.graph.model import Task
-from grip_bt.graph.scalars import write_scalar
-from grip_bt.graph.syntax import Mapping, parse
-from grip_bt.validation import survey_of
-from grip_bt.validation.dataflow import DataFlow
-from grip_bt.validation.survey import Spot, Survey
+from grip_bt.base.errors import EditError
+from grip_bt.base.frozen import FrozenDict
+from grip_bt.base.yaml.scalars import write_scalar
+from grip_bt.base.yaml.syntax import Mapping, parse
+from grip_bt.task import read_text
+from grip_bt.task.canonical import dumps, lines_of
+from grip_bt.task.catalog import Catalog
+from grip_bt.task.document import Document
+from grip_bt.task.edit import Patch, Set, Unset, apply_to_document, title_of
+from grip_bt.task.edit.commands import Extract
+from grip_bt.task.edit.draft import deep
+from grip_bt.task.edit.editing import Editing, slot
+from grip_bt.task.edit.steps import Assign
+from grip_bt.task.model import Task
+from grip_bt.task.validation import survey_of
+from grip_bt.task.validation.dataflow import DataFlow
+from grip_bt.task.validation.survey import Spot, Survey
 
 from .handovers import expect_nobody_can_tell
 

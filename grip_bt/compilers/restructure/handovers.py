@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from grip_bt.errors import HandoverError, listing
-from grip_bt.graph.model import Fallback, Guard, Parallel, Sequence, Switch, Timeout
-from grip_bt.validation.survey import Spot
+from grip_bt.base.errors import HandoverError, listing
+from grip_bt.task.model import Fallback, Guard, Parallel, Sequence, Switch, Timeout
+from grip_bt.task.validation.survey import Spot
 
 
 def expect_nobody_can_tell(spot: Spot, reads: set[str], writes: set[str]) -> None:

@@ -6,17 +6,17 @@ from collections.abc import Iterable, Iterator
 from itertools import count
 from typing import Any
 
-from grip_bt.catalog import Catalog, face_of
-from grip_bt.errors import EditError, SubtaskError
-from grip_bt.graph.edit import Patch, RenameVariable, apply, title_of
-from grip_bt.graph.edit.commands import Inline
-from grip_bt.graph.edit.draft import deep
-from grip_bt.graph.edit.editing import Editing, slot
-from grip_bt.graph.edit.steps import Assign
-from grip_bt.graph.expression import parse_expression
-from grip_bt.graph.model import Childless, Subtask, Task, Variable, type_of
-from grip_bt.graph.walking import walk
-from grip_bt.validation.survey import Spot, Survey
+from grip_bt.base.errors import EditError, SubtaskError
+from grip_bt.base.expression import parse_expression
+from grip_bt.task.catalog import Catalog, face_of
+from grip_bt.task.edit import Patch, RenameVariable, apply, title_of
+from grip_bt.task.edit.commands import Inline
+from grip_bt.task.edit.draft import deep
+from grip_bt.task.edit.editing import Editing, slot
+from grip_bt.task.edit.steps import Assign
+from grip_bt.task.model import Childless, Subtask, Task, Variable, type_of
+from grip_bt.task.validation.survey import Spot, Survey
+from grip_bt.task.walking import walk
 
 from .handovers import expect_nobody_can_tell
 

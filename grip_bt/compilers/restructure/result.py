@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from grip_bt.errors import NotExpressibleError
-from grip_bt.graph.frozen import FrozenDict
-from grip_bt.graph.model import AnyNode, Fallback, Sequence, StateMachine, Task
-from grip_bt.graph.walking import join
+from grip_bt.base.errors import NotExpressibleError
+from grip_bt.base.frozen import FrozenDict
+from grip_bt.task.model import AnyNode, Fallback, Sequence, StateMachine, Task
+from grip_bt.task.walking import join
 
 from ..resolve import Part
 from ..transitions import lead

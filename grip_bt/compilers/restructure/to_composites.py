@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 
 import networkx as nx
 
-from grip_bt.catalog import Catalog
-from grip_bt.errors import listing
-from grip_bt.graph.frozen import FrozenDict
-from grip_bt.graph.model import Leaf, StateMachine, Subtask, Task
-from grip_bt.graph.walking import outcomes_of
+from grip_bt.base.errors import listing
+from grip_bt.base.frozen import FrozenDict
+from grip_bt.task.catalog import Catalog
+from grip_bt.task.model import Leaf, StateMachine, Subtask, Task
+from grip_bt.task.walking import outcomes_of
 
 from ..resolve import Part, resolve
 from ..transitions import interrupts, lead

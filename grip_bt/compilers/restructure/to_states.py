@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from grip_bt.catalog import Catalog
-from grip_bt.errors import listing
-from grip_bt.graph.frozen import FrozenDict
-from grip_bt.graph.model import Fallback, Leaf, Parallel, Sequence, StateMachine, Subtask, Task
+from grip_bt.base.errors import listing
+from grip_bt.base.frozen import FrozenDict
+from grip_bt.task.catalog import Catalog
+from grip_bt.task.model import Fallback, Leaf, Parallel, Sequence, StateMachine, Subtask, Task
 
 from ..resolve import Part, resolve
 from ..transitions import interrupts, lead

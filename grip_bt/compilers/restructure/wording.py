@@ -5,8 +5,8 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterator
 
-from grip_bt.graph import dumps
-from grip_bt.graph.writer import WIDTH
+from grip_bt.base.yaml.writer import WIDTH
+from grip_bt.task import dumps
 
 from .result import Restructured
 

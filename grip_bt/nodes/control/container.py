@@ -9,8 +9,8 @@ from typing import Any
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from grip_bt.ports import Context
-from grip_bt.values import Failure
+from grip_bt.base.ports import Context
+from grip_bt.base.values import Failure
 
 from ..node import STATUS, Node
 from .edges import Edges

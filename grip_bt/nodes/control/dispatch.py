@@ -9,7 +9,7 @@ from py_trees import composites
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from grip_bt.errors import LivelockError
+from grip_bt.base.errors import LivelockError
 
 from ..node import STATUS, Node
 from .container import Container, Face

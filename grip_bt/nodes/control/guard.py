@@ -9,8 +9,8 @@ from py_trees import decorators
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from grip_bt.errors import NodeError
-from grip_bt.values import Failure
+from grip_bt.base.errors import NodeError
+from grip_bt.base.values import Failure
 
 from .condition import Condition
 from .container import Container, Face

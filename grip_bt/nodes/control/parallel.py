@@ -15,7 +15,7 @@ from py_trees import composites
 from py_trees.behaviour import Behaviour
 from py_trees.common import ParallelPolicy, Status
 
-from grip_bt.values import Failure
+from grip_bt.base.values import Failure
 
 from ..node import LABEL, STATUS
 from .container import Container, Face

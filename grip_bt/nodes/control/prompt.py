@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from grip_bt.errors import NodeError
+from grip_bt.base.errors import NodeError
 
 from ..node import LABEL
 from .chooser import Chooser

@@ -9,9 +9,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from grip_bt.graph.evaluation import same_literal
-from grip_bt.ports import Context
-from grip_bt.values import Failure
+from grip_bt.base.evaluation import same_literal
+from grip_bt.base.ports import Context
+from grip_bt.base.values import Failure
 
 from .condition import Condition
 

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.values import Trajectory
+from grip_bt.base.values import Trajectory
 
 Array = NDArray[np.float64]
 EVEN = 1e-3

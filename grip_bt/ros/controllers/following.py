@@ -13,10 +13,10 @@ from collections.abc import Callable
 from functools import partial
 from typing import Protocol
 
+from grip_bt.base.failures import ExecutionAbortedError
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import Trajectory
 from grip_bt.commanders.steering import spliced
-from grip_bt.errors import ExecutionAbortedError
-from grip_bt.operation import Operation
-from grip_bt.values import Trajectory
 
 from ..goal import GoalEnd
 from .blending import Change, Places, change, places

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from grip_bt.operation import Operation
-from grip_bt.values import JointState
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import JointState
 
 from ..bus import Bus
 from ..definitions import provide
@@ -24,7 +24,7 @@ GAVE_WAY = 2e-3
 
 
 class GripperHand:
-    """Implements `grip_bt.ports.HandPort`.
+    """Implements `grip_bt.base.ports.HandPort`.
 
     Args:
         bus: the connection to ROS.

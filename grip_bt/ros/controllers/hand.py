@@ -6,11 +6,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from grip_bt.base.failures import CanceledError, ExecutionAbortedError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Executor
+from grip_bt.base.values import JointState
 from grip_bt.commanders.trajectory.splines import eased, slowed
-from grip_bt.errors import CanceledError, ExecutionAbortedError
-from grip_bt.operation import Operation
-from grip_bt.ports import Executor
-from grip_bt.values import JointState
 
 STOPPED_SHORT = 0.05
 """A joint that stays so far from where it was sent [rad] was stopped by something."""
@@ -21,7 +21,7 @@ UNKNOWN_FORCE = 1.0
 
 
 class ControlledHand:
-    """Implements `grip_bt.ports.HandPort`.
+    """Implements `grip_bt.base.ports.HandPort`.
 
     Without tactile sensors, what stops a joint short of its goal is a contact; its force is the joint's effort, where
     that is measured.
@@ -47,7 +47,7 @@ class ControlledHand:
         return self._executor.state()
 
     def move(self, posture: JointState, duration: float, torque_limit: float | None = None) -> Operation[JointState]:
-        """Move the fingers towards a posture; see `grip_bt.ports.HandPort`.
+        """Move the fingers towards a posture; see `grip_bt.base.ports.HandPort`.
 
         A torque limit can't be given to a position controller: set it in the controller.
         """

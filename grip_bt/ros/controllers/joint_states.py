@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from grip_bt.errors import SensorError
-from grip_bt.operation import Operation
-from grip_bt.values import JointState
+from grip_bt.base.failures import SensorError
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import JointState
 
 from ..bus import Bus
 from ..convert_geometry import seconds

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.errors import ExecutionAbortedError, SensorError
-from grip_bt.operation import Operation
-from grip_bt.values import JointState, Trajectory
+from grip_bt.base.failures import ExecutionAbortedError, SensorError
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import JointState, Trajectory
 
 from .joint_states import JointStates
 from .rest import Motion
@@ -34,7 +34,7 @@ LOOK = 0.01
 
 
 class RosExecutor(ABC):
-    """Implements `grip_bt.ports.Executor` but for how a motion is begun.
+    """Implements `grip_bt.base.ports.Executor` but for how a motion is begun.
 
     Args:
         names: the joints that it moves, in its order.
@@ -65,7 +65,7 @@ class RosExecutor(ABC):
         `rest.RESTS`, or nothing is measured, the error says so, and `stopped` in its data is False.
 
         Ends with ExecutionAbortedError when the trajectory begins elsewhere, or who moves the joints refuses it, gives
-        it up or is gone; `data` tells the code and the words. See `grip_bt.ports.Executor`.
+        it up or is gone; `data` tells the code and the words. See `grip_bt.base.ports.Executor`.
 
         Raises:
             ValueError: it moves other joints.

@@ -10,10 +10,10 @@ from typing import Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from grip_bt.base.failures import CanceledError, ExecutionAbortedError, SensorError, ServerTimeOutError
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import Trajectory
 from grip_bt.commanders.trajectory.braking import accelerations_of
-from grip_bt.errors import CanceledError, ExecutionAbortedError, SensorError, ServerTimeOutError
-from grip_bt.operation import Operation
-from grip_bt.values import Trajectory
 
 from ..bus import Bus
 from .joint_states import JointStates

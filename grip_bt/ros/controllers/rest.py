@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from grip_bt.base.failures import CanceledError, ExecutionAbortedError, ExpectedError
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import JointState
 from grip_bt.commanders.stillness import Stillness
-from grip_bt.errors import CanceledError, ExecutionAbortedError, ExpectedError
-from grip_bt.operation import Operation
-from grip_bt.values import JointState
 
 from .joint_states import JointStates
 

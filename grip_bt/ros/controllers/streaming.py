@@ -9,12 +9,12 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from grip_bt.base.failures import SensorError, ServerTimeOutError
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import Trajectory
 from grip_bt.commanders.steering import spliced
 from grip_bt.commanders.trajectory.braking import stop_ramp
 from grip_bt.commanders.trajectory.smooth import jerks_of
-from grip_bt.errors import SensorError, ServerTimeOutError
-from grip_bt.operation import Operation
-from grip_bt.values import Trajectory
 
 from ..bus import Bus
 from ..types import load_type
@@ -71,7 +71,7 @@ class _Way(Course):
 
 
 class StreamedExecutor(OverTopic[_Way]):
-    """Implements `grip_bt.ports.Executor` and `Steerable` over a joint group position controller.
+    """Implements `grip_bt.base.ports.Executor` and `Steerable` over a joint group position controller.
 
     Args:
         bus: the connection to ROS.

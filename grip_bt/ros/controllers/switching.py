@@ -6,8 +6,9 @@ import time
 from collections.abc import Collection
 from typing import Any
 
-from grip_bt.errors import ExpectedError, GripError, UnknownNameError
-from grip_bt.operation import Operation
+from grip_bt.base.errors import GripError, UnknownNameError
+from grip_bt.base.failures import ExpectedError
+from grip_bt.base.operation import Operation
 
 from ..bus import Bus
 from ..definitions import provide

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from grip_bt.errors import (
+from grip_bt.base.failures import (
     CanceledError,
     ExecutionAbortedError,
     ExpectedError,
@@ -13,8 +13,8 @@ from grip_bt.errors import (
     ServerLostError,
     ServerTimeOutError,
 )
-from grip_bt.operation import Operation
-from grip_bt.values import Trajectory
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import Trajectory
 
 from ..bus import Bus
 from ..convert_geometry import trajectory_to_message
@@ -31,7 +31,7 @@ LATE = 60.0
 
 
 class TrajectoryExecutor(RosExecutor):
-    """Implements `grip_bt.ports.Executor` and `Steerable` over a joint trajectory controller.
+    """Implements `grip_bt.base.ports.Executor` and `Steerable` over a joint trajectory controller.
 
     Args:
         bus: the connection to ROS.

@@ -11,9 +11,9 @@ from contextlib import ExitStack
 
 import numpy as np
 
+from grip_bt.base.failures import ExecutionAbortedError, SensorError, ServerTimeOutError
+from grip_bt.base.values import Trajectory
 from grip_bt.commanders.trajectory.braking import stop_ramp
-from grip_bt.errors import ExecutionAbortedError, SensorError, ServerTimeOutError
-from grip_bt.values import Trajectory
 
 from ..convert_geometry import trajectory_to_message
 from .motion import START_TOLERANCE, settle
@@ -32,7 +32,7 @@ FOUND = 6.0
 
 
 class TopicExecutor(OverTopic[Course]):
-    """Implements `grip_bt.ports.Executor` over the topic of a joint trajectory controller; see `OverTopic`.
+    """Implements `grip_bt.base.ports.Executor` over the topic of a joint trajectory controller; see `OverTopic`.
 
     A motion ends when the joints are measured to be at its end, or to stand still. Where that is elsewhere, it is
     aborted, and `data` has `stopped_short`: how far off.

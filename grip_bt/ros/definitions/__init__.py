@@ -10,7 +10,7 @@ import importlib.util
 import threading
 from pathlib import Path
 
-from grip_bt.errors import UnknownNameError
+from grip_bt.base.errors import UnknownNameError
 
 FOLDER = Path(__file__).parent
 NEEDS: dict[str, tuple[str, ...]] = {

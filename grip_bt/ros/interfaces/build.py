@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 
-from grip_bt.errors import NotWritableError
+from grip_bt.base.errors import NotWritableError
 
 from .checks import check_package
 from .compiler import Compilation, compilers, install_package

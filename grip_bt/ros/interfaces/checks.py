@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence, Set
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
-from grip_bt.catalog.interface_spec import FieldSpec, InterfaceSpec
-from grip_bt.errors import DocumentError, nearest
+from grip_bt.base.errors import DocumentError, nearest
+from grip_bt.task.catalog.interface_spec import FieldSpec, InterfaceSpec
 
 from .definition import parse_interface, read_text
 from .package import Package

@@ -15,7 +15,7 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
-from grip_bt.errors import MissingPartError
+from grip_bt.base.errors import MissingPartError
 
 from .failure import InterfaceBuildError
 from .generate import TYPESUPPORTS, Generated

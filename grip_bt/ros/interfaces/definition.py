@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, cast
 
-from grip_bt.catalog.interface_spec import FieldSpec, InterfaceSpec, Kind
-from grip_bt.errors import DocumentError, MissingPartError, nearest
+from grip_bt.base.errors import DocumentError, MissingPartError, nearest
+from grip_bt.task.catalog.interface_spec import FieldSpec, InterfaceSpec, Kind
 
 from .package import KINDS
 from .prefixes import package_like, search_path, share_folder

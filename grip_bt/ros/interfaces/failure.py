@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from grip_bt.errors import GripError
+from grip_bt.base.errors import GripError
 
 
 class InterfaceBuildError(GripError):

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from grip_bt.errors import DocumentError, GripError, MissingPartError
+from grip_bt.base.errors import DocumentError, GripError, MissingPartError
 
 from .failure import InterfaceBuildError
 from .package import Package

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
-from grip_bt.errors import DocumentError
+from grip_bt.base.errors import DocumentError
 
 KINDS = ("msg", "srv", "action")
 _NAME = re.compile(r"(?!.*__)(?!.*_$)[a-z][a-z0-9_]*")

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from grip_bt.catalog.interface_spec import FieldSpec
-from grip_bt.errors import DocumentError, listing, nearest
+from grip_bt.base.errors import DocumentError, listing, nearest
+from grip_bt.task.catalog.interface_spec import FieldSpec
 
 from .definition import read_interface
 from .package import KINDS, find_packages

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from xml.parsers import expat
 
-from grip_bt.errors import DocumentError
-from grip_bt.graph.document import read_file
-from grip_bt.graph.syntax import Listing, Mapping, Scalar, Value, parse, plain
+from grip_bt.base.errors import DocumentError
+from grip_bt.base.yaml.files import read_file
+from grip_bt.base.yaml.syntax import Listing, Mapping, Scalar, Value, parse, plain
 
 from .errors import LaunchError
 from .mistakes import form, given_as

@@ -14,8 +14,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from grip_bt.catalog.process_config import Ready, Restart
-from grip_bt.errors import GripError
+from grip_bt.base.errors import GripError
+from grip_bt.task.catalog.process_config import Ready, Restart
 
 from ..process import Process
 from .model import LaunchEvent

@@ -8,7 +8,7 @@ import shlex
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from grip_bt.errors import listing, nearest
+from grip_bt.base.errors import listing, nearest
 
 from ..packages import PackageError, executable_of
 from .element import Element, read_elements

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
-from grip_bt.errors import listing, nearest
+from grip_bt.base.errors import listing, nearest
 
 _ATTRIBUTES = {
     **dict.fromkeys(("executable", "program", "exe", "node_executable"), ("exec", "cmd")),

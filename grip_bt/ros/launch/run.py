@@ -8,7 +8,7 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-from grip_bt.interpreter import python_command
+from grip_bt.base.interpreter import python_command
 
 from ..process import child_environment
 from .errors import LaunchError

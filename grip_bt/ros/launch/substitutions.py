@@ -7,9 +7,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from grip_bt.errors import DocumentError, EvaluationError, ExpressionError, listing, nearest
-from grip_bt.graph.evaluation import value_of
-from grip_bt.graph.expression import parse_expression
+from grip_bt.base.errors import DocumentError, EvaluationError, ExpressionError, listing, nearest
+from grip_bt.base.evaluation import value_of
+from grip_bt.base.expression import parse_expression
 
 from ..packages import PackageError, executable_of, prefix_of, share_of
 from .errors import LaunchError

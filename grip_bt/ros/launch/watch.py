@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING
 
-from grip_bt.catalog.process_config import Ready
+from grip_bt.task.catalog.process_config import Ready
 
 if TYPE_CHECKING:
     from ..bus import Bus

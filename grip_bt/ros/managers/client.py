@@ -6,9 +6,9 @@ from array import array
 from collections.abc import Callable
 from typing import Any
 
-from grip_bt.errors import BadReplyError, EmptyQueueError, NoEntryError
-from grip_bt.messages import Entry
-from grip_bt.operation import Operation
+from grip_bt.base.failures import BadReplyError, EmptyQueueError, NoEntryError
+from grip_bt.base.message_store import Entry
+from grip_bt.base.operation import Operation
 
 from ..bus import Bus
 from ..convert_geometry import seconds
@@ -23,7 +23,7 @@ _KINDS = ("put", "deleted", "pushed", "taken")
 
 
 class RosMessages:
-    """Implements `grip_bt.ports.Messages` over ROS 2.
+    """Implements `grip_bt.base.ports.Messages` over ROS 2.
 
     Standard stores take and give GRIP's values; all stores take messages of any type, and others give them.
 

@@ -10,8 +10,9 @@ from typing import Any
 
 from rclpy.qos import QoSProfile
 
-from grip_bt.errors import EmptyQueueError, ExpectedError, GripError, UnknownNameError
-from grip_bt.messages import Change, Entry, MessageLibrary, MessageStore, load, save
+from grip_bt.base.errors import GripError, UnknownNameError
+from grip_bt.base.failures import EmptyQueueError, ExpectedError
+from grip_bt.base.message_store import Change, Entry, MessageLibrary, MessageStore, load, save
 
 from ..bus import Bus
 from ..convert_geometry import seconds

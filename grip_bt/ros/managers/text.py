@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from grip_bt.errors import ExpectedError
-from grip_bt.messages.written import plain_of, text_of, value_of
-from grip_bt.values import JointState
+from grip_bt.base.failures import ExpectedError
+from grip_bt.base.message_store.written import plain_of, text_of, value_of
+from grip_bt.base.values import JointState
 
 from ..convert import to_message
 from ..types import load_type
@@ -52,7 +52,7 @@ def value_from_text(
     Args:
         store: where it goes.
         name: of the value, for messages.
-        text: YAML; see `grip_bt.messages.written.value_of`.
+        text: YAML; see `grip_bt.base.message_store.written.value_of`.
         type_: the ROS type of its message, where the store isn't a standard one.
         states: what the way-points of a trajectory can name.
 

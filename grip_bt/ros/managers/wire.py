@@ -8,8 +8,8 @@ from typing import Any
 
 from rclpy.serialization import deserialize_message, serialize_message
 
-from grip_bt.messages import STANDARD
-from grip_bt.values import Grasp, JointState, Pose
+from grip_bt.base.message_store import STANDARD
+from grip_bt.base.values import Grasp, JointState, Pose
 
 from ..convert import from_message, to_message
 from ..convert_geometry import header, pose_from_message, pose_to_message

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from grip_bt.errors import (
+from grip_bt.base.failures import (
     BadReplyError,
     CanceledError,
     ExpectedError,
@@ -13,7 +13,7 @@ from grip_bt.errors import (
     ServerLostError,
     ServerTimeOutError,
 )
-from grip_bt.operation import Operation
+from grip_bt.base.operation import Operation
 
 from ..bus import Bus
 from ..definitions import provide

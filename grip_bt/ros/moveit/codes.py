@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from grip_bt.errors import (
+from grip_bt.base.failures import (
     CanceledError,
     ConstraintBrokenError,
     ExecutionAbortedError,

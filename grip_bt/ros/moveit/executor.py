@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from grip_bt.errors import (
+from grip_bt.base.failures import (
     CanceledError,
     ExecutionAbortedError,
     ExpectedError,
@@ -13,8 +13,8 @@ from grip_bt.errors import (
     ServerLostError,
     ServerTimeOutError,
 )
-from grip_bt.operation import Operation
-from grip_bt.values import Trajectory
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import Trajectory
 
 from ..bus import Bus
 from ..controllers import JointStates, RosExecutor
@@ -29,7 +29,7 @@ LATE = 60.0
 
 
 class MoveGroupExecutor(RosExecutor):
-    """Implements `grip_bt.ports.Executor` over move_group's action ExecuteTrajectory.
+    """Implements `grip_bt.base.ports.Executor` over move_group's action ExecuteTrajectory.
 
     Args:
         bus: the connection to ROS.

@@ -9,8 +9,8 @@ from geometry_msgs.msg import Pose as PoseMessage
 from geometry_msgs.msg import Vector3
 from shape_msgs.msg import SolidPrimitive
 
-from grip_bt.errors import GoalRejectedError
-from grip_bt.values import JointState, Pose
+from grip_bt.base.failures import GoalRejectedError
+from grip_bt.base.values import JointState, Pose
 
 from ..convert_geometry import header, pose_to_message
 from ..types import load_type

@@ -12,9 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from grip_bt.commanders.planning.grasps import target_of
-from grip_bt.commanders.planning.requests import ChooseGrasp, ChosenGrasp, PlanTo, Situation
-from grip_bt.errors import (
+from grip_bt.base.failures import (
     GoalInCollisionError,
     NoGraspError,
     NoIkError,
@@ -23,7 +21,9 @@ from grip_bt.errors import (
     StartInCollisionError,
     TimeOutError,
 )
-from grip_bt.values import Grasp, JointState
+from grip_bt.base.values import Grasp, JointState
+from grip_bt.commanders.planning.grasps import target_of
+from grip_bt.commanders.planning.requests import ChooseGrasp, ChosenGrasp, PlanTo, Situation
 
 from ..steps import Steps
 

@@ -6,10 +6,10 @@ import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from typing import Any
 
+from grip_bt.base.failures import GoalRejectedError, PlannerLostError, ServerLostError
+from grip_bt.base.operation import Operation
 from grip_bt.commanders.robots import RobotDescription
 from grip_bt.commanders.scene import SceneObject, SceneSnapshot
-from grip_bt.errors import GoalRejectedError, PlannerLostError, ServerLostError
-from grip_bt.operation import Operation
 
 from ..steps import Steps
 from ..types import load_type

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from grip_bt.base.values import Pose
 from grip_bt.commanders.robots import RobotDescription
-from grip_bt.values import Pose
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,20 @@ from typing import Any
 
 import numpy as np
 
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import (
+    BadReplyError,
+    ExpectedError,
+    GoalInCollisionError,
+    NoIkError,
+    NoPlanError,
+    PathInvalidError,
+    TimeOutError,
+)
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import JointState, Plan, Pose, Trajectory
+from grip_bt.base.values.joints import MOVE_GROUP
+from grip_bt.base.values.pose import check_frame
 from grip_bt.commanders.planning.requests import (
     ChooseGrasp,
     ChosenGrasp,
@@ -17,20 +31,6 @@ from grip_bt.commanders.planning.requests import (
 )
 from grip_bt.commanders.robots import RobotDescription
 from grip_bt.commanders.worker import Search
-from grip_bt.errors import (
-    BadReplyError,
-    ExpectedError,
-    GoalInCollisionError,
-    NoIkError,
-    NoPlanError,
-    PathInvalidError,
-    TimeOutError,
-    UnknownNameError,
-)
-from grip_bt.operation import Operation
-from grip_bt.values import JointState, Plan, Pose, Trajectory
-from grip_bt.values.joints import MOVE_GROUP
-from grip_bt.values.pose import check_frame
 
 from ..convert_geometry import joints_to_message, pose_to_message, pose_to_stamped, trajectory_from_message
 from ..steps import Line, Steps, walk

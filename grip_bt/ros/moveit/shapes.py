@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from shape_msgs.msg import Mesh as MeshMessage
 from shape_msgs.msg import MeshTriangle, SolidPrimitive
 
-from grip_bt.values import Pose
-from grip_bt.values.solids import Box, CellMap, Cylinder, Mesh, Solid, Sphere
+from grip_bt.base.values import Pose
+from grip_bt.base.values.solids import Box, CellMap, Cylinder, Mesh, Solid, Sphere
 
 from ..convert_geometry import header, pose_to_message
 from ..types import load_type

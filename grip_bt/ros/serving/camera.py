@@ -6,9 +6,9 @@ import threading
 import time
 from dataclasses import replace
 
-from grip_bt.errors import GripError
-from grip_bt.ports import Camera
-from grip_bt.values import DepthImage, Image, Pose, RgbdFrame
+from grip_bt.base.errors import GripError
+from grip_bt.base.ports import Camera
+from grip_bt.base.values import DepthImage, Image, Pose, RgbdFrame
 
 from ..bus import Bus
 from ..convert_perception import camera_to_message, cloud_to_message, depth_to_message, image_to_message

@@ -6,8 +6,8 @@ import threading
 import time
 from collections.abc import Sequence
 
-from grip_bt.errors import GripError
-from grip_bt.ports import Executor
+from grip_bt.base.errors import GripError
+from grip_bt.base.ports import Executor
 
 from ..bus import Bus
 from ..convert_geometry import header

@@ -17,10 +17,11 @@ import numpy as np
 from rclpy.action.server import ActionServer, CancelResponse, GoalResponse
 from rclpy.task import Future
 
-from grip_bt.errors import CanceledError, GripError
-from grip_bt.operation import Operation
-from grip_bt.ports import Executor
-from grip_bt.values import JointState, Trajectory
+from grip_bt.base.errors import GripError
+from grip_bt.base.failures import CanceledError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Executor
+from grip_bt.base.values import JointState, Trajectory
 
 from ..bus import Bus
 from ..convert_geometry import seconds

@@ -7,7 +7,7 @@ from typing import Any
 
 from py_trees.common import Status
 
-from grip_bt.errors import LivelockError, NodeError
+from grip_bt.base.errors import LivelockError, NodeError
 from grip_bt.nodes.control.dispatch import MAX_TRANSITIONS
 
 from .composites import halt_all

@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 
 from py_trees.common import Status
 
-from grip_bt.errors import NodeError
+from grip_bt.base.errors import NodeError
 from grip_bt.nodes.control.container import Container
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.node import LABEL, Node

@@ -7,7 +7,7 @@ from typing import Any
 
 from py_trees.common import Status
 
-from grip_bt.errors import NodeError
+from grip_bt.base.errors import NodeError
 
 from .builtin import Builtin
 from .kinds import overrides

@@ -13,7 +13,7 @@ import traceback
 from typing import Any
 
 from grip_bt import smach_compat as smach
-from grip_bt.errors import GripError
+from grip_bt.base.errors import GripError
 from grip_bt.smach_compat._settings import settings
 
 from ._connection import ros, seconds

@@ -8,13 +8,13 @@ from itertools import count
 from secrets import randbelow
 from weakref import WeakKeyDictionary
 
-from grip_bt.graph import join
-from grip_bt.graph.edit import path_after
-from grip_bt.graph.edit.steps import Step
+from grip_bt.task import join
+from grip_bt.task.edit import path_after
+from grip_bt.task.edit.steps import Step
+from grip_gui.edit_messages import DocumentChange, DocumentView, TaskChange, TextSplice
+from grip_gui.messages import NodeView, TaskView
+from grip_gui.project import ProjectFolder
 
-from ..edit_messages import DocumentChange, DocumentView, TaskChange, TextSplice
-from ..messages import NodeView, TaskView
-from ..project import ProjectFolder
 from .sheet import Sheet
 from .views import document_view
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from grip_bt.catalog import Catalog
+from grip_bt.base.errors import EditError, InvalidTaskError, NodeError
 from grip_bt.compilers.restructure import Restructured, compare, to_state_machines, to_trees
 from grip_bt.compilers.restructure.as_edit import expanded
-from grip_bt.errors import EditError, InvalidTaskError, NodeError
-from grip_bt.graph import Task, walk
-from grip_bt.graph.edit import Convert
+from grip_bt.task import Task, walk
+from grip_bt.task.catalog import Catalog
+from grip_bt.task.edit import Convert
+from grip_gui.edit_messages import ConversionView, ConvertWish, Form
 
-from ..edit_messages import ConversionView, ConvertWish, Form
 from .playing import plays
 from .sheet import Sheet
 

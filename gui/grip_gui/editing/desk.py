@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from threading import RLock
 
-from grip_bt.errors import DocumentError
-from grip_bt.graph import Task, dumps, read_text
-from grip_bt.graph.edit.steps import Step
-from grip_bt.graph.layout import layout_path
+from grip_bt.base.errors import DocumentError
+from grip_bt.task import Task, dumps, read_text
+from grip_bt.task.edit.steps import Step
+from grip_bt.task.layout import layout_path
+from grip_gui.project import ProjectFolder
 
-from ..project import ProjectFolder
 from .files import TextFile
 from .recovery import Recovery
 from .sheet import Sheet

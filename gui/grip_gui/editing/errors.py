@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from grip_bt.errors import GripError
+from grip_bt.base.errors import GripError
 
 
 class StaleEditError(GripError):

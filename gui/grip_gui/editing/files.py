@@ -7,8 +7,8 @@ from hashlib import blake2b
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 
-from grip_bt.errors import DocumentError
-from grip_bt.graph.document import read_file
+from grip_bt.base.errors import DocumentError
+from grip_bt.base.yaml.files import read_file
 
 _BOM = b"\xef\xbb\xbf"
 

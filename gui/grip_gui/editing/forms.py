@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from grip_bt.catalog import Catalog
+from grip_bt.base.errors import GripError, InvalidTaskError
 from grip_bt.compilers.restructure import to_state_machines, to_trees
-from grip_bt.errors import GripError, InvalidTaskError
-from grip_bt.graph import Fallback, Sequence, StateMachine, Task, walk
-from grip_bt.graph.walking import join
+from grip_bt.task import Fallback, Sequence, StateMachine, Task, walk
+from grip_bt.task.catalog import Catalog
+from grip_bt.task.walking import join
+from grip_gui.edit_messages import FormsView, FormView
 
-from ..edit_messages import FormsView, FormView
 from .sheet import Sheet
 
 

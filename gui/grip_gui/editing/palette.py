@@ -8,11 +8,10 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
-from grip_bt.catalog import Catalog, Manifest, face_of
-from grip_bt.errors import SubtaskError
-from grip_bt.graph import model
-
-from ..edit_messages import CatalogView, FieldFace, FieldType, KindFace, NodeFace, ParameterFace, PortFace
+from grip_bt.base.errors import SubtaskError
+from grip_bt.task import model
+from grip_bt.task.catalog import Catalog, Manifest, face_of
+from grip_gui.edit_messages import CatalogView, FieldFace, FieldType, KindFace, NodeFace, ParameterFace, PortFace
 
 _ELSEWHERE = {"doc", "on", "x", "data", "outcomes", "children", "child", "exits", "kind"}
 """Keys that have places of their own on the page."""

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from grip_bt.catalog import Catalog
 from grip_bt.compilers.restructure import expanded, extracted
-from grip_bt.graph.document import Document
-from grip_bt.graph.edit import AnyCommand, Convert, Extract, Group, Inline
+from grip_bt.task.catalog import Catalog
+from grip_bt.task.document import Document
+from grip_bt.task.edit import AnyCommand, Convert, Extract, Group, Inline
 
 from .desk import EditDesk
 from .sheet import Sheet

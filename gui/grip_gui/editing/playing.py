@@ -5,19 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from grip_bt.catalog import Catalog
+from grip_bt.base.values import Failure
 from grip_bt.compilers.restructure import Difference, Restructured, moved, play
 from grip_bt.compilers.restructure.equivalence import End
-from grip_bt.graph import Task
-from grip_bt.graph.model import Leaf
-from grip_bt.graph.walking import outcomes_of
 from grip_bt.runtime.recorder import preview
-from grip_bt.values import Failure
-
-from ..documents import finder
-from ..edit_messages import PlayView
-from ..projection import project_task
-from ..run_messages import RunEvent
+from grip_bt.task import Task
+from grip_bt.task.catalog import Catalog
+from grip_bt.task.model import Leaf
+from grip_bt.task.walking import outcomes_of
+from grip_gui.documents import finder
+from grip_gui.edit_messages import PlayView
+from grip_gui.projection import project_task
+from grip_gui.run_messages import RunEvent
 
 
 def plays(task: Task, result: Restructured, difference: Difference, catalog: Catalog, file: str) -> list[PlayView]:

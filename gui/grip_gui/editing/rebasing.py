@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from grip_bt.graph.edit import AnyCommand, Group, Patch, command_of, path_after
-from grip_bt.graph.edit.steps import Step
+from grip_bt.task.edit import AnyCommand, Group, Patch, command_of, path_after
+from grip_bt.task.edit.steps import Step
 
 from .errors import StaleEditError
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from hashlib import blake2b
 from pathlib import Path
 
-from grip_bt.errors import DocumentError
+from grip_bt.base.errors import DocumentError
 
 from .files import TextFile
 

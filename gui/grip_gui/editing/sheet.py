@@ -7,15 +7,15 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from grip_bt.errors import DocumentError, EditError
-from grip_bt.graph import History, read_text
-from grip_bt.graph.document import Document
-from grip_bt.graph.edit import AnyCommand, Edited, Group, rewrite
-from grip_bt.graph.edit.history_file import history_path, load_history, save_history
-from grip_bt.graph.edit.steps import Step
-from grip_bt.graph.layout import Layout, read_layout, write_layout
+from grip_bt.base.errors import DocumentError, EditError
+from grip_bt.task import read_text
+from grip_bt.task.document import Document
+from grip_bt.task.edit import AnyCommand, Edited, Group, History, rewrite
+from grip_bt.task.edit.history_file import history_path, load_history, save_history
+from grip_bt.task.edit.steps import Step
+from grip_bt.task.layout import Layout, read_layout, write_layout
+from grip_gui.projection import Drawn
 
-from ..projection import Drawn
 from .errors import ChangedOnDiskError, StaleEditError, UnfinishedTextError
 from .files import TextFile
 from .rebasing import rebased

@@ -6,13 +6,12 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import get_args
 
-from grip_bt.errors import DocumentError, EditError, GripError
-from grip_bt.graph import read_text, walk
-from grip_bt.graph.edit import Set, apply, clip_of, comment_of
-from grip_bt.validation import validate
-
-from ..documents import catalog_of, drawn, problems_of, trouble_of, unchecked_view
-from ..edit_messages import (
+from grip_bt.base.errors import DocumentError, EditError, GripError
+from grip_bt.task import read_text, walk
+from grip_bt.task.edit import Set, apply, clip_of, comment_of
+from grip_bt.task.validation import validate
+from grip_gui.documents import catalog_of, drawn, problems_of, trouble_of, unchecked_view
+from grip_gui.edit_messages import (
     Change,
     CommentView,
     DocumentView,
@@ -26,8 +25,9 @@ from ..edit_messages import (
     PlacesView,
     ProblemsView,
 )
-from ..messages import Problem, TaskView
-from ..project import ProjectFolder
+from grip_gui.messages import Problem, TaskView
+from grip_gui.project import ProjectFolder
+
 from .sheet import Sheet
 
 SHOWN = 200

@@ -16,18 +16,19 @@ from typing import Any
 from grip_bt.app.component_answer import label_of
 from grip_bt.app.project import Project, find_project
 from grip_bt.app.strange_code import of_component, refuse
-from grip_bt.catalog.component_file import ComponentFile, load_component
-from grip_bt.errors import DocumentError, ExpectedError, GripError
-from grip_bt.graph.syntax import parse, plain
-from grip_bt.messages import MessageLibrary
-from grip_bt.messages.written import fields_of
+from grip_bt.base.errors import DocumentError, GripError
+from grip_bt.base.failures import ExpectedError
+from grip_bt.base.message_store import MessageLibrary
+from grip_bt.base.message_store.written import fields_of
+from grip_bt.base.values import JointState, Pose
+from grip_bt.base.yaml.syntax import parse, plain
 from grip_bt.ros.components import start_components
 from grip_bt.runtime import JournalReader
-from grip_bt.values import JointState, Pose
+from grip_bt.task.catalog.component_file import ComponentFile, load_component
+from grip_gui.live_messages import FieldResult, TryView
+from grip_gui.run_messages import ValueView
+from grip_gui.values import value_view
 
-from ..live_messages import FieldResult, TryView
-from ..run_messages import ValueView
-from ..values import value_view
 from .shown import message_view
 
 

@@ -9,18 +9,18 @@ from pathlib import Path
 from typing import Any
 
 from grip_bt.app.project import find_project
-from grip_bt.catalog.sensor_config import MESSAGES
-from grip_bt.errors import ExpectedError
-from grip_bt.messages.written import fields_of
+from grip_bt.base.failures import ExpectedError
+from grip_bt.base.message_store.written import fields_of
 from grip_bt.ros.bus import Bus
 from grip_bt.ros.graph import topics
 from grip_bt.ros.managers import MessageServer, RosMessages
 from grip_bt.ros.managers.text import entry_rows, text_of_entry, value_from_text
 from grip_bt.ros.managers.wire import MESSAGES as STORES
 from grip_bt.ros.types import load_type, type_name
+from grip_bt.task.catalog.sensor_config import MESSAGES
+from grip_gui.run_messages import ValueView
+from grip_gui.values import value_view
 
-from ..run_messages import ValueView
-from ..values import value_view
 from .shown import message_view
 
 APPEARS = 2.0

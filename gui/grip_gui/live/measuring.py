@@ -10,10 +10,11 @@ from typing import Any
 
 from grip_bt.app.project import Project, find_project
 from grip_bt.app.resources import open_resources
-from grip_bt.errors import ExpectedError, GripError, MissingPartError, UnknownNameError
-from grip_bt.messages.written import text_of
-from grip_bt.ports import Arm, Hand
-from grip_bt.values import JointState
+from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
+from grip_bt.base.failures import ExpectedError
+from grip_bt.base.message_store.written import text_of
+from grip_bt.base.ports import Arm, Hand
+from grip_bt.base.values import JointState
 
 DIGITS = 9
 """Behind the point of what was measured: nanometres, which no robot measures."""

@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from grip_bt.app.motion_record import motion_file
-
-from ..live_messages import MotionSample, MotionView
+from grip_gui.live_messages import MotionSample, MotionView
 
 MOST = 1 << 20
 """Most that is read at once [bytes]."""

@@ -7,11 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from grip_bt.app.project import find_project
-from grip_bt.errors import GripError
-from grip_bt.messages import MessageLibrary
+from grip_bt.base.errors import GripError
+from grip_bt.base.message_store import MessageLibrary
 from grip_bt.runtime import JournalReader
-
-from ..live_messages import ComponentForm, RequestPort, Sample
+from grip_gui.live_messages import ComponentForm, RequestPort, Sample
 
 RUNS, EACH = 10, 12
 """Runs that are looked through, the latest ones, and samples of a port."""

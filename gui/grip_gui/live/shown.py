@@ -7,13 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from grip_bt.catalog.sensor_config import MESSAGES
-from grip_bt.errors import GripError
-from grip_bt.messages.written import fields_of
-from grip_bt.values import CameraInfo, Pose
-
-from ..run_messages import ValueView
-from ..values import ROWS, value_view
+from grip_bt.base.errors import GripError
+from grip_bt.base.message_store.written import fields_of
+from grip_bt.base.values import CameraInfo, Pose
+from grip_bt.task.catalog.sensor_config import MESSAGES
+from grip_gui.run_messages import ValueView
+from grip_gui.values import ROWS, value_view
 
 _DEPTHS = ("32FC1", "16UC1")
 

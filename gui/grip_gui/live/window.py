@@ -14,8 +14,8 @@ import os
 from pathlib import Path
 from typing import Any
 
-from grip_bt.errors import GripError
-from grip_bt.interpreter import python_command
+from grip_bt.base.errors import GripError
+from grip_bt.base.interpreter import python_command
 
 IDLE = 60.0
 """How long it stays without a question [s]; a connection to ROS takes a second to come up, and costs a little CPU."""

@@ -9,7 +9,8 @@ import threading
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-from grip_bt.errors import ExpectedError, GripError
+from grip_bt.base.errors import GripError
+from grip_bt.base.failures import ExpectedError
 
 WORKERS = 4
 """Questions at a time: one that waits for a message keeps no other waiting."""

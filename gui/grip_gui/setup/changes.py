@@ -10,7 +10,7 @@ from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 from ruamel.yaml.error import YAMLError
 
-from grip_bt.errors import GripError, nearest
+from grip_bt.base.errors import GripError, nearest
 
 WIDTH = 140
 REFERENCES: Mapping[tuple[str, ...], tuple[tuple[str, ...], ...]] = {

@@ -6,15 +6,15 @@ from pathlib import Path
 from typing import Any, Literal
 
 from grip_bt.app.project import find_project
-from grip_bt.errors import DocumentError, GripError
-from grip_bt.graph.faults import Fault, find
-from grip_bt.graph.syntax import Value, parse, plain
+from grip_bt.base.errors import DocumentError, GripError
+from grip_bt.base.yaml.faults import Fault, find
+from grip_bt.base.yaml.syntax import Value, parse, plain
+from grip_gui.editing import ChangedOnDiskError
+from grip_gui.editing.files import TextFile
+from grip_gui.messages import Problem
+from grip_gui.project import ProjectFolder
+from grip_gui.setup_messages import SetupChange, SetupList, SetupSave, SetupView
 
-from ..editing import ChangedOnDiskError
-from ..editing.files import TextFile
-from ..messages import Problem
-from ..project import ProjectFolder
-from ..setup_messages import SetupChange, SetupList, SetupSave, SetupView
 from .changes import UnchangeableError, remove, rename, set_value
 from .kinds import Kind, entries, kind_of
 from .options import doubtful_names, options_of, robot_trouble, wrong_options

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import fromstring
 
-from grip_bt.interpreter import python_command
+from grip_bt.base.interpreter import python_command
 
 PATIENCE = 60.0
 """How long the process may take [s]."""
@@ -74,13 +74,13 @@ def stamp_of(robot: object, folder: Path) -> float:
 def _gathered(robot: Any, folder: Path) -> dict[str, Any]:
     from pydantic import ValidationError
 
-    from grip_bt.catalog.controller_config import MOVE_GROUP
+    from grip_bt.base.errors import GripError, InvalidRobotError
     from grip_bt.commanders.description.config import RobotConfig
     from grip_bt.commanders.description.load import load_robot
     from grip_bt.commanders.ik import SOLVERS
     from grip_bt.commanders.planning.free import planners
     from grip_bt.commanders.robots import ROBOTS
-    from grip_bt.errors import GripError, InvalidRobotError
+    from grip_bt.task.catalog.controller_config import MOVE_GROUP
 
     found: dict[str, Any] = {
         "robots": list(ROBOTS),

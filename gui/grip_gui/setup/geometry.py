@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grip_bt.app.motion_bodies import coarse
-from grip_bt.interpreter import python_command
+from grip_bt.base.interpreter import python_command
 
 from .facts import PATIENCE, stamp_of
 
@@ -96,8 +96,8 @@ class _Meshes:
         return self._numbers[file, scale]
 
     def _read(self, file: str, scale: tuple[float, ...]) -> int | None:
+        from grip_bt.base.errors import GripError
         from grip_bt.commanders.meshes import load_mesh
-        from grip_bt.errors import GripError
 
         try:
             mesh = load_mesh(file.removeprefix("file://"), scale, hollow=True)  # type: ignore[arg-type]
@@ -184,7 +184,7 @@ def main() -> int:
     """Print what the robot that the command line names looks like, as one line of JSON."""
     from pydantic import ValidationError
 
-    from grip_bt.errors import GripError
+    from grip_bt.base.errors import GripError
 
     robot, hands = json.loads(sys.argv[1])
     try:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path, PurePosixPath
 
-from grip_bt.errors import GripError
+from grip_bt.base.errors import GripError
+from grip_gui.editing.files import TextFile
+from grip_gui.project import ProjectFolder
+from grip_gui.setup_messages import ImportView, ImportWish
 
-from ..editing.files import TextFile
-from ..project import ProjectFolder
-from ..setup_messages import ImportView, ImportWish
 from .probes import Prober
 
 FOLDER = "legacy"

@@ -11,18 +11,17 @@ from tempfile import TemporaryDirectory
 from pydantic import ValidationError
 
 from grip_bt.app.new_component import Wish, components_folder, from_file, from_type, make_component
-from grip_bt.catalog.component_file import ComponentFile
-from grip_bt.catalog.interface_spec import InterfaceSpec
+from grip_bt.base.errors import ContractError, DocumentError, GripError
+from grip_bt.base.yaml.faults import fault_of
+from grip_bt.base.yaml.settings_file import check_model
+from grip_bt.base.yaml.syntax import Mapping, parse
 from grip_bt.codegen.component_text import component_text, parse_outcomes, suggested_name
 from grip_bt.codegen.contract import INPUT, OUTCOME, RETURNED, check_contract, suggested_outcomes
-from grip_bt.errors import ContractError, DocumentError, GripError
-from grip_bt.graph.faults import fault_of
-from grip_bt.graph.settings_file import check_model
-from grip_bt.graph.syntax import Mapping, parse
 from grip_bt.ros.interfaces import read_interface
-
-from ..project import ProjectFolder
-from ..setup_messages import FieldView, InterfaceView, InterfaceWish
+from grip_bt.task.catalog.component_file import ComponentFile
+from grip_bt.task.catalog.interface_spec import InterfaceSpec
+from grip_gui.project import ProjectFolder
+from grip_gui.setup_messages import FieldView, InterfaceView, InterfaceWish
 
 _TYPE = re.compile(r"^(?P<package>[a-z][a-z0-9_]*)/(?P<kind>srv|action|msg)/(?P<name>[A-Z][A-Za-z0-9]*)$")
 _OTHER = re.compile(r"^\s*([a-z][a-z0-9_]*)/[A-Z]", re.MULTILINE)

@@ -12,15 +12,14 @@ from typing import Any
 from pydantic import BaseModel
 
 from grip_bt.app.project import ProjectFile
-from grip_bt.catalog.component_file import ComponentFile
-from grip_bt.errors import DocumentError
-from grip_bt.graph.faults import Fault
-from grip_bt.graph.settings_file import check_model
-from grip_bt.graph.syntax import Value
-from grip_bt.messages.original import read_joint_states, read_poses, read_trajectories
-
-from ..project import OutsideProjectError, ProjectFolder
-from ..setup_messages import SetupEntry, Template
+from grip_bt.base.errors import DocumentError
+from grip_bt.base.message_store.original import read_joint_states, read_poses, read_trajectories
+from grip_bt.base.yaml.faults import Fault
+from grip_bt.base.yaml.settings_file import check_model
+from grip_bt.base.yaml.syntax import Value
+from grip_bt.task.catalog.component_file import ComponentFile
+from grip_gui.project import OutsideProjectError, ProjectFolder
+from grip_gui.setup_messages import SetupEntry, Template
 
 JOINT_STATES, POSES, TRAJECTORIES = (f"messages/{name}.yaml" for name in ("joint_states", "poses", "trajectories"))
 _NUMBERS = {"type": "object", "additionalProperties": {"type": "number"}}

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from grip_bt.app.project import ProjectFile, find_project
-from grip_bt.errors import GripError
+from grip_bt.base.errors import GripError
 
 from .facts import facts
 from .kinds import JOINT_STATES, POSES, TRAJECTORIES

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any, get_args
 
 from grip_bt.app.worlds import WORLDS
-from grip_bt.catalog.component_parts import Unit
-from grip_bt.catalog.sensor_config import MESSAGES
-from grip_bt.errors import GripError, listing, nearest
-from grip_bt.graph.faults import Fault, find
-from grip_bt.graph.syntax import Value, parse, plain
+from grip_bt.base.errors import GripError, listing, nearest
+from grip_bt.base.yaml.faults import Fault, find
+from grip_bt.base.yaml.syntax import Value, parse, plain
+from grip_bt.task.catalog.component_parts import Unit
+from grip_bt.task.catalog.sensor_config import MESSAGES
 
 from .facts import facts, is_path
 from .kinds import JOINT_STATES

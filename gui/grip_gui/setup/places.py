@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from grip_bt.graph.syntax import Value, entries_of
+from grip_bt.base.yaml.syntax import Value, entries_of
 
 
 def keys_at(tree: Value, line: int, column: int) -> list[str]:

@@ -11,12 +11,12 @@ from pathlib import Path
 from secrets import token_hex
 from typing import Any
 
-from grip_bt.errors import GripError
-from grip_bt.interpreter import python_command
+from grip_bt.base.errors import GripError
+from grip_bt.base.interpreter import python_command
+from grip_gui.processes import MARK, end_marked
+from grip_gui.project import ProjectFolder
+from grip_gui.setup_messages import ProbeView, ProbeWish
 
-from ..processes import MARK, end_marked
-from ..project import ProjectFolder
-from ..setup_messages import ProbeView, ProbeWish
 from .kinds import kind_of
 
 PATIENCE = 120.0

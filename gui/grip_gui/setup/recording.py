@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from grip_bt.errors import GripError
-from grip_bt.values import JointState, Pose
+from grip_bt.base.errors import GripError
+from grip_bt.base.values import JointState, Pose
+from grip_gui.editing.files import TextFile
+from grip_gui.project import ProjectFolder
 
-from ..editing.files import TextFile
-from ..project import ProjectFolder
 from .changes import set_value
 from .kinds import JOINT_STATES, POSES, kind_of
 

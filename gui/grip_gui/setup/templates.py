@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..setup_messages import Template
+from grip_gui.setup_messages import Template
+
 from .kinds import JOINT_STATES, Kind
 from .options import cameras_in, names_in, robot_facts
 

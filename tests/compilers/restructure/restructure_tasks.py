@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from grip_bt.catalog import Catalog, Manifest
-from grip_bt.graph import Task
+from grip_bt.task import Task
+from grip_bt.task.catalog import Catalog, Manifest
 
 CATALOG = Catalog(
     [

@@ -2,12 +2,12 @@
 
 import pytest
 
-from grip_bt.catalog import Catalog, TaskTexts
+from grip_bt.base.errors import EditError
 from grip_bt.compilers.restructure import expanded, extracted
-from grip_bt.errors import EditError
-from grip_bt.graph import loads, read_text
-from grip_bt.graph.edit import Extract, Inline, apply, apply_to_document, command_of
-from grip_bt.validation import validate
+from grip_bt.task import loads, read_text
+from grip_bt.task.catalog import Catalog, TaskTexts
+from grip_bt.task.edit import Extract, Inline, apply, apply_to_document, command_of
+from grip_bt.task.validation import validate
 
 TEXT = """\
 grip: 1

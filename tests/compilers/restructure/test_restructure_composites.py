@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 from restructure_tasks import CATALOG, leaf, machine, task
 
+from grip_bt.base.errors import NotExpressibleError
 from grip_bt.compilers.restructure import to_state_machines, to_trees
-from grip_bt.errors import NotExpressibleError
-from grip_bt.graph import Sequence, StateMachine, dumps, walk
+from grip_bt.task import Sequence, StateMachine, dumps, walk
 
 
 def converted(root: dict[str, Any]) -> dict[str, Any]:

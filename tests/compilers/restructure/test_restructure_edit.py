@@ -10,10 +10,10 @@ from parity_generate import make_case
 from parity_world import catalog_of
 from restructure_tasks import CATALOG
 
+from grip_bt.base.errors import EditError, InvalidTaskError
 from grip_bt.compilers.restructure import expanded, to_state_machines, to_trees
-from grip_bt.errors import EditError, InvalidTaskError
-from grip_bt.graph import Task, dumps, loads, read_text, walk
-from grip_bt.graph.edit import Convert, Group, Rename, apply, apply_to_document, command_of
+from grip_bt.task import Task, dumps, loads, read_text, walk
+from grip_bt.task.edit import Convert, Group, Rename, apply, apply_to_document, command_of
 
 TEXT = """\
 grip: 1

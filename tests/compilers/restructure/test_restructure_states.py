@@ -7,10 +7,10 @@ from typing import Any
 import pytest
 from restructure_tasks import CATALOG, leaf, task
 
+from grip_bt.base.errors import InvalidTaskError, NotExpressibleError
 from grip_bt.compilers.restructure import to_state_machines
 from grip_bt.compilers.restructure.result import COMMON
-from grip_bt.errors import InvalidTaskError, NotExpressibleError
-from grip_bt.graph import Fallback, Sequence, StateMachine, dumps, loads
+from grip_bt.task import Fallback, Sequence, StateMachine, dumps, loads
 
 
 def converted(root: dict[str, Any], **more: Any) -> dict[str, Any]:

@@ -7,11 +7,11 @@ from typing import Any
 
 from py_trees.common import Status
 
-from grip_bt.catalog import Catalog, Manifest, OwnCode
 from grip_bt.compilers import CompiledTree, to_tree
-from grip_bt.graph.model import Task
 from grip_bt.nodes import Leaf
 from grip_bt.runtime import ManualClock
+from grip_bt.task.catalog import Catalog, Manifest, OwnCode
+from grip_bt.task.model import Task
 
 CATALOG = Catalog(
     [

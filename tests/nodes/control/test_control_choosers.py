@@ -8,8 +8,8 @@ import pytest
 from control_world import World, leaf
 from py_trees.common import Status
 
-from grip_bt.errors import DocumentError, InvalidTaskError, NodeError
-from grip_bt.graph import loads
+from grip_bt.base.errors import DocumentError, InvalidTaskError, NodeError
+from grip_bt.task import loads
 
 COUNT = {"count": {"type": "int", "value": 0}}
 UP = {"node": "test/leaf", "in": {"a": "count"}, "out": {"x": "count"}}

@@ -6,7 +6,7 @@ import pytest
 from control_world import World, leaf
 from py_trees.common import Status
 
-from grip_bt.errors import InvalidTaskError, NodeError
+from grip_bt.base.errors import InvalidTaskError, NodeError
 
 COUNT = {"count": {"type": "int", "value": 0}}
 

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from py_trees.common import Status
 
-from grip_bt.errors import DataError, NodeError
+from grip_bt.base.errors import DataError, NodeError
 
 
 def over(kind: str, child: dict[str, Any] | None = None, **more: Any) -> dict[str, Any]:

@@ -6,7 +6,7 @@ import pytest
 from control_world import World, leaf
 from py_trees.common import Status
 
-from grip_bt.errors import LivelockError
+from grip_bt.base.errors import LivelockError
 from grip_bt.nodes.control import Dispatch, Edges, Face
 from grip_bt.nodes.control.dispatch import MAX_TRANSITIONS
 

@@ -10,11 +10,11 @@ from control_world import World
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from grip_bt.catalog import OwnCode
+from grip_bt.base.errors import DocumentError, InvalidTaskError, NodeError
 from grip_bt.compilers.foreign import adopter
-from grip_bt.errors import DocumentError, InvalidTaskError, NodeError
-from grip_bt.graph import loads
-from grip_bt.graph.model import Foreign
+from grip_bt.task import loads
+from grip_bt.task.catalog import OwnCode
+from grip_bt.task.model import Foreign
 
 
 class Steps(Behaviour):

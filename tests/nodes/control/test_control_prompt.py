@@ -9,7 +9,7 @@ from control_world import World, leaf
 from py_trees.common import Status
 from pydantic import ValidationError
 
-from grip_bt.graph.model import Parallel
+from grip_bt.task.model import Parallel
 
 COUNT = {"count": {"type": "int", "value": 0}}
 UP = {"node": "test/leaf", "in": {"a": "count"}, "out": {"x": "count"}}

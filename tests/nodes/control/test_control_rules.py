@@ -8,8 +8,8 @@ import pytest
 from control_world import World, leaf
 from py_trees.common import Status
 
-from grip_bt.errors import DocumentError, InvalidTaskError
-from grip_bt.graph import loads
+from grip_bt.base.errors import DocumentError, InvalidTaskError
+from grip_bt.task import loads
 
 
 def parallel(*names: str, **more: Any) -> dict[str, Any]:

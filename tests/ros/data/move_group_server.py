@@ -21,6 +21,16 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.executors import MultiThreadedExecutor
 from sensor_msgs.msg import JointState as JointStateMessage
 
+from grip_bt.base.failures import (
+    CanceledError,
+    ConstraintBrokenError,
+    ExpectedError,
+    GoalInCollisionError,
+    NoIkError,
+    StartInCollisionError,
+)
+from grip_bt.base.values import JointState, PathConstraint, Pose
+from grip_bt.base.values.solids import Box, Cylinder, Mesh, Sphere
 from grip_bt.commanders.description.load import load_robot
 from grip_bt.commanders.model import RobotModel
 from grip_bt.commanders.planning.beginning import chain_and_checker
@@ -29,17 +39,7 @@ from grip_bt.commanders.planning.lines import plan_straight
 from grip_bt.commanders.planning.motions import plan_to
 from grip_bt.commanders.planning.requests import PlanningSettings, PlanStraight, PlanTo, Situation
 from grip_bt.commanders.scene import SceneObject, SceneSnapshot
-from grip_bt.errors import (
-    CanceledError,
-    ConstraintBrokenError,
-    ExpectedError,
-    GoalInCollisionError,
-    NoIkError,
-    StartInCollisionError,
-)
 from grip_bt.ros.convert_geometry import pose_from_message, trajectory_to_message
-from grip_bt.values import JointState, PathConstraint, Pose
-from grip_bt.values.solids import Box, Cylinder, Mesh, Sphere
 
 BRAKING = 4.0
 moving = []

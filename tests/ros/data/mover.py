@@ -5,9 +5,9 @@ import time
 
 import numpy as np
 
+from grip_bt.base.values import Trajectory
 from grip_bt.ros.bus import Bus
 from grip_bt.ros.controllers import JointStates, TopicExecutor, TrajectoryExecutor
-from grip_bt.values import Trajectory
 
 NAMES = ("joint_a", "joint_b")
 way, domain = sys.argv[1], int(sys.argv[2])

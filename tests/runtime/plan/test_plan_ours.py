@@ -9,13 +9,13 @@ import pytest
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from grip_bt.catalog import Catalog, Manifest
+from grip_bt.base.errors import NodeError
 from grip_bt.compilers import CompiledTree, Rushing, to_machine, to_tree
-from grip_bt.errors import NodeError
-from grip_bt.graph.model import Task
 from grip_bt.nodes import Leaf
 from grip_bt.runtime import ManualClock, Plan, RunContext
 from grip_bt.runtime.plan import ticker
+from grip_bt.task.catalog import Catalog, Manifest
+from grip_bt.task.model import Task
 
 R = Status.RUNNING
 CATALOG = Catalog(

@@ -1,0 +1,1 @@
+"""What travels between the rooms: errors, values, operations, ports, YAML with places, expressions."""

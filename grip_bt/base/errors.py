@@ -1,0 +1,343 @@
+"""Every error that GRIP raises on purpose, but for the failures that a task expects (`grip_bt.base.failures`).
+
+Three ways to fail are kept apart. A *bad document* is a list of issues (`InvalidTaskError` carries it). An *expected
+robot failure* is an `ExpectedError`: its `code` becomes the failure reason of the leaf that met it. Anything else is
+a *bug*: it ends the run as `error` and is reported with the path of the node.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
+from functools import lru_cache
+from typing import Any
+
+
+def nearest(word: str, allowed: Iterable[str]) -> str:
+    """Return ``"; did you mean 'x'?"`` for the closest allowed word, or an empty string."""
+    return _nearest(word, tuple(allowed))
+
+
+@lru_cache(maxsize=1024)
+def _nearest(word: str, allowed: tuple[str, ...]) -> str:
+    """As above, kept: one wrong name in each of 10,000 nodes is looked for once."""
+    close = get_close_matches(word, allowed, n=1, cutoff=0.6)
+    if word and not close:  # the last name of a path alone
+        close = [path for path in allowed if path.endswith(f"/{word}")][:1]
+    return f"; did you mean {close[0]!r}?" if close else ""
+
+
+def listing(words: Iterable[str], nothing: str = "none") -> str:
+    """Return the words joined by commas for an error message, or `nothing`."""
+    return ", ".join(words) or nothing
+
+
+class GripError(Exception):
+    """Root of all errors that GRIP raises on purpose. They can be sent between processes."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Restore the attributes as they are: constructors ask for more than the message that `args` holds."""
+        return _restored, (type(self), self.args, dict(self.__dict__))
+
+
+def _restored(cls: type[GripError], args: tuple[Any, ...], attributes: dict[str, Any]) -> GripError:
+    error = cls.__new__(cls, *args)
+    error.__dict__.update(attributes)
+    return error
+
+
+class UnknownNameError(GripError):
+    """A name was looked up that isn't there: a node type, an arm, a sensor, a component, a group ..."""
+
+    def __init__(self, kind: str, name: str, allowed: Iterable[str], where: str = ""):
+        self.kind, self.name, self.allowed, self.where = kind, name, tuple(sorted(allowed)), where
+        at = f"{where}: " if where else ""
+        unknown = f"unknown {kind} {name!r}{nearest(name, self.allowed)}" if name else f"which {kind}? None is named"
+        super().__init__(f"{at}{unknown} (there are: {listing(self.allowed)})")
+
+
+class AmbiguousNameError(UnknownNameError):
+    """A beginning of a name that several have; `allowed` are those, in an order that helps."""
+
+    def __init__(self, kind: str, name: str, allowed: Sequence[str], where: str = "", most: int = 8):
+        super().__init__(kind, name, allowed, where)
+        more = ", ..." if len(allowed) > most else ""
+        at = f"{where}: " if where else ""
+        self.args = (
+            f"{at}{len(allowed)} {kind}s begin with {name!r}: {', '.join(allowed[:most])}{more}; give more of it",
+        )
+
+
+class MissingPartError(GripError):
+    """Something that this command needs isn't installed; `remedy` is the command that mends it."""
+
+    def __init__(self, what: str, remedy: str):
+        self.what, self.remedy = what, remedy
+        super().__init__(f"{what} isn't available here. To mend it: {remedy}")
+
+
+class DocumentError(GripError):
+    """A file can't be read as a task, a project or a manifest.
+
+    Attributes:
+        source: the file's name as the user gave it.
+        line: 1-based line, or None.
+        column: 1-based column, or None.
+    """
+
+    def __init__(self, message: str, source: str = "", line: int | None = None, column: int | None = None):
+        self.message, self.source, self.line, self.column = message, source, line, column
+        place = source or "<text>"
+        if line is not None:
+            place += f":{line}" + (f":{column}" if column is not None else "")
+        super().__init__(f"{place}: {message}")
+
+
+class ExpressionError(GripError):
+    """A text isn't an expression of the language of guards and switches.
+
+    Attributes:
+        text: the expression.
+        message: what is wrong and what is allowed.
+        column: 1-based column within the expression.
+    """
+
+    def __init__(self, text: str, message: str, column: int = 1):
+        self.text, self.message, self.column = text, message, column
+        super().__init__(f"`{text}`, column {column}: {message}")
+
+
+class EvaluationError(GripError):
+    """An expression can't be computed with the values that its variables have; a bug of the task."""
+
+    def __init__(self, text: str, message: str):
+        self.text, self.message = text, message
+        super().__init__(f"`{text}`: {message}")
+
+
+class EditError(GripError):
+    """An edit that can't be made; the task is as it was.
+
+    Attributes:
+        path: the node, or the place in the file, that the edit is about.
+        message: what is wrong and what to do.
+    """
+
+    def __init__(self, path: str, message: str):
+        self.path, self.message = path, message
+        super().__init__(f"{path or 'the task'}: {message}")
+
+
+class HandoverError(EditError):
+    """A part and a subtask can't take each other's place unseen: values go in and out of a subtask all at once.
+
+    Who wants it all the same says `approximate: true`.
+    """
+
+
+class SubtaskError(GripError):
+    """A file can't be run as a subtask.
+
+    Attributes:
+        file: its name, as `task:` of the subtask has it.
+        reason: why, and what to do.
+    """
+
+    def __init__(self, file: str, reason: str):
+        self.file, self.reason = file, reason
+        super().__init__(f"subtask {file!r}: {reason}")
+
+
+class ProjectExistsError(GripError):
+    """A new project was asked for where something is already.
+
+    Attributes:
+        folder: the folder, or file, that was named.
+    """
+
+    def __init__(self, folder: Any):
+        self.folder = str(folder)
+        super().__init__(f"{folder} isn't an empty folder; nothing was written. Name a folder that isn't there yet")
+
+
+class NotWritableError(GripError):
+    """A place that has to be written can't be: no permission, a read-only disk, no room.
+
+    Attributes:
+        place: the file or folder.
+    """
+
+    def __init__(self, place: Any, error: OSError, advice: str):
+        self.place = str(place)
+        super().__init__(f"{place} can't be written ({error.strerror or error}): {advice}")
+
+
+class ImplementationError(GripError):
+    """A node's code can't be imported; `node` is its id, `implementation` what its manifest names."""
+
+    def __init__(self, node: str, implementation: str, reason: str):
+        self.node, self.implementation, self.reason = node, implementation, reason
+        super().__init__(f"node {node}: {implementation}: {reason}")
+
+
+class StrangeCodeError(GripError):
+    """Code that isn't GRIP's would be run, and `--no-code` was said.
+
+    Attributes:
+        found: what would be imported or started, each in words.
+    """
+
+    def __init__(self, found: Sequence[str]):
+        self.found = tuple(found)
+        super().__init__(
+            "--no-code: this runs code that isn't GRIP's:\n"
+            + "".join(f"  {each}\n" for each in self.found)
+            + "nothing of it was imported or started; look at it, and leave --no-code out if you trust it"
+        )
+
+
+class InvalidTaskError(GripError):
+    """A task was read but is wrong; `issues` holds everything that was found."""
+
+    def __init__(self, issues: Sequence[Any], source: str = ""):
+        self.issues, self.source = tuple(issues), source
+        super().__init__("\n".join(str(i) for i in issues))
+
+
+class NotExpressibleError(GripError):
+    """A compiler can't express a node exactly in the target form; it refuses instead of approximating."""
+
+    def __init__(self, path: str, what: str, target: str):
+        self.path, self.what, self.target = path, what, target
+        super().__init__(f"{path}: {what} can't be expressed exactly as {target}")
+
+
+class RefusedFileError(GripError):
+    """Parts of a file from elsewhere have no exact equal in a task; nothing was made of it.
+
+    Attributes:
+        source: the file.
+        refused: each of them, with its place, and what to do.
+    """
+
+    def __init__(self, source: str, refused: Sequence[Any]):
+        self.source, self.refused = source, tuple(refused)
+        parts = "part has" if len(self.refused) == 1 else "parts have"
+        listed = "".join(f"\n  {refusal}" for refusal in self.refused)
+        super().__init__(f"{source or '<text>'}: {len(self.refused)} {parts} no exact equal in a task:{listed}")
+
+
+class NodeError(GripError):
+    """A leaf raised an exception that isn't an expected failure; it ends the run as `error`."""
+
+    def __init__(self, path: str, cause: BaseException):
+        self.path, self.cause = path, cause
+        super().__init__(f"{path}: {type(cause).__name__}: {cause}")
+
+
+class HungError(GripError):
+    """A node's code doesn't return. `where` is the function, `seconds` how long it was waited for."""
+
+    def __init__(self, where: str, seconds: float):
+        self.where, self.seconds = where, seconds
+        super().__init__(
+            f"{where} hasn't returned for {seconds:g} s; a leaf's update() never blocks: "
+            "return self.running() and come back, or do the work with self.context.run_in_worker(...)"
+        )
+
+
+class NotStoppedError(GripError):
+    """What was told to stop hasn't, so that nothing else that moves is begun; it ends the run as `error`.
+
+    Attributes:
+        paths: the nodes whose work goes on.
+    """
+
+    def __init__(self, paths: Iterable[str], why: str):
+        self.paths = tuple(paths)
+        super().__init__(
+            f"{listing(map(repr, self.paths))}: was told to stop, but {why}; nothing else that may move something is"
+            " begun. Look at the robot, and at what was asked; if that moves nothing, say `moves: false` there"
+        )
+
+
+class LivelockError(GripError):
+    """A task changed state too often within one tick."""
+
+    def __init__(self, path: str, transitions: int):
+        self.path, self.transitions = path, transitions
+        super().__init__(f"{path}: {transitions} transitions in one tick: the task loops without waiting for anything")
+
+
+class DivergedError(GripError):
+    """A recorded run doesn't happen again: its task, its nodes or its inputs aren't those that they were.
+
+    Attributes:
+        path: the node.
+        now: what it does.
+        before: what it did, as the journal has it.
+    """
+
+    def __init__(self, path: str, now: str, before: str):
+        self.path, self.now, self.before = path, now, before
+        super().__init__(
+            f"{path}: the journal has {before!r} there, and now it is {now!r}: the task, a subtask or the project's"
+            " nodes have changed since; fork the run before that event, or run the task anew"
+        )
+
+
+class ResumeError(GripError):
+    """A run of the journal can't be gone on with; the message says why, and what can be done."""
+
+
+class SimulatorLostError(GripError):
+    """The simulator's process ended, so that nothing can be measured or moved any more."""
+
+
+class CampaignError(GripError):
+    """A campaign can't be run as it is written, or its results can't be gone on with.
+
+    Attributes:
+        source: its file.
+    """
+
+    def __init__(self, source: str, message: str):
+        self.source = source
+        super().__init__(f"{source}: {message}")
+
+
+class UnfitSolverError(GripError):
+    """A kinematics solver that was asked for by name doesn't take this arm."""
+
+
+class InvalidRobotError(GripError):
+    """A robot's files are wrong; `findings` holds every error that was found, with its place."""
+
+    def __init__(self, name: str, findings: Sequence[Any]):
+        self.name, self.findings = name, tuple(findings)
+        listed = "".join(f"\n  {finding}" for finding in self.findings)
+        super().__init__(f"robot {name} can't be used; `grip robot check` tells all about it:{listed}")
+
+
+class ContractError(GripError):
+    """An interface doesn't keep the component contract; `problems` holds everything that was found."""
+
+    def __init__(self, where: str, problems: Sequence[str]):
+        self.where, self.problems = where, tuple(problems)
+        super().__init__("\n  ".join([f"{where} doesn't keep the component contract:", *problems]))
+
+
+class DataError(GripError):
+    """A variable was read before it was written, isn't declared, or has the wrong type."""
+
+    def __init__(self, path: str, port: str, message: str):
+        self.path, self.port = path, port
+        super().__init__(f"{path}: port {port!r}: {message}")
+
+
+class WrongTypeError(GripError, TypeError):
+    """A value was put into a store of another type."""
+
+    def __init__(self, store: str, name: str, type_name: str, reason: str):
+        self.store, self.name, self.type_name = store, name, type_name
+        super().__init__(f"store {store!r}: {name!r} has to be of type {type_name}: {reason}")

@@ -1,0 +1,169 @@
+"""Expressions computed: compiled once to a closure over the readers of their variables.
+
+Every step checks what it works on, since a value's own operators could do anything: arithmetic is for numbers, `and or
+not` for truth values. What can't be computed is an `EvaluationError`, which ends a run as a bug of the task.
+"""
+
+from __future__ import annotations
+
+import ast
+import operator
+from collections.abc import Callable, Mapping
+from numbers import Real
+from typing import Any
+
+from grip_bt.base.errors import EvaluationError
+
+from .expression import CONSTANTS, Expression
+
+Thunk = Callable[[], Any]
+_ARITHMETIC: dict[type[ast.operator], tuple[str, Callable[[Any, Any], Any]]] = {
+    ast.Add: ("+", operator.add),
+    ast.Sub: ("-", operator.sub),
+    ast.Mult: ("*", operator.mul),
+    ast.Div: ("/", operator.truediv),
+    ast.FloorDiv: ("//", operator.floordiv),
+    ast.Mod: ("%", operator.mod),
+}
+_COMPARISONS: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
+    ast.Eq: operator.eq,
+    ast.NotEq: operator.ne,
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+    ast.In: lambda a, b: a in b,
+    ast.NotIn: lambda a, b: a not in b,
+    ast.Is: operator.is_,
+    ast.IsNot: operator.is_not,
+}
+_FUNCTIONS: dict[str, Callable[..., Any]] = {"len": len, "min": min, "max": max, "abs": abs}
+
+
+def value_of(expression: Expression, readers: Mapping[str, Thunk]) -> Thunk:
+    """Return a function that computes the expression.
+
+    Args:
+        expression: what to compute.
+        readers: variable -> what returns its value; one for each of `expression.names`.
+
+    Returns:
+        A function that raises EvaluationError when the values don't fit the expression.
+    """
+    return _explained(expression, _thunk(expression.tree, readers))
+
+
+def condition_of(expression: Expression, readers: Mapping[str, Thunk]) -> Callable[[], bool]:
+    """Return a function that computes a condition; anything but a truth value is an EvaluationError."""
+    compute = _thunk(expression.tree, readers)
+    return _explained(expression, lambda: _truth(compute()))
+
+
+def _explained(expression: Expression, compute: Thunk) -> Thunk:
+    """Return `compute` with what it raises said in terms of the expression."""
+
+    def value() -> Any:
+        try:
+            return compute()
+        except (TypeError, ValueError, ArithmeticError, AttributeError, RecursionError) as error:
+            raise EvaluationError(expression.text, str(error)) from error
+
+    return value
+
+
+def same_literal(value: Any, literal: Any) -> bool:
+    """Tell whether a value is a literal of a task file: 1 and 1.0 are the same, 1 and true aren't."""
+    if _is_truth(value) or isinstance(literal, bool):
+        return _is_truth(value) and isinstance(literal, bool) and bool(value) == literal
+    if isinstance(value, Real) and isinstance(literal, Real):
+        return bool(value == literal)
+    return type(value) is type(literal) and bool(value == literal)
+
+
+def _thunk(node: ast.expr, readers: Mapping[str, Thunk]) -> Thunk:
+    match node:
+        case ast.Constant(value=value):
+            return lambda: value
+        case ast.Name(id=name):
+            if name in CONSTANTS:
+                constant = CONSTANTS[name]
+                return lambda: constant
+            return readers[name]
+        case ast.Attribute(value=owner, attr=name):
+            return _attribute(_thunk(owner, readers), name)
+        case ast.List(elts=items) | ast.Tuple(elts=items):
+            parts = [_thunk(item, readers) for item in items]
+            return lambda: [part() for part in parts]
+        case ast.BoolOp(op=op, values=values):
+            terms = [_thunk(value, readers) for value in values]
+            if isinstance(op, ast.And):
+                return lambda: all(_truth(term()) for term in terms)
+            return lambda: any(_truth(term()) for term in terms)
+        case ast.UnaryOp(op=sign, operand=operand):
+            return _unary(sign, _thunk(operand, readers))
+        case ast.BinOp(left=left, op=way, right=right):
+            return _arithmetic(way, _thunk(left, readers), _thunk(right, readers))
+        case ast.Compare(left=left, ops=ops, comparators=others):
+            steps = [(_COMPARISONS[type(op)], _thunk(other, readers)) for op, other in zip(ops, others, strict=True)]
+            return _comparison(_thunk(left, readers), steps)
+        case ast.Call(func=ast.Name(id=name), args=args):
+            function, given = _FUNCTIONS[name], [_thunk(arg, readers) for arg in args]
+            return lambda: function(*(arg() for arg in given))
+    raise AssertionError(f"{type(node).__name__} passed the allow-list and has no meaning")
+
+
+def _attribute(owner: Thunk, name: str) -> Thunk:
+    def value() -> Any:
+        found = getattr(owner(), name)
+        if callable(found):
+            raise TypeError(f"{name!r} is a method; an expression can't call it")
+        return found
+
+    return value
+
+
+def _unary(sign: ast.unaryop, operand: Thunk) -> Thunk:
+    if isinstance(sign, ast.Not):
+        return lambda: not _truth(operand())
+    if isinstance(sign, ast.USub):
+        return lambda: -_number(operand(), "-")
+    return lambda: +_number(operand(), "+")
+
+
+def _arithmetic(way: ast.operator, left: Thunk, right: Thunk) -> Thunk:
+    sign, function = _ARITHMETIC[type(way)]
+    return lambda: function(_number(left(), sign), _number(right(), sign))
+
+
+def _comparison(first: Thunk, steps: list[tuple[Callable[[Any, Any], Any], Thunk]]) -> Thunk:
+    def value() -> bool:
+        left = first()
+        for compare, other in steps:
+            right = other()
+            if not _truth(compare(left, right)):
+                return False
+            left = right
+        return True
+
+    return value
+
+
+def _number(value: Any, sign: str) -> Any:
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise TypeError(f"`{sign}` is for numbers, not for {_shown(value)}")
+    return value
+
+
+def _is_truth(value: Any) -> bool:
+    return isinstance(value, bool) or (getattr(getattr(value, "dtype", None), "kind", "") == "b" and value.ndim == 0)
+
+
+def _truth(value: Any) -> bool:
+    if not _is_truth(value):
+        raise TypeError(f"a condition is true or false, not {_shown(value)}")
+    return bool(value)
+
+
+def _shown(value: Any) -> str:
+    text = repr(value)
+    return f"{text if len(text) <= 40 else text[:37] + '...'} (a {type(value).__name__})"

@@ -1,0 +1,118 @@
+"""All stores of a project: the standard ones by their names, others as they are wanted."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from grip_bt.base.errors import UnknownNameError
+
+from .original import read_joint_states, read_poses, read_trajectories
+from .store import Change, MessageStore
+
+STANDARD: dict[str, str] = {
+    "joint_states": "JointState",
+    "poses": "Pose",
+    "robot_poses": "dict[str, Pose]",
+    "trajectories": "Trajectory",
+    "plans": "Plan",
+    "grasps": "Grasp",
+    "clouds": "PointCloud",
+    "images": "Image",
+}
+"""Stores that are always there, and what they hold; any other holds anything."""
+JOINT_STATES, POSES, TRAJECTORIES = "joint_states.yaml", "poses.yaml", "trajectories.yaml"
+"""Files in a project's folder of messages."""
+
+
+class MessageLibrary:
+    """Named stores.
+
+    Args:
+        folder: holds `joint_states.yaml`, `poses.yaml` (poses and robot poses) and `trajectories.yaml`, each where
+            there are any; None for none.
+
+    Raises:
+        DocumentError: a file is wrong.
+    """
+
+    def __init__(self, folder: Path | str | None = None):
+        self._folder = None if folder is None else Path(folder)
+        self._lock = threading.RLock()
+        self._stores: dict[str, MessageStore[Any]] = {n: MessageStore(n, type_) for n, type_ in STANDARD.items()}
+        self._watchers: list[Callable[[str, Change[Any]], None]] = []
+        for name, store in self._stores.items():
+            self._connect(name, store)
+        self.reset()
+
+    def store(self, name: str, make: bool = False) -> MessageStore[Any]:
+        """Return a store.
+
+        Args:
+            name: of the store.
+            make: whether one of a new name is made, which holds anything.
+
+        Raises:
+            UnknownNameError: there is none of this name.
+        """
+        with self._lock:
+            if name not in self._stores:
+                if not make or not name:
+                    raise UnknownNameError("store", name, self._stores)
+                self._stores[name] = MessageStore(name, "Any")
+                self._connect(name, self._stores[name])
+            return self._stores[name]
+
+    def stores(self) -> Mapping[str, MessageStore[Any]]:
+        """Return all stores by name."""
+        with self._lock:
+            return dict(self._stores)
+
+    def reset(self, name: str = "") -> None:
+        """Empty a store, or all, and read again what the files hold.
+
+        Raises:
+            DocumentError: a file is wrong; nothing was changed.
+            UnknownNameError: there is no such store.
+        """
+        from_files = self._from_files()
+        chosen = {name: self.store(name)} if name else self.stores()
+        for key, store in chosen.items():
+            store.clear()
+            for entry, (value, source) in from_files.get(key, {}).items():
+                store.put(entry, value, source)
+
+    def watch(self, callback: Callable[[str, Change[Any]], None]) -> Callable[[], None]:
+        """Call `callback(store, change)` for each change of any store; return what ends that."""
+        self._watchers.append(callback)
+        return lambda: self._watchers.remove(callback) if callback in self._watchers else None
+
+    def _connect(self, name: str, store: MessageStore[Any]) -> None:
+        def tell(change: Change[Any]) -> None:
+            for watcher in list(self._watchers):
+                watcher(name, change)
+
+        store.watch(tell)
+
+    def _from_files(self) -> dict[str, dict[str, tuple[Any, str]]]:
+        """Return the contents of the files: store -> name -> (value, file)."""
+        if self._folder is None:
+            return {}
+        found: dict[str, dict[str, tuple[Any, str]]] = {}
+
+        def add(store: str, file: Path, values: Mapping[str, Any]) -> None:
+            found[store] = {name: (value, str(file)) for name, value in values.items()}
+
+        states: Mapping[str, Any] = {}
+        if (file := self._folder / JOINT_STATES).is_file():
+            states = read_joint_states(file)
+            add("joint_states", file, states)
+        if (file := self._folder / POSES).is_file():
+            poses, several = read_poses(file)
+            add("poses", file, poses)
+            add("robot_poses", file, several)
+        if (file := self._folder / TRAJECTORIES).is_file():
+            add("trajectories", file, read_trajectories(file, states))
+        return found

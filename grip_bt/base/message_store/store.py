@@ -1,0 +1,235 @@
+"""One generic store of named values of one type. It knows no ROS and no task: adapters serve it by name."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Generic, Literal, TypeVar
+
+from grip_bt.base.errors import UnknownNameError, WrongTypeError
+from grip_bt.base.failures import EmptyQueueError
+from grip_bt.base.types import check_value, parse_type
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Entry(Generic[T]):
+    """A value with what is known of it.
+
+    Attributes:
+        name: its name; empty in the queue.
+        value: as it was put: not rounded, not copied.
+        time: when it was put, seconds of the Unix epoch.
+        provenance: who or what put it, such as a file or a node; for people.
+        revision: of the store when it was put.
+    """
+
+    name: str
+    value: T
+    time: float
+    provenance: str = ""
+    revision: int = 0
+
+
+ChangeKind = Literal["put", "deleted", "pushed", "taken"]
+
+
+@dataclass(frozen=True, slots=True)
+class Change(Generic[T]):
+    """What happened to a name.
+
+    Attributes:
+        kind: `put`, `deleted`; of the queue `pushed` or `taken`.
+        name: of the entry; empty for the queue.
+        value: the new value; None when it was deleted.
+        revision: counts the changes of the store, from 1.
+    """
+
+    kind: ChangeKind
+    name: str
+    value: T | None
+    revision: int
+
+
+class MessageStore(Generic[T]):
+    """Named values of one type, and a queue of values without a name; safe to use from any thread.
+
+    Values are frozen or treated as such: what was put is what is got, not a copy.
+
+    Args:
+        name: of the store, for messages.
+        type_name: as in a manifest: `Grasp`, `list[Pose]`, `Any`.
+    """
+
+    def __init__(self, name: str, type_name: str):
+        self.name, self.type_name = name, type_name
+        self._type = parse_type(type_name)
+        self._lock = threading.RLock()
+        self._entries: dict[str, Entry[T]] = {}
+        self._queue: deque[Entry[T]] = deque()
+        self._watchers: dict[object, Callable[[Change[T]], None]] = {}
+        self._revision = 0
+
+    @property
+    def revision(self) -> int:
+        """How often the store has changed."""
+        return self._revision
+
+    def put(self, name: str, value: T, provenance: str = "", at: float | None = None) -> Entry[T]:
+        """Add or replace a value.
+
+        Args:
+            name: of the entry.
+            value: what it is from now on.
+            provenance: who or what puts it.
+            at: when it was made, seconds of the Unix epoch; now by default.
+
+        Raises:
+            WrongTypeError: it isn't of the store's type.
+            ValueError: the name is empty.
+        """
+        if not name:
+            raise ValueError(f"store {self.name!r}: an entry needs a name; without one it goes into the queue: push")
+        self._check(name, value)
+        with self._lock:
+            entry = self._entries[name] = self._made(name, value, provenance, at)
+            self._tell("put", name, value)
+            return entry
+
+    def push(self, value: T, provenance: str = "", at: float | None = None) -> Entry[T]:
+        """Put a value without a name at the end of the queue.
+
+        Raises:
+            WrongTypeError: it isn't of the store's type.
+        """
+        self._check("the queue", value)
+        with self._lock:
+            entry = self._made("", value, provenance, at)
+            self._queue.append(entry)
+            self._tell("pushed", "", value)
+            return entry
+
+    def take(self) -> Entry[T]:
+        """Remove the oldest value of the queue and return it.
+
+        Raises:
+            EmptyQueueError: there is none.
+        """
+        with self._lock:
+            if not self._queue:
+                raise EmptyQueueError(self.name)
+            entry = self._queue.popleft()
+            self._tell("taken", "", entry.value)
+            return entry
+
+    @property
+    def queued(self) -> int:
+        """How many values wait in the queue."""
+        return len(self._queue)
+
+    def get(self, name: str) -> T:
+        """Return a value.
+
+        Raises:
+            UnknownNameError: there is none of this name.
+        """
+        return self.entry(name).value
+
+    def entry(self, name: str) -> Entry[T]:
+        """Return a value with what is known of it.
+
+        Raises:
+            UnknownNameError: there is none of this name.
+        """
+        with self._lock:
+            if name not in self._entries:
+                raise UnknownNameError("entry", name, self._entries, where=f"store {self.name!r}")
+            return self._entries[name]
+
+    def entries(self) -> tuple[Entry[T], ...]:
+        """Return all entries that have a name, in the order in which they were first put."""
+        with self._lock:
+            return tuple(self._entries.values())
+
+    def queue(self) -> tuple[Entry[T], ...]:
+        """Return what waits in the queue, the oldest first; it stays there."""
+        with self._lock:
+            return tuple(self._queue)
+
+    def names(self) -> tuple[str, ...]:
+        """Return all names, in the order in which they were first put."""
+        with self._lock:
+            return tuple(self._entries)
+
+    def delete(self, name: str) -> None:
+        """Remove an entry.
+
+        Raises:
+            UnknownNameError: there is none of this name.
+        """
+        with self._lock:
+            self.get(name)
+            del self._entries[name]
+            self._tell("deleted", name, None)
+
+    def restore(self, entry: Entry[T]) -> None:
+        """Put an entry back as it was, with its time and provenance; without a name, into the queue."""
+        if entry.name:
+            self.put(entry.name, entry.value, entry.provenance, entry.time)
+        else:
+            self.push(entry.value, entry.provenance, entry.time)
+
+    def clear(self) -> None:
+        """Remove all entries and empty the queue."""
+        with self._lock:
+            while self._queue:
+                self.take()
+            for name in list(self._entries):
+                self.delete(name)
+
+    def watch(self, callback: Callable[[Change[T]], None], *, replay: bool = False) -> Callable[[], None]:
+        """Call `callback` for each change, in order, from the thread that makes it; it must return quickly.
+
+        Args:
+            callback: told of changes.
+            replay: whether it is first told of every entry that is there, as if it had just been put.
+
+        Returns:
+            A function that ends the watching.
+        """
+        key = object()
+        with self._lock:
+            if replay:
+                for entry in self._entries.values():
+                    callback(Change("put", entry.name, entry.value, self._revision))
+            self._watchers[key] = callback
+        return lambda: self._unwatch(key)
+
+    def _unwatch(self, key: object) -> None:
+        with self._lock:
+            self._watchers.pop(key, None)
+
+    def _check(self, name: str, value: T) -> None:
+        reason = check_value(self._type, value)
+        if reason is not None:
+            raise WrongTypeError(self.name, name, self.type_name, reason)
+
+    def _made(self, name: str, value: T, provenance: str, at: float | None) -> Entry[T]:
+        return Entry(name, value, time.time() if at is None else at, provenance, self._revision + 1)
+
+    def _tell(self, kind: ChangeKind, name: str, value: Any) -> None:
+        self._revision += 1
+        change: Change[T] = Change(kind, name, value, self._revision)
+        for callback in list(self._watchers.values()):
+            callback(change)
+
+    def __contains__(self, name: object) -> bool:
+        with self._lock:
+            return name in self._entries
+
+    def __len__(self) -> int:
+        return len(self._entries)

@@ -1,0 +1,141 @@
+"""Values as YAML that people change: what a project's files hold as they hold it, messages field by field.
+
+Numbers are written unrounded: what is read back is what was there.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+from ruamel.yaml import YAML
+
+from grip_bt.base.errors import DocumentError, GripError
+from grip_bt.base.values import JointState, Pose
+from grip_bt.base.yaml.syntax import parse, plain
+
+from .original import read_joint_states, read_poses, read_trajectories
+
+EDITABLE = 2000
+"""Most numbers and texts of a message that is written as text."""
+_IN_FILES = ("joint_states", "poses", "robot_poses")
+
+
+def text_of(value: Any, digits: int | None = None) -> str:
+    """Return a joint state, a pose, a robot pose or a message as YAML; empty for what isn't changed by hand.
+
+    Args:
+        value: what is written.
+        digits: behind the point of positions and orientations; all by default.
+    """
+    match value:
+        case JointState():
+            data: Any = _numbers(value.names, value.position, digits)
+        case Pose():
+            data = {"reference_frame": value.frame, **_pose(value, digits)}
+        case dict() if value and all(isinstance(part, Pose) for part in value.values()):
+            data = {"reference_frame": next(iter(value.values())).frame} | {
+                n: _pose(p, digits) for n, p in value.items()
+            }
+        case _:
+            data = plain_of(value) if fields_of(value) is not None else None
+    if data is None:
+        return ""
+    out, yaml = io.StringIO(), YAML(typ="safe")
+    yaml.default_flow_style, yaml.sort_base_mapping_type_on_output = False, False  # type: ignore[assignment]
+    yaml.dump(data, out)
+    return out.getvalue()
+
+
+def value_of(store: str, name: str, text: str, states: Mapping[str, JointState] | None = None) -> Any:
+    """Return what a text says.
+
+    Args:
+        store: those of a project's files take what these hold; any other a mapping of a message's fields.
+        name: of the value, for messages.
+        text: YAML.
+        states: what the way-points of a trajectory can name.
+
+    Raises:
+        DocumentError: it says something else, with the place.
+    """
+    data = plain(parse(text, name))
+    if store == "trajectories" and isinstance(data, list):
+        return _read(lambda file: read_trajectories(file, states or {}), name, text)
+    if not isinstance(data, dict) or not data:
+        raise DocumentError("a mapping is expected, such as `joint_1: 0.5` or a message's fields", name, 1, 1)
+    if store not in _IN_FILES:
+        return data
+    if store == "joint_states":
+        return _read(read_joint_states, name, text)
+    try:
+        return _read(lambda file: read_poses(file)[store == "robot_poses"], name, text)
+    except KeyError:
+        wanted = "one pose is expected, with position and orientation"
+        if store == "robot_poses":
+            wanted = "the poses of end effectors are expected, each with position and orientation"
+        raise GripError(f"{name}: {wanted}") from None
+
+
+def _read(read: Callable[[Path], Mapping[str, Any]], name: str, text: str) -> Any:
+    """Read a text as what a file of a project holds under one name."""
+    lines = "".join(f"  {line}\n" for line in text.splitlines())
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "value.yaml"
+        file.write_text(f"value:\n{lines}", encoding="utf-8")
+        try:
+            return read(file)["value"]
+        except DocumentError as error:
+            line = max(1, error.line - 1) if error.line else None
+            column = max(1, error.column - 2) if error.column else None
+            raise DocumentError(error.message.replace("value: ", ""), name, line, column) from None
+
+
+def fields_of(message: Any) -> tuple[str, ...] | None:
+    """Return the names of a ROS message's fields, None for what is no message."""
+    asked = getattr(message, "get_fields_and_field_types", None)
+    return None if asked is None else tuple(asked())
+
+
+def plain_of(message: Any) -> Any:
+    """Return a message as mappings, lists and plain values, or None when that is too much to be changed by hand."""
+    count = 0
+
+    def plain(part: Any) -> Any:
+        nonlocal count
+        if (names := fields_of(part)) is not None:
+            return {name: plain(getattr(part, name)) for name in names}
+        if isinstance(part, bytes | bytearray):
+            part = list(part)
+        if hasattr(part, "tolist"):
+            count += len(part) if np.ndim(part) else 1
+            if count > EDITABLE:
+                raise OverflowError
+            return part.tolist()
+        if isinstance(part, list | tuple):
+            return [plain(each) for each in part]
+        count += 1
+        if count > EDITABLE:
+            raise OverflowError
+        return part
+
+    try:
+        return plain(message)
+    except OverflowError:
+        return None
+
+
+def _pose(pose: Pose, digits: int | None) -> dict[str, Any]:
+    return {
+        "position": _numbers("xyz", pose.position, digits),
+        "orientation": _numbers("xyzw", np.roll(pose.quaternion, -1), digits),
+    }
+
+
+def _numbers(names: Iterable[str], values: Any, digits: int | None) -> dict[str, float]:
+    rows = zip(names, np.asarray(values), strict=True)
+    return {str(name): float(number) if digits is None else round(float(number), digits) for name, number in rows}

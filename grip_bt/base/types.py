@@ -1,0 +1,187 @@
+"""The types of ports, parameters and variables: reading their names, what may flow where, what a value must be.
+
+A type is the name of a value of `grip_bt.base.values`, a builtin (`bool int float str bytes`), `list[T]`,
+`dict[str, T]`, `T | None`, a ROS type (`geometry_msgs/msg/PoseStamped`) or `Any`. Values are recognised by the names
+of their classes, so nothing heavy is imported.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any
+
+from grip_bt.base.errors import listing, nearest
+
+VALUES = (
+    *("CameraInfo", "DepthImage", "Failure", "Grasp", "Image", "JointState", "PathConstraint", "Plan"),
+    *("PointCloud", "Pose", "RgbdFrame", "Trajectory", "WayPoint"),
+)
+"""Class names of `grip_bt.base.values`."""
+BUILTINS = ("bool", "int", "float", "str", "bytes")
+_ROS = re.compile(r"[a-z][a-z0-9_]*/(msg|srv|action)/[A-Z][A-Za-z0-9_]*")
+_TOKEN = re.compile(r"\s*([A-Za-z_][A-Za-z0-9_/]*|[\[\],|])")
+_DEEPEST = 20
+_LONGEST = 30_000
+
+
+@dataclass(frozen=True, slots=True)
+class Type:
+    """A type expression.
+
+    Attributes:
+        name: a value's, a builtin's or a ROS type's name, `list`, `dict`, `None` or `Any`; of `T | None`, T's name.
+        item: the type of the items of a `list` or of the values of a `dict`.
+        optional: whether None is allowed too.
+    """
+
+    name: str
+    item: Type | None = field(default=None)
+    optional: bool = False
+
+    def __str__(self) -> str:
+        key = "str, " if self.name == "dict" else ""
+        inner = f"[{key}{self.item}]" if self.item is not None else ""
+        return f"{self.name}{inner}" + (" | None" if self.optional else "")
+
+
+ANY = Type("Any")
+
+
+@lru_cache(maxsize=4096)
+def parse_type(text: str) -> Type:
+    """Read a type expression.
+
+    Raises:
+        ValueError: it isn't one; the message names the nearest type.
+    """
+    if len(text) > _LONGEST:
+        raise ValueError(f"{text[:40]!r}... is longer than {_LONGEST} characters, which no type is")
+    tokens, at = [], 0
+    end = len(text.rstrip())
+    while at < end:
+        match = _TOKEN.match(text, at)
+        if match is None:
+            raise ValueError(f"{text!r} isn't a type: {text[at:].strip()[0]!r} can't stand in one")
+        tokens.append(match.group(1))
+        at = match.end()
+    reader = _Reader(text, tokens)
+    made = reader.type(0)
+    if reader.tokens:
+        raise ValueError(f"{text!r} isn't a type: {reader.tokens[0]!r} is left over")
+    return made
+
+
+class _Reader:
+    def __init__(self, text: str, tokens: list[str]):
+        self.text, self.tokens = text, tokens
+
+    def type(self, depth: int) -> Type:
+        if depth > _DEEPEST:
+            raise ValueError(f"{self.text[:40]!r}... is nested deeper than {_DEEPEST} types")
+        made = self._single(depth)
+        while self.tokens[:1] == ["|"]:
+            self.tokens.pop(0)
+            other = self._single(depth)
+            if "None" not in (made.name, other.name) or made.name == other.name:
+                raise ValueError(f"{self.text!r} isn't a type: the only union is `T | None`")
+            kept = other if made.name == "None" else made
+            made = Type(kept.name, kept.item, optional=True)
+        return made
+
+    def _single(self, depth: int) -> Type:
+        name = self.tokens.pop(0) if self.tokens else ""
+        if name in ("list", "dict"):
+            return Type(name, self._item(name, depth))
+        if name in ("Any", "None") or name in VALUES or name in BUILTINS or _ROS.fullmatch(name):
+            return Type(name)
+        known = (*VALUES, *BUILTINS, "list", "dict", "Any")
+        raise ValueError(
+            f"unknown type {name or self.text!r}{nearest(name, known)} "
+            f"(there are: {listing(known)}, T | None, and ROS types such as sensor_msgs/msg/Image)"
+        )
+
+    def _item(self, name: str, depth: int) -> Type:
+        if self.tokens[:1] != ["["]:
+            return ANY
+        self.tokens.pop(0)
+        if name == "dict":
+            if self.tokens[:2] != ["str", ","]:
+                raise ValueError(f"{self.text!r} isn't a type: a dict is written `dict[str, T]`")
+            del self.tokens[:2]
+        item = self.type(depth + 1)
+        if self.tokens[:1] != ["]"]:
+            raise ValueError(f"{self.text!r} isn't a type: a `]` is missing")
+        self.tokens.pop(0)
+        return item
+
+
+def is_assignable(source: Type | str, target: Type | str) -> bool:
+    """Tell whether a value of type `source` may be put where `target` is wanted.
+
+    The same type may; an int where a float is wanted; a T where `T | None` is; anything from and to `Any`, which is
+    checked when the value is there. Values can't be changed, so lists and dicts follow their items.
+    """
+    source = parse_type(source) if isinstance(source, str) else source
+    target = parse_type(target) if isinstance(target, str) else target
+    if source is target or "Any" in (source.name, target.name):
+        return True
+    if source.name == "None":
+        return target.optional or target.name == "None"
+    if source.optional and not target.optional:
+        return False
+    if source.name != target.name:
+        return (source.name, target.name) == ("int", "float")
+    if source.item is None or target.item is None:
+        return True
+    return is_assignable(source.item, target.item)
+
+
+def check_value(type_: Type | str, value: Any) -> str | None:
+    """Return why a value isn't of a type, None when it is."""
+    type_ = parse_type(type_) if isinstance(type_, str) else type_
+    return _reason(type_, value, "")
+
+
+_PYTHON: dict[str, tuple[type, ...]] = {
+    "bool": (bool,),
+    "int": (int,),
+    "float": (float, int),
+    "str": (str,),
+    "bytes": (bytes,),
+    "list": (list, tuple),
+    "dict": (Mapping,),
+}
+
+
+def _reason(type_: Type, value: Any, where: str) -> str | None:
+    if type_.name == "Any" or (value is None and (type_.optional or type_.name == "None")):
+        return None
+    if not _is_a(type_.name, value):
+        shown = repr(value)
+        shown = shown if len(shown) <= 40 else shown[:37] + "..."
+        at = f"{where} is" if where else "is"
+        return f"{at} {shown}, a {type(value).__name__}, not a {type_}"
+    if type_.item is None or type_.item.name == "Any":
+        return None
+    if type_.name == "list":
+        pairs = ((f"{where}[{i}]", item) for i, item in enumerate(value))
+    else:
+        for key in value:
+            if not isinstance(key, str):
+                return f"the key {key!r} of {where or 'it'} is a {type(key).__name__}, not a str"
+        pairs = ((f"{where}[{key!r}]", item) for key, item in value.items())
+    return next((r for at, item in pairs if (r := _reason(type_.item, item, at))), None)
+
+
+def _is_a(name: str, value: Any) -> bool:
+    if name in _PYTHON:
+        fits = isinstance(value, _PYTHON[name])
+        return fits and (name == "bool" or not isinstance(value, bool))
+    kinds = type(value).__mro__
+    if "/" in name:
+        package, folder, message = name.split("/")
+        return any(k.__name__ == message and k.__module__.startswith(f"{package}.{folder}") for k in kinds)
+    return any(k.__name__ == name and k.__module__.startswith("grip_bt.base.values") for k in kinds)

@@ -1,0 +1,1 @@
+"""What comes from elsewhere and goes there: other tools' trees and machines, SMACH, the first GRIP, drawings."""

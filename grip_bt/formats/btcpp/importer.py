@@ -1,0 +1,243 @@
+"""BehaviorTree.CPP 4's XML -> task. Sub-trees are put in where they are used; what has no exact equal is refused.
+
+The file is read several times: first to learn which type each blackboard entry has and which ports have literals, then,
+with that known, to write the task.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from grip_bt.base.errors import DocumentError, RefusedFileError, listing, nearest
+from grip_bt.base.expression import parse_expression
+from grip_bt.task import dumps, loads, model, walking
+from grip_bt.task.catalog import Catalog
+
+from ..pytrees.naming import node_name
+from ..pytrees.result import Remark
+from ..pytrees_xml.elements import Element
+from . import attributes
+from .actions import ACTIONS, REFUSED
+from .controls import CONTROLS
+from .decorators import DECORATORS
+from .document import Document, Model, Place, read_document
+from .leaves import Leaves, value_of_text
+from .making import SKIPPED, SUCCEED, Keys, Made
+from .names import Board, Variables, key_of
+from .passing import in_order, with_nulls
+from .reading import MOST_NODES, Reading, Refused, Where, reads_only
+from .result import ImportedFile
+
+_KNOWN = {**CONTROLS, **DECORATORS, **ACTIONS}
+_EXPLICIT = ("Action", "Condition", "Control", "Decorator")
+_MOST_READINGS = 5
+
+
+def from_xml(
+    text: str, catalog: Catalog, source: str = "", folder: Path | None = None, bound: Path | None = None, tree: str = ""
+) -> ImportedFile:
+    """Return the task of a file of BehaviorTree.CPP 4.
+
+    Args:
+        text: the file.
+        catalog: where known nodes are; `<arm__lift>` is `arm/lift`.
+        source: what to call the file in messages.
+        folder: where it lies; without it, included files are refused.
+        bound: the folder that included files have to lie in; `folder` by default.
+        tree: the tree to import, in place of the main one.
+
+    Raises:
+        DocumentError: it can't be read.
+        RefusedFileError: parts of it have no exact equal; it lists all of them.
+    """
+    document, main = read_document(text, source, folder, bound or folder)
+    if tree and tree not in document.trees:
+        raise DocumentError(
+            f"there is no tree {tree!r}{nearest(tree, document.trees)} (there are: {listing(document.trees)})", source
+        )
+    importer = _Importer(document, catalog)
+    for _ in range(_MOST_READINGS):
+        before = importer.state()
+        made = importer.read(tree or main)
+        if importer.state() == before:
+            break
+    if importer.notes.refusals:
+        raise RefusedFileError(source, sorted(importer.notes.refusals, key=lambda r: (r.source, r.line)))
+    return importer.result(made, tree or main)
+
+
+class _Importer:
+    def __init__(self, document: Document, catalog: Catalog):
+        self.document = document
+        self.leaves = Leaves(catalog, document.models)
+        self.variables = Variables()
+        self.used: set[str] = set()
+        self.reading = Reading(self.node)
+
+    @property
+    def notes(self) -> Any:
+        return self.reading.notes
+
+    def state(self) -> object:
+        """Return what a further reading may come to other results by."""
+        types = {name: (v.type, v.has_initial, v.constant) for name, v in self.variables.every.items()}
+        return types, dict(self.leaves.settled)
+
+    def read(self, tree: str) -> Made:
+        """Read the tree once, with what was learned before."""
+        self.variables = Variables(before=self.variables.every)
+        self.reading = Reading(self.node)
+        self.used = {tree}
+        place = self.document.trees[tree]
+        where = Where(Board(self.variables), place.source, (tree,))
+        try:
+            made = self._root(place, where)
+        except Refused:
+            made = Made(dict(SUCCEED))
+        self.leaves.settle()
+        return made
+
+    def _root(self, place: Place, where: Where) -> Made:
+        if len(place.element.children) != 1:
+            self.reading.refuse(place.element, where, f"needs one node inside, and has {len(place.element.children)}")
+        return self.reading.attempt(place.element.children[0], where)
+
+    def node(self, element: Element, where: Where) -> Made:
+        """Read a node, and all below it."""
+        self.notes.nodes += 1
+        if self.notes.nodes > MOST_NODES:
+            raise DocumentError(f"more than {MOST_NODES} nodes, with those of sub-trees", where.source, element.line)
+        attributes.check(self.reading, element, where)
+        tag = element.tag
+        name = element.attributes.get("ID", "") if tag in _EXPLICIT else tag
+        if tag == "SubTree":
+            name = element.attributes.get("ID", "")
+            made = self._sub_tree(element, where)
+        elif name in REFUSED:
+            self.reading.refuse(element, where, REFUSED[name])
+        elif name in _KNOWN:
+            reader, ports = _KNOWN[name]
+            wrong = reads_only(element, ports)
+            if wrong:
+                self.reading.refuse(
+                    element, where, f"has no port {wrong[0]!r}{nearest(wrong[0], ports)} (there are: {listing(ports)})"
+                )
+            made = reader(self.reading, element, where)
+        else:
+            made = self._leaf(element, name, where)
+        made.name = element.attributes.get("name") or name
+        return attributes.wrapped(self.reading, element, made, where)
+
+    def _leaf(self, element: Element, name: str, where: Where) -> Made:
+        said = self.document.models.get(name, Model(element.tag if element.tag in _EXPLICIT else "Action"))
+        if element.children or said.kind in ("Control", "Decorator"):
+            kind = said.kind if said.kind in ("Control", "Decorator") else "node with children"
+            self.reading.refuse(
+                element, where, f"is a {kind} of your own C++ code; say what it does with BT.CPP's own nodes"
+            )
+        ports = {k: v for k, v in element.attributes.items() if k not in ("name", "ID") and not k.startswith("_")}
+        with self.reading.refusing(element, where):
+            return Made(self.leaves.leaf(name, ports, where.board), instant=said.kind == "Condition")
+        raise AssertionError("a refusal raises")
+
+    def _sub_tree(self, element: Element, where: Where) -> Made:
+        name = element.attributes.get("ID", "")
+        place = self.document.trees.get(name)
+        if place is None:
+            trees = self.document.trees
+            self.reading.refuse(
+                element, where, f"there is no tree {name!r}{nearest(name, trees)} (there are: {listing(trees)})"
+            )
+        if name in where.inside:
+            self.reading.refuse(
+                element, where, f"the tree {name!r} contains itself ({' > '.join((*where.inside, name))})"
+            )
+        self.used.add(name)
+        auto = element.attributes.get("_autoremap", "false") in ("true", "1", "True")
+        board = Board(self.variables, element.attributes.get("name") or name, where.board, auto)
+        inner = Where(board, place.source, (*where.inside, name), where.meaning)
+        model_of = self.document.models.get(name)
+        defaults = {k: p.default for k, p in model_of.ports.items() if p.default is not None} if model_of else {}
+        for key, text in {**defaults, **element.attributes}.items():
+            if key in ("ID", "name") or key.startswith("_"):
+                continue
+            outer = key_of(text, key)
+            if outer is not None:
+                board.names[key] = where.board.variable(outer)
+            else:
+                board.names[key] = self.variables.new(f"{board.space}_{key}")
+                self.variables.every[board.names[key]].initial = text
+        return self._root(place, inner)
+
+    # --- the task ---
+
+    def result(self, made: Made, tree: str) -> ImportedFile:
+        """Return the task of the last reading."""
+        inputs, data = self._declared(_mentioned(made.keys))
+        task: dict[str, Any] = {"grip": model.FORMAT_VERSION, "name": node_name(tree)}
+        if made.skips:
+            task["outcomes"] = {"success": "success", "failure": "failure", SKIPPED: "success"}
+        task |= {**({"inputs": inputs} if inputs else {}), **({"data": data} if data else {}), "root": made.keys}
+        try:
+            catalog = self.leaves.catalog.with_manifests(self.leaves.settled.values())
+            read, early = with_nulls(model.Task.model_validate(in_order(task, catalog)), catalog)
+            loads(dumps(read))
+        except (ValidationError, DocumentError, RecursionError) as error:
+            raise DocumentError(f"its task can't be written as a file: {error}", self.document.source) from error
+        unused = [t for t in self.document.trees if t not in self.used]
+        remarks = [*self.document.remarks, *self.notes.remarks]
+        remarks += [f"the tree {name!r} isn't used by {tree!r}, and isn't imported" for name in unused]
+        remarks += [f"{name!r} may be read before it is written; it is null until then" for name in early]
+        remarks += [f"the input {name!r} is read and never written" for name in inputs]
+        used = {node.node for _, node in walking.walk(read.root) if isinstance(node, model.Leaf)}
+        manifests = tuple(m for m in self.leaves.settled.values() if m.id in used)
+        for face in self.leaves.faces.values():
+            unknown = [port for port, use in face.uses.items() if use.port is None and use.bound]
+            if unknown:
+                remarks.append(
+                    f"{face.name}: no TreeNodesModel says whether {listing(map(repr, unknown))} is read or"
+                    " written; taken as both"
+                )
+        return ImportedFile(read, tuple(Remark(self.document.source, text) for text in remarks), manifests)
+
+    def _declared(self, mentioned: set[str]) -> tuple[dict[str, Any], dict[str, Any]]:
+        inputs: dict[str, Any] = {}
+        data: dict[str, Any] = {}
+        for name, entry in self.variables.every.items():
+            if name not in mentioned:
+                continue  # a literal of a sub-tree that became part of a node
+            if entry.has_initial:
+                value = entry.initial
+                kind = entry.type
+                if isinstance(value, str):
+                    kind = kind if kind in ("int", "float", "bool") else "str" if kind == "Any" else kind
+                    try:
+                        value = value_of_text(value, kind)
+                    except ValueError as error:
+                        raise DocumentError(
+                            f"the entry {name!r} holds {value!r}: {error}", self.document.source
+                        ) from error
+                data[name] = {"type": kind, "value": value}
+            elif not entry.known:
+                data[name] = {"type": "Any", "value": None}
+            elif entry.written or entry.texts:
+                data[name] = entry.type
+            else:
+                inputs[name] = entry.type
+        return inputs, data
+
+
+def _mentioned(root: Keys) -> set[str]:
+    """Return the variables that a node, or one below it, reads or writes."""
+    names: set[str] = set()
+    for _, node in walking.walk(model.Task.model_validate({"grip": 1, "name": "t", "root": root}).root):
+        if isinstance(node, model.Leaf):
+            names.update(node.in_.values(), node.out.values())
+        if isinstance(node, model.ForEach):
+            names.add(node.items)
+        for _, text in walking.expressions_of(node):
+            names.update(parse_expression(text).names)
+    return names

@@ -1,0 +1,230 @@
+"""Actions and conditions as nodes of the catalogue; those that it doesn't have get a manifest."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from dataclasses import dataclass, field
+from typing import Any
+
+from grip_bt.base.errors import listing, nearest
+from grip_bt.base.frozen import FrozenDict
+from grip_bt.task.catalog import Catalog, Manifest, parse_type
+from grip_bt.task.catalog.manifest import InputPort, OutputPort, Parameter
+
+from .document import Model, Port
+from .making import Keys
+from .names import Board, key_of, type_named
+
+GROUP = "btcpp"
+_WRONG = re.compile(r"[^A-Za-z0-9_]")
+_TRUTH = {
+    "true": True,
+    "True": True,
+    "TRUE": True,
+    "1": True,
+    "false": False,
+    "False": False,
+    "FALSE": False,
+    "0": False,
+}
+
+
+def value_of_text(text: str, type_name: str) -> Any:
+    """Return the value that BT.CPP's `convertFromString` makes of a text; JSON for what isn't a scalar.
+
+    Raises:
+        ValueError: it isn't one of this type.
+    """
+    wanted = parse_type(type_name)
+    if wanted.optional and text == "null":
+        return None
+    if wanted.name == "str" or (wanted.name == "Any" and not text.startswith("json:")):
+        return text
+    if wanted.name == "bool":
+        if text.strip() in _TRUTH:
+            return _TRUTH[text.strip()]
+    elif wanted.name == "int":
+        return int(text)
+    elif wanted.name == "float":
+        number = float(text)
+        if math.isfinite(number):
+            return number
+    else:
+        return json.loads(text.removeprefix("json:"))
+    raise ValueError(f"{text!r} isn't a {wanted}")
+
+
+@dataclass
+class PortUse:
+    """How one port of an unknown node type is used in the whole file."""
+
+    port: Port | None
+    literal: bool = False
+    bound: bool = False
+    times: int = 0
+
+    @property
+    def type(self) -> str:
+        """Its type here."""
+        return type_named(self.port.type) if self.port is not None else "Any"
+
+    @property
+    def direction(self) -> str:
+        """`in`, `out` or `inout`; without a model it may be either."""
+        return self.port.direction if self.port is not None else "inout"
+
+
+@dataclass
+class Face:
+    """An unknown node type: what the model says of it and how it is used."""
+
+    name: str
+    model: Model | None
+    uses: dict[str, PortUse] = field(default_factory=dict)
+    times: int = 0
+
+    @property
+    def id(self) -> str:
+        """Its id in the catalogue."""
+        return f"{GROUP}/{_WRONG.sub('_', self.name)}"
+
+    def use(self, port: str, *, bound: bool) -> PortUse:
+        """Note how a port is used."""
+        known = self.model.ports.get(port) if self.model is not None else None
+        use = self.uses.setdefault(port, PortUse(known))
+        use.bound, use.literal, use.times = use.bound or bound, use.literal or not bound, use.times + 1
+        return use
+
+    def manifest(self) -> Manifest:
+        """Return its manifest: a port that only has literals is a parameter."""
+        for port, said in (self.model.ports if self.model is not None else {}).items():
+            self.uses.setdefault(port, PortUse(said))
+        parameters: dict[str, Parameter] = {}
+        inputs: dict[str, InputPort] = {}
+        outputs: dict[str, OutputPort] = {}
+        for port, use in self.uses.items():
+            doc = use.port.doc if use.port is not None else ""
+            if not use.bound and use.direction != "out" and (use.port is None or use.literal):
+                parameters[port] = _parameter(use, doc, always=use.times == self.times)
+                continue
+            if use.direction != "out":
+                inputs[port] = InputPort(type=use.type, doc=doc, required=False)
+            if use.direction != "in":
+                outputs[port] = OutputPort(type=use.type, doc=doc)
+        return Manifest(
+            id=self.id,
+            doc=f"{self.name} of BehaviorTree.CPP; its code is to be provided.",
+            implementation=f"leaf.py:{_class(self.name)}",
+            parameters=FrozenDict(parameters),
+            inputs=FrozenDict(inputs),
+            outputs=FrozenDict(outputs),
+        )
+
+
+def _parameter(use: PortUse, doc: str, *, always: bool) -> Parameter:
+    """Return a parameter; one that isn't always given has the model's default, or is null."""
+    kind = use.type if use.type != "Any" else "str"
+    default = use.port.default if use.port is not None else None
+    if default is not None and key_of(default, "") is None:
+        return Parameter(type=kind, doc=doc, default=value_of_text(default, kind))
+    return Parameter(type=kind, doc=doc) if always else Parameter(type=f"{kind} | None", doc=doc, default=None)
+
+
+def _class(name: str) -> str:
+    text = _WRONG.sub("_", name)
+    return text if re.match(r"[A-Za-z_]", text) else f"Node{text}"
+
+
+class Leaves:
+    """Makes the leaves of a task.
+
+    Args:
+        catalog: where known nodes are.
+        models: those of the file.
+    """
+
+    def __init__(self, catalog: Catalog, models: dict[str, Model]):
+        self.catalog, self.models = catalog, models
+        self.faces: dict[str, Face] = {}
+        self.settled: dict[str, Manifest] = {}
+
+    def settle(self) -> None:
+        """Decide, of what has been seen, which ports of unknown nodes are parameters."""
+        self.settled = {name: face.manifest() for name, face in self.faces.items()}
+
+    def leaf(self, name: str, said: dict[str, str], board: Board) -> Keys:
+        """Return the keys of a leaf.
+
+        Args:
+            name: the node type.
+            said: port -> what its attribute says.
+            board: where its keys are.
+
+        Raises:
+            ValueError: a port isn't there, or can't hold what it is given.
+        """
+        known = next(
+            (i for i in (name.replace("__", "/"), f"{GROUP}/{_WRONG.sub('_', name)}") if i in self.catalog), None
+        )
+        if known is not None:
+            return self._known(self.catalog.get(known), said, board)
+        face = self.faces.setdefault(name, Face(name, self.models.get(name)))
+        face.times += 1
+        if face.model is not None:
+            self._check_ports(name, said, face.model)
+            said = {**{p: d.default for p, d in face.model.ports.items() if d.default is not None}, **said}
+        for port, text in said.items():
+            face.use(port, bound=key_of(text, port) is not None)
+        return self._known(self.settled.get(name) or face.manifest(), said, board)
+
+    def _check_ports(self, name: str, said: dict[str, str], model: Model) -> None:
+        for port in said:
+            if port not in model.ports:
+                near = nearest(port, model.ports)
+                raise ValueError(f"{name} has no port {port!r}{near} (its model has: {listing(model.ports)})")
+
+    def _known(self, manifest: Manifest, said: dict[str, str], board: Board) -> Keys:
+        keys: Keys = {"node": manifest.id}
+        for port, text in said.items():
+            key = key_of(text, port)
+            if key is None:
+                self._literal(manifest, port, text, keys, board)
+            else:
+                self._bound(manifest, port, board.variable(key), keys, board)
+        return keys
+
+    def _literal(self, manifest: Manifest, port: str, text: str, keys: Keys, board: Board) -> None:
+        if port in manifest.parameters:
+            keys.setdefault("with", {})[port] = value_of_text(text, manifest.parameters[port].type)
+            return
+        if port in manifest.inputs:
+            name = board.variables.constant(port, manifest.inputs[port].type, text)
+            keys.setdefault("in", {})[port] = name
+            return
+        if port in manifest.outputs:
+            raise ValueError(f"the output {port!r} needs a key in braces, such as {{{text or port}}}")
+        raise ValueError(_no_port(manifest, port))
+
+    def _bound(self, manifest: Manifest, port: str, variable: str, keys: Keys, board: Board) -> None:
+        entry = board.variables.every[variable]
+        if port not in manifest.inputs and port not in manifest.outputs:
+            if port in manifest.parameters and entry.constant:
+                keys.setdefault("with", {})[port] = value_of_text(entry.initial, manifest.parameters[port].type)
+                return
+            raise ValueError(_no_port(manifest, port))
+        if port in manifest.inputs:
+            keys.setdefault("in", {})[port] = variable
+            entry.read.append(manifest.inputs[port].type)
+        if port in manifest.outputs:
+            keys.setdefault("out", {})[port] = variable
+            entry.written.append(manifest.outputs[port].type)
+        both = port in manifest.inputs and port in manifest.outputs
+        entry.known = entry.known and not (both and manifest.inputs[port].type == "Any")
+
+
+def _no_port(manifest: Manifest, port: str) -> str:
+    there = [*manifest.parameters, *manifest.inputs, *manifest.outputs]
+    what = "takes only a literal for" if port in manifest.parameters else "has no port"
+    return f"{manifest.id} {what} {port!r}{nearest(port, there)} (there are: {listing(there)})"

@@ -1,0 +1,297 @@
+"""Task -> BehaviorTree.CPP 4's XML, with a TreeNodesModel of the leaves, so that Groot2 shows them with their ports.
+
+A leaf's tag is its catalogue id with two underscores for the slash: `<arm__lift>`. What is written is read again, and
+has to give the same task: what wouldn't is refused by name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from xml.sax.saxutils import escape, quoteattr
+
+from grip_bt.base.errors import DocumentError, NotExpressibleError, RefusedFileError
+from grip_bt.base.expression import parse_expression
+from grip_bt.compilers.resolve import Part, Resolved, resolve
+from grip_bt.task import model
+from grip_bt.task.catalog import Catalog, Manifest
+
+from ..pytrees.naming import node_name
+from .equal import attribute_text, script_of
+from .importer import from_xml
+from .kept import difference
+
+TARGET = "BehaviorTree.CPP's XML"
+_CPP = {"int": "int", "float": "double", "bool": "bool", "str": "std::string", "Any": "BT::AnyTypeAllowed"}
+_COMMON = {"doc", "precondition", "kind", "children", "child"}
+_KEYS: dict[type, set[str]] = {
+    model.Leaf: {"node", "with_", "in_", "out"},
+    model.Sequence: {"memory"},
+    model.Fallback: {"memory"},
+    model.Parallel: {"policy", "rules", "wait_for", "cancel", "prompt", "order"},
+    model.Retry: {"times"},
+    model.Repeat: {"times"},
+    model.Timeout: {"seconds"},
+    model.Switch: {"on_value", "cases", "default", "memory"},
+    model.Invert: set(),
+    model.Force: {"as_"},
+}
+"""The kinds that have an equal, and what it can say of them."""
+
+
+def to_xml(task: model.Task, catalog: Catalog) -> str:
+    """Return a file that BehaviorTree.CPP 4 and Groot2 read as the tree of a task.
+
+    Args:
+        task: the document. Its own `doc` becomes a comment, that of nodes `_description`.
+        catalog: where the leaves' manifests are.
+
+    Raises:
+        InvalidTaskError: the task is wrong.
+        NotExpressibleError: the XML has no words for a part of it.
+    """
+    resolved = resolve(task, catalog)
+    _check_task(resolved)
+    used: dict[str, Manifest] = {}
+    body = list(_lines(resolved.root, 2, used))
+    lines = [
+        '<?xml version="1.0" encoding="UTF-8"?>',
+        f'<root BTCPP_format="4" main_tree_to_execute={quoteattr(task.name)}>',
+        *_comment(task.doc),
+        f"  <BehaviorTree ID={quoteattr(task.name)}>",
+        *body,
+        "  </BehaviorTree>",
+        *_models(used),
+        "</root>",
+    ]
+    text = "\n".join(lines) + "\n"
+    _check_back(text, task, catalog)
+    return text
+
+
+def _check_task(resolved: Resolved) -> None:
+    task = resolved.task
+    if node_name(task.name) != task.name:
+        raise NotExpressibleError("/", f"the name {task.name!r}", TARGET)
+    plain = {"success": "success", "failure": "failure"}
+    if dict(task.outcomes) != plain or any(target != label for (_, label, _), target in resolved.ends):
+        raise NotExpressibleError("/", "a task with outcomes of its own", TARGET)
+    if task.outputs:
+        raise NotExpressibleError("/", "outputs of a task", TARGET)
+    for name, variable in (*task.inputs.items(), *task.data.items()):
+        if not isinstance(variable, str) and variable.has_value:
+            what = f"the initial value of the variable {name!r} (give it by `flow/set`)"
+            raise NotExpressibleError("/", what, TARGET)
+
+
+def _check_back(text: str, task: model.Task, catalog: Catalog) -> None:
+    """Read the file again; a task that comes back otherwise is refused."""
+    try:
+        back = from_xml(text, catalog, "the file that was written").task
+    except (DocumentError, RefusedFileError) as error:
+        raise NotExpressibleError("/", f"something ({error})", TARGET) from error
+    other = difference(task, back)
+    if other is not None:
+        raise NotExpressibleError(other.path, f"{other.what} ({other.why})", TARGET)
+
+
+def _lines(part: Part, depth: int, used: dict[str, Manifest]) -> Iterator[str]:
+    _check(part)
+    tag, said = _element(part, used)
+    attributes = {"name": part.name, **said, **_around(part)} if part.path != "/" else {**said, **_around(part)}
+    text = "".join(f" {key}={quoteattr(value)}" for key, value in attributes.items())
+    indent = "  " * depth
+    if not part.children:
+        yield f"{indent}<{tag}{text}/>"
+        return
+    yield f"{indent}<{tag}{text}>"
+    for child in part.children:
+        yield from _lines(child, depth + 1, used)
+    yield f"{indent}</{tag}>"
+
+
+def _check(part: Part) -> None:
+    known = _KEYS.get(type(part.node))
+    kind = getattr(part.node, "kind", "leaf")
+    if known is None:
+        raise NotExpressibleError(part.path, f"a {kind}", TARGET)
+    for name, field in type(part.node).model_fields.items():
+        said = getattr(part.node, name) != field.get_default(call_default_factory=True)
+        if said and name not in known | _COMMON:
+            raise NotExpressibleError(part.path, f"`{field.alias or name}` of a {kind}", TARGET)
+    if not isinstance(part.node, model.Leaf) and not part.children:
+        raise NotExpressibleError(part.path, f"a {kind} without children", TARGET)
+
+
+def _around(part: Part) -> dict[str, str]:
+    """Return the attributes that any node may have."""
+    said = {}
+    if part.node.precondition and not _is_condition(part):
+        said["_failureIf"] = f"!({_script(part, part.node.precondition)})"
+    if part.node.doc:
+        said["_description"] = part.node.doc
+    return said
+
+
+def _is_condition(part: Part) -> bool:
+    node = part.node
+    return isinstance(node, model.Leaf) and node.node == "flow/succeed" and bool(node.precondition)
+
+
+def _type_of(part: Part) -> Callable[[str], str]:
+    def type_of(name: str) -> str:
+        cell = part.scope.find(name)
+        return cell.type if cell is not None else "Any"
+
+    return type_of
+
+
+def _computed(part: Part, node: model.Leaf) -> str | None:
+    """Return what `flow/compute` does as a script; None where a script would come back as something else."""
+    text = node.with_["expression"]
+    names = parse_expression(text).names
+    if "value" not in node.out or list(node.in_) != list("abcdefgh"[: len(names)]) or list(names) != list(node.in_):
+        return None
+    try:
+        return f"{node.out['value']} := {script_of(text, _type_of(part), node.in_)}"
+    except ValueError:
+        return None
+
+
+def _script(part: Part, text: str) -> str:
+    try:
+        return script_of(text, _type_of(part))
+    except ValueError as error:
+        raise NotExpressibleError(part.path, f"`{text}` ({error})", TARGET) from error
+
+
+def _element(part: Part, used: dict[str, Manifest]) -> tuple[str, dict[str, str]]:
+    node = part.node
+    match node:
+        case model.Leaf():
+            return _leaf(part, node, used)
+        case model.Sequence(memory=memory):
+            return ("Sequence" if memory else "ReactiveSequence"), {}
+        case model.Fallback(memory=memory):
+            return ("Fallback" if memory else "ReactiveFallback"), {}
+        case model.Parallel():
+            return _parallel(part, node)
+        case model.Retry(times=attempts):
+            return "RetryUntilSuccessful", {"num_attempts": str(attempts)}
+        case model.Repeat(times=times):
+            return "Repeat", {"num_cycles": str(-1 if times is None else times)}
+        case model.Timeout(seconds=seconds):
+            return "Timeout", {"msec": _milliseconds(part, seconds)}
+        case model.Switch():
+            return _switch(part, node)
+        case model.Invert():
+            return "Inverter", {}
+        case model.Force(as_=forced):
+            return ("ForceSuccess" if forced == "success" else "ForceFailure"), {}
+    raise AssertionError(f"{type(node).__name__} passed the list of kinds and has no tag")
+
+
+def _parallel(part: Part, node: model.Parallel) -> tuple[str, dict[str, str]]:
+    count = len(part.children)
+    rules = [rule.model_dump(exclude_defaults=True) for rule in node.rules]
+    if node.cancel == "join" and not rules and not node.prompt:
+        return "ParallelAll", {"max_failures": "1" if node.policy == "all" else str(count)}
+    if (node.prompt, node.policy, node.wait_for, len(rules)) == (True, "all", None, 2):
+        successes, failures = (rule.get("at_least", 0) for rule in rules)
+        return "Parallel", {"success_count": str(successes), "failure_count": str(failures)}
+    if (node.policy, node.cancel, node.wait_for, len(rules), node.prompt) == ("all", "halt", "all", 2, False):
+        return "ParallelAll", {"max_failures": str(rules[0].get("at_least", 0))}
+    raise NotExpressibleError(part.path, "this parallel (use `prompt` with two rules, or `cancel: join`)", TARGET)
+
+
+def _switch(part: Part, node: model.Switch) -> tuple[str, dict[str, str]]:
+    cases = list(node.cases.values())
+    names = [child.name for child in part.children]
+    if node.memory or names != [*node.cases, node.default] or not 2 <= len(cases) <= 6:
+        what = "this switch (it needs `memory: false`, 2 to 6 cases in order, and a default as the last child)"
+        raise NotExpressibleError(part.path, what, TARGET)
+    said = {"variable": f"{{{node.on_value}}}"}
+    for number, case in enumerate(cases, 1):
+        if isinstance(case, bool | float) or not isinstance(case, str | int | list):
+            raise NotExpressibleError(part.path, f"the case {case!r}", TARGET)
+        said[f"case_{number}"] = str(case[0] if isinstance(case, list) and case else case)
+    return f"Switch{len(cases)}", said
+
+
+def _milliseconds(part: Part, seconds: float) -> str:
+    milliseconds = round(seconds * 1000)
+    if milliseconds / 1000 != seconds:
+        raise NotExpressibleError(part.path, f"{seconds} s, which isn't a whole number of milliseconds,", TARGET)
+    return str(milliseconds)
+
+
+def _leaf(part: Part, node: model.Leaf, used: dict[str, Manifest]) -> tuple[str, dict[str, str]]:
+    manifest = part.manifest
+    assert manifest is not None, "resolved leaves have a manifest"
+    if _is_condition(part):
+        return "ScriptCondition", {"code": _script(part, node.precondition)}
+    if node.node == "flow/succeed":
+        return "AlwaysSuccess", {}
+    if node.node == "flow/fail" and not node.with_:
+        return "AlwaysFailure", {}
+    if node.node == "flow/wait":
+        return "Sleep", {"msec": _milliseconds(part, node.with_["seconds"])}
+    if node.node == "flow/set" and node.out and isinstance(node.with_["value"], bool | int | float | str):
+        return "Script", {"code": f"{node.out['value']} := {_script(part, repr(node.with_['value']))}"}
+    if node.node == "flow/compute" and (code := _computed(part, node)) is not None:
+        return "Script", {"code": code}
+    used[manifest.id] = manifest
+    said: dict[str, str] = {}
+    for name, value in node.with_.items():
+        try:
+            said[name] = attribute_text(value, manifest.parameters[name].type)
+        except ValueError as error:
+            raise NotExpressibleError(part.path, f"`{name}` ({error})", TARGET) from error
+    for port, variable in (*node.in_.items(), *node.out.items()):
+        if said.get(port, f"{{{variable}}}") != f"{{{variable}}}" or port in ("name", "ID"):
+            raise NotExpressibleError(part.path, f"{port!r}, which is more than one port or parameter,", TARGET)
+        said[port] = f"{{{variable}}}"
+    both = set(manifest.inputs) & set(manifest.outputs)
+    for port in both & set(said):
+        if (port in node.in_) != (port in node.out):
+            raise NotExpressibleError(part.path, f"{port!r}, of which only one side is bound,", TARGET)
+    return tag_of(manifest), said
+
+
+def tag_of(manifest: Manifest) -> str:
+    """Return the element that stands for a node of the catalogue."""
+    return manifest.id.replace("/", "__")
+
+
+def _models(used: dict[str, Manifest]) -> Iterator[str]:
+    if not used:
+        return
+    yield "  <TreeNodesModel>"
+    for manifest in sorted(used.values(), key=lambda m: m.id):
+        yield f"    <Action ID={quoteattr(tag_of(manifest))}>"
+        for name, parameter in manifest.parameters.items():
+            default = ""
+            if not parameter.required:
+                try:
+                    default = f" default={quoteattr(attribute_text(parameter.default, parameter.type))}"
+                except ValueError:
+                    pass  # the default isn't a text; the port is optional all the same
+            yield _port("input_port", name, parameter.type, parameter.doc, default)
+        for name, port in manifest.inputs.items():
+            yield _port("inout_port" if name in manifest.outputs else "input_port", name, port.type, port.doc)
+        for name, output in manifest.outputs.items():
+            if name not in manifest.inputs:
+                yield _port("output_port", name, output.type, output.doc)
+        yield "    </Action>"
+    yield "  </TreeNodesModel>"
+
+
+def _port(tag: str, name: str, type_name: str, doc: str, more: str = "") -> str:
+    cpp = quoteattr(_CPP.get(type_name, type_name))
+    return f"      <{tag} name={quoteattr(name)} type={cpp}{more}>{escape(doc)}</{tag}>"
+
+
+def _comment(text: str) -> list[str]:
+    said = " ".join("".join(c if c.isprintable() else " " for c in text).split())
+    while "--" in said:
+        said = said.replace("--", "- -")
+    return [f"  <!-- {escape(said)} -->"] if said else []

@@ -1,0 +1,158 @@
+"""Importing a file: what is in it, the tasks that it becomes, and the files that hold them."""
+
+from __future__ import annotations
+
+import ast
+import os
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from grip_bt.base.errors import DocumentError, GripError
+from grip_bt.nodes.smach_leaf import task_name
+from grip_bt.task import Task, dumps
+
+from .found import FoundContainer, Span
+from .interpreter import Interpreter
+from .leaves import MARK, Leaves
+from .project import Project
+from .to_task import TaskMaker
+
+
+@dataclass
+class ImportedFile:
+    """What became of a file.
+
+    Attributes:
+        file: the legacy file.
+        containers: every container that it makes, in the order of the text.
+        tasks: name -> task, one for each outermost container that was imported.
+        leaves: their leaves.
+        converted: whether the file was Python 2.
+        error: why it couldn't be read at all.
+    """
+
+    file: Path
+    containers: list[FoundContainer] = field(default_factory=list)
+    tasks: dict[str, Task] = field(default_factory=dict)
+    leaves: Leaves | None = None
+    converted: bool = False
+    error: str = ""
+
+    def verdicts(self) -> dict[str, int]:
+        """Return how many containers were imported how well."""
+        found = [c.verdict for c in self.containers]
+        return {verdict: found.count(verdict) for verdict in ("exact", "partial", "failed")}
+
+
+def import_file(file: Path, root: Path | None = None) -> ImportedFile:
+    """Read a legacy file, without running it.
+
+    Args:
+        file: the file.
+        root: the folder in which the modules that it imports are looked for; its own by default.
+    """
+    file = file.resolve()
+    project = Project((root or file.parent).resolve())
+    result = ImportedFile(file)
+    try:
+        source = project.source(file)
+    except DocumentError as error:
+        result.error = str(error)
+        return result
+    result.converted = source.converted
+    if not mentions_smach(source.tree):
+        return result
+    reader = Interpreter(project)
+    reader.main_file(file)
+    found = distinct(reader.containers, file)
+    return make_tasks(result, found)
+
+
+def make_tasks(result: ImportedFile, found: list[FoundContainer]) -> ImportedFile:
+    """Make a task of each outermost container."""
+    result.leaves = Leaves(result.file)
+    result.containers = found
+    for container in found:
+        if container.parent is None:
+            executed = container.attributes.get("<executed>")
+            if isinstance(executed, Span):
+                text = "importing the module runs the machine: put that under `if __name__ == '__main__'`"
+                container.problem("partial", text, executed)
+            name = _name(container, result)
+            before = dict(result.leaves.specs)
+            task = TaskMaker(container, name, result.leaves).make()
+            if task is None:
+                result.leaves.specs = before
+            else:
+                result.tasks[name] = task
+    return result
+
+
+def mentions_smach(tree: ast.Module) -> bool:
+    """Whether a file has to do with smach: it, or something that it imports, may."""
+    return any(isinstance(node, (ast.Import, ast.ImportFrom)) for node in ast.walk(tree))
+
+
+def distinct(containers: list[FoundContainer], file: Path) -> list[FoundContainer]:
+    """Return the containers of a file, one for each place and each machine that holds it."""
+    mine = [c for c in containers if _outermost(c).span.file == file]
+    seen: dict[tuple[int, int, int | None], FoundContainer] = {}
+    for container in mine:
+        key = (container.span.line, container.span.column, id(container.parent) if container.parent else None)
+        seen.setdefault(key, container)
+    # What a class or function makes again for nobody is no second machine.
+    nested = {(c.span.line, c.span.column) for c in seen.values() if c.parent is not None}
+    kept = [c for c in seen.values() if c.parent is not None or (c.span.line, c.span.column) not in nested]
+    return sorted(kept, key=lambda c: (c.span.line, c.span.column))
+
+
+def _outermost(container: FoundContainer) -> FoundContainer:
+    while container.parent is not None:
+        container = container.parent
+    return container
+
+
+def _name(container: FoundContainer, result: ImportedFile) -> str:
+    entry = container.entry
+    wanted = entry.attr if isinstance(entry, ast.Attribute) else ""
+    if not wanted:
+        wanted = container.cls if container.cls != container.kind else result.file.stem
+    name, number = task_name(wanted), 2
+    while name in result.tasks:
+        name, number = task_name(f"{wanted}_{number}"), number + 1
+    return name
+
+
+def write_import(imported: ImportedFile, tasks: Mapping[str, Path], nodes: Path) -> list[Path]:
+    """Write tasks and their leaves; return the files.
+
+    Args:
+        imported: what was read.
+        tasks: the file of each task, by name.
+        nodes: the project's folder of nodes.
+
+    Raises:
+        GripError: a file is in the way that wasn't generated; nothing was written.
+    """
+    assert imported.leaves is not None, "a file with tasks has leaves"
+    folder = nodes / f"smach_{imported.leaves.stem}"
+    header = f"# {MARK} from {imported.file.name}.\n"
+    texts = {path: header + dumps(imported.tasks[name]) for name, path in tasks.items()}
+    texts |= {folder / name: text for name, text in imported.leaves.texts(folder).items()}
+    for path in texts:
+        if path.exists() and MARK not in path.read_text(encoding="utf-8", errors="replace"):
+            raise GripError(f"{path} wasn't made by an import and would be overwritten; move it, or choose another -o")
+    for path, text in texts.items():
+        _replace(path, text)
+    return list(texts)
+
+
+def _replace(path: Path, text: str) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    with os.fdopen(handle, "w", encoding="utf-8") as file:
+        file.write(text)
+    Path(temporary).chmod(0o644)
+    Path(temporary).replace(path)

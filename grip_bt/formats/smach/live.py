@@ -1,0 +1,213 @@
+"""A machine of SMACH that is there, as objects -> a task whose leaves run these objects."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from grip_bt.base.errors import GripError
+from grip_bt.compilers import CompiledMachine
+from grip_bt.compilers.leaves import LeafFactory, implementation_of
+from grip_bt.formats.compiled_machine import to_task
+from grip_bt.nodes.smach_leaf import SmachLeaf, task_name
+from grip_bt.smach_compat import Container
+from grip_bt.task import Leaf, Task
+from grip_bt.task.catalog import Catalog, Manifest
+
+from .files import ImportedFile, write_import
+from .found import Found, FoundContainer, Problem
+from .leaves import Leaves
+from .names import MODULE
+from .recorded import Merge, Record
+from .recorder import Recording
+from .to_task import TaskMaker
+
+
+class RefusedLiveMachineError(GripError):
+    """A machine of SMACH can't become a task; the message says why."""
+
+
+@dataclass(frozen=True)
+class FromMachine:
+    """A task that does what a machine does.
+
+    Attributes:
+        task: the task.
+        catalog: the built-in nodes, and one for each kind of state of the machine.
+        leaf_factory: makes the leaves, which run the machine's own states: give it to `to_tree` and `to_machine`. The
+            machine and the task aren't executed at the same time.
+        problems: what isn't exactly as in the machine, with what to do.
+        imported: for `write`; None where nothing is known that builds the machine again.
+    """
+
+    task: Task
+    catalog: Catalog
+    leaf_factory: LeafFactory
+    problems: tuple[Problem, ...] = ()
+    imported: ImportedFile | None = None
+
+    @property
+    def exact(self) -> bool:
+        """Whether the task does exactly what the machine does."""
+        return not self.problems
+
+    def write(self, folder: Path) -> list[Path]:
+        """Write the task, and its leaves under `nodes`, into a project folder; return the files.
+
+        Raises:
+            GripError: `source` wasn't given, or a file is in the way that wasn't generated.
+        """
+        if self.imported is None:
+            raise GripError(
+                f"the leaves of {self.task.name!r} are objects of this process; to write them, say what builds the"
+                " machine: from_machine(machine, source=build)"
+            )
+        paths = {name: folder / "tasks" / f"{name}.yaml" for name in self.imported.tasks}
+        return write_import(self.imported, paths, folder / "nodes")
+
+
+def from_machine(
+    machine: Any, name: str = "", *, source: Callable[[], Any] | None = None, catalog: Catalog | None = None
+) -> FromMachine:
+    """Return the task of a machine: of a compiled one, or of any StateMachine, Sequence, Concurrence or Iterator.
+
+    Args:
+        machine: the machine; it isn't executed.
+        name: of the task.
+        source: a function of a module that builds the machine again, without arguments; it is what `write` needs.
+        catalog: the nodes of a compiled machine; the built-in ones by default.
+
+    Raises:
+        RefusedLiveMachineError: it is none of these, is inconsistent, or has no equal.
+        RefusedMachineError: a compiled machine was changed into something that no task says.
+    """
+    if isinstance(machine, CompiledMachine):
+        return FromMachine(to_task(machine), catalog or Catalog.builtin(), implementation_of)
+    if not isinstance(machine, Container):
+        raise RefusedLiveMachineError(
+            f"a {type(machine).__name__} is no container of grip_bt.smach_compat: give a StateMachine, Sequence,"
+            " Concurrence or Iterator (of `smach` after smach_compat.install()), or what to_machine returned"
+        )
+    name = task_name(name or (source.__name__ if source is not None else "machine"))
+    leaves = _LiveLeaves(Path(f"{name}.py"))
+    found = _read(machine, leaves.file)
+    found.entry = ast.Name(MODULE, ast.Load())  # its userdata can be had
+    leaves.objects = dict(_pairs(found, machine))
+    task = _LiveMaker(found, name, leaves).make()
+    if task is None:
+        reasons = "".join(f"\n  {problem.text}" for problem in _problems(found))
+        raise RefusedLiveMachineError(f"{name}: the machine can't become a task:{reasons}")
+    nodes = Catalog.builtin().with_manifests(spec.manifest for spec in leaves.specs.values())
+    imported = _importable(machine, name, source) if source is not None else None
+    return FromMachine(task, nodes, leaves.factory(), tuple(_problems(found)), imported)
+
+
+def _read(machine: Container, file: Path) -> FoundContainer:
+    """Return what a machine is made of."""
+    recording = Recording(file, None, {})  # type: ignore[arg-type]  # it finds no packages
+    containers = list(_containers(machine))
+    numbers = {id(container): number for number, container in enumerate(containers)}
+    facts = [recording._container(container, numbers) for container in containers]
+    for said in facts:
+        if not said["consistent"]:
+            raise RefusedLiveMachineError(f"the machine is inconsistent: {said['reason']}")
+    return Merge([], Record(facts), file)._container(0, None)
+
+
+def _containers(container: Container) -> Iterator[Container]:
+    yield container
+    for child in container.get_children().values():
+        if isinstance(child, Container):
+            yield from _containers(child)
+
+
+def _pairs(found: FoundContainer, live: Any) -> Iterator[tuple[Found, Any]]:
+    """Yield what was read of each object, and the object."""
+    yield found, live
+    for label, child in live.get_children().items():
+        state = found.added[str(label)].state
+        if isinstance(state, FoundContainer):
+            yield from _pairs(state, child)
+        else:
+            yield state, child
+
+
+def _problems(found: FoundContainer) -> Iterator[Problem]:
+    yield from found.problems
+    for added in found.added.values():
+        if isinstance(added.state, FoundContainer):
+            yield from _problems(added.state)
+
+
+def _importable(machine: Container, name: str, source: Callable[[], Any]) -> ImportedFile:
+    file = inspect.getsourcefile(source)
+    if file is None or source.__qualname__ != source.__name__:
+        raise RefusedLiveMachineError(
+            f"{source.__qualname__} isn't a function of a module's own, which leaves could call; give one that is"
+        )
+    result = ImportedFile(Path(file).resolve())
+    found = _read(machine, result.file)
+    found.entry = ast.Attribute(ast.Name(MODULE, ast.Load()), source.__name__, ast.Load())
+    found.entry_is_call, found.entry_file = True, result.file
+    result.leaves = Leaves(result.file)
+    task = TaskMaker(found, name, result.leaves).make()
+    result.containers = [found]
+    if task is not None:
+        result.tasks[name] = task
+    return result
+
+
+class _LiveLeaves(Leaves):
+    """Leaves whose states are objects of this process."""
+
+    def __init__(self, file: Path):
+        super().__init__(file)
+        self.objects: dict[Found, Any] = {}
+        self.sources: dict[str, Any] = {}
+        self.firsts: dict[str, tuple[Any, str]] = {}
+
+    def source(self, found: Found) -> str:
+        """Return a name for an object."""
+        name = f"live_{list(self.objects).index(found)}"
+        self.sources[name] = self.objects[found]
+        return name
+
+    def factory(self) -> LeafFactory:
+        """Return what makes the leaves."""
+        specs = {spec.manifest.id: spec for spec in self.specs.values()}
+
+        def make(path: str, node: Leaf, manifest: Manifest) -> Any:
+            spec = specs.get(manifest.id)
+            if spec is None or spec.source not in self.sources:
+                return implementation_of(path, node, manifest)
+            params = {"unwritten": [], **node.with_}
+            leaf = SmachLeaf(path.rsplit("/", 1)[-1], path, manifest, params, dict(node.meaning))
+            live = self.sources[spec.source]
+            leaf.make = lambda: live  # type: ignore[method-assign]
+            leaf.first = {key: _first(*self.firsts[text]) for key, (_, text) in spec.first.items()}  # type: ignore[misc]
+            return leaf
+
+        return make
+
+
+class _LiveMaker(TaskMaker):
+    """Makes the task of objects: what YAML can't hold of their userdata is taken from there."""
+
+    leaves: _LiveLeaves
+    may_be_one_leaf = False
+
+    def _first(self, variable: str) -> str:
+        expression, where = self.variables.first[variable]
+        assert isinstance(where, FoundContainer), "nothing but userdata of containers is known"
+        assert isinstance(expression, ast.Constant), "a key of it"
+        text = f"first_{variable}"
+        self.leaves.firsts[text] = (self.leaves.objects[where], str(expression.value))
+        return text
+
+
+def _first(container: Any, key: str) -> Callable[[Any], Any]:
+    return lambda leaf: container.userdata[key]

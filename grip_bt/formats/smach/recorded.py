@@ -1,0 +1,215 @@
+"""What the recording process has seen, merged with what was read: structure from the run, source from the text."""
+
+from __future__ import annotations
+
+import ast
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from grip_bt.base.errors import DocumentError
+from grip_bt.base.interpreter import python_command
+
+from .files import ImportedFile, distinct, make_tasks
+from .found import Added, Found, FoundContainer, Opaque, Span
+from .interpreter import Interpreter
+from .project import Project
+
+TIMEOUT = 60.0
+"""How long [s] a module may take to build its machines."""
+
+
+@dataclass
+class Record:
+    """What the recording process told.
+
+    Attributes:
+        containers: as `recorder` writes them.
+        stand_ins: packages that weren't there.
+        words: what it wrote to stderr: exceptions of the module's code among it.
+    """
+
+    containers: list[dict[str, Any]] = field(default_factory=list)
+    stand_ins: list[str] = field(default_factory=list)
+    words: str = ""
+
+
+def record(file: Path, root: Path, given: Mapping[str, Mapping[str, Any]], timeout: float = TIMEOUT) -> Record:
+    """Run a module in a process of its own and return what it built; what it had built in time, at least."""
+    command = python_command("-m", f"{__package__}.recorder", str(file), json.dumps(given))
+    paths = [str(file.parent), str(root), str(root / "src"), *map(str, sorted(root.glob("*/src")))]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([*filter(None, sys.path), *paths])}
+    try:
+        done = subprocess.run(
+            command, capture_output=True, text=True, timeout=timeout, env=environment, stdin=subprocess.DEVNULL
+        )
+        output, words = done.stdout, done.stderr
+    except subprocess.TimeoutExpired as error:
+        output, words = (
+            part.decode(errors="replace") if isinstance(part, bytes) else part or ""
+            for part in (error.stdout, error.stderr)
+        )
+        words += f"stopped after {timeout:g} s"
+    whole = [line for line in output.split("\n")[:-1] if line.startswith("{")]
+    facts = json.loads(whole[-1]) if whole else {}
+    return Record(facts.get("containers", []), facts.get("stand_ins", []), words)
+
+
+def import_with_execution(
+    file: Path, root: Path | None = None, given: Mapping[str, Mapping[str, Any]] | None = None
+) -> ImportedFile:
+    """Read a legacy file, run it in a process of its own with a recording smach, and merge what both say.
+
+    A container that was read exactly stays as it was read. One that wasn't takes its structure from the run; where
+    packages had stand-ins it stays `partial`, since another run may build another machine.
+
+    Args:
+        file: the file. Its code is run: only for files that are trusted.
+        root: the folder in which the modules that it imports are looked for; its own by default.
+        given: class or function -> parameter -> value, for what has no default.
+    """
+    file = file.resolve()
+    folder = (root or file.parent).resolve()
+    project = Project(folder)
+    result = ImportedFile(file)
+    reader = Interpreter(project)
+    try:
+        source = project.source(file)
+    except DocumentError as error:
+        result.error = str(error)
+        return result
+    result.converted = source.converted
+    reader.main_file(file)
+    found = distinct(reader.containers, file)
+    if not found and "smach" not in source.text:
+        return result  # nothing to see, so nothing is run
+    run = record(file, folder, given or {})
+    return make_tasks(result, Merge(found, run, file, given).merged())
+
+
+class Merge:
+    """Containers that were read, and containers that were recorded."""
+
+    def __init__(
+        self, read: list[FoundContainer], run: Record, file: Path, given: Mapping[str, Mapping[str, Any]] | None = None
+    ):
+        self.read, self.run, self.file, self.given = read, run, file, given or {}
+        self.made: dict[int, FoundContainer] = {}
+
+    def merged(self) -> list[FoundContainer]:
+        """Return the containers of the file."""
+        inner = {c["state"]["container"] for each in self.run.containers for c in each["children"]}
+        result, used = [], set()
+        for number, facts in enumerate(self.run.containers):
+            if number in inner or not facts["consistent"] or not facts["children"]:
+                continue
+            twin = self._twin(facts)
+            if (twin is None and facts["file"] != str(self.file) and facts["file"]) or id(twin) in used:
+                continue
+            used.add(id(twin) if twin is not None else number)
+            if twin is None or self._better(twin):
+                result.append((self._container(number, twin), twin))
+            else:
+                self._compare(facts, twin)
+        gone = {id(each) for _, twin in result if twin is not None for each in _all(twin)}
+        kept = [c for c in self.read if id(c) not in gone]
+        return sorted([*kept, *(c for new, _ in result for c in _all(new))], key=lambda c: c.span.line)
+
+    def _twin(self, facts: dict[str, Any]) -> FoundContainer | None:
+        """Return the container that was read where this one was made."""
+        for each in self.read:
+            here = str(each.span.file) == facts["file"] and each.span.line <= facts["line"] <= each.span.end_line
+            if each.cls == facts["cls"] and each.kind == facts["kind"] and (here or each.cls != each.kind):
+                return each
+        return None
+
+    def _compare(self, facts: dict[str, Any], twin: FoundContainer) -> None:
+        """Say where the run has built other states than the text seemed to, unless a stand-in may be why."""
+        built, read = [child["label"] for child in facts["children"]], list(twin.added)
+        if built != read and not self.run.stand_ins:
+            text = f"the run adds the states {built}, the text seems to add {read}"
+            twin.problem("partial", text)
+        if twin.verdict == "partial" and self.run.stand_ins:
+            names = ", ".join(self.run.stand_ins)
+            twin.problem("partial", f"it was run with stand-ins for {names}, so that what was read stays")
+
+    def _better(self, twin: FoundContainer) -> bool:
+        """Whether the run knows more: what was read failed, or nothing of the run was a stand-in."""
+        verdicts = {c.verdict for c in _all(twin)}
+        return "failed" in verdicts or ("partial" in verdicts and not self.run.stand_ins)
+
+    def _container(self, number: int, twin: FoundContainer | None) -> FoundContainer:
+        facts = self.run.containers[number]
+        line = facts["line"] or 1
+        span = twin.span if twin is not None else Span(self.file, line, 1, line)
+        made = FoundContainer(facts["kind"], facts["cls"], span)
+        self.made[number] = made
+        made.outcomes, made.input_keys = facts["outcomes"], facts["input_keys"]
+        made.output_keys, made.initial = facts["output_keys"], facts["initial"]
+        made.settings = _settings(facts["settings"])
+        made.userdata = _values(facts["userdata"])
+        if twin is not None:
+            made.expression, made.file, made.why = twin.expression, twin.file, twin.why
+            made.entry, made.entry_is_call, made.entry_file = twin.entry, twin.entry_is_call, twin.entry_file
+        if made.entry is None and facts["entry"] and "." not in facts["entry"]:
+            made.entry = ast.Attribute(ast.Name("legacy", ast.Load()), facts["entry"], ast.Load())
+            made.entry_is_call, made.entry_file = True, self.file
+            made.entry_arguments = dict(self.given.get(facts["entry"], {}))
+        if self.run.stand_ins:
+            names = ", ".join(sorted(self.run.stand_ins))
+            made.problem(
+                "partial", f"as one run built it, with stand-ins for {names}; compare the states with the text"
+            )
+        for child in facts["children"]:
+            added = made.added[child["label"]] = self._added(made, child, twin)
+            added.constants = _values(facts["constants"].get(child["label"], {}))
+        return made
+
+    def _added(self, outer: FoundContainer, child: dict[str, Any], twin: FoundContainer | None) -> Added:
+        label, facts = child["label"], child["state"]
+        read = twin.added.get(label) if twin is not None else None
+        if facts["container"] is not None and facts["container"] not in self.made:
+            inner = read.state if read is not None and isinstance(read.state, FoundContainer) else None
+            state: Found = self._container(facts["container"], inner or self._twin(facts))
+        else:
+            state = self._state(facts, outer, read.state if read is not None else None)
+        state.parent = outer
+        span = read.span if read is not None else state.span
+        return Added(label, state, child["transitions"], child["remapping"], span)
+
+    def _state(self, facts: dict[str, Any], outer: FoundContainer, read: Found | None) -> Found:
+        line = facts["line"] or outer.span.line
+        span = read.span if read is not None else Span(outer.span.file, line, 1, line)
+        made = Found(facts["kind"], facts["cls"], span)
+        made.outcomes = facts["outcomes"]
+        made.input_keys, made.output_keys = facts["input_keys"], facts["output_keys"]
+        made.why = f"how {facts['cls']} is made is known only by the run"
+        if read is not None:
+            made.expression, made.file, made.why = read.expression, read.file, read.why
+        if not facts["kind"]:
+            made.problem("partial", f"the class {facts['cls']} isn't here: its outcomes are taken from its transitions")
+        return made
+
+
+def _values(facts: dict[str, Any]) -> dict[str, Any]:
+    return {k: v.get("value", Opaque(v.get("opaque", ""))) for k, v in facts.items()}
+
+
+def _settings(facts: dict[str, Any]) -> dict[str, Any]:
+    settings = dict(facts)
+    for name in ("outcome_cb", "child_termination_cb"):
+        if name in settings:
+            settings[name] = Opaque(name) if settings[name] else None
+    if "it" in settings:
+        settings["it"] = settings["it"].get("value", Opaque(settings["it"].get("opaque", "")))
+    return settings
+
+
+def _all(container: FoundContainer) -> list[FoundContainer]:
+    inner = [added.state for added in container.added.values() if isinstance(added.state, FoundContainer)]
+    return [container, *(each for one in inner for each in _all(one))]

@@ -1,0 +1,309 @@
+"""A container that was found -> a task: state machines of leaves, a parallel for a Concurrence that is one."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Mapping
+from typing import Any
+
+from grip_bt.nodes.smach_leaf import task_name
+from grip_bt.task import FrozenDict, Leaf, Parallel, StateMachine, Task, Variable
+from grip_bt.task.catalog import Catalog
+from grip_bt.task.model import AnyNode, Meaning, ParallelRule
+from grip_bt.task.validation import validate
+from grip_bt.task.validation.dataflow import DataFlow
+from grip_bt.task.validation.survey import Survey
+
+from .concurrence import Plan, RefusedError, plan_of
+from .constants import declare, led_to, steps_before
+from .copies import entered, left, wrapped
+from .declared import check, labelled, meanings, source_of
+from .found import Added, FoundContainer
+from .iteration import iteration_of
+from .keys import Keys, Variables
+from .leaves import Leaves
+from .meanings import meaning_of
+from .sharing import Sharing, copied_in
+from .unwritten import marked, nodes_of
+
+Ends = Mapping[str, str]
+"""Outcome of a node -> the outcome of SMACH that it stands for."""
+
+
+class TaskMaker:
+    """Makes the task of one outermost container.
+
+    Attributes:
+        may_be_one_leaf: whether one that has no equal becomes a task of one leaf, which runs it.
+    """
+
+    may_be_one_leaf = True
+
+    def __init__(self, root: FoundContainer, name: str, leaves: Leaves):
+        self.root, self.name, self.leaves = root, name, leaves
+        self.variables, self.sharing = Variables(), Sharing()
+        self.own: set[tuple[FoundContainer, str]] = set()
+
+    def make(self) -> Task | None:
+        """Return the task; None when the container can't be imported, with the reason among its problems."""
+        specs = dict(self.leaves.specs)
+        try:
+            node, ends = self._root()
+            while more := self.sharing.copied_out(self._initial()) - self.own:
+                self.own |= more  # again, now that it is known which keys have to be copied
+                self.variables, self.sharing, self.leaves.specs = Variables(), Sharing(), dict(specs)
+                node, ends = self._root()
+        except RefusedError as error:
+            one_leaf = self.may_be_one_leaf and self.root.outcomes and self.leaves.source(self.root)
+            if self.root.verdict == "failed" or not one_leaf:
+                if self.root.verdict != "failed":
+                    self.root.problem("failed", str(error))
+                return None
+            self.root.problem("partial", f"it is one leaf, which runs it as it is: {error}")
+            self.variables, self.sharing, self.leaves.specs = Variables(), Sharing(), specs
+            whole = Added(self.name, self.root, {}, {}, self.root.span)
+            node, ends = self._leaf(self.root, whole, Keys(self.variables, self.name), {})
+        self.sharing.check(self._initial())
+        outcomes = {task_name(o): meaning_of(o) for o in self.root.outcomes or ()}
+        on = {here: task_name(there) for here, there in ends.items() if here != task_name(there)}
+        node = node.model_copy(update={"on": FrozenDict(on)})
+        return self._checked(node, outcomes)
+
+    def _root(self) -> tuple[Any, Ends]:
+        keys = Keys(self.variables, self.name)
+        for key in self.root.input_keys:
+            keys(key)
+        return self.container(self.root, keys)
+
+    def _initial(self) -> set[str]:
+        return {*self.variables.values, *self.variables.first}
+
+    # --- nodes ---
+
+    def container(self, found: FoundContainer, keys: Keys) -> tuple[Any, Ends]:
+        """Return a container as a node, and what its outcomes stand for.
+
+        Raises:
+            RefusedError: it has no equal.
+        """
+        check(found)
+        keys.begin(found)
+        if found.kind == "Concurrence":
+            return self._parallel(found, keys, plan_of(found))
+        ends = {task_name(o): o for o in found.outcomes or ()}
+        if found.kind == "Iterator":
+            return self._iterator(found, keys, meanings(found)), ends
+        declare(found, keys, self.variables)
+        names = self._labels(found)
+        steps, entries = steps_before(found, keys, names, {*names.values(), *ends})
+        children: dict[str, AnyNode] = {}
+        for label, added in found.added.items():
+            node, child_ends = self.child(found, added, keys)
+            on = {here: self._target(found, added, there, names) for here, there in child_ends.items()}
+            children[names[label]] = led_to(node.model_copy(update={"on": FrozenDict(on)}), entries, names)
+        self.sharing.wrote({name for step in steps.values() for name in step.out.values()})  # type: ignore[union-attr]
+        machine = StateMachine(
+            kind="state_machine",
+            initial=entries[found.initial or ""],
+            outcomes=meanings(found),
+            children={**steps, **children},
+            x=source_of(found),
+        )
+        return machine, ends
+
+    def _iterator(self, found: FoundContainer, keys: Keys, means: Mapping[str, Meaning]) -> StateMachine:
+        plan = iteration_of(found)
+        spec = self.leaves.next_item()
+        added = next(iter(found.added.values()))
+        name = task_name(added.label)
+        name += "_" * (name in means or name == "next")
+        node, ends = self.child(found, added, keys, raw=True)
+        position = self.variables.new("position", task_name(found.cls))
+        item = keys(plan.label)
+        self.sharing.wrote({item})
+        on, steps = {here: task_name(plan.final[there]) for here, there in ends.items() if there in plan.final}, {}
+        for number, (target, loops) in enumerate(plan.interrupted() or [(plan.exhausted, [])]):
+            step = "next" if not number else f"next {number + 1}"
+            step += "_" * (step in means)
+            on |= {here: step for here, there in ends.items() if there in loops}
+            known = target in (found.outcomes or ())
+            steps[step] = Leaf(
+                node=spec.manifest.id,
+                with_={"items": plan.items} if known else {"items": plan.items, "leaves_by": target},
+                in_={"position": position},
+                out={"position": position, "item": item},
+                on={
+                    "item": name,
+                    "exhausted": task_name(plan.exhausted),
+                    "preempted": task_name(target if known else plan.exhausted),
+                },
+            )
+        return StateMachine(
+            kind="state_machine",
+            initial=next(iter(steps)),
+            outcomes=dict(means),
+            data={position: Variable(type="int", value=0)},
+            children={**steps, name: node.model_copy(update={"on": FrozenDict(on)})},
+            x=source_of(found),
+        )
+
+    def _parallel(self, found: FoundContainer, keys: Keys, plan: Plan) -> tuple[Parallel, Ends]:
+        children: dict[str, AnyNode] = {}
+        ends_of: dict[str, Ends] = {}
+        for label, added in found.added.items():
+            children[task_name(label)], ends_of[label] = self.child(found, added, keys)
+        own, labels = labelled(found, plan.default)
+        ends = {"success": plan.default, "failure": plan.default} | {label: o for o, label in labels.items()}
+        asked = "asked" + "_" * ("asked" in children)
+        allowed = "preempted" in labels
+        spec = self.leaves.obeyed()
+        children[asked] = Leaf(node=spec.manifest.id, with_={} if allowed else {"allowed": False})
+        rules = [ParallelRule(when={asked: "preempted"}, then=labels["preempted"])] if allowed else []
+        for outcome, wanted in plan.rules:
+            when = {task_name(c): [h for h, there in ends_of[c].items() if there == o] for c, o in wanted.items()}
+            if all(when.values()):  # what a state never ends with never holds
+                rules.append(
+                    ParallelRule(when={c: w[0] if len(w) == 1 else w for c, w in when.items()}, then=labels[outcome])
+                )
+        rules.append(ParallelRule(then=labels[plan.default]))
+        node = Parallel(
+            kind="parallel", cancel="join", children=children, rules=rules, outcomes=own, x=source_of(found)
+        )
+        return node, ends
+
+    def child(self, found: FoundContainer, added: Added, keys: Keys, raw: bool = False) -> tuple[AnyNode, Ends]:
+        """Return one child as a node."""
+        state = added.state
+        for each in state.problems if not isinstance(state, FoundContainer) else ():
+            found.problem(each.verdict, each.text, each.span)
+        remapping = {} if raw else added.remapping
+        if not isinstance(state, FoundContainer):
+            return self._leaf(found, added, keys, remapping)
+        shared = {k: keys(remapping.get(k, k)) for k in (*state.input_keys, *state.output_keys)}
+        own = {k for k, name in shared.items() if (state, k) in self.own and name not in self.variables.first}
+        own |= {k for k in copied_in(state) if shared[k] not in self.variables.first}
+        copied = {k: shared[k] for k in state.input_keys if k in own}
+        out = {k: shared[k] for k in state.output_keys if (state, k) in self.own}
+        shared = {k: name for k, name in shared.items() if k not in own and k not in out}
+        before = dict(self.variables.names), dict(self.leaves.specs)
+        writes = list(self.sharing.writes)
+        try:
+            self.sharing.chain.append(state)
+            inner = Keys(self.variables, task_name(added.label), shared)
+            node, ends = self.container(state, inner)
+            self.sharing.shared.append((state, shared))
+            if (copied or out) and not isinstance(node, StateMachine):
+                node = wrapped(node, {here: task_name(there) for here, there in ends.items()}, meanings(state))
+                ends = {task_name(o): o for o in state.outcomes or ()}
+            if out:
+                self.sharing.wrote_outside(set(out.values()))
+                node = left(node, out, inner, self.leaves)
+            return (entered(node, copied, inner, self.leaves) if copied else node), ends
+        except RefusedError as error:
+            self.sharing.writes = writes
+            self.variables.names, self.leaves.specs = before
+            runs = bool(self.leaves.source(state))
+            state.problems = [p for p in state.problems if p.verdict != "failed"] if runs else state.problems
+            as_leaf = "it is one leaf, which runs it as it is" if runs else "it isn't in the task"
+            state.problem("partial" if runs else "failed", f"{as_leaf}: {error}")
+        finally:
+            self.sharing.chain.pop()
+        return self._leaf(found, added, keys, remapping)
+
+    def _leaf(
+        self,
+        found: FoundContainer,
+        added: Added,
+        keys: Keys,
+        remapping: Mapping[str, str],
+    ) -> tuple[Leaf, Ends]:
+        state, outcomes = added.state, self.outcomes(added)
+        inputs, outputs = state.input_keys, state.output_keys
+        if not state.kind:
+            inputs = outputs = list(remapping)
+        bound = {key: keys(remapping.get(key, key)) for key in (*inputs, *outputs)}
+        first = {k: (v, text) for k in inputs if (v := bound[k]) in self.variables.first and (text := self._first(v))}
+        self.sharing.wrote({bound[key] for key in outputs})
+        spec = self.leaves.add(state, added.label, outcomes, (inputs, outputs), first)
+        if not spec.source:
+            why = state.why or f"`{state.cls}` can't be made outside of what builds it"
+            found.problem("partial", f"{why}; say in leaves.py how {spec.cls} is made", added.span)
+        ends = {task_name(o): o for o in outcomes}
+        renamed = {here: there for here, there in ends.items() if here != there}
+        leaf = Leaf(
+            node=spec.manifest.id,
+            in_={key: bound[key] for key in inputs},
+            out={key: bound[key] for key in outputs},
+            x={"x-source": str(added.span), **({"x-outcomes": renamed} if renamed else {})},
+        )
+        return leaf, ends
+
+    def _first(self, variable: str) -> str:
+        expression, where = self.variables.first[variable]
+        if isinstance(where, FoundContainer):
+            assert isinstance(expression, ast.Constant), "a key of that container"
+            live = self.leaves.live(where)
+            return f"{live}.userdata[{expression.value!r}]" if live else ""
+        return self.leaves.unparsed(expression, where)
+
+    # --- edges ---
+
+    def outcomes(self, added: Added) -> list[str]:
+        """Return a state's outcomes; where nothing is known of them, those that lead somewhere."""
+        state = added.state
+        if state.outcomes:
+            return state.outcomes
+        known = [o for o in (*added.transitions, *added.connectors)]
+        if not known:
+            raise RefusedError(f"nothing is known of the outcomes of {added.label!r} ({state.cls})")
+        if not state.problems:
+            state.problem(
+                "partial",
+                f"the outcomes of {state.cls} are taken from its transitions, since its class isn't here",
+            )
+        return list(dict.fromkeys(known))
+
+    def _target(self, found: FoundContainer, added: Added, outcome: str, names: Mapping[str, str]) -> str:
+        target = added.transitions.get(outcome)
+        if target is not None and target in names:
+            return names[target]
+        target = target or outcome
+        if target not in (found.outcomes or ()):
+            raise RefusedError(f"{outcome!r} of {added.label!r} leads to {target!r}, which isn't there")
+        return task_name(target)
+
+    def _labels(self, found: FoundContainer) -> dict[str, str]:
+        """Return the states' names; one that is also an outcome gets another, since SMACH prefers the state."""
+        used = {task_name(o) for o in found.outcomes or ()}
+        names: dict[str, str] = {}
+        for label in found.added:
+            name = task_name(label)
+            while name in used:
+                name += "_"
+            used.add(name)
+            names[label] = name
+        return names
+
+    # --- the whole ---
+
+    def _checked(self, node: AnyNode, outcomes: Mapping[str, Meaning]) -> Task:
+        catalog = Catalog.builtin().with_manifests(spec.manifest for spec in self.leaves.specs.values())
+        task = self._task(node, outcomes, set())
+        missing = set(DataFlow(Survey(task, catalog, None)).missing.values()) | set(self.variables.first)
+        task = self._task(marked(node, missing), outcomes, missing)
+        for issue in validate(task, catalog).issues:
+            if issue.severity == "error":
+                self.root.problem("partial", f"`grip check`: {issue.path}: {issue.message}")
+        return task
+
+    def _task(self, node: AnyNode, outcomes: Mapping[str, Meaning], missing: set[str]) -> Task:
+        data = self.variables.declared(missing)
+        local = {name for each in nodes_of(node) for name in getattr(each, "data", {})}
+        return Task(
+            grip=1,
+            name=self.name,
+            doc=f"Imported from {self.root.span.file.name}.",
+            outcomes=dict(outcomes),
+            data={name: declared for name, declared in data.items() if name not in local},
+            root=node,
+        )

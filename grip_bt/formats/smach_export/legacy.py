@@ -1,0 +1,124 @@
+"""Leaves that run legacy states, as the legacy source that makes these: what `grip import --from smach` wrote."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from grip_bt.compilers.resolve import Part
+from grip_bt.nodes.smach_asking import CONSTANT, MARK
+from grip_bt.task import model
+
+NEXT_ITEM = "grip_bt.nodes.smach_leaf:NextItem"
+OBEYED = "grip_bt.nodes.smach_leaf:Obeyed"
+_LOADER = "load_legacy"
+
+
+@dataclass(frozen=True)
+class LegacyState:
+    """How a legacy state is made.
+
+    Attributes:
+        source: an expression in the names of `modules` and `self.built(...)`.
+        modules: name -> legacy file.
+        remapping: the state's key -> variable, where they differ.
+        outcomes: outcome of the leaf -> outcome of the state, where they differ.
+    """
+
+    source: ast.expr
+    modules: dict[str, Path]
+    remapping: dict[str, str]
+    outcomes: dict[str, str]
+
+
+def legacy_state(part: Part) -> LegacyState | None:
+    """Return how the state of a leaf is made; None where the leaf is more than a legacy state, or another kind."""
+    node, manifest = part.node, part.manifest
+    if not isinstance(node, model.Leaf) or manifest is None or node.precondition:
+        return None
+    where, _, name = manifest.implementation.rpartition(":")
+    made = _classes(Path(where)).get(name) if where.endswith(".py") else None
+    if made is None or any(node.in_.get(k, v) != v for k, v in node.out.items()):
+        return None
+    ports = {*manifest.inputs, *manifest.outputs}
+    if not ports <= {*node.in_, *node.out}:  # a key of the state that nothing is bound to isn't the parent's
+        return None
+    bound = {**node.in_, **node.out}
+    source, modules = made
+    renamed = node.x.get("x-outcomes", {})
+    return LegacyState(source, modules, {k: v for k, v in bound.items() if k != v}, dict(renamed))
+
+
+def is_next_item(part: Part) -> bool:
+    """Tell whether a leaf hands out the items of what was an Iterator."""
+    return part.manifest is not None and part.manifest.implementation == NEXT_ITEM
+
+
+def is_obeyed(part: Part) -> bool:
+    """Tell whether a leaf ends what was a Concurrence when it is preempted, which SMACH's does by itself."""
+    return part.manifest is not None and part.manifest.implementation == OBEYED
+
+
+def names_inside(state: LegacyState | None, variables: Iterable[str]) -> dict[str, str] | None:
+    """Return variable -> key, of an Iterator around a state, which gets its userdata under no other names.
+
+    Returns:
+        None where two variables would be one key.
+    """
+    keys = {variable: key for key, variable in state.remapping.items()} if state is not None else {}
+    names = {variable: keys.get(variable, variable) for variable in variables}
+    return names if len(set(names.values())) == len(names) else None
+
+
+def constants_before(part: Part) -> dict[str, tuple[str, dict[str, object]]]:
+    """Return, for each state of a machine that only sets constants, the state that they are for, and the constants."""
+    steps: dict[str, tuple[str, dict[str, object]]] = {}
+    for child in part.children:
+        node = child.node
+        if isinstance(node, model.Leaf) and node.x.get(MARK) == CONSTANT:
+            steps[child.name] = node.on["success"], {node.out["value"]: node.with_["value"]}
+    found = {}
+    for name, (target, constants) in steps.items():
+        while target in steps:
+            target, more = steps[target]
+            constants = {**constants, **more}
+        found[name] = target, constants
+    return found
+
+
+@cache
+def _classes(file: Path) -> dict[str, tuple[ast.expr, dict[str, Path]]]:
+    """Return class -> what its `make` returns, and the legacy files that this names."""
+    try:
+        tree = ast.parse(file.read_text(encoding="utf-8"))
+    except (OSError, SyntaxError, ValueError):
+        return {}
+    modules: dict[str, Path] = {}
+    found = {}
+    for statement in tree.body:
+        match statement:
+            case ast.Assign(
+                [ast.Name(name)], ast.Call(ast.Name(loader), [ast.BinOp(_, ast.Div(), ast.Constant(path))])
+            ):
+                if loader == _LOADER:
+                    modules[name] = (file.parent / str(path)).resolve()
+            case ast.ClassDef(name, [ast.Name("SmachLeaf")], body=body):
+                source = _made(body)
+                if source is not None:
+                    found[name] = source
+    return {name: (source, modules) for name, source in found.items()}
+
+
+def _made(body: list[ast.stmt]) -> ast.expr | None:
+    """Return what `make` returns, where that is all that the class says."""
+    for statement in body:
+        match statement:
+            case ast.Expr(ast.Constant(str())):
+                continue
+            case ast.FunctionDef("make", body=[ast.Return(ast.expr() as made)]):
+                return made
+        return None
+    return None

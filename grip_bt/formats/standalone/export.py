@@ -1,0 +1,170 @@
+"""A task as one Python file that needs py_trees, and grip only where a leaf is grip's own."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterable, Mapping
+from functools import cache
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from grip_bt.compilers.resolve import Part, Resolved, resolve
+from grip_bt.compilers.scopes import UNSET
+from grip_bt.task import model
+from grip_bt.task.catalog import Catalog, OwnCode
+
+from .containers import container, table, wrapped
+from .layout import call, comment, literal, remarked, statement
+from .leaves import foreign, is_file, leaf, manifest_text, needs_grip
+from .plan import ORDER, Plan, asks_for_codes
+from .refusals import refuse_unknown
+
+_STANDARD: dict[str, tuple[str, ...]] = {
+    **dict.fromkeys(("copy", "logging", "time"), ()),
+    "collections.abc": ("Callable", "Iterator", "Mapping"),
+    "numbers": ("Real",),
+    "pathlib": ("Path",),
+    "typing": ("Any",),
+}
+_OTHERS: dict[str, tuple[str, ...]] = {
+    "grip_bt.task.catalog": ("Catalog", "Manifest", "load_implementation"),
+    "grip_bt.nodes": ("Leaf",),
+    "grip_bt.base.ports": ("Context",),
+    "grip_bt.runtime": ("RunContext",),
+    "py_trees.common": ("Status",),
+}
+
+
+def export(task: model.Task, catalog: Catalog, folder: Path | None = None) -> str:
+    """Return a Python file that builds the tree of a task.
+
+    The file's tree does what `grip_bt.compilers.to_tree` makes of the task, tick by tick. What only a run of grip
+    does is not in it: the journal, waking on events (it is ticked at a period), and the types of values written.
+
+    Args:
+        task: the document.
+        catalog: where the leaves' manifests are; whether their classes need grip is read in their source.
+        folder: where the file will lie, for paths of code relative to it; by default the current one.
+
+    Raises:
+        InvalidTaskError: the task is wrong.
+        NotExpressibleError: a part of it has no equal in such a file.
+    """
+    refuse_unknown(task)
+    resolved = resolve(task, catalog)
+    plan = Plan(grip=needs_grip(resolved), codes=asks_for_codes(resolved))
+    _variables(resolved, plan)
+    root = _nodes(resolved, plan, catalog.code)
+    return _environment().get_template("module.py.j2").render(_meaning(resolved, catalog, plan, root, folder))
+
+
+def _variables(resolved: Resolved, plan: Plan) -> None:
+    for scope in resolved.scopes:
+        for cell in scope.cells.values():
+            parent = scope.path.rsplit("/", 1)[-1]
+            name = plan.identifiers.take(cell.name, f"{parent}_{cell.name}")
+            plan.variables[id(cell)] = name
+            plan.parts.add("variable")
+            made = call("Variable", cell.name, *(() if cell.value is UNSET else (cell.value,)))
+            plan.statements.append(remarked(statement(name, made), cell.type))
+
+
+def _nodes(resolved: Resolved, plan: Plan, code: OwnCode) -> str:
+    """Write the nodes, children first; return the root's name."""
+    builtin = Catalog.builtin()
+    names: dict[str, str] = {}
+    for part in _children_first(resolved.root):
+        parent = part.path.rsplit("/", 2)[-2] if "/" in part.path.strip("/") else "root"
+        name = "root" if part.path == "/" else part.name
+        inner = plan.identifiers.take(name, f"{parent}_{name}")
+        if isinstance(part.node, model.Leaf):
+            made = leaf(part, plan, builtin)
+        elif isinstance(part.node, model.Foreign):
+            made = foreign(part, plan, code)
+        else:
+            made = container(part, [names[child.path] for child in part.children], plan)
+        rows = wrapped(part, made, inner, plan)
+        if part.node.doc:
+            plan.statements.append(comment(part.node.doc, 4))
+        plan.statements += [statement(name, expression) for name, expression in rows]
+        names[part.path] = rows[-1][0]
+    return names["/"]
+
+
+def _children_first(root: Part) -> list[Part]:
+    """Return a part after everything below it, in document order."""
+    order, stack = [], [root]
+    while stack:
+        part = stack.pop()
+        order.append(part)
+        stack.extend(part.children)
+    return order[::-1]
+
+
+def _meaning(resolved: Resolved, catalog: Catalog, plan: Plan, root: str, folder: Path | None) -> dict[str, object]:
+    """Return what the template fills in."""
+    others = [(catalog.get(id), name) for id, name in plan.manifests.items()]
+    manifests = [manifest_text(manifest, name, folder) for manifest, name in others]
+    if any(is_file(manifest) for manifest, _ in others):
+        manifests.insert(0, "HERE = Path(__file__).parent")
+    if plan.builtin:
+        manifests.insert(0, "NODES = Catalog.builtin()")
+    meaning: dict[str, object] = {
+        "head": _head(resolved.task, plan),
+        "grip": plan.grip,
+        "codes": plan.codes,
+        "parts": [part for part in ORDER if part in plan.parts or (part == "exits_classes" and plan.exits_classes)],
+        "exits_classes": list(plan.exits_classes.items()),
+        "manifests": "\n".join(manifests),
+        "statements": plan.statements,
+        "root": root,
+        "ends": statement("ENDS", literal(table(resolved.ends).get("/", {})), 0),
+    }
+    body = _environment().get_template("module.py.j2").render({**meaning, "standard_imports": (), "imports": ()})
+    used = {node.id for node in ast.walk(ast.parse(body)) if isinstance(node, ast.Name)}
+    return {**meaning, "standard_imports": _lines(_STANDARD, used), "imports": _imports(plan, used)}
+
+
+def _head(task: model.Task, plan: Plan) -> str:
+    lines = [comment(f"Task {task.name}, written by `grip convert --to pytrees-py`.")]
+    if task.doc:
+        lines += ["#", comment(task.doc)]
+    if plan.grip:
+        why = "It imports grip, since leaves of it are grip's own: they get the robot's parts from the run's context."
+        lines += ["#", comment(why)]
+    return "\n".join(lines)
+
+
+def _imports(plan: Plan, used: set[str]) -> list[str]:
+    """Return the import lines of py_trees, of grip where a leaf needs it, and of the leaves."""
+    modules = {module: list(names) for module, names in _OTHERS.items()}
+    for module, classes in plan.imports.items():
+        own = [name if name == local else f"{name} as {local}" for name, local in classes.items()]
+        modules[module] = [*modules.get(module, ()), *own]
+        used = used | set(own)
+    return ["import py_trees", *_lines(dict(sorted(modules.items())), used)]
+
+
+def _lines(modules: Mapping[str, Iterable[str]], used: set[str]) -> list[str]:
+    """Return `import module`, or `from module import names` of the names that are used."""
+    lines = []
+    for module, names in modules.items():
+        wanted = sorted({name for name in names if name in used})
+        if wanted:
+            lines.append(f"from {module} import {', '.join(wanted)}")
+        elif not names and module in used:
+            lines.append(f"import {module}")
+    return lines
+
+
+@cache
+def _environment() -> Environment:
+    return Environment(
+        loader=PackageLoader("grip_bt.formats.standalone"),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        autoescape=False,  # what is made is Python; values enter it through `layout.literal` alone
+    )

@@ -1,0 +1,112 @@
+"""Python expressions as they are laid out in a generated file: one line where it fits, else one item a line."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from grip_bt.base.python_literals import py
+
+WIDTH = 88
+"""Longest line, as formatters have it by default."""
+_STEP = 4
+
+
+@dataclass(frozen=True)
+class Code:
+    """Text that is Python already: a name, a lambda; never a value of a task."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Items:
+    """Something between brackets.
+
+    Attributes:
+        before: text up to and including the opening bracket.
+        items: (what stands before an item, such as `name=`; the item).
+        after: the closing bracket.
+    """
+
+    before: str
+    items: tuple[tuple[str, Expr], ...]
+    after: str
+
+
+Expr = Code | Items
+
+
+def call(function: str, /, *given: object, **named: object) -> Items:
+    """Return a call; arguments are expressions, or values that are written as literals."""
+    items = [("", literal(value)) for value in given]
+    items += [(f"{name}=", literal(value)) for name, value in named.items()]
+    return Items(f"{function}(", tuple(items), ")")
+
+
+def literal(value: object) -> Expr:
+    """Return the expression of a value; expressions stay as they are, also inside of lists and dicts.
+
+    Raises:
+        TypeError: the value isn't a literal.
+    """
+    if isinstance(value, Code | Items):
+        return value
+    if isinstance(value, float) and not math.isfinite(value):
+        return Code(f"float({py(str(value))})")
+    if isinstance(value, Mapping):
+        return Items("{", tuple((f"{flat(literal(k))}: ", literal(v)) for k, v in value.items()), "}")
+    if isinstance(value, list | tuple):
+        return Items("[", tuple(("", literal(item)) for item in value), "]")
+    return Code(py(value))
+
+
+def flat(expression: Expr) -> str:
+    """Return an expression on one line."""
+    if isinstance(expression, Code):
+        return expression.text
+    return expression.before + ", ".join(b + flat(item) for b, item in expression.items) + expression.after
+
+
+def lay_out(expression: Expr, indent: int, column: int, tail: int = 0) -> str:
+    """Return an expression as it is written.
+
+    Args:
+        expression: what to write.
+        indent: of the statement [columns].
+        column: where it begins.
+        tail: columns that follow on its last line.
+    """
+    line = flat(expression)
+    if isinstance(expression, Code) or not expression.items or column + len(line) + tail <= WIDTH:
+        return line
+    inner = indent + _STEP
+    lines = (
+        f"{' ' * inner}{before}{lay_out(item, inner, inner + len(before), 1)},\n" for before, item in expression.items
+    )
+    return f"{expression.before}\n{''.join(lines)}{' ' * indent}{expression.after}"
+
+
+def statement(target: str, expression: Expr, indent: int = _STEP) -> str:
+    """Return `target = expression`, indented; no target makes it the expression alone."""
+    before = f"{' ' * indent}{target} = " if target else " " * indent
+    return before + lay_out(expression, indent, len(before))
+
+
+def remarked(text: str, remark: str, indent: int = _STEP) -> str:
+    """Return a statement with a remark: behind it where it fits, else above it."""
+    behind = f"{text}  {comment(remark)}"
+    return behind if len(behind) <= WIDTH and "\n" not in behind else f"{comment(remark, indent)}\n{text}"
+
+
+def comment(text: str, indent: int = 0) -> str:
+    """Return text of any kind as comment lines; empty for an empty text."""
+    words = "".join(c if c.isprintable() else " " for c in text).split()
+    lines: list[str] = []
+    for word in words:
+        if lines and len(lines[-1]) + 1 + len(word) <= WIDTH:
+            lines[-1] += f" {word}"
+        else:
+            lines.append(f"{' ' * indent}# {word}")
+    return "\n".join(lines)

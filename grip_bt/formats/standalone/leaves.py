@@ -1,0 +1,137 @@
+"""How the file makes each leaf: grip's own with their manifest, behaviours of py_trees as they are."""
+
+from __future__ import annotations
+
+import keyword
+import os
+from pathlib import Path
+from typing import cast
+
+from grip_bt.base.errors import NotExpressibleError
+from grip_bt.base.python_literals import py
+from grip_bt.compilers.resolve import Part, Resolved
+from grip_bt.task import model
+from grip_bt.task.catalog import Catalog, Manifest, OwnCode
+
+from .layout import Code, Items, call, statement
+from .plan import Plan
+from .refusals import TARGET
+from .unimported import is_plain, takes_name
+
+_EQUAL = {"flow/wait", "flow/succeed", "flow/fail", "flow/log"}
+"""Nodes of grip that have an equal without it."""
+_PLAIN = {"success": "success", "failure": "failure"}
+
+
+def needs_grip(resolved: Resolved) -> bool:
+    """Tell whether some leaf is grip's, which needs its manifest and the run's context."""
+    return any(
+        part.manifest.id not in _EQUAL and not is_plain(part.manifest)
+        for part in resolved.root.walk()
+        if part.manifest is not None
+    )
+
+
+def leaf(part: Part, plan: Plan, builtin: Catalog) -> Items:
+    """Return the expression that makes a leaf.
+
+    Raises:
+        NotExpressibleError: it is a behaviour of py_trees and the task binds ports of it, or changes what it means.
+    """
+    node, manifest = cast(model.Leaf, part.node), cast(Manifest, part.manifest)
+    parameters = {k: p.default for k, p in manifest.parameters.items() if not p.required} | dict(node.with_)
+    if not plan.grip and manifest.id in _EQUAL and not node.meaning:
+        return _equal(part, plan, parameters)
+    if not is_plain(manifest):
+        return _grips(part, plan, builtin, parameters)
+    if node.in_ or node.out or node.meaning:
+        what = f"{manifest.id}, a behaviour of py_trees, with `in`, `out` or `meaning`"
+        raise NotExpressibleError(part.path, what, TARGET)
+    odd = [name for name in parameters if not name.isidentifier() or keyword.iskeyword(name)]
+    if odd:
+        raise NotExpressibleError(part.path, f"the parameter {odd[0]!r}, which is no name in Python,", TARGET)
+    return call(_imported(manifest, plan), part.name, **parameters)
+
+
+def foreign(part: Part, plan: Plan, code: OwnCode) -> Items:
+    """Return the expression that makes somebody's own behaviour, in a node that has the part's name."""
+    node = cast(model.Foreign, part.node)
+    module, _, name = node.behaviour.partition(":")
+    first, *rest = name.split(".")
+    own = {"name": part.name} if takes_name(node.behaviour, code) else {}
+    made = call(".".join((_class_name(module, first, plan), *rest)), **{**own, **node.args})
+    if plan.codes:
+        plan.parts.add("foreign")
+    return call("Foreign" if plan.codes else "py_trees.decorators.PassThrough", part.name, made)
+
+
+def _equal(part: Part, plan: Plan, parameters: dict[str, object]) -> Items:
+    node = cast(model.Leaf, part.node)
+    match node.node:
+        case "flow/succeed":
+            return call("py_trees.behaviours.Success", part.name)
+        case "flow/wait":
+            return call("py_trees.timers.Timer", part.name, duration=parameters["seconds"])
+        case "flow/fail" if not plan.codes:
+            return call("py_trees.behaviours.Failure", part.name)
+        case "flow/fail":
+            plan.parts.add("fail")
+            return call("Fail", part.name, code=parameters["code"])
+    plan.parts.add("log")
+    value = {"value": Code(f"{plan.visible(part)[node.in_['value']]}.get")} if "value" in node.in_ else {}
+    return call("Log", part.name, message=parameters["message"], **value)
+
+
+def _grips(part: Part, plan: Plan, builtin: Catalog, parameters: dict[str, object]) -> Items:
+    node, manifest = cast(model.Leaf, part.node), cast(Manifest, part.manifest)
+    known = manifest.id in builtin and builtin.get(manifest.id) == manifest
+    plan.builtin = plan.builtin or known
+    if not known and manifest.id not in plan.manifests:
+        plan.manifests[manifest.id] = plan.identifiers.take(manifest.id.upper().replace("/", "_"))
+    face = call("NODES.get", manifest.id) if known else Code(plan.manifests[manifest.id])
+    made = call(_imported(manifest, plan), part.name, part.path, face, parameters, dict(node.meaning))
+    if not (node.in_ or node.out):
+        return made
+    plan.parts |= {"bind", "variable"}
+    seen = plan.visible(part)
+    inputs, outputs = (
+        {port: Code(seen[variable]) for port, variable in bound.items()} for bound in (node.in_, node.out)
+    )
+    return call("bind", made, inputs=inputs, outputs=outputs)
+
+
+def _imported(manifest: Manifest, plan: Plan) -> str:
+    where, _, name = manifest.implementation.rpartition(":")
+    if is_file(manifest):
+        return f"load_implementation({plan.manifests[manifest.id]})"
+    return _class_name(where, name, plan)
+
+
+def _class_name(module: str, name: str, plan: Plan) -> str:
+    classes = plan.imports.setdefault(module, {})
+    if name not in classes:
+        classes[name] = plan.identifiers.take(name, f"{name}Of{module.rsplit('.', 1)[-1].title()}")
+    return classes[name]
+
+
+def is_file(manifest: Manifest) -> bool:
+    """Tell whether the code of a node is a file by its path, and not an importable module."""
+    return manifest.implementation.rpartition(":")[0].endswith(".py")
+
+
+def manifest_text(manifest: Manifest, name: str, folder: Path | None) -> str:
+    """Return the assignment of a manifest that isn't grip's own.
+
+    Args:
+        manifest: what is written.
+        name: what it is called in the file.
+        folder: where the file will lie; paths of code are written relative to it.
+    """
+    held = manifest.model_dump(mode="json", exclude_defaults=True)
+    where, _, class_name = manifest.implementation.rpartition(":")
+    given: dict[str, object] = dict(held)
+    if is_file(manifest):
+        file = os.path.relpath(Path(where).resolve(), (folder or Path.cwd()).resolve())
+        inside = f"{Path(file).as_posix()}:{class_name}".replace("{", "{{").replace("}", "}}")
+        given["implementation"] = Code("f" + py(f"{{HERE}}/{inside}"))
+    return statement(name, call("Manifest.model_validate", given), 0)

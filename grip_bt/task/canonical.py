@@ -1,0 +1,171 @@
+"""The canonical form: the order of keys, what is left out because it says nothing, what stands one entry a line.
+
+`dumps` writes a task in it, `fmt` brings a person's text into it and keeps the comments; without comments and
+blank lines both give the same bytes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from pydantic import BaseModel
+
+from grip_bt.base.yaml.syntax import Entry, Mapping, Scalar, Value, entries_of, plain, tree_of
+from grip_bt.base.yaml.writer import write
+
+from . import model, walking
+from .shape import CHILDREN, DECLARING, FREE, child_nodes, keys_of, model_of
+
+
+def dumps(task: model.Task) -> str:
+    """Return a task as canonical YAML.
+
+    Raises:
+        TypeError: a literal is of a type that a task file can't hold.
+    """
+    tree = tree_of(_task_data(task))
+    assert isinstance(tree, Mapping)
+    return write_canonical(tree)
+
+
+def write_canonical(tree: Mapping, header: list[str] | None = None) -> str:
+    """Return the canonical text of the syntax tree of a readable task."""
+    blocks = {id(tree)}
+    _arrange(tree, model.Task)
+    for node in _below(tree.entries["root"].value):
+        _arrange_node(node, blocks)
+    return write(tree, lambda value: id(value) in blocks and _filled(value), header)
+
+
+def _filled(value: Value) -> bool:
+    return isinstance(value, Mapping) and bool(value.entries)
+
+
+def _arrange_node(node: Mapping, blocks: set[int], whole: bool = False) -> None:
+    """Arrange a node's entries, and add to `blocks` what always stands one entry a line."""
+    shape = model_of(node) or model.Leaf
+    _arrange(node, shape, whole)
+    if shape not in (model.Leaf, model.Foreign, model.Subtask):
+        blocks.add(id(node))
+        blocks.update(id(node.entries[key].value) for key in CHILDREN if key in node.entries)
+
+
+def _below(root: Value) -> Iterator[Mapping]:
+    """Yield a node and the nodes below it."""
+    stack = [root]
+    while stack:
+        node = stack.pop()
+        if isinstance(node, Mapping):
+            yield node
+            stack.extend(child.value for _, child in child_nodes(node))
+
+
+def _arrange(node: Mapping, shape: type[BaseModel], whole: bool = False) -> None:
+    """Order a node's or the task's entries and drop those that only repeat a default, unless `whole`."""
+    order = keys_of(shape)
+    last = len(order) - sum(key in order for key in ("root", *CHILDREN))
+    rank = {key: position for position, key in enumerate(order)}
+    defaults = {
+        field.alias or name: field.get_default(call_default_factory=True)
+        for name, field in shape.model_fields.items()
+        if not field.is_required()
+    }
+    entries = sorted(node.entries.values(), key=lambda e: rank.get(e.key, last - 0.5))
+    node.entries = {e.key: e for e in entries if whole or not _says_nothing(e, defaults)}
+    seconds = node.entries.get("seconds")
+    if seconds is not None and isinstance(seconds.value, Scalar):
+        seconds.value.value = _shortest(seconds.value.value)
+
+
+def _says_nothing(entry: Entry, defaults: dict[str, Any]) -> bool:
+    if entry.key not in defaults or entry.comments.any() or _has_comments(entry.value):
+        return False
+    value, default = plain(entry.value), defaults[entry.key]
+    if isinstance(value, dict):
+        return isinstance(default, dict) and list(value.items()) == list(default.items())
+    return type(value) is type(default) and bool(value == default)
+
+
+def _has_comments(value: Value) -> bool:
+    return bool(getattr(value, "closing", ())) or any(
+        e.comments.any() or _has_comments(e.value) for e in entries_of(value)
+    )
+
+
+def _shortest(number: Any) -> Any:
+    if isinstance(number, float) and number.is_integer() and abs(number) < 2**53:
+        return int(number)
+    return number
+
+
+def _task_data(task: model.Task) -> dict[str, Any]:
+    data = data_of(task, ("root",))
+    data["root"] = None
+    todo: list[tuple[Any, str, dict[str, Any]]] = [(task.root, "root", data)]
+    while todo:
+        node, key, parent = todo.pop()
+        parent[key] = mine = data_of(node, CHILDREN)
+        below = walking.children_of(node)
+        if not isinstance(node, model.Childless):
+            children: dict[str, Any] = dict.fromkeys(below)
+            mine["child" if hasattr(node, "child") else "children"] = children
+            todo.extend((child, name, children) for name, child in below.items())
+    return data
+
+
+def data_of(shape: BaseModel, skipped: tuple[str, ...] = ()) -> dict[str, Any]:
+    """Return the keys of a task or a node as they stand in a file; nodes in it are left as models."""
+    data: dict[str, Any] = {}
+    for name, field in type(shape).model_fields.items():
+        value = getattr(shape, name)
+        if name in skipped:
+            continue
+        if name == "x":
+            data.update((k, v) for k, v in value.items() if k.startswith(FREE))
+        elif (
+            field.is_required()
+            or name in shape.model_fields_set
+            or value != field.get_default(call_default_factory=True)
+        ):
+            data[field.alias or name] = (
+                {k: _variable(v) for k, v in value.items()} if name in DECLARING else _plain(value)
+            )
+    return data
+
+
+def _plain(value: Any) -> Any:
+    """Return a list of models as a list of the keys that were given; every other value as it is."""
+    if not isinstance(value, list):
+        return value
+    return [entry.model_dump(exclude_defaults=True) if isinstance(entry, BaseModel) else entry for entry in value]
+
+
+def _variable(variable: model.Variable | str) -> Any:
+    if isinstance(variable, str):
+        return variable
+    data: dict[str, Any] = {"type": variable.type}
+    if variable.has_value:
+        data["value"] = variable.value
+    if variable.doc:
+        data["doc"] = variable.doc
+    return data
+
+
+def lines_of(key: str, value: Any, node: bool, beside: str = "") -> list[str]:
+    """Return the lines of one entry in canonical order and layout, indented from column 0; nothing is left out.
+
+    Args:
+        key: its key.
+        value: its value, as it stands in a file.
+        node: whether the value is a node.
+        beside: a comment for the end of its first line.
+    """
+    entry = Entry(key, tree_of(value))
+    entry.comments.beside = beside
+    blocks: set[int] = set()
+    if node and isinstance(entry.value, Mapping):
+        for inner in _below(entry.value):
+            _arrange_node(inner, blocks, whole=True)
+    text = write(Mapping({key: entry}), lambda part: id(part) in blocks and _filled(part))
+    return text.removesuffix("\n").split("\n")

@@ -1,0 +1,151 @@
+"""Task files that other tasks run as subtasks: where they are looked for, and what they look like from outside."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path, PurePosixPath
+from typing import Protocol
+
+from grip_bt.base.errors import DocumentError, SubtaskError, nearest
+from grip_bt.base.frozen import FrozenDict
+from grip_bt.task import Task, Variable, load
+from grip_bt.task.model import type_of
+
+from .manifest import InputPort, Manifest, OutputPort
+
+
+class TaskFiles(Protocol):
+    """Where subtasks come from."""
+
+    def read(self, file: str) -> Task:
+        """Return the task in a file, named as in `task:` of a subtask.
+
+        Raises:
+            SubtaskError: there is no such file, it can't be used, or it isn't a task.
+        """
+        ...
+
+    def mentioning(self, text: str) -> Sequence[str]:
+        """Return the files that there are, as `read` names them; those that surely don't hold a text may be left out.
+
+        Not each of them is a task.
+        """
+        ...
+
+
+class NoTaskFiles:
+    """No file at all, for tasks that come from nowhere."""
+
+    def read(self, file: str) -> Task:
+        """Refuse."""
+        raise SubtaskError(file, "no project is known in which it could be; load the task from its project's folder")
+
+    def mentioning(self, text: str) -> Sequence[str]:
+        """Return none."""
+        return ()
+
+
+class TaskTexts:
+    """Tasks that are at hand, by the name that `task:` calls them."""
+
+    def __init__(self, tasks: Mapping[str, Task]):
+        self._tasks = dict(tasks)
+
+    def read(self, file: str) -> Task:
+        """Return a task."""
+        if file not in self._tasks:
+            raise SubtaskError(file, f"there is no such file{nearest(file, self._tasks)}")
+        return self._tasks[file]
+
+    def mentioning(self, text: str) -> Sequence[str]:
+        """Return all of them: what the texts were isn't known any more."""
+        return tuple(self._tasks)
+
+
+class TaskFolder:
+    """The task files of one project; nothing outside its folder is read. A file is read again when it has changed.
+
+    Args:
+        folder: the project's folder, to which names are relative.
+    """
+
+    def __init__(self, folder: Path):
+        self._folder = folder.resolve()
+        self._known: dict[str, tuple[tuple[int, int], Task]] = {}
+
+    def read(self, file: str) -> Task:
+        """Return the task in a file below the folder."""
+        path = self._path(file)
+        try:
+            there = path.stat()
+        except OSError:
+            raise SubtaskError(
+                file, f"there is no such file{nearest(file, self._files())} (below {self._folder})"
+            ) from None
+        stamp = (there.st_mtime_ns, there.st_size)
+        if file not in self._known or self._known[file][0] != stamp:
+            try:
+                self._known[file] = stamp, load(path)
+            except DocumentError as error:
+                raise SubtaskError(file, f"it isn't a task: {error}") from error
+        return self._known[file][1]
+
+    def mentioning(self, text: str) -> Sequence[str]:
+        """Return the YAML files in the folder, and below its `tasks`, that hold a text."""
+        return [file for file in self._files() if text in _text_of(self._folder / file)]
+
+    def _path(self, file: str) -> Path:
+        named = PurePosixPath(file)
+        if named.is_absolute() or ".." in named.parts or "\\" in file or "\0" in file:
+            raise SubtaskError(file, "name it from the project's folder on, such as `tasks/fetch.yaml`, without `..`")
+        path = (self._folder / named).resolve()
+        if not path.is_relative_to(self._folder):
+            raise SubtaskError(file, "it lies outside of the project's folder; copy it into the project")
+        return path
+
+    def _files(self) -> list[str]:
+        found = sorted(self._folder.glob("*.yaml")) + sorted((self._folder / "tasks").glob("**/*.yaml"))
+        return [path.relative_to(self._folder).as_posix() for path in found]
+
+
+def face_of(file: str, task: Task, surely_written: Mapping[str, Iterable[str]] | None = None) -> Manifest:
+    """Return what a subtask looks like from outside: inputs, outputs and outcomes.
+
+    Args:
+        file: its file; messages call it so.
+        task: what is in it.
+        surely_written: output -> the outcomes with which it has been written; by default, all of them.
+    """
+    written = surely_written or {}
+    # constructed, since the id is a file and no node of the catalogue
+    return Manifest.model_construct(
+        id=file,
+        doc=task.doc,
+        implementation="",
+        inputs=FrozenDict(
+            {name: InputPort(type=type_of(said), required=not _has_value(said)) for name, said in task.inputs.items()}
+        ),
+        outputs=FrozenDict(
+            {
+                name: OutputPort(type=type_of(said), on=tuple(written.get(name, task.outcomes)))
+                for name, said in task.outputs.items()
+            }
+        ),
+        outcomes=task.outcomes,
+    )
+
+
+def _text_of(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError):
+        return ""
+
+
+def _has_value(declared: Variable | str) -> bool:
+    return isinstance(declared, Variable) and declared.has_value
+
+
+def chain_of(files: Iterable[str]) -> str:
+    """Return how files run each other, for messages."""
+    return " -> ".join(files)

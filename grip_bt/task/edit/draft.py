@@ -1,0 +1,175 @@
+"""A task while it is being edited: plain data where an edit looked or changed something, the old models elsewhere.
+
+Only what was opened is checked again when the edit ends; the rest of the new task is the old one's, shared.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from grip_bt.base.errors import EditError
+
+from ..canonical import data_of
+from ..model import Task
+from ..shape import FREE, NotAKeyError, with_free_keys
+from .steps import Assign, Drop, Place, Put, Rekey, Remark, Shift, Step, is_head, is_record
+
+
+class _Open(dict[str, Any]):
+    """A mapping that belongs to the draft and may be changed."""
+
+
+class _OpenList(list[Any]):
+    """A list that belongs to the draft and may be changed; its keys are `0`, `1` ..."""
+
+
+class Draft:
+    """The data of a task's file, opened where it is needed."""
+
+    def __init__(self, task: Task):
+        self._top = _Open(data_of(task))
+
+    def mapping(self, at: Place) -> dict[str, Any]:
+        """Return the mapping at a place, to read.
+
+        Raises:
+            EditError: there is none.
+        """
+        current: Any = self._top
+        for depth, key in enumerate(at):
+            if not _has(current, key):
+                raise EditError("/".join(at[:depth]), f"there is no {key!r}")
+            index = _index(current, key)
+            inner = current[index] = _opened(current[index])
+            current = inner
+            if not isinstance(current, _Open | _OpenList):
+                raise EditError("/".join(at[:depth]), f"{key!r} holds nothing")
+        return current  # type: ignore[no-any-return]
+
+    def apply(self, step: Step) -> Step:
+        """Do one step and return its inverse.
+
+        Raises:
+            EditError: an entry isn't there, or is there already; nothing is changed.
+        """
+        inside = self.mapping(step.at)
+        if isinstance(step, Put):
+            _expect(inside, step.at, step.key, False)
+            _insert(inside, step.at, step.key, step.value, step.index)
+            return Drop(at=step.at, key=step.key)
+        if not is_head(step):
+            _expect(inside, step.at, step.key, True)
+        if isinstance(step, Remark):
+            # a task knows no comments: who has the text fills in what was there
+            return step.model_copy(update={"text": ""})
+        if isinstance(step, Drop):
+            order = position(inside, step.at, step.key)
+            return Put(at=step.at, key=step.key, value=deep(inside.pop(step.key)), index=order)
+        if isinstance(step, Assign):
+            index = _index(inside, step.key)
+            before = deep(inside[index])
+            inside[index] = step.value
+            return Assign(at=step.at, key=step.key, value=before)
+        if isinstance(step, Rekey):
+            _expect(inside, step.at, step.to, False)
+            entries = [(step.to if key == step.key else key, value) for key, value in inside.items()]
+            inside.clear()
+            inside.update(entries)
+            return Rekey(at=step.at, key=step.to, to=step.key)
+        return self._shift(inside, step)
+
+    def _shift(self, inside: dict[str, Any], step: Shift) -> Step:
+        if step.to[: len(step.at) + 1] == (*step.at, step.key):
+            raise EditError("/".join(step.at), f"{step.key!r} can't go into itself")
+        into = self.mapping(step.to)
+        if into is not inside:
+            _expect(into, step.to, step.key, False)
+        index = position(inside, step.at, step.key)
+        value = inside.pop(step.key)
+        _insert(into, step.to, step.key, value, step.index)
+        return Shift(at=step.to, key=step.key, to=step.at, index=index)
+
+    def task(self, where: str) -> Task:
+        """Return the task that the draft has become.
+
+        Raises:
+            EditError: it isn't one; `where` is what the message speaks about.
+        """
+        try:
+            return Task.model_validate(with_free_keys(_closed(self._top)), strict=True)
+        except ValidationError as error:
+            faults = "; ".join(dict.fromkeys(_said(e) for e in error.errors()))
+            raise EditError(where, faults) from None
+        except NotAKeyError as error:
+            raise EditError(where, f"there is no key {error.args[0]!r}; keys are those of the file") from None
+
+
+def _opened(value: Any) -> Any:
+    if isinstance(value, BaseModel):
+        return _Open(data_of(value))
+    if isinstance(value, dict):
+        return value if isinstance(value, _Open) else _Open(value)
+    if isinstance(value, list | tuple):
+        return value if isinstance(value, _OpenList) else _OpenList(value)
+    return value
+
+
+def _index(inside: Any, key: str) -> Any:
+    return int(key) if isinstance(inside, list) else key
+
+
+def _has(inside: Any, key: str) -> bool:
+    return key.isdecimal() and int(key) < len(inside) if isinstance(inside, list) else key in inside
+
+
+def position(mapping: dict[str, Any], at: Place, key: str) -> int | None:
+    """Return the position of an entry among those whose order counts; None where the order of keys is fixed."""
+    ordered = _ordered(mapping, at, key)
+    return None if ordered is None else ordered.index(key)
+
+
+def _ordered(mapping: dict[str, Any], at: Place, key: str) -> list[str] | None:
+    if not is_record(at):
+        return list(mapping)
+    return [k for k in mapping if k.startswith(FREE)] if key.startswith(FREE) else None
+
+
+def _insert(mapping: dict[str, Any], at: Place, key: str, value: Any, index: int | None) -> None:
+    ordered = _ordered(mapping, at, key)
+    following = ordered[index:] if ordered is not None and index is not None else []
+    moved = [(k, mapping.pop(k)) for k in following]
+    mapping[key] = value
+    mapping.update(moved)
+
+
+def _expect(mapping: dict[str, Any], at: Place, key: str, present: bool) -> None:
+    if _has(mapping, key) != present:
+        where = "/".join(at) or "the task"
+        raise EditError(where, f"there is no {key!r}" if present else f"there is a {key!r} already")
+
+
+def _closed(value: Any) -> Any:
+    """Return a copy that the new task may keep; models that weren't opened are shared."""
+    if isinstance(value, dict):
+        return {key: _closed(inner) for key, inner in value.items()}
+    return [_closed(inner) for inner in value] if isinstance(value, list | tuple) else value
+
+
+def deep(value: Any) -> Any:
+    """Return what stands in a file for a part of a task."""
+    if isinstance(value, BaseModel):
+        value = data_of(value)
+    if isinstance(value, dict):
+        return {key: deep(inner) for key, inner in value.items()}
+    return [deep(inner) for inner in value] if isinstance(value, list | tuple) else value
+
+
+def _said(error: Any) -> str:
+    at = "/".join(str(step) for step in error["loc"][-2:] if step not in ("children", "child", "leaf"))
+    if error["type"] == "missing":
+        return f"the key {str(error['loc'][-1])!r} is missing"
+    if error["type"] == "string_pattern_mismatch":
+        return f"{error['input']!r} isn't a name: letters, digits, _, - and spaces, a letter or _ first"
+    return f"{at}: {error['msg']}"

@@ -1,0 +1,148 @@
+"""The command that renames an outcome; what speaks of it inside and around its container follows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from grip_bt.base.errors import EditError, listing, nearest
+
+from ..model import AnyNode, Leaf, StateMachine, Subtask, Task
+from ..walking import outcomes_of
+from .commands import RenameOutcome
+from .draft import deep
+from .editing import Editing, kind_of
+from .kinds import STANDARD
+from .steps import Place
+
+
+def rename_outcome(editing: Editing, command: RenameOutcome) -> None:
+    """Rename an outcome that the task or a container declares."""
+    if command.to == command.outcome:
+        _declared(editing, command)
+    elif command.path == "":
+        _of_task(editing, command)
+    else:
+        _of_container(editing, command)
+
+
+def _declared(editing: Editing, command: RenameOutcome) -> None:
+    """Refuse an outcome that isn't declared there, and a name that is taken."""
+    holder: Any = editing.task if command.path == "" else editing.node(command.path)
+    if "outcomes" not in type(holder).model_fields:
+        raise EditError(command.path, f"the outcomes of a {kind_of(holder)} aren't its task's to rename")
+    there = holder.outcomes
+    if command.outcome not in there:
+        own = f"a {kind_of(holder)} keeps its {command.outcome!r}; " if command.outcome in STANDARD else ""
+        hint = nearest(command.outcome, there)
+        message = f"{own}no outcome {command.outcome!r} is declared here{hint} (there are: {listing(there)})"
+        raise EditError(command.path, message)
+    every: Mapping[str, Any] = there if isinstance(holder, Task) else outcomes_of(holder)
+    if command.to != command.outcome and command.to in every:
+        raise EditError(command.path, f"there is an outcome {command.to!r} already")
+    if getattr(holder, "precondition", "") and "failure" in (command.outcome, command.to):
+        raise EditError(command.path, "its precondition ends it with 'failure' too; take the precondition out first")
+    if isinstance(holder, StateMachine) and command.to in holder.children:
+        raise EditError(command.path, f"an edge to {command.to!r} would mean the child of that name; choose another")
+
+
+def _of_task(editing: Editing, command: RenameOutcome) -> None:
+    _declared(editing, command)
+    task = editing.task
+    if "outcomes" in editing.draft.mapping(()):
+        editing.rekey(("outcomes",), command.outcome, command.to)
+    else:
+        renamed = {command.to if k == command.outcome else k: v for k, v in task.outcomes.items()}
+        editing.put((), "outcomes", renamed)
+    led = [label for label, target in task.root.on.items() if target == command.outcome]
+    for label in led:
+        editing.set(("root", "on"), label, command.to)
+    for label, meaning in _ends_of_root(task.root, command.outcome, bool(led)).items():
+        if label not in task.root.on and _by_itself(task.outcomes, label, meaning) == command.outcome:
+            editing.set_in(("root",), "on", label, command.to)
+
+
+def _ends_of_root(root: AnyNode, outcome: str, led: bool) -> Mapping[str, str]:
+    """Return the ends of the root that are known here: of a leaf its manifest, of a subtask its file knows more.
+
+    Raises:
+        EditError: it can't be told whether a leaf or a subtask ends with that very word.
+    """
+    if not isinstance(root, Leaf | Subtask):
+        return outcomes_of(root)
+    known = {**{label: label for label in STANDARD}, **root.meaning}
+    if outcome not in known and not led:
+        what = root.node if isinstance(root, Leaf) else root.task
+        message = f"whether {what} ends with {outcome!r} isn't known here; connect that end of the root first"
+        raise EditError("", message)
+    return known
+
+
+def _by_itself(outcomes: Mapping[str, str], label: str, meaning: str) -> str | None:
+    """Return where an end of the root leads that `on` doesn't map: the same word, or else its meaning."""
+    return next((target for target in (label, meaning) if target in outcomes), None)
+
+
+def _of_container(editing: Editing, command: RenameOutcome) -> None:
+    _declared(editing, command)
+    node, place = editing.node(command.path), editing.place(command.path)
+    editing.rekey((*place, "outcomes"), command.outcome, command.to)
+    _inside(editing, node, place, command)
+    if command.path == "/" or isinstance(editing.parent(command.path, "")[2], StateMachine):
+        _follow_keys(editing, (*place, "on"), editing.entries(place, "on"), "", command)
+    if command.path == "/":
+        _at_root(editing, command)
+    else:
+        _around(editing, command)
+
+
+def _inside(editing: Editing, node: AnyNode, place: Place, command: RenameOutcome) -> None:
+    """Let what leads to the outcome lead to it under its new name."""
+    for key, label in editing.entries(place, "exits").items():
+        if label == command.outcome:
+            editing.set((*place, "exits"), key, command.to)
+    for number, rule in enumerate(deep(editing.draft.mapping(place).get("rules", []))):
+        if rule.get("then") == command.outcome:
+            editing.set((*place, "rules", str(number)), "then", command.to)
+    if isinstance(node, StateMachine) and command.outcome not in node.children:
+        for name, child in node.children.items():
+            for label, target in child.on.items():
+                if target == command.outcome:
+                    editing.set((*place, "children", name, "on"), label, command.to)
+
+
+def _at_root(editing: Editing, command: RenameOutcome) -> None:
+    """Let the root's end lead where it led when nothing said so."""
+    task = editing.task
+    meaning = outcomes_of(task.root)[command.outcome]  # type: ignore[arg-type]
+    target = _by_itself(task.outcomes, command.outcome, meaning)
+    if command.outcome in task.root.on or target in (None, _by_itself(task.outcomes, command.to, meaning)):
+        return
+    editing.set_in(("root",), "on", command.to, target)
+
+
+def _around(editing: Editing, command: RenameOutcome) -> None:
+    """Let the container around it speak of its end under the new name."""
+    above, name, _ = editing.parent(command.path, "")
+    place = editing.place(above)
+    _follow_keys(editing, (*place, "exits"), editing.entries(place, "exits"), f"{name}.", command)
+    for number, rule in enumerate(deep(editing.draft.mapping(place).get("rules", []))):
+        said = rule.get("when", {}).get(name)
+        if said is None:
+            continue
+        new = [_renamed(each, command) for each in said] if isinstance(said, list) else _renamed(said, command)
+        if new != said:
+            editing.set((*place, "rules", str(number), "when"), name, new)
+
+
+def _follow_keys(editing: Editing, at: Place, entries: Mapping[str, Any], start: str, command: RenameOutcome) -> None:
+    """Rename the keys that begin with `start` and go on with the outcome, or with one of its codes."""
+    for key in entries:
+        if key.startswith(start):
+            editing.rekey(at, key, start + _renamed(key.removeprefix(start), command))
+
+
+def _renamed(label: str, command: RenameOutcome) -> str:
+    """Return `outcome` or `outcome.code` with the new name."""
+    outcome, dot, code = label.partition(".")
+    return f"{command.to}{dot}{code}" if outcome == command.outcome else label

@@ -1,0 +1,333 @@
+"""Steps applied to a text: each changes only the lines of its own entries, and keeps comments.
+
+A mapping in braces is changed within its line where the result fits there; else it, and it alone, is written anew with
+one entry a line.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from grip_bt.base.errors import EditError
+from grip_bt.base.yaml.scalars import write_scalar
+from grip_bt.base.yaml.syntax import Entry, Listing, Mapping, Scalar, Value, entries_of, parse, plain, tree_of
+from grip_bt.base.yaml.writer import in_braces
+
+from ..canonical import lines_of
+from .braces import fits, is_odd, spread, with_another, without
+from .commands import Splice
+from .head import head_at, rewritten
+from .regions import ODD, content_end, dedented, indented, is_tidy, line_end, line_start, region_end, region_start
+from .remarks import found_at, lines_of_comment
+from .steps import Assign, Drop, Place, Put, Rekey, Remark, Step, is_head, path_of, position_of
+
+
+class Text:
+    """A text under edit; `splices` are the changes, in their order.
+
+    Args:
+        text: the text.
+        tree: its syntax, where it is known already; it stays as it is.
+
+    Raises:
+        EditError: its lines end in a way that can't be kept.
+    """
+
+    def __init__(self, text: str, tree: Mapping | None = None):
+        if "\r" in text.replace("\r\n", ""):
+            raise EditError("", ODD)
+        self.text = text
+        self.splices: list[Splice] = []
+        self._newline = "\r\n" if "\r\n" in text else "\n"
+        self._tree: Mapping | None = tree
+        self._lent = tree is not None
+        self._pending: dict[int, tuple[int, str]] = {}
+
+    def take(self, step: Step) -> str | None:
+        """Do one step; return the lines of what it took out, if anything."""
+        if isinstance(step, Rekey):
+            self._rekey(step)
+            return None
+        if isinstance(step, Assign):
+            return self._assign(step)
+        self.flush()
+        if isinstance(step, Remark):
+            return self._remark(step)
+        if isinstance(step, Put):
+            self._put(step.at, step.key, step.value, step.index, step.source)
+            return None
+        if isinstance(step, Drop):
+            self._make_room(step.at)
+            return self._drop(step.at, step.key)
+        value = plain(self._entry(step.at, step.key).value)
+        self._make_tidy(step.at)
+        source = self._drop(step.at, step.key)
+        self._put(step.to, step.key, value, step.index, source)
+        return None
+
+    # --- finding ---------------------------------------------------------------------------------------------------
+
+    @property
+    def tree(self) -> Mapping:
+        """The syntax of the text as it is, but for replacements that `flush` hasn't done yet."""
+        if self._tree is None:
+            tree = parse(self.text)
+            assert isinstance(tree, Mapping)
+            self._tree, self._lent = tree, False
+        return self._tree
+
+    def _own(self, at: Place) -> None:
+        """Make the entries on the way to a place our own, so that a syntax that was lent stays as it is."""
+        if not self._lent:
+            return
+        value: Value = _copied(self.tree)
+        assert isinstance(value, Mapping)
+        self._tree = value
+        for key in at:
+            entry = _inner(value, key)
+            if entry is None:
+                raise EditError("/".join(at), ODD)
+            mine = replace(entry, value=_copied(entry.value))
+            if isinstance(value, Mapping):
+                value.entries[key] = mine
+            elif isinstance(value, Listing):
+                value.entries[int(key)] = mine
+            value = mine.value
+
+    def _value(self, at: Place) -> Value:
+        value: Value = self.tree
+        for depth, key in enumerate(at):
+            entry = _inner(value, key)
+            if entry is None:
+                raise EditError("/".join(at[: depth + 1]), ODD)
+            value = entry.value
+        return value
+
+    def _mapping(self, at: Place) -> Mapping:
+        value = self._value(at)
+        if not isinstance(value, Mapping):
+            raise EditError("/".join(at), ODD)
+        return value
+
+    def _entry(self, at: Place, key: str) -> Entry:
+        entry = _inner(self._value(at), key)
+        if entry is None:
+            raise EditError("/".join((*at, key)), ODD)
+        return entry
+
+    # --- replacing in place ----------------------------------------------------------------------------------------
+
+    def flush(self) -> None:
+        """Do the replacements that were collected, from the last to the first."""
+        for start in sorted(self._pending, reverse=True):
+            end, new = self._pending[start]
+            self._splice(start, end, new)
+        self._pending.clear()
+
+    def _splice(self, start: int, end: int, new: str) -> None:
+        old = self.text[start:end]
+        if old != new:
+            self.splices.append(Splice(start=start, old=old, new=new))
+            self.text = self.text[:start] + new + self.text[end:]
+            self._tree = None
+
+    def _rekey(self, step: Rekey) -> None:
+        entry = self._entry(step.at, step.key)
+        if entry.start in self._pending:
+            self.flush()
+            entry = self._entry(step.at, step.key)
+        self._pending[entry.start] = (entry.key_end, write_scalar(step.to, flow=True))
+        self._own((*step.at, step.key))
+        inside, entry = self._mapping(step.at), self._entry(step.at, step.key)
+        entry.key = step.to
+        inside.entries = {e.key: e for e in inside.entries.values()}
+
+    def _assign(self, step: Assign) -> str:
+        entry = self._entry(step.at, step.key)
+        value = entry.value
+        begin, end = value.span
+        simple = isinstance(value, Scalar) and begin != end and "\n" not in self.text[begin:end]
+        if simple and step.source is None and not isinstance(step.value, dict | list | tuple):
+            in_flow = any(getattr(self._value(step.at[:depth]), "flow", False) for depth in range(len(step.at) + 1))
+            new = lines_of("k", step.value, False) if not in_flow else [f"k: {write_scalar(step.value, flow=True)}"]
+            if len(new) == 1 and begin not in self._pending and entry.start not in self._pending:
+                taken = self._taken(step.at, entry)
+                self._pending[begin] = (end, new[0].removeprefix("k: "))
+                self._own((*step.at, step.key))
+                value = self._entry(step.at, step.key).value
+                assert isinstance(value, Scalar)
+                value.value = step.value
+                return taken
+        self.flush()
+        return self._replace(step)
+
+    def _taken(self, at: Place, entry: Entry) -> str:
+        """Return the lines of an entry, without what is above it."""
+        if not is_tidy(self.text, self._value(at)):
+            return "\n".join(lines_of(entry.key, plain(entry.value), False)) + "\n"
+        begin = line_start(self.text, entry.start)
+        return self._lines(dedented(self.text[begin : region_end(self.text, entry)], entry.column))
+
+    def _replace(self, step: Assign) -> str:
+        entry = self._entry(step.at, step.key)
+        inside = self._mapping(step.at)
+        taken = self._taken(step.at, entry)
+        if inside.flow:
+            inline = in_braces(tree_of(step.value))
+            begin, end = entry.value.span
+            if inline is not None and begin != end and fits(self.text, inside, len(inline) - (end - begin)):
+                self._splice(begin, end, inline)
+                return taken
+        self._make_tidy(step.at)
+        entry = self._entry(step.at, step.key)
+        begin, end = line_start(self.text, entry.start), region_end(self.text, entry)
+        if step.source is not None:
+            lines = step.source.removesuffix("\n").split("\n")
+        else:
+            # comments below the value that it closes stay; one beside it stays beside it
+            last = content_end(self.text, entry)
+            beside = self.text[last : line_end(self.text, last)].strip()
+            if not isinstance(entry.value, Scalar) and not entry.value.flow:
+                end = line_end(self.text, last)
+                beside = ""
+            elif beside:
+                end = line_end(self.text, last)
+            is_node = path_of((*step.at, step.key)) is not None
+            lines = lines_of(step.key, step.value, is_node, beside if beside.startswith("#") else "")
+        self._splice(begin, end, self._joined(indented(lines, entry.column), end))
+        return taken
+
+    # --- comments --------------------------------------------------------------------------------------------------
+
+    def _remark(self, step: Remark) -> str:
+        if is_head(step):
+            head = head_at(self.text, self.tree)
+            if head.text != step.text:
+                self._splice(*rewritten(head, step.text, self._newline))
+            return head.text
+        lines = lines_of_comment("/".join(step.at), step.text)
+        if not lines and not is_tidy(self.text, self._mapping(step.at)):
+            return ""
+        self._make_tidy(step.at)
+        if not is_tidy(self.text, self._mapping(step.at)):
+            raise EditError("/".join(step.at), ODD)
+        found = found_at(self.text, self._mapping(step.at), step.key)
+        if found.text == step.text:
+            return found.text
+        column = self._entry(step.at, step.key).column
+        if found.beside and not found.above and len(lines) == 1:
+            self._splice(*found.beside, lines[0])
+            return found.text
+        if found.beside:
+            begin, end = found.beside
+            self._splice(len(self.text[:begin].rstrip(" ")), end, "")
+        self._splice(found.begin, found.end, "".join(line + self._newline for line in indented(lines, column)))
+        return found.text
+
+    # --- taking out and putting in ---------------------------------------------------------------------------------
+
+    def _drop(self, at: Place, key: str) -> str:
+        inside, entry = self._mapping(at), self._entry(at, key)
+        keys = list(inside.entries)
+        if inside.flow:
+            self._splice(*without(inside, entry))
+            return "\n".join(lines_of(entry.key, plain(entry.value), False)) + "\n"
+        if not is_tidy(self.text, inside):
+            raise EditError("/".join(at), ODD)
+        begin = region_start(self.text, inside, keys.index(key), at == ())
+        end = region_end(self.text, entry)
+        source = self._lines(dedented(self.text[begin:end], entry.column))
+        if len(keys) > 1:
+            self._splice(begin, end, "")
+            return source
+        holder = self._entry(at[:-1], at[-1])
+        colon = self.text.index(":", holder.key_end) + 1
+        self._splice(begin, end, "")
+        self._splice(colon, colon, " {}")
+        return source
+
+    def _put(self, at: Place, key: str, value: Any, index: int | None, source: str | None) -> None:
+        is_node = path_of((*at, key)) is not None
+        inside = self._mapping(at)
+        if inside.flow and (source is None or "#" not in source):
+            among = with_another(self.text, inside, at, key, value, index)
+            if among is not None:
+                self._splice(*among)
+                return
+        self._make_tidy(at, but_last=not inside.entries)
+        inside = self._mapping(at)
+        lines = lines_of(key, value, is_node) if source is None else source.removesuffix("\n").split("\n")
+        if not inside.entries:
+            self._open(at, lines)
+            return
+        keys = list(inside.entries)
+        before = position_of(at, keys, key, index)
+        column = next(iter(inside.entries.values())).column
+        if before < len(keys):
+            offset = region_start(self.text, inside, before, at == ())
+        else:
+            offset = region_end(self.text, inside.entries[keys[-1]])
+        self._insert(offset, indented(lines, column))
+
+    def _open(self, at: Place, lines: list[str]) -> None:
+        """Write the first entry of a mapping that is `{}`."""
+        holder = self._entry(at[:-1], at[-1])
+        begin, end = holder.value.span
+        if self.text[begin:end].strip("{} "):
+            raise EditError("/".join(at), ODD)
+        rest = self.text[end : line_end(self.text, end)].strip()
+        if rest and not rest.startswith("#"):
+            raise EditError("/".join(at), ODD)
+        self._insert(line_end(self.text, end), indented(lines, holder.column + 2))
+        colon = self.text.index(":", holder.key_end) + 1
+        if self.text[colon:begin].strip():
+            raise EditError("/".join(at), ODD)
+        self._splice(colon, end, "")
+
+    def _insert(self, offset: int, lines: list[str]) -> None:
+        new = self._newline.join(lines) + self._newline
+        if offset == len(self.text) and self.text and not self.text.endswith("\n"):
+            new = self._newline + new.removesuffix(self._newline)
+        self._splice(offset, offset, new)
+
+    def _joined(self, lines: list[str], end: int) -> str:
+        """Return lines as text; without a final newline where they replace a last line that has none."""
+        text = self._newline.join(lines)
+        return text if self.text[end - 1 : end] != "\n" else text + self._newline
+
+    def _lines(self, text: str) -> str:
+        return text.replace("\r\n", "\n")
+
+    # --- spelling --------------------------------------------------------------------------------------------------
+
+    def _make_room(self, at: Place) -> None:
+        """See to it that an entry of this mapping can be taken out."""
+        inside = self._mapping(at)
+        if not (inside.flow and not is_odd(self.text, inside)):
+            self._make_tidy(at)
+
+    def _make_tidy(self, at: Place, but_last: bool = False) -> None:
+        """Write what holds this mapping, and is in braces, with one entry a line."""
+        depths = range(len(at) if but_last else len(at) + 1)
+        for depth in depths:
+            if self._mapping(at[:depth]).flow:
+                begin, end, written = spread(self.text, at, depth)
+                self._splice(begin, end, self._joined(written, end) if depth else self._newline.join([*written, ""]))
+                return
+
+
+def _copied(value: Value) -> Value:
+    """Return a value with entries of its own; what these hold is shared."""
+    if isinstance(value, Mapping):
+        return replace(value, entries=dict(value.entries))
+    if isinstance(value, Listing):
+        return replace(value, entries=list(value.entries))
+    return replace(value)
+
+
+def _inner(value: Value, key: str) -> Entry | None:
+    if isinstance(value, Mapping):
+        return value.entries.get(key)
+    entries = entries_of(value)
+    return entries[int(key)] if key.isdecimal() and int(key) < len(entries) else None

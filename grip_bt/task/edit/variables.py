@@ -1,0 +1,201 @@
+"""Commands on variables: declare, undeclare, rename; bindings and expressions in their scope follow."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from grip_bt.base.errors import EditError, ExpressionError, listing, nearest
+from grip_bt.base.expression import parse_expression
+
+from ..model import AnyNode
+from ..shape import DECLARING
+from ..walking import children_of, expressions_of, join
+from .commands import Declare, RenameVariable, Undeclare
+from .draft import deep
+from .editing import Editing
+
+_READS = ("items",)
+"""Keys of containers that hold the name of a variable."""
+_DECLARES = ("item",)
+"""Keys of containers that declare a variable besides those in `data`."""
+
+
+def declared_by(holder: Any) -> list[str]:
+    """Return the variables that a task or a node declares."""
+    own = [getattr(holder, key) for key in _DECLARES if hasattr(holder, key)]
+    ports = [*getattr(holder, "inputs", ()), *getattr(holder, "outputs", ())]
+    return list(dict.fromkeys([*ports, *getattr(holder, "data", ()), *own]))
+
+
+def used_by(node: AnyNode) -> tuple[set[str], set[str]]:
+    """Return the variables that a node itself uses: of those around it, and of those that it may declare too."""
+    return _Seer("", node, True, False).uses(), _Seer("", node, False, True).uses()
+
+
+def declare(editing: Editing, command: Declare) -> None:
+    """Add a variable."""
+    holder = _holder(editing, command.path)
+    if command.name in declared_by(holder):
+        raise EditError(command.path, f"the variable {command.name!r} is there already")
+    place = editing.place(command.path)
+    value = deep(command.variable)
+    if "data" in editing.draft.mapping(place):
+        editing.put((*place, "data"), command.name, value, command.index)
+    else:
+        editing.put(place, "data", {command.name: value})
+
+
+def undeclare(editing: Editing, command: Undeclare) -> None:
+    """Take out a variable that nothing uses."""
+    _declared(editing, command.path, command.name)
+    users = [seer.path for seer in _users(editing, command.path, command.name)]
+    if users:
+        shown = listing(dict.fromkeys(users))
+        raise EditError(command.path, f"the variable {command.name!r} is used by {shown}; unbind it there first")
+    holder, place = _holder(editing, command.path), editing.place(command.path)
+    keys = [key for key in DECLARING if command.name in getattr(holder, key, ())]
+    if not keys:
+        raise EditError(command.path, f"the variable {command.name!r} belongs to the container's kind and stays")
+    for key in keys:
+        editing.drop_in(place, key, command.name)
+
+
+def rename_variable(editing: Editing, command: RenameVariable) -> None:
+    """Rename a variable where it is declared and wherever it is seen."""
+    holder = _declared(editing, command.path, command.name)
+    if command.to == command.name:
+        return
+    if command.to in declared_by(holder):
+        raise EditError(command.path, f"there is a variable {command.to!r} already")
+    _refuse_capture(editing, command)
+    for seer in list(_users(editing, command.path, command.name)):
+        _follow(editing, seer, command)
+    place = editing.place(command.path)
+    for key in DECLARING:
+        if command.name in getattr(holder, key, ()):
+            editing.rekey((*place, key), command.name, command.to)
+    for key in _DECLARES:
+        if getattr(holder, key, None) == command.name:
+            editing.set(place, key, command.to)
+
+
+def _holder(editing: Editing, path: str) -> Any:
+    return editing.task if path == "" else editing.container(path)
+
+
+def _declared(editing: Editing, path: str, name: str) -> Any:
+    holder = _holder(editing, path)
+    there = declared_by(holder)
+    if name not in there:
+        raise EditError(
+            path, f"no variable {name!r} is declared here{nearest(name, there)} (there are: {listing(there)})"
+        )
+    return holder
+
+
+@dataclass(frozen=True)
+class _Seer:
+    """A node from which a variable may be seen.
+
+    `around` tells whether it is seen around the node (by its `precondition`), `inside` whether by what is its own.
+    """
+
+    path: str
+    node: AnyNode
+    around: bool
+    inside: bool
+
+    def uses(self) -> set[str]:
+        """Return the variables that the node uses, of those that it may see."""
+        node = self.node
+        used: set[str] = {*getattr(node, "in_", {}).values(), *getattr(node, "out", {}).values()}
+        if self.inside:
+            used |= {getattr(node, key) for key in _READS if hasattr(node, key)}
+        return used.union(*(_names(text) for _, text in self.expressions()))
+
+    def expressions(self) -> Iterator[tuple[str, str]]:
+        """Yield key and text of the expressions that may see the variable."""
+        for key, text in expressions_of(self.node):
+            if self.around if key == "precondition" else self.inside:
+                yield key, text
+
+
+def _users(editing: Editing, path: str, name: str) -> Iterator[_Seer]:
+    """Yield the nodes that use the variable `name` which is declared at `path`."""
+    return (seer for seer in _scope(editing, path, name) if name in seer.uses())
+
+
+def _scope(editing: Editing, path: str, name: str) -> Iterator[_Seer]:
+    """Yield the nodes from which the variable `name` declared at `path` may be seen."""
+    stack = [("/", editing.task.root)]
+    if path != "":
+        holder = editing.node(path)
+        yield _Seer(path, holder, False, True)
+        stack = [(join(path, child), node) for child, node in children_of(holder).items()]
+    while stack:
+        inner, node = stack.pop()
+        hidden = name in declared_by(node)
+        yield _Seer(inner, node, True, not hidden)
+        if not hidden:
+            stack.extend((join(inner, child), below) for child, below in children_of(node).items())
+
+
+def _names(text: str) -> tuple[str, ...]:
+    try:
+        return parse_expression(text).names
+    except ExpressionError:
+        return ()
+
+
+def _refuse_capture(editing: Editing, command: RenameVariable) -> None:
+    """Refuse a name that means something else where the variable is used, or that is used in its scope."""
+    for seer in _scope(editing, command.path, command.name):
+        if command.to in seer.uses():
+            raise EditError(
+                command.path, f"{seer.path} uses another variable {command.to!r}, which this one would hide"
+            )
+    for seer in _users(editing, command.path, command.name):
+        at = seer.path
+        while at != command.path:
+            if command.to in declared_by(editing.node(at)):
+                raise EditError(command.path, f"{at} has its own variable {command.to!r}, which would hide this one")
+            at = "" if at == "/" else at.rpartition("/")[0] or "/"
+
+
+def _follow(editing: Editing, seer: _Seer, command: RenameVariable) -> None:
+    place = editing.place(seer.path)
+    for side in ("in", "out"):
+        for port, variable in editing.entries(place, side).items():
+            if variable == command.name:
+                editing.set((*place, side), port, command.to)
+    for key in _READS:
+        if seer.inside and getattr(seer.node, key, None) == command.name:
+            editing.set(place, key, command.to)
+    for key, text in seer.expressions():
+        new = _renamed(text, command, seer.path)
+        if new == text:
+            continue
+        if not isinstance(editing.draft.mapping(place).get(key), str):
+            message = f"the expression {text!r} under {key!r} can't be followed; change it by hand, then rename"
+            raise EditError(seer.path, message)
+        editing.set(place, key, new)
+
+
+def _renamed(text: str, command: RenameVariable, path: str) -> str:
+    """Return an expression in which one variable has another name, and everything else stays as it is written."""
+    if command.name not in _names(text):
+        return text
+    if not command.to.isidentifier():
+        raise EditError(path, f"{command.to!r} can't be written in the expression {text!r}; choose letters, digits, _")
+    data = text.strip().encode()
+    found = [
+        node.col_offset
+        for node in ast.walk(parse_expression(text).tree)
+        if isinstance(node, ast.Name) and node.id == command.name
+    ]
+    for start in sorted(found, reverse=True):
+        data = data[:start] + command.to.encode() + data[start + len(command.name.encode()) :]
+    return data.decode()

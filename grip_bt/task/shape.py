@@ -1,0 +1,214 @@
+"""Syntax tree -> the models' input, with every wrong key and every value of a wrong kind found and placed.
+
+The keys of a file are the fields of the models (by their aliases), plus free keys `x-*` in a task and in a node.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from grip_bt.base.errors import DocumentError, listing, nearest
+from grip_bt.base.yaml.faults import Fault, document_error, fault_of
+from grip_bt.base.yaml.syntax import Entry, Mapping, Value, plain
+
+from . import model
+
+FREE = "x-"
+_KINDS: dict[str, type[BaseModel]] = {
+    "sequence": model.Sequence,
+    "fallback": model.Fallback,
+    "parallel": model.Parallel,
+    "state_machine": model.StateMachine,
+    "retry": model.Retry,
+    "repeat": model.Repeat,
+    "timeout": model.Timeout,
+    "guard": model.Guard,
+    "switch": model.Switch,
+    "for_each": model.ForEach,
+    "loop": model.Loop,
+    "cooldown": model.Cooldown,
+    "foreign": model.Foreign,
+    "subtask": model.Subtask,
+    "invert": model.Invert,
+    "force": model.Force,
+}
+CHILDREN = ("children", "child")
+DECLARING = ("inputs", "outputs", "data")
+"""Keys that hold variables."""
+
+
+def keys_of(shape: type[BaseModel]) -> tuple[str, ...]:
+    """Return the keys that a mapping of this model may have in a file, in their canonical order; without `x-*`."""
+    names = [field.alias or name for name, field in shape.model_fields.items() if name != "x"]
+    return tuple(sorted(names, key=_ORDER.index))
+
+
+_SHAPES: tuple[type[BaseModel], ...] = (model.Task, model.Leaf, *_KINDS.values())
+_FIELDS_ONLY = frozenset({"x"}).union(n for shape in _SHAPES for n, f in shape.model_fields.items() if f.alias)
+"""Names of fields that aren't keys of a file."""
+_ORDER = (
+    *("grip", "name", "kind", "node", "type", "value", "doc"),
+    *(
+        "precondition",
+        "initial",
+        "times",
+        "seconds",
+        "child_first",
+        "if",
+        "while",
+        "on_value",
+        "cases",
+        "default",
+        "items",
+        "item",
+    ),
+    *("policy", "memory", "rules", "wait_for", "cancel", "retick", "prompt", "order", "as"),
+    *("task", "behaviour", "args", "with", "in", "out", "meaning", "outcomes", "exits", "on"),
+    *("inputs", "outputs", "data", "root", "children", "child"),
+)
+
+
+_USUAL = frozenset(_ORDER)
+
+
+def key_rank(key: str) -> float:
+    """Return a number by which the keys of a node or a task are in canonical order."""
+    return _ORDER.index(key) if key in _ORDER else _ORDER.index("root") - 0.5
+
+
+def model_of(node: Mapping) -> type[BaseModel] | None:
+    """Return the model of a node, None when its `kind` is unknown."""
+    entry = node.entries.get("kind")
+    if entry is None:
+        return model.Leaf
+    kind = plain(entry.value)
+    return _KINDS.get(kind) if isinstance(kind, str) else None
+
+
+def model_of_kind(kind: str) -> type[BaseModel]:
+    """Return the model of a kind of container; KeyError when there is none."""
+    return _KINDS[kind]
+
+
+def child_nodes(node: Mapping) -> Iterator[tuple[str, Entry]]:
+    """Yield the entries of a node's children whose values are mappings, by name."""
+    for key in CHILDREN:
+        entry = node.entries.get(key)
+        if entry is not None and isinstance(entry.value, Mapping):
+            for name, child in entry.value.entries.items():
+                if isinstance(child.value, Mapping):
+                    yield name, child
+
+
+def read_task(tree: Value, source: str) -> model.Task:
+    """Turn a syntax tree into a task.
+
+    Raises:
+        DocumentError: with the first fault and its place; the message lists the others.
+    """
+    if not isinstance(tree, Mapping):
+        raise DocumentError("a task is a mapping that begins with `grip: 1`", source, tree.line, tree.column)
+    faults = list(_key_faults(tree))
+    if faults:
+        raise document_error(faults, source)
+    data = with_free_keys(plain(tree))
+    try:
+        return model.Task.model_validate(data, strict=True)
+    except ValidationError as error:
+        raise document_error([fault_of(tree, e) for e in error.errors()], source) from None
+
+
+def task_of(data: dict[str, Any]) -> model.Task | None:
+    """Turn a file's data, which this changes, into a task; None when it isn't one and `read_task` has to say why."""
+    try:
+        return model.Task.model_validate(with_free_keys(data), strict=True)
+    except (ValidationError, NotAKeyError):
+        return None
+
+
+class NotAKeyError(Exception):
+    """A field's own name stands where a file has its alias."""
+
+
+def _nodes(tree: Mapping) -> Iterator[Mapping]:
+    root = tree.entries.get("root")
+    stack = [root.value] if root is not None and isinstance(root.value, Mapping) else []
+    while stack:
+        node = stack.pop()
+        yield node
+        stack.extend(child.value for _, child in child_nodes(node))  # type: ignore[misc]
+
+
+def _key_faults(tree: Mapping) -> Iterator[Fault]:
+    yield from _unknown_keys(tree, model.Task, "a task")
+    yield from _wrong_variables(tree)
+    for node in _nodes(tree):
+        shape = model_of(node)
+        if shape is None:
+            entry = node.entries["kind"]
+            kind = plain(entry.value)
+            leaf = isinstance(kind, str) and "/" in kind  # as ids of the catalogue have, and no container has
+            hint = f"; a leaf is written `node: {kind}`" if leaf else nearest(str(kind), model.KINDS)
+            allowed = listing(model.KINDS)
+            yield (f"unknown kind {kind!r}{hint} (there are: {allowed})", entry.value.line, entry.value.column)
+            continue
+        name = "a leaf" if shape is model.Leaf else f"a {plain(node.entries['kind'].value)}"
+        if shape is model.Leaf and "node" not in node.entries:
+            yield ("a node needs `node:` (a leaf) or `kind:` (a container)", node.line, node.column)
+        yield from _unknown_keys(node, shape, name)
+        yield from _wrong_variables(node)
+
+
+def _unknown_keys(node: Mapping, shape: type[BaseModel], name: str, free: bool = True) -> Iterator[Fault]:
+    allowed = keys_of(shape)
+    for key, entry in node.entries.items():
+        if key not in allowed and not (free and key.startswith(FREE)):
+            hint = nearest(key, allowed)
+            extra = ", and free keys x-*" if free else ""
+            yield (
+                f"unknown key {key!r} in {name}{hint} (there are: {listing(allowed)}{extra})",
+                entry.line,
+                entry.column,
+            )
+
+
+def _wrong_variables(node: Mapping) -> Iterator[Fault]:
+    found = [node.entries[key].value for key in DECLARING if key in node.entries]
+    for name, entry in ((n, e) for value in found if isinstance(value, Mapping) for n, e in value.entries.items()):
+        if isinstance(entry.value, Mapping):
+            yield from _unknown_keys(entry.value, model.Variable, f"the variable {name!r}", free=False)
+        elif not isinstance(plain(entry.value), str):
+            yield (
+                f"the variable {name!r} is a type, or {{type: ..., value: ...}}",
+                entry.value.line,
+                entry.value.column,
+            )
+
+
+def with_free_keys(data: dict[str, Any]) -> dict[str, Any]:
+    """Move each task's and node's `x-*` keys to `x`, in place."""
+    _gather(data)
+    stack = [data.get("root")]
+    while stack:
+        node = stack.pop()
+        if not isinstance(node, dict):
+            continue
+        _gather(node)
+        for key in CHILDREN:
+            children = node.get(key)
+            if isinstance(children, dict):
+                stack.extend(children.values())
+    return data
+
+
+def _gather(node: dict[str, Any]) -> None:
+    if _USUAL.issuperset(node):
+        return
+    if not _FIELDS_ONLY.isdisjoint(node):
+        raise NotAKeyError(*_FIELDS_ONLY.intersection(node))
+    free = {key: node.pop(key) for key in list(node) if key.startswith(FREE)}
+    if free:
+        node["x"] = free

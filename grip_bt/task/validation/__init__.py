@@ -1,0 +1,73 @@
+"""Is a task right: every issue at once, before anything runs. The rules are listed in `docs/validation_rules.md`."""
+
+from __future__ import annotations
+
+from grip_bt.task import Task
+from grip_bt.task.allocation import many_made
+from grip_bt.task.catalog import Catalog
+from grip_bt.task.document import Document
+
+from .codes import SEVERITY
+from .dataflow import check_dataflow
+from .issue import Issue, Report, Severity, ordered
+from .possible import Possible
+from .rules.equipment import check_equipment
+from .rules.expressions import check_expressions
+from .rules.foreign import check_foreign
+from .rules.messages import check_messages
+from .rules.names import check_names
+from .rules.numbers import check_numbers
+from .rules.outcomes import check_outcomes
+from .rules.parallel import check_parallel
+from .rules.reach import check_reach
+from .rules.subtasks import check_subtasks
+from .rules.variables import check_variables
+from .subtasks import Checked, Subtasks
+from .survey import Survey
+
+__all__ = ["SEVERITY", "Issue", "Report", "Severity", "survey_of", "validate"]
+
+
+def validate(task: Task, catalog: Catalog, document: Document | None = None) -> Report:
+    """Check a task against the nodes that exist.
+
+    Args:
+        task: the task.
+        catalog: the nodes that exist.
+        document: the text that the task was read from; with it, issues have lines and columns.
+
+    Returns:
+        All issues, in the order of the text.
+    """
+    with many_made(document.text if document else ""):
+        return ordered(_checked(task, catalog, document, None).issues)
+
+
+def survey_of(task: Task, catalog: Catalog) -> Survey:
+    """Return what the rules read, after all rules: with what is known of the files that the task runs."""
+    return _checked(task, catalog, None, None)
+
+
+def _checked(task: Task, catalog: Catalog, document: Document | None, subtasks: Subtasks | None) -> Survey:
+    """Return the survey of a task after all rules."""
+
+    def inside(task: Task) -> Checked:
+        survey = _checked(task, catalog, None, known)
+        return survey.issues, survey.written
+
+    known = subtasks or Subtasks(catalog, inside)
+    survey = Survey(task, catalog, document, known)
+    possible = Possible(survey)
+    check_names(survey)
+    check_numbers(survey)
+    check_messages(survey)
+    check_equipment(survey)
+    check_foreign(survey)
+    check_subtasks(survey)
+    check_variables(survey)
+    check_expressions(survey)
+    check_outcomes(survey, possible)
+    check_reach(survey, possible)
+    check_parallel(survey)
+    check_dataflow(survey)
+    return survey

@@ -1,0 +1,152 @@
+"""What an expression gives, and where its parts don't fit: types found from the variables upwards.
+
+What isn't known (`Any`, ROS messages, items of untyped lists) is taken to fit; a run looks at the values themselves.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Mapping
+from functools import cache
+
+from grip_bt.base.errors import listing, nearest
+from grip_bt.base.expression import CONSTANTS, Expression
+from grip_bt.base.types import VALUES
+from grip_bt.task.catalog import Type, is_assignable, parse_type
+
+BOOL, INT, FLOAT, ANY = Type("bool"), Type("int"), Type("float"), Type("Any")
+_NUMBERS = ("int", "float", "Any")
+_SIZED = ("str", "bytes", "list", "dict", "Any")
+_ORDER = ast.Lt | ast.LtE | ast.Gt | ast.GtE
+
+Note = Callable[[ast.expr, str], None]
+"""Called with a part of an expression that doesn't fit, and why."""
+
+
+def type_of(expression: Expression, types: Mapping[str, Type], note: Note) -> Type:
+    """Return the type of what an expression gives; `types` are those of its variables."""
+    return _Typing(types, note).of(expression.tree)
+
+
+class _Typing:
+    def __init__(self, types: Mapping[str, Type], note: Note):
+        self.types, self.note = types, note
+
+    def of(self, node: ast.expr) -> Type:
+        match node:
+            case ast.Constant(value=value):
+                return Type("None") if value is None else Type(type(value).__name__)
+            case ast.Name(id=name):
+                if name in CONSTANTS:
+                    return Type("None") if CONSTANTS[name] is None else BOOL
+                return self.types.get(name, ANY)
+            case ast.Attribute():
+                return self.attribute(node)
+            case ast.List(elts=items) | ast.Tuple(elts=items):
+                return Type("list", _common([self.of(item) for item in items]))
+            case ast.BoolOp(values=values):
+                for term in values:
+                    self.truth(term)
+                return BOOL
+            case ast.UnaryOp(op=ast.Not(), operand=operand):
+                self.truth(operand)
+                return BOOL
+            case ast.UnaryOp(operand=operand):
+                return self.number(operand)
+            case ast.BinOp(left=left, op=way, right=right):
+                kinds = [self.number(left), self.number(right)]
+                return FLOAT if isinstance(way, ast.Div) else _common(kinds)
+            case ast.Compare():
+                self.comparison(node)
+                return BOOL
+            case ast.Call(func=ast.Name(id=name), args=args):
+                return self.call(name, args)
+        return ANY
+
+    def truth(self, node: ast.expr) -> None:
+        kind = self.of(node)
+        if kind.name not in ("bool", "Any"):
+            self.note(node, f"`{ast.unparse(node)}` is a {kind}, not true or false; compare it with something")
+
+    def number(self, node: ast.expr) -> Type:
+        kind = self.of(node)
+        if kind.name not in _NUMBERS:
+            self.note(node, f"`{ast.unparse(node)}` is a {kind}, not a number")
+            return ANY
+        return kind
+
+    def attribute(self, node: ast.Attribute) -> Type:
+        owner = self.of(node.value)
+        if owner.name not in VALUES:
+            if owner.name in (*_SIZED[:3], "int", "float", "bool", "None"):
+                self.note(node, f"`{ast.unparse(node.value)}` is a {owner}, which has no attributes")
+            return ANY
+        there = _attributes(owner.name)
+        if node.attr not in there:
+            hint = nearest(node.attr, there)
+            self.note(node, f"a {owner.name} has no attribute {node.attr!r}{hint} (there are: {listing(there)})")
+        return there.get(node.attr, ANY)
+
+    def comparison(self, node: ast.Compare) -> None:
+        left = node.left
+        for op, right in zip(node.ops, node.comparators, strict=True):
+            one, other = self.of(left), self.of(right)
+            if isinstance(op, ast.In | ast.NotIn):
+                if other.name not in _SIZED:
+                    self.note(right, f"`{ast.unparse(right)}` is a {other}, which nothing can be in")
+            elif not isinstance(op, ast.Is | ast.IsNot) and not _comparable(one, other, isinstance(op, _ORDER)):
+                self.note(left, f"a {one} can't be compared with a {other} by this operator")
+            left = right
+
+    def call(self, name: str, args: list[ast.expr]) -> Type:
+        if name == "abs":
+            return self.number(args[0])
+        kinds = [self.of(arg) for arg in args]
+        if name == "len":
+            if kinds[0].name in ("int", "float", "bool", "None"):
+                self.note(args[0], f"`{ast.unparse(args[0])}` is a {kinds[0]}, which has no length")
+            return INT
+        if len(args) > 1:
+            return _common(kinds)
+        if kinds[0].name not in ("list", "str", "Any"):
+            self.note(args[0], f"`{ast.unparse(args[0])}` is a {kinds[0]}; {name}() takes a list, or several values")
+        return kinds[0].item or ANY
+
+
+def _common(kinds: list[Type]) -> Type:
+    for kind in kinds:
+        if all(is_assignable(other, kind) for other in kinds) and kind.name != "Any":
+            return kind
+    return ANY
+
+
+def _comparable(one: Type, other: Type, ordered: bool) -> bool:
+    names = {one.name, other.name}
+    if "Any" in names or (not ordered and ("None" in names or one.optional or other.optional)):
+        return True
+    if names <= {"int", "float"}:
+        return True
+    return len(names) == 1 and not (ordered and names <= {"bool", "dict", "None", *VALUES})
+
+
+@cache
+def _attributes(value: str) -> dict[str, Type]:
+    """Return the public attributes of a value's class, with their types as far as tasks have such types."""
+    from grip_bt.base import values  # needs NumPy, which only such an expression has to wait for
+
+    found: dict[str, Type] = {}
+    for cls in reversed(getattr(values, value).__mro__):
+        for name, said in getattr(cls, "__annotations__", {}).items():
+            if not name.startswith("_"):
+                found[name] = _declared(said)
+        for name, member in vars(cls).items():
+            if isinstance(member, property) and not name.startswith("_"):
+                found[name] = _declared(getattr(member.fget, "__annotations__", {}).get("return", "Any"))
+    return found
+
+
+def _declared(annotation: object) -> Type:
+    try:
+        return parse_type(str(annotation))
+    except ValueError:
+        return ANY

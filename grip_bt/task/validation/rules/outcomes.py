@@ -1,0 +1,252 @@
+"""Where ends of nodes lead: `exits` of containers, `on` in state machines and at the root."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+
+from grip_bt.base.errors import listing, nearest
+from grip_bt.base.evaluation import same_literal
+from grip_bt.task import Parallel, StateMachine, Switch, Task, cases_of
+from grip_bt.task.model import Childless
+
+from ..ends import root_target
+from ..possible import Possible
+from ..survey import Spot, Survey
+from ..wording import take_hint
+
+
+def check_outcomes(survey: Survey, possible: Possible) -> None:
+    """Find ends that lead nowhere, targets that don't exist, and outcomes that nothing leads to."""
+    for spot in survey.spots:
+        node = spot.node
+        if node.precondition and spot.outcomes.get("failure") == "success":
+            survey.add(
+                spot.path,
+                "precondition",
+                "contradictory-outcome",
+                "a precondition that is false ends the node with `failure`, which means success here",
+                "give the outcome that means success another name",
+            )
+        if isinstance(node, StateMachine):
+            _machine(survey, spot, node)
+        elif not isinstance(node, Childless):
+            if not spot.children:
+                survey.add(
+                    spot.path,
+                    "children",
+                    "empty-container",
+                    f"a {node.kind} without children does nothing",
+                    "add a child, or remove it",
+                )
+            if isinstance(node, Switch):
+                _cases(survey, spot, node)
+            _reserved(survey, spot, node.outcomes)
+            _exits(survey, spot, node.exits, possible)
+            rules = node.rules if isinstance(node, Parallel) else []
+            targets = (*node.exits.values(), *(rule.then for rule in rules))
+            _unused(survey, spot.path, node.outcomes, targets, "`exits`")
+        if spot.node.on and spot.parent is not None and not spot.in_machine:
+            survey.add(
+                spot.path,
+                "on",
+                "misplaced-on",
+                f"`on` stands only in children of a state_machine and in the root; {spot.parent.path} isn't one",
+                f"write `exits: {{{spot.name}.<outcome>: ...}}` in {spot.parent.path}, or make it a state_machine",
+            )
+    _root(survey, survey.task)
+
+
+def _cases(survey: Survey, spot: Spot, node: Switch) -> None:
+    for key, names in (("cases", [*node.cases]), ("default", [node.default] if node.default else [])):
+        for name in names:
+            if name not in spot.children:
+                hint = nearest(name, spot.children)
+                survey.add(
+                    spot.path,
+                    (key, name) if key == "cases" else key,
+                    "unknown-child",
+                    f"`{key}` names no child: {name!r}{hint} (there are: {listing(spot.children)})",
+                    take_hint(hint, ""),
+                )
+    seen: list[tuple[str, object]] = []
+    for child, literal in cases_of(node):
+        earlier = next((name for name, other in seen if same_literal(other, literal)), None)
+        if earlier is not None:
+            survey.add(
+                spot.path,
+                ("cases", child),
+                "ambiguous-case",
+                f"{literal!r} is a case of {earlier!r} and again of {child!r}",
+                "leave it in one of them",
+            )
+        seen.append((child, literal))
+
+
+def _reserved(survey: Survey, spot: Spot, outcomes: Mapping[str, str]) -> None:
+    for name in ("success", "failure"):
+        if outcomes.get(name, name) != name:
+            survey.add(
+                spot.path,
+                ("outcomes", name),
+                "contradictory-outcome",
+                f"the outcome {name!r} can't mean {outcomes[name]}",
+                "give it another name",
+            )
+
+
+def _exits(survey: Survey, spot: Spot, exits: Mapping[str, str], possible: Possible) -> None:
+    for key, target in exits.items():
+        child_name, _, label = key.partition(".")
+        where = ("exits", key)
+        child = spot.children.get(child_name)
+        if child is None or not label:
+            hint = nearest(child_name, spot.children)
+            survey.add(
+                spot.path,
+                where,
+                "unknown-child",
+                f"exits are `child.outcome: exit`; {key!r} names no child{hint} (there are: {listing(spot.children)})",
+            )
+        elif check_label(survey, spot.path, where, child, label):
+            if label.partition(".")[0] not in possible.labels(child):
+                survey.add(
+                    spot.path,
+                    where,
+                    "impossible-outcome",
+                    f"{child_name!r} never ends with {label!r}",
+                    "remove this exit",
+                )
+        if target not in spot.outcomes:
+            unknown_target(survey, spot.path, where, target, spot.outcomes, "outcomes of this container")
+
+
+def check_label(survey: Survey, path: str, where: tuple[str | int, ...], child: Spot, label: str) -> bool:
+    """Check `outcome` or `outcome.code` of a child; tell whether there is such an outcome."""
+    outcome, dot, code = label.partition(".")
+    if outcome not in child.outcomes:
+        hint = nearest(outcome, child.outcomes)
+        survey.add(
+            path,
+            where,
+            "unknown-outcome",
+            f"{child.name!r} has no outcome {outcome!r}{hint} (there are: {listing(child.outcomes)})",
+            take_hint(hint, "remove it"),
+        )
+        return False
+    if dot and child.outcomes[outcome] == "success":
+        survey.add(path, where, "unknown-code", f"{outcome!r} is a success, which has no failure code", "remove it")
+    elif dot and child.codes is not None and code not in child.codes:
+        known = sorted(child.codes)
+        hint = nearest(code, known)
+        survey.add(
+            path,
+            where,
+            "unknown-code",
+            f"{child.name!r} never fails with {code!r}{hint} (its codes: {listing(known)})",
+            take_hint(hint, "remove it"),
+        )
+    return True
+
+
+def _machine(survey: Survey, spot: Spot, node: StateMachine) -> None:
+    if node.initial not in spot.children:
+        hint = nearest(node.initial, spot.children)
+        survey.add(
+            spot.path,
+            "initial",
+            "unknown-child",
+            f"`initial` names no child: {node.initial!r}{hint} (there are: {listing(spot.children)})",
+        )
+    targets: list[str] = []
+    for child in spot.children.values():
+        targets.extend(child.node.on.values())
+        for label, target in child.node.on.items():
+            check_label(survey, child.path, ("on", label), child, label)
+            _machine_target(survey, spot, child, label, target)
+        for outcome in child.outcomes:
+            if outcome not in child.node.on and child.outcomes:
+                _uncovered(survey, child, outcome)
+    if not set(node.outcomes).isdisjoint(targets):  # or else it is endless, which is said by another rule
+        _unused(survey, spot.path, node.outcomes, targets, "`on` of a child")
+
+
+def _machine_target(survey: Survey, spot: Spot, child: Spot, label: str, target: str) -> None:
+    sibling, outcome = target in spot.children, target in spot.outcomes
+    where = ("on", label)
+    if sibling and outcome:
+        survey.add(
+            child.path,
+            where,
+            "ambiguous-target",
+            f"{target!r} is both a sibling and an outcome of {spot.path}",
+            "rename one of them",
+        )
+    elif not sibling and not outcome:
+        allowed = (*spot.children, *spot.outcomes)
+        unknown_target(survey, child.path, where, target, allowed, "siblings and outcomes")
+
+
+def unknown_target(
+    survey: Survey, path: str, where: tuple[str | int, ...], target: str, allowed: Iterable[str], kind: str
+) -> None:
+    """Note a target that isn't among what is allowed."""
+    hint = nearest(target, allowed)
+    survey.add(
+        path,
+        where,
+        "unknown-target",
+        f"{where[-1]!r} leads to {target!r}, which isn't there{hint} ({kind}: {listing(allowed)})",
+        take_hint(hint, ""),
+    )
+
+
+def _uncovered(survey: Survey, child: Spot, outcome: str) -> None:
+    codes = [key for key in child.node.on if key.startswith(f"{outcome}.")]
+    only = f"; {listing(codes)} covers only failures with that code" if codes else ""
+    survey.add(
+        child.path,
+        ("on", outcome),
+        "missing-target",
+        f"it may end with {outcome!r}, which leads nowhere{only}",
+        f"add `{outcome}: <sibling or outcome>` to its `on`",
+    )
+
+
+def _unused(survey: Survey, path: str, outcomes: Iterable[str], targets: Iterable[str], where: str) -> None:
+    used = set(targets)
+    for outcome in outcomes:
+        if outcome not in used and not (outcome in ("success", "failure") and where == "`exits`"):
+            survey.add(
+                path,
+                ("outcomes", outcome),
+                "unused-outcome",
+                f"nothing leads to the outcome {outcome!r}",
+                f"lead to it in {where}, or remove it",
+            )
+
+
+def _root(survey: Survey, task: Task) -> None:
+    root = survey.root
+    for label, target in task.root.on.items():
+        check_label(survey, "/", ("on", label), root, label)
+        if target not in task.outcomes:
+            unknown_target(survey, "/", ("on", label), target, task.outcomes, "outcomes of the task")
+    for outcome, meaning in root.outcomes.items():
+        if outcome not in task.root.on and root_target(task, outcome, meaning) is None:
+            survey.add(
+                "/",
+                ("on", outcome),
+                "missing-target",
+                f"the root may end with {outcome!r}, which leads to no outcome of the task",
+                f"add `{outcome}: <one of {listing(task.outcomes)}>` to the root's `on`",
+            )
+    _unused(survey, "", task.outcomes, _root_targets(task, root), "`on` of the root")
+
+
+def _root_targets(task: Task, root: Spot) -> Iterator[str]:
+    yield from task.root.on.values()
+    for outcome, meaning in root.outcomes.items():
+        if outcome not in task.root.on:
+            target = root_target(task, outcome, meaning)
+            if target is not None:
+                yield target

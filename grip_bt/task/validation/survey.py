@@ -1,0 +1,330 @@
+"""A task with every name looked up once: what all rules read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from grip_bt.base.errors import ExpressionError
+from grip_bt.base.expression import parse_expression
+from grip_bt.task import (
+    AnyNode,
+    Cooldown,
+    ForEach,
+    Foreign,
+    Guard,
+    Invert,
+    Leaf,
+    Loop,
+    StateMachine,
+    Subtask,
+    Switch,
+    Task,
+    Timeout,
+    Variable,
+    children_of,
+    expressions_of,
+    join,
+    outcomes_of,
+    with_refusal,
+)
+from grip_bt.task.catalog import Catalog, Manifest, Type, parse_type
+from grip_bt.task.document import Document
+
+from .codes import SEVERITY
+from .issue import Issue
+from .known import Known, KnownManifests
+from .subtasks import Subtasks
+
+Key = str | tuple[str | int, ...] | None
+
+
+@dataclass(frozen=True, slots=True)
+class Declared:
+    """A declared variable; `bit` is its place in sets of variables, which are integers.
+
+    `type` is None when it isn't a type, which is an issue of its own.
+    """
+
+    name: str
+    owner: str
+    variable: Variable | str
+    bit: int
+    type: Type | None
+    key: str = "data"
+    """Where it is declared: `data`, or `inputs` or `outputs` of a task."""
+
+    @property
+    def type_text(self) -> str:
+        """The type as it is written."""
+        return self.variable if isinstance(self.variable, str) else self.variable.type
+
+    @property
+    def has_value(self) -> bool:
+        """Whether it has an initial value."""
+        return isinstance(self.variable, Variable) and self.variable.has_value
+
+
+Scope = Mapping[str, Declared]
+
+
+_NOTHING: Mapping[str, Any] = {}
+_UNASKED = frozenset({"?"})
+_OWN_CODES = {
+    **{Timeout: "time_out", Guard: "guard", Switch: "no_case", Loop: "loop_limit"},
+    **{Cooldown: "cooldown", Foreign: "foreign"},
+}
+"""Codes of failures that are a container's own."""
+
+
+class Spot:
+    """One node in its surroundings.
+
+    Attributes:
+        path: its path.
+        name: its key.
+        node: what the document says.
+        parent: None for the root.
+        scope: the variables that it sees; a container's own included.
+        around: the variables that it sees without its own.
+        manifest: of a leaf whose type is known, and of a subtask whose file is.
+        known: of a leaf whose type is known: its manifest in the form that rules read.
+        plain: whether it is such a leaf, without a precondition, whose outcomes mean what its manifest says.
+        outcomes: its outcomes and their meanings; of a leaf of unknown type, whatever the task expects of it.
+        children: by name, in order.
+        reads: variables that it or anything below it reads.
+        writes: likewise.
+    """
+
+    __slots__ = (
+        *("around", "children", "known", "manifest", "name", "node", "outcomes", "parent", "path", "plain"),
+        *("_codes", "reads", "scope", "writes"),
+    )
+
+    def __init__(self, path: str, name: str, node: AnyNode, parent: Spot | None, scope: Scope):
+        self.path, self.name, self.node, self.parent, self.scope = path, name, node, parent, scope
+        self.around = scope
+        self.manifest: Manifest | None = None
+        self.known: Known | None = None
+        self.plain = False
+        self.outcomes: Mapping[str, str] = _NOTHING
+        self.children: Mapping[str, Spot] = _NOTHING
+        self.reads = self.writes = 0
+        self._codes: frozenset[str] | None = _UNASKED
+
+    @property
+    def codes(self) -> frozenset[str] | None:
+        """Failure codes that it may end with, those of everything below it among them; None when they aren't known."""
+        if self._codes is _UNASKED:
+            own = codes_of(self)
+            self._codes = own if own is None or not self.node.precondition else own | {"precondition"}
+        return self._codes
+
+    def scope_of(self, key: str) -> Scope:
+        """Return the variables that its expression at `key` sees: of a precondition, those around the node."""
+        return self.around if key == "precondition" else self.scope
+
+    def expressions(self) -> Iterator[tuple[str, list[Declared]]]:
+        """Yield the key of each readable expression, and the declared variables that it reads."""
+        for key, text in expressions_of(self.node):
+            try:
+                names = parse_expression(text).names
+            except ExpressionError:
+                continue  # another rule says so
+            scope = self.scope_of(key)
+            yield key, [scope[name] for name in names if name in scope]
+
+    @property
+    def in_machine(self) -> bool:
+        """Whether it is a child of a state machine."""
+        return self.parent is not None and isinstance(self.parent.node, StateMachine)
+
+
+class Survey:
+    """All nodes and variables of a task.
+
+    Attributes:
+        task: the task.
+        catalog: the nodes that exist.
+        spots: every node, parents first, in document order.
+        leaves: those of them that are leaves.
+        containers: those of them that are neither leaves nor subtasks.
+        known: what is known of the catalogue's nodes.
+        declared: every variable, in document order.
+        subtasks: what is known of the files that it runs.
+        issues: what rules have found.
+        written: output of the task -> its outcomes with which it has surely been written; the data flow says so.
+    """
+
+    def __init__(
+        self, task: Task, catalog: Catalog, document: Document | None = None, subtasks: Subtasks | None = None
+    ):
+        self.task, self.catalog = task, catalog
+        self.subtasks = subtasks or Subtasks(catalog, lambda inside: ([], {}))
+        self.written: dict[str, tuple[str, ...]] = {}
+        self._document = document
+        self.declared: list[Declared] = []
+        self.issues: list[Issue] = []
+        self.task_scope = self._scope({}, "", task.variables)
+        self.known = KnownManifests(catalog)
+        self.leaves: list[Spot] = []
+        self.containers: list[Spot] = []
+        self.spots = self._spots()
+        for spot in reversed(self.spots):
+            if spot.known is None:
+                self._sum_up(spot)
+
+    @property
+    def root(self) -> Spot:
+        """The root's spot."""
+        return self.spots[0]
+
+    def add(
+        self,
+        path: str,
+        key: Key,
+        code: str,
+        message: str,
+        fix: str = "",
+    ) -> None:
+        """Note an issue, of a code of `SEVERITY`, at a key of the node at `path`."""
+        place = self._document.position(path, key) if self._document else None
+        line, column = place or (None, None)
+        source = self._document.source if self._document else ""
+        keys = (key,) if isinstance(key, str) else key or ()
+        self.issues.append(Issue(path, code, SEVERITY[code], message, fix, line, column, source, keys))
+
+    def _scope(self, outer: Scope, owner: str, data: Mapping[str, Variable | str]) -> Scope:
+        if not data:
+            return outer
+        scope = dict(outer)
+        for name, variable in data.items():
+            bit = 1 << len(self.declared)
+            key = "data" if owner or name in self.task.data else "inputs" if name in self.task.inputs else "outputs"
+            scope[name] = Declared(name, owner, variable, bit, _type_of(variable), key)
+            self.declared.append(scope[name])
+        return scope
+
+    def _spots(self) -> list[Spot]:
+        spots: list[Spot] = []
+        stack = [Spot("/", self.task.name, self.task.root, None, self.task_scope)]
+        while stack:
+            spot = stack.pop()
+            spots.append(spot)
+            node = spot.node
+            if isinstance(node, Leaf):
+                self._look_up(spot, node)
+                continue
+            if isinstance(node, Subtask):
+                self._look_inside(spot, node)
+                continue
+            self.containers.append(spot)
+            spot.outcomes = outcomes_of(node)
+            scope = self._scope(spot.scope, spot.path, node.data)
+            if isinstance(node, ForEach):
+                held = scope.get(node.items)
+                item = held.type.item if held is not None and held.type is not None else None
+                scope = self._scope(scope, spot.path, {node.item: str(item or "Any")})
+            above = join(spot.path, "")
+            spot.scope = scope
+            spot.children = {
+                name: Spot(above + name, name, child, spot, scope) for name, child in children_of(node).items()
+            }
+            stack.extend(reversed(spot.children.values()))
+        return spots
+
+    def _look_up(self, spot: Spot, node: Leaf) -> None:
+        self.leaves.append(spot)
+        known = spot.known = self.known[node.node]
+        if known is None:
+            spot.outcomes = _expected_outcomes(spot)
+            return
+        manifest = spot.manifest = known.manifest
+        spot.outcomes = manifest.outcomes
+        if node.meaning or node.precondition:
+            spot.outcomes = with_refusal(node, manifest.outcomes_for(dict(node.meaning)))
+            self._sum_up(spot)
+            return
+        spot.plain = True
+        _bind(spot, node)
+        if spot.parent is not None:
+            spot.parent.reads |= spot.reads
+            spot.parent.writes |= spot.writes
+
+    def _look_inside(self, spot: Spot, node: Subtask) -> None:
+        manifest = spot.manifest = self.subtasks.look(node.task).face
+        if manifest is None:
+            spot.outcomes = _expected_outcomes(spot)
+        else:
+            spot.outcomes = with_refusal(node, manifest.outcomes_for(dict(node.meaning)))
+
+    def _sum_up(self, spot: Spot) -> None:
+        node = spot.node
+        if isinstance(node, Leaf | Subtask):
+            _bind(spot, node)
+        if isinstance(node, ForEach) and node.items in spot.scope:
+            spot.reads |= spot.scope[node.items].bit
+        for _, read in spot.expressions():
+            for declared in read:
+                spot.reads |= declared.bit
+        if spot.parent is not None:
+            spot.parent.reads |= spot.reads
+            spot.parent.writes |= spot.writes
+
+
+def codes_of(spot: Spot) -> frozenset[str] | None:
+    """Return the codes that a node may fail with, without its precondition's; None when they aren't known."""
+    node = spot.node
+    if isinstance(node, Leaf):
+        fails = "failure" in spot.outcomes.values()
+        known = () if spot.manifest is None or not fails else spot.manifest.codes
+        return frozenset(known) if known or (not fails and spot.manifest is not None) else None
+    if isinstance(node, Subtask):
+        return None  # a manifest has them, and the file's face has none
+    if isinstance(node, Invert):
+        return frozenset()  # it fails where its child succeeds, for no reason of its own
+    found = {_OWN_CODES[type(node)]} if type(node) in _OWN_CODES else set()
+    for child in spot.children.values():
+        codes = child.codes
+        if codes is None:
+            return None
+        found |= codes
+    return frozenset(found)
+
+
+def _bind(spot: Spot, node: Leaf | Subtask) -> None:
+    """Note which variables the ports of a node read and write."""
+    scope = spot.scope
+    for name in node.in_.values():
+        if name in scope:
+            spot.reads |= scope[name].bit
+    for name in node.out.values():
+        if name in scope:
+            spot.writes |= scope[name].bit
+
+
+def _type_of(variable: Variable | str) -> Type | None:
+    try:
+        return parse_type(variable if isinstance(variable, str) else variable.type)
+    except ValueError:
+        return None
+
+
+def _expected_outcomes(spot: Spot) -> dict[str, str]:
+    """Return what a task expects of a leaf that isn't known, so that one wrong name isn't reported many times."""
+    expected = dict.fromkeys((key.partition(".")[0] for key in spot.node.on), "failure")
+    parent = spot.parent.node if spot.parent is not None else None
+    if parent is not None and not isinstance(parent, Leaf | Subtask | StateMachine):
+        for key in parent.exits:
+            child, _, label = key.partition(".")
+            if child == spot.name:
+                expected[label.partition(".")[0]] = "failure"
+    if spot.in_machine:
+        expected = expected or {"success": "success"}
+    else:
+        expected["failure"] = "failure"
+    if "success" in expected or not spot.in_machine:
+        expected["success"] = "success"
+    assert isinstance(spot.node, Leaf | Subtask)
+    return {**expected, **spot.node.meaning}

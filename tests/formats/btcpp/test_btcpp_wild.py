@@ -1,0 +1,213 @@
+"""Forty files of all sorts: what is in them is imported whole, or every part that isn't is named with its line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from btcpp_world import BUILTIN, document
+from work import calls_in
+
+from grip_bt.base.errors import DocumentError, GripError, RefusedFileError
+from grip_bt.compilers import to_tree
+from grip_bt.compilers.leaves import implementation_of
+from grip_bt.formats.btcpp import from_xml
+from grip_bt.nodes.flow import Succeed
+from grip_bt.task import dumps, loads
+from grip_bt.task.validation import validate
+
+FOLDER = Path(__file__).parent / "wild"
+FILES = sorted(FOLDER.glob("*.xml"))
+REFUSED = {
+    "39_queue_on_blackboard.xml": [(4, "LoopString", "taken apart on the blackboard")],
+    "40_own_control_nodes.xml": [
+        (4, "RecoveryNode", "a Control of your own C++ code"),
+        (4, "Spin", "`_onHalted` runs a script when the node is halted"),
+    ],
+}
+
+
+def test_nine_of_ten_files_are_imported_whole() -> None:
+    assert len(FILES) == 40
+    assert len(REFUSED) <= 4
+
+
+@pytest.mark.parametrize("file", [f for f in FILES if f.name not in REFUSED], ids=lambda f: f.stem)
+def test_a_file_becomes_a_task_that_loads_passes_the_checks_and_compiles(file: Path) -> None:
+    made = from_xml(file.read_text(encoding="utf-8"), BUILTIN, file.name, FOLDER)
+    catalog = BUILTIN.with_manifests(made.manifests)
+    assert not validate(made.task, catalog).errors
+    assert loads(dumps(made.task)) == made.task
+
+    def leaf(path, node, manifest):  # type: ignore[no-untyped-def]
+        own = manifest.id.startswith("btcpp/")
+        return Succeed(path, path, manifest, dict(node.with_), {}) if own else implementation_of(path, node, manifest)
+
+    assert to_tree(made.task, catalog, leaf_factory=leaf).root is not None
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_everything_that_has_no_equal_is_listed_at_once(name: str) -> None:
+    file = FOLDER / name
+    with pytest.raises(RefusedFileError) as refused:
+        from_xml(file.read_text(encoding="utf-8"), BUILTIN, file.name, FOLDER)
+    found = [(r.line, r.what) for r in refused.value.refused]
+    assert [(line, what.partition(">")[0].lstrip("<")) for line, what in found] == [(n, w) for n, w, _ in REFUSED[name]]
+    for line, _, why in REFUSED[name]:
+        assert f"{name}:{line}: " in str(refused.value)
+        assert why in str(refused.value)
+
+
+PARTS: list[tuple[str, str]] = [
+    ("<ManualSelector><A/></ManualSelector>", "asks a person at a terminal"),
+    ("<UnsetBlackboard key='x'/>", "takes a variable away"),
+    ("<SkipUnlessUpdated entry='{x}'><A/></SkipUnlessUpdated>", "counts the writes of a blackboard entry"),
+    ("<WaitValueUpdate entry='{x}'><A/></WaitValueUpdate>", "counts the writes of a blackboard entry"),
+    ("<ConsumeQueue><A/></ConsumeQueue>", "takes a queue on the blackboard apart"),
+    ("<SequenceStar><A/></SequenceStar>", "is <SequenceWithMemory> in 4"),
+    ("<SubTreePlus ID='x'/>", "_autoremap"),
+    ("<A _onHalted='x := 1'/>", "`_onHalted`"),
+    ("<Mine><A/></Mine>", "is a node with children of your own C++ code"),
+    ("<SubTree ID='Mian'/>", "there is no tree 'Mian'; did you mean 'Main'?"),
+    ("<SubTree ID='Main'/>", "the tree 'Main' contains itself (Main > Main)"),
+    ("<Sequence/>", "has 0 children and needs at least 1"),
+    ("<Inverter><A/><B/></Inverter>", "has 2 children and needs 1"),
+    ("<IfThenElse><A/></IfThenElse>", "has 1 children and needs 2 to 3"),
+    (f"<IfThenElse>{4 * '<A/>'}</IfThenElse>", "has 4 children and needs 2 to 3"),
+    ("<WhileDoElse><A/></WhileDoElse>", "has 1 children and needs 2 to 3"),
+    (f"<WhileDoElse>{4 * '<A/>'}</WhileDoElse>", "has 4 children and needs 2 to 3"),
+    ("<Parallel success_count='4'><A/><B/></Parallel>", "`success_count` is 4, and there are 2 children"),
+    ("<Parallel><A _skipIf='true'/><B/></Parallel>", "may be skipped inside of a Parallel"),
+    ("<ParallelAll><A _while='true'/><B/></ParallelAll>", "may be skipped inside of a ParallelAll"),
+    ("<Repeat num_cycles='2'><A _skipIf='true'/></Repeat>", "may be skipped inside of <Repeat>"),
+    ("<Repeat num_cycles='{n}'><A/></Repeat>", "`num_cycles` comes from the blackboard ({n})"),
+    ("<Repeat num_cycles='many'><A/></Repeat>", "`num_cycles` is 'many' and has to be a whole number"),
+    ("<Repeat num_cycles='0'><A/></Repeat>", "write 1 or more, or -1 for ever"),
+    ("<RetryUntilSuccessful num_attempts='0'><A/></RetryUntilSuccessful>", "write 1 or more, or -1 for ever"),
+    ("<Repeat><A/></Repeat>", "needs `num_cycles`"),
+    ("<Repeat num_cycle='2'><A/></Repeat>", "has no port 'num_cycle'; did you mean 'num_cycles'?"),
+    ("<Timeout msec='-1'><A/></Timeout>", "can't be less than 0"),
+    ("<Timeout msec='9'><A _skipIf='true'/></Timeout>", "may be skipped inside of <Timeout>, whose clock BT.CPP"),
+    ("<TryCatch catch_on_halt='true'><A/><B/></TryCatch>", "`catch_on_halt` runs a node while everything is halted"),
+    ("<TryCatch><A _skipIf='true'/><B/></TryCatch>", "all of the first 1 children may be skipped"),
+    ("<AsyncSequence><A _skipIf='true'/></AsyncSequence>", "all of its children may be skipped"),
+    ("<SequenceWithMemory><A _skipIf='true'/></SequenceWithMemory>", "all of its children may be skipped"),
+    ("<IfThenElse><A _skipIf='true'/><B/></IfThenElse>", "a condition that may be skipped is an error in BT.CPP"),
+    ("<WhileDoElse><A _skipIf='true'/><B/></WhileDoElse>", "a condition that may be skipped is no condition"),
+    ("<Switch2 variable='x' case_1='1' case_2='2'><A/><B/><C/></Switch2>", "`variable` has to be a key in braces"),
+    ("<Switch2 variable='{x}' case_1='1' case_2='1'><A/><B/><C/></Switch2>", "`case_2` is '1' again"),
+    (
+        "<Sequence><Script code='x := 1'/><Switch2 variable='{x}' case_1='1' case_2='RED'><A/><B/><C/></Switch2>"
+        "</Sequence>",
+        "an enum's word isn't known here",
+    ),
+    ("<LoopInt queue='1;two' value='{x}'><A/></LoopInt>", "invalid literal for int()"),
+    ("<LoopInt queue='1' value='x'><A/></LoopInt>", "`value` has to be a key in braces"),
+    ("<LoopInt queue='1' value='{x}' if_empty='RUNNING'><A/></LoopInt>", "the status 'RUNNING' isn't SUCCESS"),
+    ("<Precondition if='true' else='RUNNING'><A/></Precondition>", "the status 'RUNNING' isn't SUCCESS"),
+    ("<SetBlackboard value='1'/>", "needs `output_key`"),
+    ("<Script code='x := 1 &amp; 2'/>", "the bit operator `&`"),
+    ("<Script code='x := ~3'/>", "the bit operator `~`"),
+    ("<Script code=\"w := 'a'; x := w .. 'b'\"/>", "joining texts"),
+    ("<Script code='x'/>", "a statement that assigns nothing"),
+    ("<Script code='x := (y := 2)'/>", "the assignment to 'y' inside of an expression"),
+    ("<Script code='x := 2 + (1 > 0 ? 3 : 4)'/>", "`?:` inside of an expression"),
+    ("<Script code='y := true; x := y + 1'/>", "the truth value a as an operand of `+`"),
+    ("<Script code=\"y := 'a'; x := y == 1\"/>", "one is a text, the other a number"),
+    ("<Script code='x := 1 / 0'/>", "a division by zero"),
+    ("<Script code='x := 1 + 99999999999999999'/>", "beyond 2**53"),
+    ("<Script code='x := '/>", "it ends where a value is missing"),
+    ("<Script code='x := 3 4'/>", "';' is missing before '4'"),
+    ("<Script code='x := #'/>", "isn't a word of the language"),
+    ("<Script code='3 := 4'/>", "left of ':=' stands something that isn't a blackboard entry"),
+    ("<Script code='x := a + b + c + d + e + f + g + h + i'/>", "more than 8 variables in one expression"),
+    ("<ScriptCondition code='a; b'/>", "2 statements where one condition is wanted"),
+    ("<ScriptCondition code=\"'text'\"/>", "the text 'text' as a condition"),
+]
+
+
+@pytest.mark.parametrize(("body", "message"), PARTS, ids=[body for body, _ in PARTS])
+def test_a_part_without_an_equal_is_refused_by_name(body: str, message: str) -> None:
+    with pytest.raises(RefusedFileError) as refused:
+        from_xml(document(body), BUILTIN, "f.xml")
+    assert message in str(refused.value)
+    assert "f.xml:1: <" in str(refused.value)
+
+
+def test_all_refusals_of_a_file_are_listed_in_their_order() -> None:
+    body = "<Sequence>\n<UnsetBlackboard key='a'/>\n<Fallback>\n<A _onHalted='x := 1'/>\n</Fallback>\n"
+    body += "<Script code='?'/>\n</Sequence>"
+    with pytest.raises(RefusedFileError) as refused:
+        from_xml(document(body), BUILTIN, "f.xml")
+    assert [refusal.line for refusal in refused.value.refused] == [2, 4, 6]
+    assert str(refused.value).startswith("f.xml: 3 parts have no exact equal in a task:")
+
+
+HOSTILE: list[tuple[str, str, str]] = [
+    ("no XML", "{", "not well-formed XML"),
+    ("empty", "", "not well-formed XML"),
+    ("unclosed", "<root BTCPP_format='4'><BehaviorTree ID='A'>", "not well-formed XML"),
+    ("bomb", '<!DOCTYPE r [<!ENTITY a "aa"><!ENTITY b "&a;&a;">]><root>&b;</root>', "a document type"),
+    ("file", '<!DOCTYPE r [<!ENTITY a SYSTEM "file:///etc/passwd">]><root>&a;</root>', "a document type"),
+    ("deep", "<root>" + "<Sequence>" * 10_000, "nested deeper than"),
+    ("huge", "<root>" + "<!-- x -->" * 500_000, "larger than"),
+    ("other", "<robot/>", 'a file of BT.CPP begins with <root BTCPP_format="4">'),
+    ("version 3", "<root BTCPP_format='3'/>", "convert_v3_to_v4.py makes one"),
+    ("no tree", "<root BTCPP_format='4'/>", "there is no <BehaviorTree>"),
+    (
+        "several",
+        "<root BTCPP_format='4'><BehaviorTree ID='A'/><BehaviorTree ID='B'/></root>",
+        "no `main_tree_to_execute`",
+    ),
+    ("twice", "<root BTCPP_format='4'><BehaviorTree ID='A'/><BehaviorTree ID='A'/></root>", "needs an `ID` of its own"),
+    (
+        "lost",
+        "<root BTCPP_format='4' main_tree_to_execute='B'><BehaviorTree ID='A'/></root>",
+        "no <BehaviorTree ID='B'>",
+    ),
+    ("stray", "<root BTCPP_format='4'><Sequence/></root>", "isn't <BehaviorTree>, <TreeNodesModel> or <include>"),
+    ("package", "<root BTCPP_format='4'><include ros_pkg='p' path='a.xml'/></root>", "lies in the ROS package 'p'"),
+    ("outside", "<root BTCPP_format='4'><include path='../../pyproject.toml'/></root>", "there is no file"),
+    ("absolute", "<root BTCPP_format='4'><include path='/etc/passwd'/></root>", "there is no file"),
+    ("empty tree", "<root BTCPP_format='4'><BehaviorTree ID='A'/></root>", "needs one node inside"),
+    ("long script", document(f"<Script code='{'a' * 5000}'/>"), "longer than 4000 characters"),
+    ("deep script", document(f"<Script code='x := {'(' * 3000}1{')' * 3000}'/>"), "longer than 4000 characters"),
+    ("nested script", document(f"<Script code='x := {'(' * 900}1{')' * 900}'/>"), "nested deeper than 40 levels"),
+]
+
+
+def test_sub_trees_of_sub_trees_are_bounded() -> None:
+    inside = [f"<SubTree ID='T{n + 1}'/>" * 10 for n in range(9)]
+    trees = [f"<BehaviorTree ID='T{n}'><Sequence>{body}</Sequence></BehaviorTree>" for n, body in enumerate(inside)]
+    text = document("<SubTree ID='T0'/>", *trees, "<BehaviorTree ID='T9'><A/></BehaviorTree>")
+
+    def read() -> None:
+        with pytest.raises(DocumentError, match="more than 20000 nodes"):
+            from_xml(text, BUILTIN, "f.xml")
+
+    assert calls_in(read) < 10_000_000
+
+
+@pytest.mark.parametrize(("text", "message"), [case[1:] for case in HOSTILE], ids=[case[0] for case in HOSTILE])
+def test_a_hostile_file_is_refused_with_little_work(text: str, message: str) -> None:
+    def read() -> None:
+        with pytest.raises(GripError) as error:
+            from_xml(text, BUILTIN, "f.xml", FOLDER)
+        assert message in str(error.value)
+
+    assert calls_in(read) < 100_000
+
+
+def test_included_files_may_include_each_other_and_lie_in_the_project() -> None:
+    text = "<root BTCPP_format='4' main_tree_to_execute='CloseGently'><include path='hand.xml'/></root>"
+    made = from_xml(text, BUILTIN, "f.xml", FOLDER / "parts", FOLDER)
+    assert made.task.name == "CloseGently"
+    up = "<root BTCPP_format='4' main_tree_to_execute='CloseGently'><include path='../parts/hand.xml'/></root>"
+    assert from_xml(up, BUILTIN, "f.xml", FOLDER / "parts", FOLDER).task == made.task
+
+
+def test_a_tree_other_than_the_main_one_can_be_chosen() -> None:
+    text = (FOLDER / "16_sub_tree_ports.xml").read_text(encoding="utf-8")
+    assert from_xml(text, BUILTIN, "f.xml", FOLDER, tree="PickAndPlace").task.name == "PickAndPlace"
+    with pytest.raises(DocumentError, match="did you mean 'Main'"):
+        from_xml(text, BUILTIN, "f.xml", FOLDER, tree="Mian")

@@ -1,0 +1,272 @@
+"""Tasks of the first GRIP become tasks that do the same, with a report of what isn't as it was."""
+
+import os
+import pickle
+import random
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+from original_files import Graph, pick_and_place, variant, write_configuration, write_settings
+
+from grip_bt.app import RunOptions, open_session
+from grip_bt.app.project import find_project
+from grip_bt.base.errors import GripError
+from grip_bt.base.message_store.original import read_joint_states, read_poses, read_trajectories
+from grip_bt.cli.__main__ import main
+from grip_bt.compilers import to_machine, to_tree
+from grip_bt.formats.first_grip import import_grip
+from grip_bt.runtime import RunContext, Runner
+from grip_bt.task import read
+from grip_bt.task.catalog.component_file import load_component
+from grip_bt.task.validation import validate
+
+SEEDS = int(os.environ.get("GRIP_FUZZ_TASKS", "120"))
+TWO = ["success", "failure"]
+
+
+def errors_of(folder: Path, name: str) -> list[str]:
+    document = read(folder / "tasks" / f"{name}.yaml")
+    report = validate(document.task, find_project(folder).catalog(), document)
+    return [str(issue) for issue in report.issues if issue.severity == "error"]
+
+
+def notes(imported) -> str:
+    return "\n".join(map(str, imported.notes))
+
+
+@pytest.mark.parametrize("protocol", [0, 2, 4])
+def test_a_project_comes_of_a_robot_and_a_task_and_passes_the_check(protocol, tmp_path, capsys):
+    source, out = tmp_path / "old", tmp_path / "new"
+    write_configuration(source)
+    write_settings(source / "pick.ini", pick_and_place(), protocol)
+    assert main(["import", str(source), "--from", "grip", "-o", str(out)]) == 1
+    told = capsys.readouterr().out
+    assert "there is no node 'component/basic_grasping'" in told
+    assert "run `grip component add components/basic_grasping` for its node" in told
+    assert [e for e in errors_of(out, "pick") if "basic_grasping" not in e] == []
+    task = read(out / "tasks" / "pick.yaml").task
+    assert list(task.outcomes.items()) == [("Task success", "success"), ("Task failure", "failure")]
+    assert task.root.children["reach"].children["move"].in_ == {"plan": "last_plan_panda_arm"}
+    assert task.root.children["grasping"].on["outcome_0"] == "reach"
+    project = find_project(out).file
+    arm = project.arms["panda_arm"]
+    assert (arm.planner, arm.speed, arm.attempts, arm.planning_time) == ("BiTRRT", 0.5, 2, 1.0)
+    assert project.sensors["kinect2"].topics["pointcloud"].type == "PointCloud"
+    assert project.sensors["kinect2"].mount.quaternion == pytest.approx((0.5**0.5, 0, 0.5**0.5, 0))
+    component = load_component(out / "components" / "basic_grasping")
+    assert (component.interface, component.server, len(component.outcomes)) == (
+        "basic_grasping/srv/Grasp",
+        "/grasping",
+        2,
+    )
+    states = read_joint_states(out / "messages" / "joint_states.yaml")
+    assert states["above_bin"].ordered(("panda_joint1", "panda_joint2")) == pytest.approx([1.49, 0.48], abs=0)
+    assert list(read_poses(out / "messages" / "poses.yaml")[0]) == ["camera_pose"]
+    assert list(read_trajectories(out / "messages" / "trajectories.yaml", states)) == ["there"]
+
+
+def test_what_isnt_as_it_was_is_told(tmp_path):
+    write_configuration(tmp_path)
+    write_settings(tmp_path / "pick.ini", pick_and_place())
+    told = notes(import_grip(tmp_path))
+    for text in (
+        "/home/user/panda.urdf.xacro isn't there; give it by its own path",
+        "'not_done', the last one, is taken",
+        "the plan that the commander kept to itself is a variable",
+        "ends with failure when the motion fails, which was ignored",
+        "pointcloud: PointCloud, by the names of alias and topic",
+        "controllers of ROS 1: configure ros2_control; not imported",
+        "run_node: false is respected",
+    ):
+        assert text in told
+
+
+def test_a_hostile_task_is_refused_by_name_and_nothing_runs(tmp_path, monkeypatch, capsys):
+    class Runs:
+        def __reduce__(self):
+            return os.system, ("touch ran",)
+
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bad.ini").write_text(f"[root]\ncontainer={variant(pickle.dumps(Runs(), 2))}\n")
+    assert main(["import", "bad.ini", "--from", "grip", "-o", "out"]) == 1
+    assert "bad.ini:2: root/container: the pickled data is refused: it names posix.system" in capsys.readouterr().err
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["bad.ini"]
+
+
+def counting(limit: str) -> Graph:
+    graph = Graph(["Task success", "Task failure"])
+    content = {"initial_value": "0", "end_value": limit, "output": "n"}
+    graph.add("count", "Counter", ["success", "finished"], content, named=False)
+    graph.begin("count")
+    graph.lead("count", "success", "count")
+    graph.lead("count", "finished", "Task success")
+    return graph
+
+
+@pytest.mark.parametrize("compile_task", [to_tree, to_machine])
+def test_a_counter_loop_counts_as_often_as_it_did(compile_task, tmp_path):
+    write_settings(tmp_path / "count.ini", {"root": counting("4")})
+    task = import_grip(tmp_path / "count.ini").tasks["count"]
+    compiled = compile_task(task, find_project(tmp_path).catalog())
+    result = Runner(compiled, RunContext()).run()
+    assert (result.outcome, compiled.data[""].cells["n"].value) == ("Task success", 4)
+
+
+def swinging(topic: str, timeout: str, group: str = "panda_arm") -> Graph:
+    """Return a task that follows a stored trajectory and then waits."""
+    graph = Graph(["Task success", "Task failure"])
+    graph.add("swing", "ExecuteTrajectory", TWO, {"group_name": group, "trajectory_name": "there"})
+    graph.add("wait", "WaitFor", TWO, {"topic_name": topic, "timeout": timeout})
+    graph.begin("swing")
+    graph.lead("swing", "success", "wait")
+    graph.lead("wait", "success", "Task success")
+    for state in ("swing", "wait"):
+        graph.lead(state, "failure", "Task failure")
+    return graph
+
+
+GANTRY = "low: {x: 0.3, y: 0.1}\nhigh: {x: 0.3, y: -0.4}\n"
+THERE = (
+    "there:\n- {name: low, interpolate_time: 1, pause_time: 0.1}\n- {name: high, interpolate_time: 1, pause_time: 0}\n"
+)
+
+
+@pytest.mark.parametrize("topic", ["", "done"])
+@pytest.mark.parametrize("target", ["bt", "sm"])
+def test_a_stored_trajectory_is_followed_and_a_wait_waits(topic, target, tmp_path, capsys):
+    source, out = tmp_path / "old", tmp_path / "new"
+    write_configuration(source)
+    (source / "files" / "joint_states.yaml").write_text(GANTRY)  # joints of the fake arm
+    (source / "files" / "trajectories.yaml").write_text(THERE)
+    write_settings(source / "swing.ini", {"root": swinging(topic, "" if topic else "0.2")})
+    main(["import", str(source), "--from", "grip", "-o", str(out)])
+    told = capsys.readouterr().out
+    assert "has no equal" not in told
+    assert "goes to where the trajectory begins" in told
+    assert errors_of(out, "swing") == []
+    project = out / "grip.yaml"
+    project.write_text(project.read_text().replace("group: panda_arm", "group: arm") + "robot: panda_allegro\n")
+    with open_session(out / "tasks" / "swing.yaml", RunOptions(robot="fake", target=target)) as session:
+        result = session.runner.run()
+        (arm,) = session.resources.arms.values()
+        assert (result.outcome, result.failure) == ("Task success", None)
+        assert arm.state().as_mapping()["y"] == pytest.approx(-0.4)
+
+
+def test_waiting_is_for_a_topic_of_any_type_or_for_a_time(tmp_path):
+    def waiting(topic, timeout):
+        write_settings(tmp_path / "swing.ini", {"root": swinging(topic, timeout)})
+        imported = import_grip(tmp_path / "swing.ini")
+        node = imported.tasks["swing"].root.children["wait"]
+        return node.node, dict(node.with_), "wait: " in notes(imported)
+
+    assert waiting("/done", "None") == ("ros/wait_for_message", {"topic": "/done", "timeout": None}, False)
+    assert waiting("done", "2.5") == ("ros/wait_for_message", {"topic": "/done", "timeout": 2.5}, False)
+    assert waiting("", "3") == ("flow/wait", {"seconds": 3.0}, False)
+    assert waiting("", "") == ("flow/wait", {"seconds": 0.0}, True)
+    assert waiting("done", "soon") == ("ros/wait_for_message", {"topic": "/done", "timeout": None}, True)
+
+
+def test_a_trajectory_of_a_hand_is_left_to_fill_in(tmp_path):
+    write_settings(tmp_path / "swing.ini", {"root": swinging("done", "1", group="gripper")})
+    imported = import_grip(tmp_path / "swing.ini")
+    assert imported.tasks["swing"].root.children["swing"].node == "original/execute_trajectory"
+    assert "ExecuteTrajectory has no equal" in notes(imported)
+
+
+TEXT = """
+name: pick_and_hold
+outcomes: [success, fail]
+states:
+  - ConcurrentPlan:
+      source: concurrent_state_machine
+      outcomes: [success, fail]
+      default_outcome: fail
+      outcome_map: {success: {First: success, Second: success}}
+      transitions: {success: Wait, fail: fail}
+      states:
+        - First: {source: plan, target_type: joint state, target_name: home, plan_name: to_pregrasp}
+        - Second: {source: reinitialise_managers}
+  - Wait:
+      source: WaitForSignal
+      seconds: 3
+      transitions: {success: success, failure: fail}
+"""
+
+
+def test_the_older_text_format_is_read_and_unknown_states_are_left_to_fill_in(tmp_path, capsys):
+    (tmp_path / "hold.yaml").write_text(TEXT)
+    out = tmp_path / "out"
+    assert main(["import", str(tmp_path / "hold.yaml"), "--from", "grip", "-o", str(out)]) == 0
+    assert "WaitForSignal has no equal: write its class in nodes/original" in capsys.readouterr().out
+    task = read(out / "tasks" / "pick_and_hold.yaml").task
+    rules = task.root.children["ConcurrentPlan"].rules
+    assert [(dict(rule.when), rule.then) for rule in rules] == [
+        ({"First": ["success"], "Second": ["success"]}, "success"),
+        ({}, "fail"),
+    ]
+    assert task.root.children["Wait"].with_ == {"seconds": 3}
+    assert "class WaitForSignal(Leaf):" in (out / "nodes" / "original" / "leaves.py").read_text()
+    assert errors_of(out, "pick_and_hold") == []
+
+
+def test_an_import_overwrites_only_what_it_made(tmp_path, capsys):
+    (tmp_path / "hold.yaml").write_text(TEXT)
+    out = tmp_path / "out"
+    command = ["import", str(tmp_path / "hold.yaml"), "--from", "grip", "-o", str(out)]
+    assert [main(command), main(command)] == [0, 0]
+    (out / "tasks" / "pick_and_hold.yaml").write_text("mine")
+    assert main(command) == 1
+    assert "wasn't made by an import and would be overwritten" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("a: 1\n", "there is no task and no configuration of the first GRIP in it"),
+        ("name: x\nstates: []\n", "`states` is a list of states and not empty"),
+        ("name: x\nstates: [3]\n", "a state is `NAME: {source: ..., ...}`, not 3"),
+        ("name: x\nstates: [{A: 3}]\n", "a mapping with `source` is expected"),
+        ("name: x\nstates: [{A: {source: move}}, {A: {source: move}}]\n", "two states have this name"),
+        ("name: x\ninitial: B\nstates: [{A: {source: move}}]\n", "it begins with 'B', which isn't there"),
+    ],
+)
+def test_what_is_wrong_with_a_text_is_said(text, message, tmp_path):
+    (tmp_path / "a.yaml").write_text(text)
+    with pytest.raises(GripError) as caught:
+        import_grip(tmp_path / "a.yaml")
+    assert message in str(caught.value)
+
+
+def test_random_and_damaged_task_files_are_imported_or_refused_with_words(tmp_path):
+    whole = 0
+    for seed in range(SEEDS):
+        chance = random.Random(seed)
+        graphs = pick_and_place()
+        for graph in graphs.values():
+            _damage(graph, chance)
+        file = tmp_path / f"t{seed}.ini"
+        write_settings(file, graphs, chance.randrange(5))
+        if chance.random() < 0.3:
+            data = bytearray(file.read_bytes())
+            for _ in range(3):
+                data[chance.randrange(len(data))] = chance.randrange(256)
+            file.write_bytes(bytes(data))
+        with suppress(GripError):  # any other error fails the test
+            whole += bool(import_grip(file).tasks)
+    assert whole > SEEDS // 4
+
+
+def _damage(graph: Graph, chance: random.Random) -> None:
+    """Do what an editor's faults, or a hand, may do to a graph."""
+    for entries in (graph.connectors, graph.states):
+        if entries and chance.random() < 0.15:
+            entries.pop(chance.randrange(len(entries)))
+    if chance.random() < 0.1 and graph.states:
+        entry = chance.choice(graph.states)
+        entry[chance.choice(["name", "type", "content", "output_sockets", "input_socket"])] = chance.choice(
+            [None, 3, "", [], {}, [1, 2, 3], "x" * 50]
+        )
+    if chance.random() < 0.1:
+        chance.choice(graph.connectors or [{}])["end"] = chance.choice([None, 7, "y", []])

@@ -1,0 +1,271 @@
+"""A tree becomes the task that does the same; a compiled task gives its document back; the rest is refused by name."""
+
+from __future__ import annotations
+
+import inspect
+import itertools
+import os
+from random import Random
+from typing import Any
+
+import py_trees
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from parity_generate import make_case
+from parity_world import ScriptedLeaf, catalog_of
+from py_trees import behaviours, composites, decorators
+from py_trees.behaviour import Behaviour
+from py_trees.common import OneShotPolicy, ParallelPolicy, Status
+from random_trees import make_tree
+
+from grip_bt.base.errors import InvalidTaskError
+from grip_bt.compilers import CompiledTree, to_tree
+from grip_bt.formats.pytrees import RefusedTreeError, to_task
+from grip_bt.runtime import ManualClock
+from grip_bt.task import Task, dumps
+from grip_bt.task.catalog import Catalog, OwnCode
+
+TASKS = int(os.environ.get("GRIP_FUZZ_TASKS", "200"))
+FIRST = int(os.environ.get("GRIP_FUZZ_SEED", "0"))
+STEP = {"node": "flow/succeed"}
+
+
+class Context:
+    """What leaves and time-outs ask for."""
+
+    def __init__(self) -> None:
+        self.clock = ManualClock()
+        self.preempt_requested = False
+
+    def wake(self) -> None:
+        """Nobody waits."""
+
+    def wake_at(self, time: float) -> None:
+        """Nobody waits."""
+
+
+def compiled(root: dict[str, Any], **task: Any) -> CompiledTree:
+    return to_tree(Task.model_validate({"grip": 1, "name": "t", "root": root, **task}), Catalog.builtin())
+
+
+@settings(max_examples=TASKS, deadline=None, suppress_health_check=list(HealthCheck))
+@given(st.randoms(use_true_random=False), st.integers(0, 14))
+def test_a_compiled_task_gives_its_document_back(random: Random, flavour: int) -> None:
+    case = make_case(flavour, random=random)
+    task = Task.model_validate(case["task"])
+    tree = to_tree(
+        task, catalog_of(case), leaf_factory=lambda p, n, m: ScriptedLeaf(p, p, m, dict(n.with_), dict(n.meaning))
+    )
+    again = to_task(tree)
+    assert again.task == task
+    assert dumps(again.task) == dumps(task)
+    assert (again.names, again.remarks) == ({}, ())
+
+
+def statuses(root: Behaviour) -> list[str]:
+    return [node.status.name for node in root.iterate()]
+
+
+def test_a_tree_and_its_task_have_the_same_statuses_at_every_tick(monkeypatch: pytest.MonkeyPatch) -> None:
+    context, readings = Context(), itertools.count()
+    # A clock that is read twice never shows the same; so "after" and "not before" a deadline are one.
+    for module in (py_trees.decorators, py_trees.timers):
+        monkeypatch.setattr(module.time, "monotonic", lambda: context.clock.now() + next(readings) * 1e-9)
+        monkeypatch.setattr(module.time, "time", lambda: context.clock.now() + next(readings) * 1e-9)
+    kinds: set[str] = set()
+    for seed in range(FIRST, FIRST + TASKS):
+        context.clock = ManualClock()
+        tree = make_tree(Random(seed))
+        again = to_tree(to_task(tree).task, Catalog.builtin()).root
+        assert [len(node.children) for node in again.iterate()] == [len(node.children) for node in tree.iterate()]
+        for node in again.iterate():
+            node.setup(context=context)
+        for tick in range(12):
+            tree.tick_once()
+            again.tick_once()
+            assert statuses(again) == statuses(tree), f"seed {seed}, tick {tick}"
+            context.clock.advance(1)
+        kinds |= {type(node).__name__ for node in tree.iterate()}
+    assert len(kinds) == 13
+
+
+def test_every_composite_and_decorator_of_py_trees_has_an_equal_or_a_reason() -> None:
+    from grip_bt.formats.pytrees.kinds import _KNOWN, _WHY
+
+    abstract = {composites.Composite, decorators.Decorator}
+    for module in (composites, decorators):
+        classes = {c for _, c in inspect.getmembers(module, inspect.isclass) if c.__module__ == module.__name__}
+        ours = {c for c in classes - abstract if issubclass(c, Behaviour)}
+        assert ours <= set(_KNOWN) | set(_WHY)
+    assert not set(_KNOWN) & set(_WHY)
+
+
+def stuck() -> Behaviour:
+    return behaviours.Running("stuck")
+
+
+@pytest.mark.parametrize(
+    ("node", "why"),
+    [
+        (lambda: decorators.RunningIsFailure("x", stuck()), "RunningIsFailure: it makes an end of a child that runs"),
+        (lambda: decorators.OneShot("x", stuck(), OneShotPolicy.ON_COMPLETION), "OneShot: what it remembers"),
+        (lambda: decorators.EternalGuard("x", stuck(), lambda: True), "EternalGuard: its condition is a Python"),
+        (lambda: decorators.Timeout("x", stuck(), 0.0), "a Timeout of 0 s is over at once"),
+        (lambda: composites.Parallel("x", ParallelPolicy.SuccessOnSelected([])), "SuccessOnSelected"),
+        (lambda: type("Mine", (composites.Sequence,), {})("x", True), "Mine can't be imported by a name"),
+    ],
+)
+def test_what_has_no_equal_is_refused_with_its_path_and_the_reason(node: Any, why: str) -> None:
+    root = composites.Sequence("root", True, [behaviours.Success("fine"), decorators.Inverter("not", node())])
+    with pytest.raises(RefusedTreeError, match=f"not/x: .*{why}"):
+        to_task(root)
+
+
+def test_all_refusals_are_found_at_once() -> None:
+    with pytest.raises(RefusedTreeError) as caught:
+        to_task(composites.Sequence("root", True, [Odd([]), decorators.Count("count", Odd([object()]))]))
+    assert [remark.path for remark in caught.value.refused] == ["count", "count/odd"]
+
+
+class Odd(Behaviour):
+    """Somebody's own."""
+
+    def __init__(self, words: list, name: str = "odd", factor: float = 1.0, *, twice: bool = False):
+        super().__init__(name)
+        self.words, self.factor, self.twice = words, 2 * factor if twice else factor, False
+
+    def update(self) -> Status:
+        return Status.FAILURE
+
+
+def test_a_behaviour_that_can_be_made_again_is_kept_as_it_is() -> None:
+    children = [stuck(), Odd(["a", {"b": 1}], factor=2.5), Odd([], name="its own")]
+    found = to_task(
+        composites.Sequence("root", False, [*children, composites.Sequence("its-own", True, [Odd([], "7")])])
+    )
+    nodes = found.task.root.children
+    assert nodes["stuck"].behaviour == "py_trees.behaviours:Running"
+    assert nodes["odd"].args == {"words": ["a", {"b": 1}], "factor": 2.5}
+    assert nodes["its own"].args == {"words": []}
+    assert nodes["its-own"].children["n_7"].args == {"words": [], "name": "7"}
+    catalog = Catalog.builtin().with_code(OwnCode((__name__,)))
+    again = [node for node in to_tree(found.task, catalog).root.iterate() if type(node) is Odd]
+    assert [(node.name, node.words, node.factor) for node in again] == [
+        ("odd", ["a", {"b": 1}], 2.5),
+        ("its own", [], 1.0),
+        ("7", [], 1.0),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("behaviour", "why"),
+    [
+        (lambda: behaviours.TickCounter("x", 3, Status.SUCCESS), "'completion_status' .* isn't known as a literal"),
+        (lambda: behaviours.SuccessEveryN("x", 3), "'n' it was made with isn't known"),
+        (lambda: Odd([], "x", 2.0, twice=True), "made again its 'later' would be another"),
+        (lambda: behaviours.UnsetBlackboardVariable("x", "key"), "works on py_trees' blackboard"),
+    ],
+)
+def test_a_behaviour_that_would_not_be_the_same_is_refused(behaviour: Any, why: str) -> None:
+    made = behaviour()
+    if isinstance(made, Odd):
+        made.later = "set after it was made"
+    with pytest.raises(RefusedTreeError, match=why):
+        to_task(composites.Sequence("root", True, [made]))
+
+
+def test_names_that_a_task_cannot_have_are_told() -> None:
+    children = [behaviours.Success(name) for name in ("a.b", "a_b", "a.b", "7", "fine")]
+    found = to_task(composites.Sequence("my tree!", True, children))
+    assert list(found.task.root.children) == ["a_b_2", "a_b", "a_b_3", "n_7", "fine"]
+    assert found.names == {"a_b_2": "a.b", "a_b_3": "a.b", "n_7": "7"}
+    assert found.task.name == "my tree"
+
+
+def test_a_tree_without_its_document_is_read_from_what_its_nodes_carry() -> None:
+    tree = compiled(
+        {
+            "kind": "state_machine",
+            "initial": "try",
+            "outcomes": {"done": "success", "lost": "failure"},
+            "children": {
+                "try": {
+                    "kind": "retry",
+                    "times": 3,
+                    "outcomes": {"late": "failure"},
+                    "exits": {"fail.failure.no_ik": "late"},
+                    "on": {"success": "done", "failure.time_out": "try", "failure": "lost", "late": "both"},
+                    "child": {"fail": {"node": "flow/fail", "with": {"code": "no_ik"}}},
+                },
+                "both": {
+                    "kind": "parallel",
+                    "policy": "any",
+                    "cancel": "join",
+                    "on": {"success": "rest", "failure": "lost"},
+                    "children": {"wait": {"node": "flow/wait", "with": {"seconds": 1}}, "step": STEP},
+                },
+                "rest": {
+                    "kind": "cooldown",
+                    "seconds": 2.0,
+                    "on": {"success": "done", "failure": "lost"},
+                    "child": {"loop": {"kind": "loop", "times": 3, "child": {"step": STEP}}},
+                },
+            },
+        },
+        outcomes={"done": "success", "lost": "failure"},
+    )
+    assert to_task(tree.root).task == tree.task
+
+
+def test_variables_of_a_tree_without_its_document_are_refused() -> None:
+    log = {"node": "flow/log", "with": {"message": "m"}, "in": {"value": "v"}}
+    guard = {"kind": "guard", "if": "v > 1", "child": {"step": STEP}}
+    children = {"log": log, "guard": guard, "if": {**STEP, "precondition": "v > 2"}}
+    tree = compiled({"kind": "sequence", "data": {"v": {"type": "int", "value": 2}}, "children": children})
+    assert to_task(tree).task == tree.task
+    with pytest.raises(RefusedTreeError) as caught:
+        to_task(tree.root)
+    assert [remark.path for remark in caught.value.refused] == ["/", "log", "guard", "if"]
+
+
+def test_what_was_changed_on_the_behaviours_is_in_the_document() -> None:
+    tree = compiled(
+        {
+            "kind": "sequence",
+            "doc": "All of it.",
+            "children": {
+                "again": {"kind": "retry", "times": 2, "doc": "Twice.", "child": {"step": STEP}},
+                "wait": {"node": "flow/wait", "with": {"seconds": 1.5}},
+                "gone": STEP,
+            },
+        }
+    )
+    root: Any = tree.root
+    root.memory = False
+    root.children[0].num_failures = 5
+    root.children[1].params["seconds"] = 2.5
+    root.remove_child(root.children[2])
+    root.add_child(composites.Selector("new", True, [behaviours.Failure("no")]))
+    changed = to_task(tree).task.root
+    assert (changed.doc, changed.memory, list(changed.children)) == ("All of it.", False, ["again", "wait", "new"])
+    assert (changed.children["again"].doc, changed.children["again"].times) == ("Twice.", 5)
+    assert changed.children["wait"].with_ == {"seconds": 2.5}
+    assert changed.children["new"].children["no"].node == "flow/fail"
+    assert root.status == Status.INVALID
+
+
+def test_what_comes_out_is_checked_like_any_task() -> None:
+    tree = compiled(
+        {"kind": "sequence", "outcomes": {"x": "success"}, "exits": {"a.success": "x"}, "children": {"a": STEP}}
+    )
+    tree.root.remove_child(tree.root.children[0])
+    with pytest.raises(InvalidTaskError, match="an exit names 'a'"):
+        to_tree(to_task(tree).task, Catalog.builtin())
+
+
+@pytest.mark.parametrize("where", ["json", "json:", ":loads", ":", ""])
+def test_a_place_without_a_module_or_a_name_is_told_how_it_is_written(where: str) -> None:
+    from grip_bt.formats.pytrees.executed import _told
+
+    assert _told(where) == {"error": "write `package.module:factory`"}

@@ -1,0 +1,76 @@
+"""Two tasks are the same when they say the same, to the letter and in the same order."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from random_commands import commands
+
+from grip_bt.base.errors import EditError
+from grip_bt.task import load, loads, read_text
+from grip_bt.task.edit import Rename, apply, apply_to_document
+from grip_bt.task.edit.alike import alike, said_alike
+
+EXAMPLES = sorted((Path(__file__).parents[3] / "examples").rglob("tasks/*.yaml"))
+TEXT = "grip: 1\nname: t\nroot: {kind: sequence, children: {a: {node: flow/wait, with: WITH}}}\n"
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        ("{s: 1}", "{s: 1.0}"),
+        ("{s: 1}", "{s: true}"),
+        ("{s: 0.0}", "{s: -0.0}"),
+        ("{s: '1'}", "{s: 1}"),
+        ("{s: 1, t: 2}", "{t: 2, s: 1}"),
+        ("{s: [1, 2]}", "{s: [2, 1]}"),
+        ("{s: [1]}", "{s: [1, 1]}"),
+        ("{s: 1}", "{s: null}"),
+    ],
+)
+def test_what_is_written_differently_is_not_alike(one: str, other: str) -> None:
+    assert not alike(loads(TEXT.replace("WITH", one)), loads(TEXT.replace("WITH", other)))
+    assert alike(loads(TEXT.replace("WITH", one)), loads(TEXT.replace("WITH", one)))
+
+
+def test_order_of_children_counts() -> None:
+    text = "grip: 1\nname: t\nroot: {kind: sequence, children: {%s: {node: flow/fail}, %s: {node: flow/fail}}}\n"
+    assert not alike(loads(text % ("a", "b")), loads(text % ("b", "a")))
+
+
+def test_values_that_are_not_numbers_are_alike() -> None:
+    assert alike({"a": [math.nan, None]}, {"a": (math.nan, None)})
+    assert alike([math.inf], [None])
+    assert not said_alike([math.inf], [None])
+
+
+@settings(deadline=None, max_examples=50, suppress_health_check=list(HealthCheck))
+@given(st.data())
+def test_it_says_what_comparing_the_written_form_says(data: st.DataObject) -> None:
+    before = load(data.draw(st.sampled_from(EXAMPLES)))
+    try:
+        after = apply(before, data.draw(commands(before))).task
+    except EditError:
+        return
+    assert alike(before, after) == (before.model_dump_json() == after.model_dump_json())
+
+
+def test_a_default_that_is_said_is_alike_and_not_said_alike() -> None:
+    silent, said = (
+        loads(f"grip: 1\nname: t\nroot: {{kind: sequence{more}, children: {{}}}}\n") for more in ("", ", memory: true")
+    )
+    assert alike(silent, said)
+    assert not said_alike(silent, said)
+    assert said_alike(said, loads("grip: 1\nname: t\nroot: {kind: sequence, memory: true, children: {}}\n"))
+
+
+def test_an_edited_document_shares_what_the_edit_left_alone() -> None:
+    text = "grip: 1\nname: t\nroot: {kind: sequence, children: {a: {node: flow/fail}, b: {node: flow/fail}}}\n"
+    document = read_text(text)
+    after = apply_to_document(document, Rename(path="a", name="c")).document
+    assert after.task.root.children["b"] is document.task.root.children["b"]  # type: ignore[union-attr]
+    assert after.task == read_text(after.text).task

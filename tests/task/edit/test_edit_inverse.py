@@ -1,0 +1,82 @@
+"""Every command has an exact inverse, and one that can't be carried out changes nothing."""
+
+from copy import deepcopy
+
+from hypothesis import HealthCheck, event, given, settings
+from hypothesis import strategies as st
+from random_commands import commands
+from random_tasks import tasks
+
+from grip_bt.base.errors import EditError
+from grip_bt.task import Task, dumps, loads, read_text
+from grip_bt.task.edit import Group, apply, apply_to_document, command_of
+
+unhurried = settings(
+    deadline=None, max_examples=70, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large]
+)
+
+
+@unhurried
+@given(st.data(), tasks)
+def test_a_command_and_its_inverse_are_nothing(data, task):
+    command = data.draw(commands(task))
+    before = dumps(task)
+    try:
+        done = apply(task, command)
+    except EditError:
+        event(f"{command.do} refused")
+        assert dumps(task) == before
+        return
+    event(f"{command.do} done")
+    assert dumps(task) == before
+    assert loads(dumps(done.task)) == done.task
+    undone = apply(done.task, done.inverse)
+    assert undone.task == task
+    assert dumps(undone.task) == before
+    redone = apply(undone.task, undone.inverse)
+    assert dumps(redone.task) == dumps(done.task)
+
+
+@unhurried
+@given(st.data(), tasks)
+def test_an_edit_of_a_document_leaves_it_as_it_was(data, task):
+    document = read_text(dumps(task))
+    command = data.draw(commands(task))
+    syntax = deepcopy(document.tree)
+    try:
+        done = apply_to_document(document, command)
+    except EditError:
+        assert document.tree == syntax
+        return
+    assert document.tree == syntax
+    again = apply_to_document(document, command)
+    assert again.document.text == done.document.text
+
+
+@unhurried
+@given(st.data(), tasks)
+def test_groups_of_commands_are_undone_at_once_and_survive_the_wire(data, task):
+    current, parts = task, []
+    for _ in range(data.draw(st.integers(1, 5))):
+        command = data.draw(commands(current))
+        try:
+            current = apply(current, command).task
+            parts.append(command)
+        except EditError:
+            continue
+    group = Group(commands=tuple(parts))
+    done = apply(task, group)
+    assert dumps(done.task) == dumps(current)
+    assert dumps(apply(done.task, done.inverse).task) == dumps(task)
+    assert command_of(group.model_dump()) == group
+    assert command_of(done.inverse.model_dump()) == done.inverse
+
+
+@unhurried
+@given(st.data(), tasks)
+def test_what_an_edit_gives_is_what_a_full_check_of_its_data_gives(data, task):
+    try:
+        done = apply(task, data.draw(commands(task)))
+    except EditError:
+        return
+    assert Task.model_validate(done.task.model_dump()) == done.task
