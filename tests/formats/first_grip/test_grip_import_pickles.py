@@ -84,7 +84,7 @@ class Runs:
         (b"ccollections\nOrderedDict\nccollections\nOrderedDict\n.", "broken"),
         (b"ccollections\nOrderedDict\n.", "broken"),
         (b"ccollections\nnamedtuple\n.", "collections.namedtuple"),
-        (b"cgrip_bt.values\nPose\n.", "grip_bt.base.values.Pose"),
+        (b"cgrip_bt.base.values\nPose\n.", "grip_bt.base.values.Pose"),
         (b"PSome id\n.", "PERSID"),
         (b"\x82\x01.", "EXT1"),
         (b"\x8c\x02os\x8c\x06system\x93.", "os.system"),
