@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from grip_bt.base.errors import InvalidTaskError
+from grip_bt.base.issue import Issue, Report
 from grip_bt.compilers import to_machine, to_tree
 from grip_bt.nodes import Leaf
 from grip_bt.nodes.mock import MockLeaf
@@ -18,7 +19,7 @@ from grip_bt.runtime.durable import Durable
 from grip_bt.runtime.keeping import Kept
 from grip_bt.task import Document, Variable, read, read_text
 from grip_bt.task.model import type_of
-from grip_bt.task.validation import Issue, Report, validate
+from grip_bt.task.validation import validate
 
 from .going_on import GoOn, begin_again, options_text, policy_of
 from .journal_room import keep_to_limit

@@ -34,7 +34,7 @@ def add_parser(subparsers: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Apply the commands in their order, all or none."""
     from grip_bt.app.project import project_catalog
-    from grip_bt.cli.fmt import replace_text
+    from grip_bt.base.files import replace_text
     from grip_bt.task import read
 
     words = sys.stdin.read() if args.command == "-" else args.command

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from grip_bt.base.errors import DocumentError, GripError
 
 if TYPE_CHECKING:
-    from grip_bt.task.validation import Issue
+    from grip_bt.base.issue import Issue
 
 
 def add_parser(subparsers: Any) -> None:
@@ -46,9 +46,10 @@ def run(args: argparse.Namespace) -> int:
 def _issues(path: str) -> tuple[Issue, ...]:
     """Return the issues of a file; what keeps it from being read is one too."""
     from grip_bt.app import project_catalog
+    from grip_bt.base.issue import Issue
     from grip_bt.base.yaml.files import read_file
     from grip_bt.task import read_text
-    from grip_bt.task.validation import Issue, validate
+    from grip_bt.task.validation import validate
 
     try:
         document = read_text(read_file(path), path)
@@ -62,7 +63,7 @@ def _issues(path: str) -> tuple[Issue, ...]:
 
 
 def _unreadable(error: DocumentError) -> Issue:
-    from grip_bt.task.validation import Issue
+    from grip_bt.base.issue import Issue
 
     message = error.message.rstrip(".")
     return Issue("", "bad-document", "error", message, "", error.line or 1, error.column or 1, error.source)

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import errno
-import os
-import shutil
 import sys
-import tempfile
 from pathlib import Path
 from typing import Any
+
+from grip_bt.base.files import replace_text
 
 from .streams import put
 
@@ -45,27 +43,3 @@ def _both(path: str) -> tuple[str, str]:
 
     before = sys.stdin.read() if path == "-" else read_file(path)
     return before, fmt(before, "<stdin>" if path == "-" else path)
-
-
-def replace_text(path: Path, text: str) -> None:
-    """Write a file in one step: whoever reads it sees the old text or the new one."""
-    path = path.resolve()
-    if path.is_dir():
-        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
-    try:
-        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name[:100]}.")
-    except OSError as error:  # of the file that was named, not of ours beside it
-        raise OSError(error.errno, error.strerror, str(path)) from None
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
-        if path.exists():
-            shutil.copymode(path, temporary)
-        else:
-            umask = os.umask(0)
-            os.umask(umask)
-            Path(temporary).chmod(0o666 & ~umask)
-        Path(temporary).replace(path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise

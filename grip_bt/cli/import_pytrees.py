@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from grip_bt.base.errors import GripError
+from grip_bt.base.files import replace_text
 
-from .fmt import replace_text
 from .streams import put
 
 if TYPE_CHECKING:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
 from grip_bt.base.errors import GripError
+from grip_bt.base.files import replace_text
 
 from .render import MARK
 
@@ -39,7 +38,8 @@ def write_package(folder: Path, files: Mapping[str, str]) -> list[str]:
             raise NotOursError(folder / path)
     for path in changed:
         if path in files:
-            _replace(folder / path, files[path])
+            (folder / path).parent.mkdir(parents=True, exist_ok=True)
+            replace_text(folder / path, files[path])
         else:
             (folder / path).unlink()
     return changed
@@ -57,16 +57,3 @@ def _read(path: Path) -> str | None:
         return path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError):
         return None
-
-
-def _replace(path: Path, text: str) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
-        Path(temporary).chmod(0o644)
-        os.replace(temporary, path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise

@@ -12,7 +12,6 @@ The first level names arms and hands as the project does; quaternions are w x y 
 from __future__ import annotations
 
 import json
-import os
 import threading
 from collections.abc import Mapping
 from pathlib import Path
@@ -21,6 +20,7 @@ from pydantic import BaseModel, ConfigDict, RootModel
 
 from grip_bt.base.errors import DocumentError, UnknownNameError
 from grip_bt.base.failures import NameTakenError
+from grip_bt.base.files import replace_text
 from grip_bt.base.values import JointState, Pose
 
 
@@ -142,9 +142,7 @@ def _write(file: Path, parts: Mapping[str, Mapping[str, JointState | Pose]]) -> 
         for name, value in entries.items():
             lines.append(f"  {name}:")
             lines.append(f"    {_line(value)}")
-    beside = file.with_name(f".{file.name}.{os.getpid()}")
-    beside.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    os.replace(beside, file)
+    replace_text(file, "\n".join(lines) + "\n")
 
 
 def _line(value: JointState | Pose) -> str:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from grip_bt.base.errors import listing, nearest
+from grip_bt.base.issue import Issue
 from grip_bt.nodes.control import Edges
 from grip_bt.task.catalog import Manifest
 from grip_bt.task.model import Leaf, Parallel, Subtask, Task
-from grip_bt.task.validation import Issue
 from grip_bt.task.walking import outcomes_of
 
 from .scopes import Scope

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 from grip_bt.base.errors import ExpressionError, listing, nearest
 from grip_bt.base.evaluation import condition_of, value_of
 from grip_bt.base.expression import Expression, parse_expression
+from grip_bt.base.issue import Issue
 from grip_bt.nodes.control import Cases, Condition, Items, Passes, Rest, Rule
 from grip_bt.task import model, walking
 from grip_bt.task.model import AnyNode
-from grip_bt.task.validation import Issue
 from grip_bt.task.walking import expressions_of
 
 from .scopes import Cell, Scope, Scopes

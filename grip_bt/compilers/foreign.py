@@ -15,9 +15,9 @@ from typing import Any
 from py_trees.behaviour import Behaviour
 
 from grip_bt.base.errors import InvalidTaskError
+from grip_bt.base.issue import Issue
 from grip_bt.task.catalog import OwnCode
 from grip_bt.task.model import Foreign
-from grip_bt.task.validation import Issue
 from grip_bt.task.validation.rules.foreign import not_listed
 
 BehaviourFactory = Callable[[str, str, Foreign], Behaviour]

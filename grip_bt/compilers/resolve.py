@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from grip_bt.base.errors import GripError, InvalidTaskError, SubtaskError
+from grip_bt.base.issue import Issue
 from grip_bt.nodes.control import Edges
 from grip_bt.task.catalog import Catalog, Manifest, check_value, face_of, parse_type
 from grip_bt.task.model import (
@@ -25,7 +26,6 @@ from grip_bt.task.model import (
     Task,
     Variable,
 )
-from grip_bt.task.validation import Issue
 from grip_bt.task.validation.known import KnownManifests
 from grip_bt.task.validation.rules.foreign import not_listed
 from grip_bt.task.walking import children_of, join, outcomes_of, with_refusal

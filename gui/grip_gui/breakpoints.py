@@ -9,6 +9,7 @@ from pathlib import Path
 
 from pydantic import TypeAdapter, ValidationError
 
+from grip_bt.base.files import replace_text
 from grip_bt.task.edit import path_after
 from grip_bt.task.edit.steps import Step
 from grip_gui.run_messages import Breakpoint
@@ -68,6 +69,4 @@ class Breakpoints:
             self.all.pop(task, None)
         self._file.parent.mkdir(parents=True, exist_ok=True)
         text = json.dumps(_FILE.dump_python(self.all, mode="json"), indent=1)
-        new = self._file.with_suffix(".new")
-        new.write_text(text + "\n", encoding="utf-8")
-        new.replace(self._file)
+        replace_text(self._file, text + "\n")

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from grip_bt.app.project import project_catalog
 from grip_bt.base.errors import DocumentError, GripError, SubtaskError, UnknownNameError
+from grip_bt.base.issue import Issue
 from grip_bt.base.yaml.files import read_file
 from grip_bt.task.catalog import Catalog, face_of
 from grip_bt.task.document import Document, read_text
-from grip_bt.task.validation import Issue, validate
+from grip_bt.task.validation import validate
 from grip_bt.task.validation.fixes import Fixer
 from grip_gui.messages import FixView, Problem, TaskView
 from grip_gui.project import ProjectFolder
@@ -94,7 +95,7 @@ def _problem(issue: Issue, fixer: Fixer | None) -> Problem:
     return Problem(
         path=issue.path,
         code=issue.code,
-        severity=issue.severity,
+        severity="error" if issue.severity == "error" else "warning",
         message=issue.message,
         fix=issue.fix,
         line=issue.line,

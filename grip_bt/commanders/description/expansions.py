@@ -6,10 +6,11 @@ import hashlib
 import json
 import os
 import sys
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
+
+from grip_bt.base.files import replace_text
 
 from .reading import as_they_were, note, stamps_of
 
@@ -38,9 +39,7 @@ def keep(request: Mapping[str, Any], text: str, files: list[str]) -> None:
     place = _place(request)
     try:
         place.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile("w", dir=place.parent, delete=False, encoding="utf-8") as file:
-            json.dump({"text": text, "stamps": stamps_of(files)}, file)
-        os.replace(file.name, place)
+        replace_text(place, json.dumps({"text": text, "stamps": stamps_of(files)}))
         for old in sorted(place.parent.glob("*.json"), key=lambda p: p.stat().st_mtime_ns)[:-MOST]:
             old.unlink(missing_ok=True)
     except OSError:

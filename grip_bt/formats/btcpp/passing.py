@@ -13,9 +13,10 @@ from typing import Any
 
 from grip_bt.base.expression import parse_expression
 from grip_bt.base.frozen import FrozenDict
+from grip_bt.base.issue import Issue
 from grip_bt.task import model, walking
 from grip_bt.task.catalog import Catalog
-from grip_bt.task.validation import Issue, validate
+from grip_bt.task.validation import validate
 
 
 def with_nulls(task: model.Task, catalog: Catalog) -> tuple[model.Task, list[str]]:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import ast
-import os
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from grip_bt.base.errors import DocumentError, GripError
+from grip_bt.base.files import replace_text
 from grip_bt.nodes.smach_leaf import task_name
 from grip_bt.task import Task, dumps
 
@@ -145,14 +144,6 @@ def write_import(imported: ImportedFile, tasks: Mapping[str, Path], nodes: Path)
         if path.exists() and MARK not in path.read_text(encoding="utf-8", errors="replace"):
             raise GripError(f"{path} wasn't made by an import and would be overwritten; move it, or choose another -o")
     for path, text in texts.items():
-        _replace(path, text)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        replace_text(path, text)
     return list(texts)
-
-
-def _replace(path: Path, text: str) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    with os.fdopen(handle, "w", encoding="utf-8") as file:
-        file.write(text)
-    Path(temporary).chmod(0o644)
-    Path(temporary).replace(path)

@@ -7,14 +7,13 @@ changed since by something else, that change is one more moment, so that nothing
 from __future__ import annotations
 
 import json
-import os
-import tempfile
 from pathlib import Path
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from grip_bt.base.errors import DocumentError
+from grip_bt.base.files import replace_text
 
 from ..document import Document, read_text
 from .commands import Patch
@@ -68,14 +67,7 @@ def save_history(history: History, path: Path) -> None:
         text = stored(history)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-        try:
-            with os.fdopen(handle, "w", encoding="utf-8", newline="") as file:
-                file.write(text)
-            Path(temporary).replace(path)
-        except BaseException:
-            Path(temporary).unlink(missing_ok=True)
-            raise
+        replace_text(path, text)
     except OSError as error:
         raise DocumentError(f"can't be written: {error.strerror or error}", str(path)) from error
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from grip_bt.base.issue import Report, ordered
 from grip_bt.task import Task
 from grip_bt.task.allocation import many_made
 from grip_bt.task.catalog import Catalog
@@ -9,7 +10,6 @@ from grip_bt.task.document import Document
 
 from .codes import SEVERITY
 from .dataflow import check_dataflow
-from .issue import Issue, Report, Severity, ordered
 from .possible import Possible
 from .rules.equipment import check_equipment
 from .rules.expressions import check_expressions
@@ -25,7 +25,7 @@ from .rules.variables import check_variables
 from .subtasks import Checked, Subtasks
 from .survey import Survey
 
-__all__ = ["SEVERITY", "Issue", "Report", "Severity", "survey_of", "validate"]
+__all__ = ["SEVERITY", "survey_of", "validate"]
 
 
 def validate(task: Task, catalog: Catalog, document: Document | None = None) -> Report:

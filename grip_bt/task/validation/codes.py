@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .issue import Severity
+from grip_bt.base.issue import Severity
 
 _ERRORS = (
     "unknown-node",

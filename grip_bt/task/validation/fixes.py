@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 
 from grip_bt.base.errors import EditError
+from grip_bt.base.issue import Issue
 from grip_bt.task import Leaf, StateMachine, Task
 from grip_bt.task.catalog import Catalog, InputPort, OutputPort, is_assignable, parse_type
 from grip_bt.task.edit import (
@@ -28,7 +29,6 @@ from grip_bt.task.edit import (
     apply,
 )
 
-from .issue import Issue
 from .rules.equipment import names_for
 from .rules.messages import known_messages
 from .survey import Declared, Spot, Survey

@@ -6,10 +6,9 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 from grip_bt.base.errors import SubtaskError
+from grip_bt.base.issue import Issue
 from grip_bt.task import Task
 from grip_bt.task.catalog import Catalog, Manifest, face_of
-
-from .issue import Issue
 
 Checked = tuple[list[Issue], Mapping[str, Iterable[str]]]
 """The issues of a task, and each of its outputs -> the outcomes with which it has been written."""

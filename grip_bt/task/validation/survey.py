@@ -8,6 +8,7 @@ from typing import Any
 
 from grip_bt.base.errors import ExpressionError
 from grip_bt.base.expression import parse_expression
+from grip_bt.base.issue import Issue
 from grip_bt.task import (
     AnyNode,
     Cooldown,
@@ -33,7 +34,6 @@ from grip_bt.task.catalog import Catalog, Manifest, Type, parse_type
 from grip_bt.task.document import Document
 
 from .codes import SEVERITY
-from .issue import Issue
 from .known import Known, KnownManifests
 from .subtasks import Subtasks
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import os
 from hashlib import blake2b
 from pathlib import Path
-from tempfile import NamedTemporaryFile
 
 from grip_bt.base.errors import DocumentError
+from grip_bt.base.files import replace_bytes
 from grip_bt.base.yaml.files import read_file
 
 _BOM = b"\xef\xbb\xbf"
@@ -57,11 +56,7 @@ class TextFile:
         data = self._mark + text.encode("utf-8")
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
-            with NamedTemporaryFile(dir=self.path.parent, prefix=f".{self.path.name}.", delete=False) as new:
-                new.write(data)
-                new.flush()
-                os.fsync(new.fileno())
-            _settle(Path(new.name), self.path)
+            replace_bytes(self.path, data, durable=True)
         except (OSError, UnicodeEncodeError) as error:
             raise DocumentError(f"can't be written: {error}", self.name) from error
         self.known = _digest(data)
@@ -76,22 +71,6 @@ class TextFile:
             return _digest(self.path.read_bytes())
         except OSError:
             return ""
-
-
-def _settle(new: Path, path: Path) -> None:
-    """Put a finished file in the place of another one."""
-    try:
-        mode = path.stat().st_mode & 0o777
-    except OSError:
-        mask = os.umask(0)
-        os.umask(mask)
-        mode = 0o666 & ~mask
-    try:
-        new.chmod(mode)
-        new.replace(path)
-    except OSError:
-        new.unlink(missing_ok=True)
-        raise
 
 
 def _digest(data: bytes) -> str:

@@ -13,10 +13,11 @@ from typing import Any
 from grip_bt.app.execute import RunOptions, open_session
 from grip_bt.app.project import project_catalog
 from grip_bt.base.errors import DocumentError, GripError
+from grip_bt.base.issue import Report
 from grip_bt.cli.convert import CONVERTERS
 from grip_bt.cli.shell import run_verb
 from grip_bt.task import Document, fmt, read_text
-from grip_bt.task.validation import Report, validate
+from grip_bt.task.validation import validate
 
 MOST_EVENTS = 60
 """After so many events a run is stopped."""

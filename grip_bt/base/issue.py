@@ -1,4 +1,4 @@
-"""What validation says: issues with a place, a stable code and, where there is one, a fix."""
+"""What a check or an import found: issues with a place, a stable code and, where there is one, a fix."""
 
 from __future__ import annotations
 
@@ -6,19 +6,19 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-from grip_bt.base.errors import InvalidTaskError
+from .errors import InvalidTaskError
 
-Severity = Literal["error", "warning"]
+Severity = Literal["error", "warning", "info"]
 
 
 @dataclass(frozen=True, slots=True)
 class Issue:
-    """One thing that is wrong, or probably wrong.
+    """One thing that is wrong, probably wrong, or to be known.
 
     Attributes:
-        path: the node (`/` is the root); an empty path is the task itself.
+        path: the node (`/` is the root), or the part of a file from elsewhere; empty for the task or file itself.
         code: stable word from `docs/validation_rules.md`.
-        severity: an `error` can't be run; a `warning` can.
+        severity: an `error` can't be run or imported; a `warning` can; an `info` has only to be known.
         message: what is wrong, with what was allowed.
         fix: what to do; empty where only a person can know.
         line: 1-based, None without a document.
@@ -40,7 +40,7 @@ class Issue:
     def __str__(self) -> str:
         place = self.source
         if self.line is not None:
-            place = f"{place or '<text>'}:{self.line}:{self.column}"
+            place = f"{place or '<text>'}:{self.line}" + (f":{self.column}" if self.column is not None else "")
         lead = f"{place}: " if place else ""
         end = "" if self.message.endswith("?") else "."
         fix = f" Fix: {self.fix}." if self.fix else ""
@@ -66,6 +66,11 @@ class Report:
     def warnings(self) -> tuple[Issue, ...]:
         """What is probably not meant."""
         return tuple(issue for issue in self.issues if issue.severity == "warning")
+
+    @property
+    def infos(self) -> tuple[Issue, ...]:
+        """What has only to be known."""
+        return tuple(issue for issue in self.issues if issue.severity == "info")
 
     @property
     def ok(self) -> bool:
