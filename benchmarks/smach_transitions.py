@@ -2,9 +2,8 @@
 
     .venv/bin/python benchmarks/smach_transitions.py [--upstream PATH/executive_smach/smach/src]
 
-With a checkout of upstream the same machines are measured on it too, in turns with ours. Loggers do nothing; in the
-rows `silent` they are smach_compat's own, of which a machine knows that they do nothing. Time is CPU time; "best" is
-the figure to compare on a machine that does other things as well.
+With a checkout of upstream the same machines are measured on it too, in turns with ours. Loggers do nothing. Time is
+CPU time; "best" is the figure to compare on a machine that does other things as well.
 """
 
 import argparse
@@ -15,7 +14,6 @@ import sys
 import time
 
 from grip_bt import smach_compat
-from grip_bt.smach_compat.log import silent
 
 TRANSITIONS = 20_000
 
@@ -48,10 +46,10 @@ def ping_pong(smach, with_data):
     return machine
 
 
-def rate(smach, with_data, silently=False):
+def rate(smach, with_data):
     """Return the transitions per second [1/s of CPU time] of one execution."""
+    smach.set_loggers(*[lambda text: None] * 4)
     machine = ping_pong(smach, with_data)
-    smach.set_loggers(*[silent if silently else lambda text: None] * 4)
     gc.collect()
     begin = time.process_time()
     outcome = machine.execute()
@@ -73,11 +71,10 @@ def main():
         packages["upstream"] = importlib.import_module("smach")
     print(f"{'package':14}{'userdata':12}{'best [M/s]':>12}{'median [M/s]':>14}")
     for with_data in (False, True):
-        sides = {name: (smach, False) for name, smach in packages.items()} | {"silent": (smach_compat, True)}
-        rates = {name: [] for name in sides}
+        rates = {name: [] for name in packages}
         for _ in range(args.repeats):
-            for name, (smach, silently) in sides.items():
-                rates[name].append(rate(smach, with_data, silently))
+            for name, smach in packages.items():
+                rates[name].append(rate(smach, with_data))
         for name, values in rates.items():
             best, median = max(values) / 1e6, statistics.median(values) / 1e6
             label = "in and out" if with_data else "none"

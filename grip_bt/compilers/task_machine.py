@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
 from typing import Any
 
-from grip_bt import smach_compat
 from grip_bt.base.errors import NodeError
 from grip_bt.base.values import Failure
 from grip_bt.nodes.control import Condition, End, Ruling, first_reason
@@ -17,7 +16,6 @@ from grip_bt.smach_compat import Concurrence, State, StateMachine
 from .behaviour_state import MachineRun, Refined, TaskState, label, labels
 from .choice import Choice
 from .drive import Halted
-from .going import ORDINARY, go_on
 
 
 class TaskContainer(TaskState):
@@ -116,16 +114,6 @@ class TaskMachine(TaskContainer, StateMachine):
             return super().execute(parent_ud)
         finally:
             self.choice.rule.over()
-
-    def _loop(self) -> str | None:
-        """Execute states until the machine's outcome; return None when it is to stop before."""
-        while self._is_running and not smach_compat.is_shutdown():
-            outcome: Any = go_on(self)
-            if outcome is ORDINARY:
-                outcome = self._update_once()
-            if outcome is not None:
-                return outcome  # type: ignore[no-any-return]
-        return None
 
     def reason(self) -> Failure | None:
         """Return the reason of the state that ended the machine."""

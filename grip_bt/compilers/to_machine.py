@@ -13,7 +13,6 @@ from grip_bt.base.errors import NotExpressibleError
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.node import Node
 from grip_bt.nodes.observer import Observer
-from grip_bt.smach_compat.log import silent
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog
 
@@ -258,8 +257,7 @@ _loggers_lock = threading.Lock()
 def _logged() -> Iterator[None]:
     """Send smach's messages, which go to stdout by default, to Python's logging while a compiled machine runs."""
     names = ("loginfo", "logwarn", "logdebug", "logerr")
-    debug = _log.debug if _log.isEnabledFor(logging.DEBUG) else silent
-    ours = (debug, _log.warning, debug, debug)
+    ours = (_log.debug, _log.warning, _log.debug, _log.debug)
     with _loggers_lock:
         before = tuple(getattr(smach_compat, name) for name in names)
         for name, function in zip(names, ours, strict=True):

@@ -4,6 +4,9 @@ Legacy machines run on it unchanged: `install()` makes this package the module `
 upstream, noetic 2.5.x, on purpose is listed in docs/smach.md, each with its test.
 """
 
+import sys
+from typing import TYPE_CHECKING
+
 from . import (
     concurrence,
     container,
@@ -16,6 +19,7 @@ from . import (
     user_data,
     util,
 )
+from ._hooks import SmachModule
 from ._install import install as install
 from ._install import uninstall as uninstall
 from ._settings import configure as configure
@@ -29,12 +33,15 @@ from .exceptions import (
     SmachError,
 )
 from .iterator import Iterator
-from .log import logdebug, logerr, loginfo, logwarn, set_loggers
+from .log import set_loggers
 from .sequence import Sequence
 from .state import CBState, State
 from .state_machine import StateMachine
 from .user_data import Remapper, UserData
-from .util import CBInterface, cb_interface, has_smach_interface, is_shutdown, set_shutdown_check
+from .util import CBInterface, cb_interface, has_smach_interface, set_shutdown_check
+
+if TYPE_CHECKING:  # when the package runs, its class has them: what is set on the package takes effect everywhere
+    from ._hooks import is_shutdown, logdebug, logerr, loginfo, logwarn
 
 # What `from smach import *` gives upstream, and SmachError; `install`, `uninstall` and `configure` are ours.
 __all__ = [
@@ -73,3 +80,5 @@ __all__ = [
     "user_data",
     "util",
 ]
+
+sys.modules[__name__].__class__ = SmachModule

@@ -10,7 +10,6 @@ import sys
 from types import ModuleType
 from typing import Any
 
-from grip_bt import smach_compat as smach
 from grip_bt.base.errors import GripError
 
 from ._settings import Settings, configure
@@ -43,6 +42,7 @@ ROS_SUBMODULES = (
 
 
 def _modules(ros: bool = True) -> dict[str, ModuleType]:
+    smach = sys.modules[__package__]
     modules = {"smach": smach, **{f"smach.{name}": getattr(smach, name) for name in SUBMODULES}}
     if ros:
         smach_ros = importlib.import_module("grip_bt.smach_compat.smach_ros")

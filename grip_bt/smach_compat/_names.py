@@ -5,41 +5,28 @@ Legacy code touches the sets of a state directly (`state._outcomes.add(...)`, di
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from functools import wraps
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 
 class Names(set[Any]):
-    """A set that iterates in the order in which names were added first.
+    """A set that iterates in the order in which names were added first."""
 
-    Attributes:
-        frozen: the very object that `freeze` returned, until the set is changed: shows at a glance that it wasn't.
-    """
+    # Whatever adds is overridden, so that `_order` has every name; what only removes is left to `set`.
 
     def __init__(self, names: Iterable[Any] = ()):
         self._order: dict[Any, None] = dict.fromkeys(names)
         super().__init__(self._order)
-        self.frozen: frozenset[Any] | None = None
-
-    def freeze(self) -> frozenset[Any]:
-        """Return the names as they are now, the same object as long as nothing changes them."""
-        if self.frozen is None:
-            self.frozen = frozenset(self)
-        return self.frozen
 
     def __iter__(self) -> Iterator[Any]:
-        # What C code removed is left out; what it added by other ways (`^=`) comes last.
-        known = [name for name in self._order if name in self]
-        if len(known) != len(self):
-            known.extend(set.difference(self, self._order))
-        return iter(known)
+        if len(self._order) == len(self):
+            return iter(self._order)
+        return iter([name for name in self._order if name in self])
 
     def add(self, name: Any) -> None:
         """Add a name at the end."""
         self._order.setdefault(name)
         super().add(name)
-        self.frozen = None
 
     def update(self, *others: Iterable[Any]) -> None:
         """Add several names at the end."""
@@ -51,6 +38,15 @@ class Names(set[Any]):
         self.update(other)
         return self
 
+    def symmetric_difference_update(self, other: Iterable[Any]) -> None:
+        """Remove the names of another set that are here, and add those that aren't."""
+        for name in dict.fromkeys(other):
+            (self.discard if name in self else self.add)(name)
+
+    def __ixor__(self, other: Any) -> Names:  # type: ignore[misc]
+        self.symmetric_difference_update(other)
+        return self
+
     def union(self, *others: Iterable[Any]) -> Names:
         """Return a new set: these names, then the others'."""
         result = Names(self)
@@ -59,23 +55,3 @@ class Names(set[Any]):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (Names, (list(self),))
-
-
-def _noting(method: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a method of `set` that changes it, with a note that it did."""
-
-    @wraps(method)
-    def changes(self: Names, *args: Any) -> Any:
-        try:
-            return method(self, *args)
-        finally:
-            self.frozen = None
-
-    return changes
-
-
-for _name in (
-    *("discard", "remove", "pop", "clear", "difference_update", "intersection_update"),
-    *("symmetric_difference_update", "__isub__", "__iand__", "__ixor__"),
-):
-    setattr(Names, _name, _noting(getattr(set, _name)))

@@ -7,8 +7,7 @@ import traceback
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from grip_bt import smach_compat as smach
-
+from ._hooks import hooks
 from ._settings import errors_of_user_code, settings
 from .container import Container
 from .exceptions import InvalidStateError, InvalidTransitionError, InvalidUserCodeError
@@ -128,7 +127,7 @@ class Concurrence(Container):
     def set_initial_state(self, initial_states: list[str], userdata: UserData | None = None) -> None:
         """Take over `userdata`; all children always begin, whatever `initial_states` says."""
         if initial_states and set(initial_states) != set(self._states):
-            smach.logwarn("All children of a concurrence begin; the choice of initial states is ignored.")
+            hooks.logwarn("All children of a concurrence begin; the choice of initial states is ignored.")
         if userdata is not None:
             self.userdata.update(userdata)
 
@@ -164,14 +163,14 @@ class Concurrence(Container):
             raise InvalidStateError("A concurrence without children can't be executed")
         self._child_outcomes = dict.fromkeys(self._states)
         self._copy_input_keys(parent_ud, self.userdata)
-        smach.loginfo(f"Concurrence starting with userdata: {self.userdata.keys()}")
+        hooks.loginfo(f"Concurrence starting with userdata: {self.userdata.keys()}")
         self.call_start_cbs()
         self._run_children()
         if self._error is not None:
             error, self._error = self._error, None
             raise error
         outcome = self._decide()
-        smach.loginfo(f"Concurrent outcomes: {self._child_outcomes}; terminating with {outcome!r}")
+        hooks.loginfo(f"Concurrent outcomes: {self._child_outcomes}; terminating with {outcome!r}")
         self.call_termination_cbs(list(self._states), outcome)
         self._copy_output_keys(self.userdata, parent_ud)
         return outcome
@@ -205,7 +204,7 @@ class Concurrence(Container):
             if self._child_outcomes[label] is None:
                 state.request_preempt()
         with self._done_cond:
-            while self._unfinished and not smach.is_shutdown():
+            while self._unfinished and not hooks.is_shutdown():
                 self._done_cond.wait(_POLL)
             if self._unfinished:
                 return

@@ -12,8 +12,7 @@ from contextlib import contextmanager
 from types import TracebackType
 from typing import Any, ClassVar, TypeVar
 
-from grip_bt import smach_compat as smach
-
+from ._hooks import hooks
 from ._settings import settings
 from .exceptions import InvalidConstructionError, InvalidStateError, InvalidTransitionError
 from .state import State
@@ -111,7 +110,7 @@ class Container(State):
         try:
             self.check_consistency()
         except (InvalidStateError, InvalidTransitionError):
-            smach.logerr("Container consistency check failed.")
+            hooks.logerr("Container consistency check failed.")
 
     @staticmethod
     def _pop() -> None:
@@ -151,7 +150,7 @@ class Container(State):
             self.close()
             return
         if not isinstance(error, (InvalidStateError, InvalidTransitionError)):
-            smach.logerr("".join(traceback.format_exception(error)))
+            hooks.logerr("".join(traceback.format_exception(error)))
         if not settings.strict_upstream_construction:
             self._abandon()
 
@@ -208,7 +207,7 @@ class Container(State):
             for cb, cb_args in callbacks:
                 cb(self.userdata, *args, *cb_args)
         except Exception:  # noqa: BLE001 - an observer must not end the execution; the rest is skipped as upstream
-            smach.logerr(f"Could not call a {kind} callback:\n{traceback.format_exc()}")
+            hooks.logerr(f"Could not call a {kind} callback:\n{traceback.format_exc()}")
 
     # --- keys ---
 
@@ -226,4 +225,4 @@ def _copy_keys(keys: Iterable[str], source: Any, target: Any, kind: str) -> None
         try:
             target[key] = source[key]
         except KeyError:
-            smach.logwarn(f"No value for the declared {kind} key {key!r} of a container.")
+            hooks.logwarn(f"No value for the declared {kind} key {key!r} of a container.")

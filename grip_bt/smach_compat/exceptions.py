@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from grip_bt import smach_compat as smach
 from grip_bt.base.errors import GripError
+
+from ._hooks import hooks
 
 
 class SmachError(GripError):
@@ -11,7 +12,7 @@ class SmachError(GripError):
 
     def __init__(self, message: str):
         super().__init__(message)
-        smach.logerr(f"{type(self).__name__}: {message}")
+        hooks.logerr(f"{type(self).__name__}: {message}")
 
 
 class InvalidStateError(SmachError):

@@ -6,8 +6,7 @@ import traceback
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from grip_bt import smach_compat as smach
-
+from ._hooks import hooks
 from ._settings import errors_of_user_code
 from .container import Container
 from .exceptions import InvalidStateError, InvalidUserCodeError
@@ -105,7 +104,7 @@ class Iterator(Container):
     def set_initial_state(self, initial_states: list[str], userdata: UserData | None = None) -> None:
         """Take over `userdata`; there is only one state to begin with."""
         if any(label != self._state_label for label in initial_states):
-            smach.logwarn(f"An iterator begins with its state; {initial_states} is ignored.")
+            hooks.logwarn(f"An iterator begins with its state; {initial_states} is ignored.")
         if userdata is not None:
             self.userdata.update(userdata)
 
@@ -141,7 +140,7 @@ class Iterator(Container):
         outcome = self._loop(self._items() if callable(self._items) else self._items)
         outcome = self._final_outcome_map.get(outcome, outcome)
         self._is_running = False
-        smach.loginfo(f"Iterator terminating with outcome {outcome!r}")
+        hooks.loginfo(f"Iterator terminating with outcome {outcome!r}")
         self.call_termination_cbs(self._state_label, outcome)  # a string, not a list: as upstream
         self._copy_output_keys(self.userdata, parent_ud)
         return outcome
@@ -149,7 +148,7 @@ class Iterator(Container):
     def _loop(self, items: Iterable[Any]) -> Any:
         outcome: Any = self._exhausted_outcome
         iterator = iter(items)
-        while not smach.is_shutdown():
+        while not hooks.is_shutdown():
             try:
                 item = next(iterator)
             except Exception:  # noqa: BLE001 - items that fail count as used up, as upstream
@@ -170,7 +169,7 @@ class Iterator(Container):
         try:
             return self._state.execute(self.userdata)  # type: ignore[union-attr]
         except InvalidUserCodeError:
-            smach.logerr(f"State {self._state_label!r} failed to execute.")
+            hooks.logerr(f"State {self._state_label!r} failed to execute.")
             raise
         except errors_of_user_code() as error:
             raise InvalidUserCodeError(

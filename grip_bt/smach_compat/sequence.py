@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from grip_bt import smach_compat as smach
-
+from ._hooks import hooks
 from .state import State
 from .state_machine import StateMachine
 from .user_data import NOTHING
@@ -51,4 +50,4 @@ class Sequence(StateMachine):
             return
         transitions[connector] = label
         if connector not in self._states[previous].get_registered_outcomes():
-            smach.logerr(f"State {previous!r} of a sequence has no outcome {connector!r} to lead on with.")
+            hooks.logerr(f"State {previous!r} of a sequence has no outcome {connector!r} to lead on with.")

@@ -7,18 +7,12 @@ import traceback
 from collections.abc import Iterable
 from typing import Any, NoReturn
 
-from grip_bt import smach_compat as smach
-
+from ._hooks import hooks
 from ._settings import errors_of_user_code, settings
-from ._spin import OVER, STOPPED, spin
-from ._views import Views
 from .container import Container
 from .exceptions import InvalidStateError, InvalidTransitionError, InvalidUserCodeError
 from .state import State
-from .user_data import NOTHING, UserData
-
-LONGEST_WAIT = 64
-"""Ordinary transitions, at most, before a machine looks again whether the next ones are plain."""
+from .user_data import NOTHING, Remapper, UserData
 
 
 class StateMachine(Container):
@@ -55,8 +49,6 @@ class StateMachine(Container):
 
         self._last_added_label: str | None = None
         self._connector_outcomes: list[str] = []
-
-        self._views = Views()
 
     # --- construction ---
 
@@ -162,7 +154,7 @@ class StateMachine(Container):
 
     def __getitem__(self, key: str) -> State:
         if key not in self._states:
-            smach.logerr(f"There is no state {key!r} in the machine; there are: {list(self._states)}")
+            hooks.logerr(f"There is no state {key!r} in the machine; there are: {list(self._states)}")
         return self._states[key]
 
     def get_children(self) -> dict[str, State]:
@@ -172,7 +164,7 @@ class StateMachine(Container):
     def set_initial_state(self, initial_states: list[str], userdata: UserData | None = None) -> None:
         """Begin at the first of these labels, which may be added later, and take over `userdata`."""
         if len(initial_states) > 1:
-            smach.logwarn(f"A machine begins in one state; {initial_states[1:]} are ignored.")
+            hooks.logwarn(f"A machine begins in one state; {initial_states[1:]} are ignored.")
         if initial_states:
             self._initial_state_label = initial_states[0]
         if userdata is not None:
@@ -214,7 +206,7 @@ class StateMachine(Container):
             try:
                 self.check_consistency()
             except (InvalidStateError, InvalidTransitionError):
-                smach.logerr("Container consistency check failed.")
+                hooks.logerr("Container consistency check failed.")
                 return None
             self._is_running = True
             try:
@@ -229,10 +221,9 @@ class StateMachine(Container):
     def _run(self, parent_ud: Any) -> str | None:
         # The request itself is kept: one that came before the execution preempts the initial state.
         self._preempted_label = self._preempted_state = None
-        self._views.begin()
         self._set_current_state(self._initial_state_label)
         self._copy_input_keys(parent_ud, self.userdata)
-        smach.loginfo(
+        hooks.loginfo(
             f"State machine starting in initial state {self._current_label!r} with userdata: {self.userdata.keys()}"
         )
         self.call_start_cbs()
@@ -242,26 +233,11 @@ class StateMachine(Container):
 
     def _loop(self) -> str | None:
         """Execute states until the machine's outcome; return None when it is to stop before."""
-        spins, waits, patience = self._follows_plainly(), 0, 1
-        while self._is_running and not smach.is_shutdown():
-            outcome: Any = OVER
-            label = self._current_label
-            if spins and not waits:
-                outcome = spin(self)
-                patience = min(2 * patience, LONGEST_WAIT) if outcome is OVER and self._current_label is label else 1
-                waits = patience
-            if outcome is OVER:
-                waits -= 1
-                outcome = self._update_once()
-            if outcome is STOPPED:
-                return None
+        while self._is_running and not hooks.is_shutdown():
+            outcome = self._update_once()
             if outcome is not None:
-                return outcome  # type: ignore[no-any-return]
+                return outcome
         return None
-
-    def _follows_plainly(self) -> bool:
-        """Tell whether nobody has replaced what `spin` does without."""
-        return all(getattr(getattr(self, own.__name__), "__func__", None) is own for own in _SPUN)
 
     def _set_current_state(self, label: str | None) -> None:
         self._current_label = label
@@ -281,7 +257,12 @@ class StateMachine(Container):
         if label in self._constants:
             for key, value in self._constants[label].items():
                 self.userdata[key] = value
-        view, plain = self._views.get(label, state, self.userdata, self._remappings[label])
+        view = Remapper(
+            self.userdata,
+            state.get_registered_input_keys(),
+            state.get_registered_output_keys(),
+            self._remappings[label],
+        )
         lock = self._state_transitioning_lock
         lock.release()  # so that a preempt can be requested meanwhile
         try:
@@ -290,19 +271,10 @@ class StateMachine(Container):
             self._raise_as_user_code(label, state, error)
         finally:
             lock.acquire()
-        return self._follow(label, state, outcome, plain)
-
-    def _follow(self, label: Any, state: Any, outcome: Any, plain: bool) -> str | None:
-        """Go along the transition of a state that was executed; return the machine's outcome at the end."""
-        states = self._states
         if self._current_state is not state:  # it executed its own machine; upstream stumbles below, over None
-            label, state, plain = self._current_label, self._current_state, False
-        registered = state._outcomes if plain else state.get_registered_outcomes()
-        try:
-            is_registered = outcome in registered
-        except TypeError:  # a list, say: no member of a set, and no outcome
-            is_registered = False
-        if not is_registered:
+            label, state = self._current_label, self._current_state
+        registered = state.get_registered_outcomes()
+        if outcome not in registered:
             raise InvalidTransitionError(
                 f"State {label!r} returned {outcome!r}, but its outcomes are {list(registered)}"
             )
@@ -315,7 +287,7 @@ class StateMachine(Container):
         self._current_label = target
         self._current_state = states[target]
         self._current_transitions = self._transitions[target]
-        smach.loginfo(f"State machine transitioning '{label}':'{outcome}'-->'{target}'")
+        hooks.loginfo(f"State machine transitioning '{label}':'{outcome}'-->'{target}'")
         self.call_transition_cbs()
         return None
 
@@ -332,14 +304,14 @@ class StateMachine(Container):
                 f"{list(self._states)} nor an outcome {list(outcomes)} of the machine"
             )
         self._set_current_state(None)
-        smach.loginfo(f"State machine terminating {label!r}:{outcome!r}:{reached!r}")
+        hooks.loginfo(f"State machine terminating {label!r}:{outcome!r}:{reached!r}")
         self.call_termination_cbs([label], reached)
         return reached
 
     def _raise_as_user_code(self, label: Any, state: Any, error: BaseException) -> NoReturn:
         """Raise what a state raised; all but InvalidUserCodeError wrapped into one."""
         if isinstance(error, InvalidUserCodeError):
-            smach.logerr(f"State {label!r} failed to execute.")
+            hooks.logerr(f"State {label!r} failed to execute.")
             raise error
         trace = "".join(traceback.format_exception(error))
         raise InvalidUserCodeError(
@@ -369,7 +341,7 @@ class StateMachine(Container):
         try:
             state.request_preempt()
         except Exception:  # noqa: BLE001 - the machine goes on, as upstream
-            smach.logerr(f"Failed to preempt state {self._current_label!r}: {traceback.format_exc()}")
+            hooks.logerr(f"Failed to preempt state {self._current_label!r}: {traceback.format_exc()}")
 
     def request_preempt(self) -> None:
         """Ask the machine, and with it the current state, to stop."""
@@ -385,7 +357,3 @@ class StateMachine(Container):
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         self._state_transitioning_lock = threading.RLock()
-
-
-_SPUN = (StateMachine._update_once, StateMachine._follow, StateMachine.call_transition_cbs)
-"""Methods without which `spin` goes from state to state, as they are here, wherever they are replaced."""

@@ -7,8 +7,7 @@ import threading
 from collections.abc import Collection, Iterable
 from typing import Any, NoReturn
 
-from grip_bt import smach_compat as smach
-
+from ._hooks import hooks
 from .exceptions import InvalidUserCodeError
 
 NOTHING: list[Any] = []
@@ -42,7 +41,7 @@ class UserData:
                     return self._data[name]
             return self._data[name]
         except KeyError:
-            smach.logerr(f"Userdata key {name!r} not available; available keys are: {self.keys()}")
+            hooks.logerr(f"Userdata key {name!r} not available; available keys are: {self.keys()}")
         raise KeyError()
 
     __getitem__ = __getattr__
@@ -108,7 +107,7 @@ class Const:
         return get_const(self._obj[name])
 
     def __delattr__(self, name: str) -> None:
-        smach.logerr(f"Attempt to delete {name!r} of a value that is an input only.")
+        hooks.logerr(f"Attempt to delete {name!r} of a value that is an input only.")
         raise TypeError(f"can't delete {name!r}: the value is an input only")
 
 
@@ -129,9 +128,6 @@ class Remapper:
         remapping: the state's name -> the container's name, for names that differ.
     """
 
-    # Slots, so that a container sees at a glance (an empty __dict__) whether a view may be used again.
-    __slots__ = ("_ud", "_input", "_output", "_map", "__dict__", "__weakref__")
-
     def __init__(
         self,
         ud: Any,
@@ -139,40 +135,18 @@ class Remapper:
         output_keys: Iterable[str] = NOTHING,
         remapping: Collection[str] | dict[str, str] = NOTHING,
     ):
-        self._ud: Any
-        self._input: frozenset[str]
-        self._output: frozenset[str]
-        self._map: Any
-        # Not by `__setattr__`, which takes note of what users set.
-        set_part = object.__setattr__
-        set_part(self, "_ud", ud)
-        set_part(self, "_input", frozenset(input_keys))
-        set_part(self, "_output", frozenset(output_keys))
-        set_part(self, "_map", remapping)
-
-    # Access by attribute is what states do at each activation, hence not by way of the items.
+        vars(self).update(_ud=ud, _input=tuple(input_keys), _output=tuple(output_keys), _map=remapping)
 
     def __getattr__(self, name: str) -> Any:
         if name[0] == "_":
             raise AttributeError(f"userdata has no attribute {name!r}")
-        if name not in self._input:
-            self._refuse_reading(name)
-        names = self._map
-        value = self._ud[names[name] if name in names else name]
-        if name in self._output or not hasattr(value, "__dict__"):
-            return value
-        return Const(value)
+        return self[name]
 
     def __setattr__(self, name: str, value: Any) -> None:
         if name[0] == "_":
             object.__setattr__(self, name, value)
-            if name in Remapper.__slots__:
-                self.__dict__[name] = value
-        elif name in self._output:
-            names = self._map
-            self._ud[names[name] if name in names else name] = value
         else:
-            self._refuse_writing(name)
+            self[name] = value
 
     def __getitem__(self, key: str) -> Any:
         if key not in self._input:
@@ -192,7 +166,7 @@ class Remapper:
         )
 
     def _refuse_writing(self, key: str) -> None:
-        smach.logerr(
+        hooks.logerr(
             f"Writing userdata key {key!r}, but the declared outputs of this state are: {sorted(self._output)}"
         )
 

@@ -5,20 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from grip_bt import smach_compat as smach
-
+from ._hooks import hooks
+from ._hooks import is_shutdown as is_shutdown
 from ._names import Names
 from .user_data import NOTHING
 
 
-def is_shutdown() -> bool:
-    """Tell whether machines should stop at the next transition; `set_shutdown_check` replaces it."""
-    return False
-
-
 def set_shutdown_check(cb: Callable[[], bool]) -> None:
     """Ask `cb()` before each state whether to stop."""
-    smach.is_shutdown = cb
+    hooks.is_shutdown = cb
 
 
 def has_smach_interface(obj: Any) -> bool:

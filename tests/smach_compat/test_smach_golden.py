@@ -8,8 +8,6 @@ import pytest
 from smach_scripted_machines import Recorder, build
 
 import grip_bt.smach_compat as smach
-from grip_bt.smach_compat.log import silent
-from grip_bt.smach_compat.util import is_shutdown
 
 GOLDEN = Path(__file__).parent / "data" / "smach_golden.jsonl"
 CASES = [json.loads(line) for line in GOLDEN.read_text().splitlines()]
@@ -41,15 +39,6 @@ def test_the_golden_file_is_whole():
     assert sum(case["concurrent"] for case in CASES) == 66
 
 
-@pytest.fixture(params=["logging", "silent"])
-def logging(request, monkeypatch):
-    """Silent machines take a quicker way through plain transitions."""
-    if request.param == "silent":
-        monkeypatch.setattr(smach, "loginfo", silent)
-        monkeypatch.setattr(smach, "is_shutdown", is_shutdown)
-
-
-@pytest.mark.usefixtures("logging")
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case["id"])
 def test_a_recorded_machine_replays_exactly(case, in_time):
     trace, result, userdata = in_time(lambda: replay(case["spec"]))

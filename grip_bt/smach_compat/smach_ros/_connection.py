@@ -1,17 +1,23 @@
-"""Which ROS this process uses: what was given, else rospy where it can be imported, else rclpy.
+"""Which ROS this process uses, and what differs between ROS 1 and ROS 2 in durations, messages and signatures.
 
-The connection is made by the first state or server that needs it, and not by importing this package.
+It is what was given, else rospy where it can be imported, else rclpy. The connection is made by the first state or
+server that needs it, and not by importing this package.
 """
 
 from __future__ import annotations
 
+import copy
+import functools
 import importlib
 import importlib.util
 import threading
+from collections.abc import Callable
 from typing import Any
 
-from grip_bt import smach_compat as smach
-from grip_bt.smach_compat import log, util
+from grip_bt.smach_compat import _hooks
+from grip_bt.smach_compat._hooks import hooks
+from grip_bt.smach_compat.log import set_loggers
+from grip_bt.smach_compat.util import set_shutdown_check
 
 from ._port import Ros
 
@@ -30,7 +36,7 @@ def use(ros: Ros | None) -> None:
     with _lock:
         _ros = ros
         if ros is not None:
-            _speak_through(ros)
+            _install_hooks(ros)
 
 
 def ros() -> Ros:
@@ -45,16 +51,16 @@ def ros() -> Ros:
             here = "rospy" if importlib.util.find_spec("rospy") else "rclpy"
             # By name: this room is below grip_bt.ros, and importing it must not load ROS.
             _ros = importlib.import_module(_ADAPTERS[here]).connect()
-            _speak_through(_ros)
+            _install_hooks(_ros)
         return _ros
 
 
-def _speak_through(ros: Ros) -> None:
+def _install_hooks(ros: Ros) -> None:
     """Log by ROS and stop machines with it, as importing smach_ros does upstream; what the program has set stays."""
-    if all(getattr(smach, name) is getattr(log, name) for name in ("loginfo", "logwarn", "logdebug", "logerr")):
-        smach.set_loggers(*ros.loggers)
-    if smach.is_shutdown is util.is_shutdown:
-        smach.set_shutdown_check(ros.is_shutdown)
+    if all(getattr(hooks, name) is getattr(_hooks, name) for name in ("loginfo", "logwarn", "logdebug", "logerr")):
+        set_loggers(*ros.loggers)
+    if hooks.is_shutdown is _hooks.is_shutdown:
+        set_shutdown_check(ros.is_shutdown)
 
 
 def seconds(duration: Any) -> float:
@@ -64,3 +70,49 @@ def seconds(duration: Any) -> float:
     if hasattr(duration, "nanoseconds"):
         return float(duration.nanoseconds) / 1e9
     return float(duration)
+
+
+def new_goal(action: Any) -> Any:
+    """Return an empty goal of an action's type."""
+    return action.Goal() if hasattr(action, "Goal") else copy.copy(action().action_goal.goal)
+
+
+def new_result(action: Any) -> Any:
+    """Return an empty result of an action's type."""
+    return action.Result() if hasattr(action, "Result") else copy.copy(action().action_result.result)
+
+
+def new_feedback(action: Any) -> Any:
+    """Return an empty feedback of an action's type."""
+    return action.Feedback() if hasattr(action, "Feedback") else copy.copy(action().action_feedback.feedback)
+
+
+def new_request(service: Any) -> Any:
+    """Return an empty request of a service's type."""
+    return service.Request() if hasattr(service, "Request") else service._request_class()
+
+
+def fields(message: Any) -> tuple[str, ...]:
+    """Return the names of a message's fields."""
+    if hasattr(message, "get_fields_and_field_types"):
+        return tuple(message.get_fields_and_field_types())
+    return tuple(message.__slots__)
+
+
+def is_node(thing: Any) -> bool:
+    """Tell whether something is a node, of rclpy or a stand-in."""
+    return hasattr(thing, "create_publisher") and hasattr(thing, "get_name")
+
+
+def with_optional_node(init: Callable[..., None]) -> Callable[..., None]:
+    """Let an `__init__` be called with a node first, or as `node=`; it is kept as `_node`."""
+
+    @functools.wraps(init)
+    def taking(self: Any, *args: Any, **kwargs: Any) -> None:
+        node = kwargs.pop("node", None)
+        if args and is_node(args[0]):
+            node, *args = args  # type: ignore[assignment]
+        self._node = node
+        init(self, *args, **kwargs)
+
+    return taking

@@ -7,7 +7,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from grip_bt import smach_compat as smach
+from grip_bt.smach_compat.exceptions import InvalidStateError
+from grip_bt.smach_compat.state import State
+from grip_bt.smach_compat.user_data import Remapper
+from grip_bt.smach_compat.util import has_smach_interface
 
 
 @dataclass
@@ -32,11 +35,11 @@ class UserCode:
         """Call the function with a view of the userdata that has its keys."""
         if self.cb is None:
             return None
-        return self.cb(smach.Remapper(ud, self.inputs, self.outputs, []), *values, *self.args, **self.kwargs)
+        return self.cb(Remapper(ud, self.inputs, self.outputs, []), *values, *self.args, **self.kwargs)
 
 
 def user_code(
-    state: smach.State, what: str, cb: Any, args: Iterable[Any], kwargs: Mapping[str, Any], keys: tuple[Any, Any]
+    state: State, what: str, cb: Any, args: Iterable[Any], kwargs: Mapping[str, Any], keys: tuple[Any, Any]
 ) -> UserCode:
     """Take a callback: its keys are those it declares, and then the state has them too, else the state's own.
 
@@ -52,8 +55,8 @@ def user_code(
         InvalidStateError: it can't be called.
     """
     if cb and not callable(cb):
-        raise smach.InvalidStateError(f"The {what} given to {type(state).__name__} is no function: {cb!r}")
-    if not smach.has_smach_interface(cb):
+        raise InvalidStateError(f"The {what} given to {type(state).__name__} is no function: {cb!r}")
+    if not has_smach_interface(cb):
         return UserCode(cb, args, kwargs, *keys)
     inputs, outputs = cb.get_registered_input_keys(), cb.get_registered_output_keys()
     state.register_input_keys(inputs)
@@ -65,7 +68,7 @@ class BadAnswerError(Exception):
     """A callback raised, or returned what is no outcome of its state."""
 
 
-def answer_of(state: smach.State, what: str, cb: UserCode, ud: Any, *values: Any) -> str | None:
+def answer_of(state: State, what: str, cb: UserCode, ud: Any, *values: Any) -> str | None:
     """Call a callback that may choose its state's outcome; return that, or None when it leaves it to the state.
 
     Args:

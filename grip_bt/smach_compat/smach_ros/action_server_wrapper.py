@@ -7,13 +7,11 @@ import traceback
 from collections.abc import Mapping
 from typing import Any
 
-from grip_bt import smach_compat as smach
+from grip_bt.smach_compat._hooks import hooks
 from grip_bt.smach_compat._settings import settings
-from grip_bt.smach_compat.user_data import NOTHING
+from grip_bt.smach_compat.user_data import NOTHING, Remapper, UserData
 
-from ._connection import ros
-from ._messages import fields, new_feedback, new_goal, new_result
-from ._signature import with_optional_node
+from ._connection import fields, new_feedback, new_goal, new_result, ros, with_optional_node
 
 __all__ = ["ActionServerWrapper"]
 
@@ -62,7 +60,7 @@ class ActionServerWrapper:
         self.wrapped_container = wrapped_container
         wrapped_container.register_transition_cb(self.transition_cb)
         wrapped_container.register_termination_cb(self.termination_cb)
-        self.userdata = smach.UserData()
+        self.userdata = UserData()
         self._goal_key, self._feedback_key, self._result_key = goal_key, feedback_key, result_key
         self._goal_slots_map, self._result_slots_map = goal_slots_map or {}, result_slots_map or {}
         self._feedback_slots_map = feedback_slots_map or {}
@@ -86,7 +84,7 @@ class ActionServerWrapper:
     def _check_disjoint(self) -> None:
         sets = (self._succeeded_outcomes, self._aborted_outcomes, self._preempted_outcomes)
         if len(set().union(*sets)) != sum(map(len, sets)):
-            smach.logerr(f"The succeeded, aborted and preempted outcomes of {self._server_name!r} overlap: {sets}")
+            hooks.logerr(f"The succeeded, aborted and preempted outcomes of {self._server_name!r} overlap: {sets}")
 
     def run_server(self) -> None:
         """Take goals from now on; doesn't block. Harmless when it does already."""
@@ -95,7 +93,7 @@ class ActionServerWrapper:
                 return
             self._started = True
         self._action_server.start()
-        smach.loginfo(f"A state machine serves the action {self._server_name!r}")
+        hooks.loginfo(f"A state machine serves the action {self._server_name!r}")
 
     # --- the container's callbacks ---
 
@@ -105,7 +103,7 @@ class ActionServerWrapper:
 
     def termination_cb(self, userdata: Any, terminal_states: Any, container_outcome: str) -> None:
         """Note that the container has ended."""
-        smach.logdebug(f"The wrapped container ended in {terminal_states} with {container_outcome!r}")
+        hooks.logdebug(f"The wrapped container ended in {terminal_states} with {container_outcome!r}")
 
     def publish_feedback(self, userdata: Any) -> None:
         """Send what is under `feedback_key`; nothing when the container has no such userdata."""
@@ -120,10 +118,10 @@ class ActionServerWrapper:
         container = self.wrapped_container
         try:
             inputs, outputs = container.get_registered_input_keys(), container.get_registered_output_keys()
-            outcome = container.execute(smach.Remapper(self.userdata, inputs, outputs, {}))
+            outcome = container.execute(Remapper(self.userdata, inputs, outputs, {}))
             result = self._result()
         except Exception:  # noqa: BLE001 - whatever it was, the client gets an end of its goal
-            smach.logerr(f"Executing the container of {self._server_name!r} raised: {traceback.format_exc()}")
+            hooks.logerr(f"Executing the container of {self._server_name!r} raised: {traceback.format_exc()}")
             self._action_server.end("aborted")
             return
         if outcome in self._succeeded_outcomes:
@@ -155,5 +153,5 @@ class ActionServerWrapper:
 
     def preempt_cb(self) -> None:
         """Ask the container to stop: its goal was canceled, or another one came."""
-        smach.loginfo(f"Preempt of the state machine behind {self._server_name!r} requested")
+        hooks.loginfo(f"Preempt of the state machine behind {self._server_name!r} requested")
         self.wrapped_container.request_preempt()

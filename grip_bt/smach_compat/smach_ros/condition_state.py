@@ -6,12 +6,12 @@ import traceback
 from collections.abc import Callable
 from typing import Any
 
-from grip_bt import smach_compat as smach
 from grip_bt.smach_compat._settings import errors_of_user_code, settings
+from grip_bt.smach_compat.exceptions import InvalidUserCodeError
+from grip_bt.smach_compat.state import State
 from grip_bt.smach_compat.user_data import NOTHING
 
-from ._connection import ros, seconds
-from ._signature import with_optional_node
+from ._connection import ros, seconds, with_optional_node
 from .ros_state import RosState
 
 __all__ = ["ConditionState"]
@@ -40,7 +40,7 @@ class ConditionState(RosState):
         timeout: Any = None,
         max_checks: int = 1,
     ):
-        smach.State.__init__(self, outcomes=["true", "false", "preempted"], input_keys=input_keys)
+        State.__init__(self, outcomes=["true", "false", "preempted"], input_keys=input_keys)
         self._cond_cb = cond_cb
         if hasattr(cond_cb, "get_registered_input_keys") and hasattr(cond_cb, "get_registered_output_keys"):
             self.register_input_keys(cond_cb.get_registered_input_keys())
@@ -67,9 +67,7 @@ class ConditionState(RosState):
                 if self._cond_cb(ud):
                     return "true"
             except errors_of_user_code() as error:
-                raise smach.InvalidUserCodeError(
-                    f"The condition {self._cond_cb} raised: {traceback.format_exc()}"
-                ) from error
+                raise InvalidUserCodeError(f"The condition {self._cond_cb} raised: {traceback.format_exc()}") from error
             checks += 1
             clock.sleep(self._period())
         return "false"

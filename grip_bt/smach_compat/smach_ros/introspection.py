@@ -12,12 +12,12 @@ import threading
 import traceback
 from typing import Any
 
-from grip_bt import smach_compat as smach
 from grip_bt.base.errors import GripError
 from grip_bt.smach_compat._settings import settings
+from grip_bt.smach_compat.container import Container
+from grip_bt.smach_compat.user_data import UserData
 
-from ._connection import ros, seconds
-from ._signature import with_optional_node
+from ._connection import ros, seconds, with_optional_node
 
 __all__ = ["IntrospectionClient", "IntrospectionServer"]
 
@@ -54,7 +54,7 @@ class IntrospectionClient:
         server: str,
         path: str,
         initial_states: list[str],
-        initial_userdata: smach.UserData | None = None,
+        initial_userdata: UserData | None = None,
         timeout: Any = None,
     ) -> bool | None:
         """Let a container begin at these states, with this userdata.
@@ -168,7 +168,7 @@ class ContainerProxy:
         try:
             publisher.publish(message)
         except Exception:  # noqa: BLE001 - a spectator must not stop the machine
-            smach.logerr(f"Sending introspection of {self._path!r} failed: {traceback.format_exc()}")
+            hooks.logerr(f"Sending introspection of {self._path!r} failed: {traceback.format_exc()}")
 
     def _transition_cb(self, *args: Any, **kwargs: Any) -> None:
         self._publish_status(f"{args}, {kwargs}")
@@ -178,15 +178,15 @@ class ContainerProxy:
             return
         children = self._container.get_children()
         if not all(state in children for state in command.initial_states):
-            smach.logerr(
+            hooks.logerr(
                 f"Container {self._path!r} can't begin at {list(command.initial_states)}: it has {list(children)}"
             )
             return
         data = self._messages.unpacked(command.local_data)
-        userdata = smach.UserData()
+        userdata = UserData()
         if data not in _NO_DATA:
             if not settings.unpickle_userdata:
-                smach.logerr(f"A command to begin at {list(command.initial_states)} was refused: {_REFUSED}")
+                hooks.logerr(f"A command to begin at {list(command.initial_states)} was refused: {_REFUSED}")
                 return
             userdata._data = pickle.loads(data)
         self._container.set_initial_state(list(command.initial_states), userdata)
@@ -222,7 +222,7 @@ class IntrospectionServer:
         proxy = ContainerProxy(server_name, state, path)
         inner = "" if path == "/" else path
         for label, child in state.get_children().items():
-            if isinstance(child, smach.Container):
+            if isinstance(child, Container):
                 self.construct(server_name, child, f"{inner}/{label}")
         proxy._publish_status("Initial state")
         proxy.start()
@@ -239,7 +239,7 @@ def _pickled(data: dict[str, Any]) -> bytes:
         return pickle.dumps(data, 2)
     except Exception:  # noqa: BLE001 - upstream raises here, and the container logs it at each transition
         kept = {key: value for key, value in data.items() if _can_be_pickled(value)}
-        smach.logdebug(f"Userdata that can't be pickled isn't shown: {sorted(set(data) - set(kept))}")
+        hooks.logdebug(f"Userdata that can't be pickled isn't shown: {sorted(set(data) - set(kept))}")
         return pickle.dumps(kept, 2)
 
 

@@ -6,11 +6,11 @@ import queue
 from collections.abc import Callable
 from typing import Any
 
-from grip_bt import smach_compat as smach
+from grip_bt.smach_compat._hooks import hooks
+from grip_bt.smach_compat.state import State
 from grip_bt.smach_compat.user_data import NOTHING
 
-from ._connection import ros
-from ._signature import with_optional_node
+from ._connection import ros, with_optional_node
 from .ros_state import RosState
 
 __all__ = ["MonitorState"]
@@ -43,7 +43,7 @@ class MonitorState(RosState):
         input_keys: list[str] = NOTHING,
         output_keys: list[str] = NOTHING,
     ):
-        smach.State.__init__(self, ["valid", "invalid", "preempted"], input_keys, output_keys)
+        State.__init__(self, ["valid", "invalid", "preempted"], input_keys, output_keys)
         self._topic, self._msg_type, self._cond_cb, self._max_checks = topic, msg_type, cond_cb, max_checks
         self._messages: queue.SimpleQueue[Any] = queue.SimpleQueue()
 
@@ -73,7 +73,7 @@ class MonitorState(RosState):
             try:
                 holds = self._cond_cb(ud, message)
             except Exception as error:  # noqa: BLE001 - upstream: a condition that raises doesn't hold
-                smach.logerr(f"The condition {self._cond_cb} on {self._topic} raised: {error!r}")
+                hooks.logerr(f"The condition {self._cond_cb} on {self._topic} raised: {error!r}")
                 holds = False
             if not holds:
                 return "invalid"

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from grip_bt.smach_compat import State
+from grip_bt.smach_compat.state import State
 
-from ._connection import ros
-from ._signature import with_optional_node
+from ._connection import ros, with_optional_node
 
 __all__ = ["RosState"]
 

@@ -6,13 +6,13 @@ import traceback
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from grip_bt import smach_compat as smach
+from grip_bt.smach_compat._hooks import hooks
+from grip_bt.smach_compat.state import State
 from grip_bt.smach_compat.user_data import NOTHING
+from grip_bt.smach_compat.util import has_smach_interface
 
-from ._connection import ros
-from ._messages import new_request
+from ._connection import new_request, ros, with_optional_node
 from ._port import ServiceFailedError
-from ._signature import with_optional_node
 from ._user_code import BadAnswerError, answer_of, user_code
 from .ros_state import RosState
 
@@ -51,7 +51,7 @@ class ServiceState(RosState):
         output_keys: list[str] = NOTHING,
         outcomes: list[str] = NOTHING,
     ):
-        smach.State.__init__(self, outcomes=["succeeded", "aborted", "preempted"])
+        State.__init__(self, outcomes=["succeeded", "aborted", "preempted"])
         self._service_name, self._service_spec = service_name, service_spec
         self._request = new_request(service_spec) if request is None else request
         self._request_key, self._request_slots = request_key, request_slots
@@ -66,7 +66,7 @@ class ServiceState(RosState):
         self._response_cb = user_code(
             self, "response callback", response_cb, response_cb_args, response_cb_kwargs or {}, keys
         )
-        if smach.has_smach_interface(response_cb):
+        if has_smach_interface(response_cb):
             self.register_outcomes(response_cb.get_registered_outcomes())  # type: ignore[union-attr]
         self.register_input_keys([*([request_key] if request_key is not None else []), *request_slots, *input_keys])
         self.register_output_keys(
@@ -82,12 +82,12 @@ class ServiceState(RosState):
         try:
             self._fill_request(ud)
         except _NoRequest as error:
-            smach.logerr(f"No request for service {self._service_name!r}: {error}")
+            hooks.logerr(f"No request for service {self._service_name!r}: {error}")
             return "aborted"
         try:
             self._response = self._proxy.call(self._request)
         except ServiceFailedError as error:
-            smach.logerr(f"Calling service {self._service_name!r} failed: {error}")
+            hooks.logerr(f"Calling service {self._service_name!r} failed: {error}")
             return "aborted"
         return self._hand_over(ud)
 
@@ -105,13 +105,13 @@ class ServiceState(RosState):
             if proxy.wait(SLICE):
                 self._proxy = proxy
             else:
-                smach.logwarn(f"Still waiting for service {self._service_name!r}...")
+                hooks.logwarn(f"Still waiting for service {self._service_name!r}...")
         return None
 
     def _stopped(self, when: str) -> bool:
         if not self.preempt_requested():
             return False
-        smach.loginfo(f"Preempted {when} service {self._service_name!r}.")
+        hooks.loginfo(f"Preempted {when} service {self._service_name!r}.")
         self.service_preempt()
         return True
 
@@ -134,7 +134,7 @@ class ServiceState(RosState):
             what = f"response callback of {self._service_name!r}"
             outcome = answer_of(self, what, self._response_cb, ud, self._response)
         except BadAnswerError as error:
-            smach.logerr(str(error))
+            hooks.logerr(str(error))
             return "aborted"
         if self._response_key is not None:
             ud[self._response_key] = self._response

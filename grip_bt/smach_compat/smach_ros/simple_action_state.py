@@ -7,13 +7,14 @@ import traceback
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from grip_bt import smach_compat as smach
+from grip_bt.smach_compat._hooks import hooks
 from grip_bt.smach_compat._settings import settings
+from grip_bt.smach_compat.exceptions import InvalidStateError
+from grip_bt.smach_compat.state import State
 from grip_bt.smach_compat.user_data import NOTHING
+from grip_bt.smach_compat.util import has_smach_interface
 
-from ._connection import ros, seconds
-from ._messages import fields, new_goal, new_result
-from ._signature import with_optional_node
+from ._connection import fields, new_goal, new_result, ros, seconds, with_optional_node
 from ._user_code import BadAnswerError, answer_of, user_code
 from .ros_state import RosState
 
@@ -80,10 +81,10 @@ class SimpleActionState(RosState):
         feedback_cb_args: Any = NOTHING,
         feedback_cb_kwargs: Mapping[str, Any] | None = None,
     ):
-        smach.State.__init__(self, outcomes=["succeeded", "aborted", "preempted"])
+        State.__init__(self, outcomes=["succeeded", "aborted", "preempted"])
         self._action_name, self._action_spec = action_name, action_spec
         if goal is not None and callable(goal):
-            raise smach.InvalidStateError(f"The goal of {action_name!r} is a function; give it as goal_cb")
+            raise InvalidStateError(f"The goal of {action_name!r} is a function; give it as goal_cb")
         _check_slots("goal", goal_slots, new_goal(action_spec))
         _check_slots("result", result_slots, new_result(action_spec))
         self._goal = new_goal(action_spec) if goal is None else goal
@@ -96,7 +97,7 @@ class SimpleActionState(RosState):
             self, "feedback callback", feedback_cb, feedback_cb_args, feedback_cb_kwargs or {}, keys
         )
         self._result_cb = user_code(self, "result callback", result_cb, (), {}, keys)
-        if smach.has_smach_interface(result_cb):
+        if has_smach_interface(result_cb):
             self.register_outcomes(result_cb.get_registered_outcomes())  # type: ignore[union-attr]
         self.register_input_keys([*([goal_key] if goal_key is not None else []), *goal_slots, *input_keys])
         self.register_output_keys([*([result_key] if result_key is not None else []), *result_slots, *output_keys])
@@ -125,11 +126,11 @@ class SimpleActionState(RosState):
         """
         ready = self._wait_for_server()
         if self.preempt_requested():
-            smach.loginfo(f"Preempted before sending a goal to {self._action_name!r}.")
+            hooks.loginfo(f"Preempted before sending a goal to {self._action_name!r}.")
             self.service_preempt()
             return "preempted"
         if not ready:
-            smach.logerr(f"There is no server of the action {self._action_name!r}.")
+            hooks.logerr(f"There is no server of the action {self._action_name!r}.")
             return "aborted"
         self._status = self.INACTIVE
         if not self._make_goal(ud):
@@ -149,7 +150,7 @@ class SimpleActionState(RosState):
             if clock.now() >= deadline:
                 return False
             if clock.now() - begin > SLICE:
-                smach.logwarn(f"Still waiting for the action server {self._action_name!r}; is it running?")
+                hooks.logwarn(f"Still waiting for the action server {self._action_name!r}; is it running?")
                 begin = clock.now()
         return False
 
@@ -161,12 +162,12 @@ class SimpleActionState(RosState):
         try:
             changed = self._goal_cb(ud, self._goal)
         except Exception:  # noqa: BLE001 - upstream: the state ends as aborted
-            smach.logerr(f"The goal callback of {self._action_name!r} raised: {traceback.format_exc()}")
+            hooks.logerr(f"The goal callback of {self._action_name!r} raised: {traceback.format_exc()}")
             return False
         if changed is not None:
             self._goal = changed
         if self._goal is None:
-            smach.logerr(f"The action {self._action_name!r} has no goal: give goal, goal_key, goal_slots or goal_cb")
+            hooks.logerr(f"The action {self._action_name!r} has no goal: give goal, goal_key, goal_slots or goal_cb")
             return False
         return True
 
@@ -203,10 +204,10 @@ class SimpleActionState(RosState):
 
     def _look_at_time(self, now: float, activated: float, canceled: float | None) -> None:
         if self._exec_timeout is not None and now - activated > seconds(self._exec_timeout):
-            smach.logwarn(f"Action {self._action_name!r} timed out after {seconds(self._exec_timeout)} s.")
+            hooks.logwarn(f"Action {self._action_name!r} timed out after {seconds(self._exec_timeout)} s.")
             self._action_client.cancel()
         if self._gives_up and canceled is not None and now - canceled > seconds(self._preempt_timeout):
-            smach.logwarn(f"Action {self._action_name!r} didn't stop within {seconds(self._preempt_timeout)} s.")
+            hooks.logwarn(f"Action {self._action_name!r} didn't stop within {seconds(self._preempt_timeout)} s.")
             self._ending = "lost"
 
     def _goal_done_cb(self, ending: str, status: int, result: Any) -> None:
@@ -223,7 +224,7 @@ class SimpleActionState(RosState):
 
     def request_preempt(self) -> None:
         """Cancel the goal; the state ends when the server has."""
-        smach.loginfo(f"Preempt requested on action {self._action_name!r}")
+        hooks.loginfo(f"Preempt requested on action {self._action_name!r}")
         super().request_preempt()
         if self._status == self.ACTIVE:
             self._action_client.cancel()
@@ -238,7 +239,7 @@ class SimpleActionState(RosState):
             what = f"result callback of {self._action_name!r}"
             chosen = answer_of(self, what, self._result_cb, ud, self._goal_status, self._goal_result)
         except BadAnswerError as error:
-            smach.logerr(str(error))
+            hooks.logerr(str(error))
             return "aborted"
         if self._result_key is not None:
             ud[self._result_key] = self._goal_result
@@ -266,4 +267,4 @@ class SimpleActionState(RosState):
 def _check_slots(what: str, slots: list[str], message: Any) -> None:
     unknown = [slot for slot in slots if slot not in fields(message)]
     if unknown:
-        raise smach.InvalidStateError(f"{what}_slots has {unknown}, but the {what} has {list(fields(message))}")
+        raise InvalidStateError(f"{what}_slots has {unknown}, but the {what} has {list(fields(message))}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from grip_bt import smach_compat as smach
+from grip_bt.smach_compat._hooks import hooks
 
 from ._connection import ros
 
@@ -25,7 +25,7 @@ def set_preempt_handler(sc: Any) -> None:
         sc.request_preempt()
         running = getattr(sc, "is_running", lambda: False)  # a Concurrence has none, and upstream fails there
         while running():
-            smach.loginfo("Received a shutdown request: asked the state machine to stop, waiting for it.")
+            hooks.loginfo("Received a shutdown request: asked the state machine to stop, waiting for it.")
             ros().sleep(POLL)
 
     ros().on_shutdown(handler)
