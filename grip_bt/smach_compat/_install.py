@@ -8,7 +8,6 @@ from __future__ import annotations
 import importlib
 import sys
 from types import ModuleType
-from typing import Any
 
 from grip_bt.base.errors import GripError
 
@@ -51,7 +50,7 @@ def _modules(ros: bool = True) -> dict[str, ModuleType]:
     return modules
 
 
-def install(*, ros: bool = True, **changes: Any) -> None:
+def install(*, ros: bool = True, **changes: bool | str) -> None:
     """Let `import smach`, `import smach_ros` and their modules find this package; harmless when it was done before.
 
     Args:

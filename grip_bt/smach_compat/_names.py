@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 
-class Names(set[Any]):
+class OrderedSet(set[Any]):
     """A set that iterates in the order in which names were added first."""
 
     # Whatever adds is overridden, so that `_order` has every name; what only removes is left to `set`.
@@ -34,7 +34,7 @@ class Names(set[Any]):
             for name in names:
                 self.add(name)
 
-    def __ior__(self, other: Any) -> Names:  # type: ignore[misc]  # `|` still gives a plain set
+    def __ior__(self, other: Any) -> OrderedSet:  # type: ignore[misc]  # `|` still gives a plain set
         self.update(other)
         return self
 
@@ -43,15 +43,15 @@ class Names(set[Any]):
         for name in dict.fromkeys(other):
             (self.discard if name in self else self.add)(name)
 
-    def __ixor__(self, other: Any) -> Names:  # type: ignore[misc]
+    def __ixor__(self, other: Any) -> OrderedSet:  # type: ignore[misc]
         self.symmetric_difference_update(other)
         return self
 
-    def union(self, *others: Iterable[Any]) -> Names:
+    def union(self, *others: Iterable[Any]) -> OrderedSet:
         """Return a new set: these names, then the others'."""
-        result = Names(self)
+        result = OrderedSet(self)
         result.update(*others)
         return result
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return (Names, (list(self),))
+        return (OrderedSet, (list(self),))

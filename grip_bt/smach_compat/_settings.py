@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Any
 
 PROFILES = ("noetic", "ros2")
 
@@ -29,8 +28,8 @@ class Settings:
     honour_preempt_timeout: bool = False
     unpickle_userdata: bool = False
 
-    def update(self, **changes: Any) -> None:
-        """Change some settings.
+    def update(self, **changes: bool | str) -> None:
+        """Change some settings, see docs/smach.md.
 
         Raises:
             ValueError: the profile isn't known.
@@ -54,18 +53,7 @@ class Settings:
 settings = Settings()
 
 
-def configure(**changes: Any) -> None:
-    """Change settings of the process, see docs/smach.md.
-
-    Args:
-        **changes: `profile`, `strict_upstream_construction`, `wrap_interrupts`, `honour_preempt_timeout`,
-            `unpickle_userdata`.
-
-    Raises:
-        ValueError: the profile isn't known.
-        TypeError: there is no such setting.
-    """
-    settings.update(**changes)
+configure = settings.update
 
 
 def errors_of_user_code() -> type[BaseException]:

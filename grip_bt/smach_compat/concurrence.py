@@ -12,7 +12,7 @@ from ._settings import errors_of_user_code, settings
 from .container import Container
 from .exceptions import InvalidStateError, InvalidTransitionError, InvalidUserCodeError
 from .state import State
-from .user_data import NOTHING, Remapper, UserData
+from .user_data import NOTHING, Remapping, UserData
 
 _POLL = 0.1  # [s] how often a shutdown is looked for while children are being joined
 
@@ -46,7 +46,7 @@ class Concurrence(Container):
     ):
         super().__init__(outcomes, input_keys, output_keys)
         self._states: dict[str, State] = {}
-        self._remappings: dict[str, Any] = {}
+        self._remappings: dict[str, Remapping] = {}
         self._threads: dict[str, threading.Thread] = {}
         self._child_outcomes: dict[str, str | None] = {}
         self._default_outcome = default_outcome
@@ -83,7 +83,7 @@ class Concurrence(Container):
     # --- construction ---
 
     @staticmethod
-    def add(label: str, state: State, remapping: Any = None) -> State:
+    def add(label: str, state: State, remapping: Remapping | None = None) -> State:
         """Add a child to the open concurrence; one with the same label is replaced.
 
         Args:
@@ -232,7 +232,8 @@ class Concurrence(Container):
 
     def _execute_child(self, label: str) -> Any:
         try:
-            outcome = self._states[label].execute(self._view(label))
+            state = self._states[label]
+            outcome = state.execute(self._view(state, self._remappings[label]))
         except errors_of_user_code() as error:
             raise InvalidStateError(
                 f"Concurrent state {label!r} raised an exception: {traceback.format_exc()}"
@@ -240,15 +241,6 @@ class Concurrence(Container):
         if outcome is None:
             raise InvalidStateError(f"Concurrent state {label!r} returned no outcome")
         return outcome
-
-    def _view(self, label: str) -> Remapper:
-        state = self._states[label]
-        return Remapper(
-            self.userdata,
-            state.get_registered_input_keys(),
-            state.get_registered_output_keys(),
-            self._remappings[label],
-        )
 
     def _child_ended(self) -> None:
         """Tell the observers, and wake the container if the others are to stop; with `_callback_lock` held."""

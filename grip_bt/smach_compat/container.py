@@ -16,7 +16,7 @@ from ._hooks import hooks
 from ._settings import settings
 from .exceptions import InvalidConstructionError, InvalidStateError, InvalidTransitionError
 from .state import State
-from .user_data import NOTHING, UserData
+from .user_data import NOTHING, Remapper, Remapping, UserData
 
 C = TypeVar("C", bound="Container")
 
@@ -210,6 +210,10 @@ class Container(State):
             hooks.logerr(f"Could not call a {kind} callback:\n{traceback.format_exc()}")
 
     # --- keys ---
+
+    def _view(self, state: State, remapping: Remapping) -> Remapper:
+        """Return what a state sees of the userdata while it is executed once."""
+        return Remapper(self.userdata, state.get_registered_input_keys(), state.get_registered_output_keys(), remapping)
 
     def _copy_input_keys(self, parent_ud: Any, ud: Any) -> None:
         if parent_ud is not None:

@@ -8,7 +8,7 @@ from typing import Any
 from ._hooks import hooks
 from .state import State
 from .state_machine import StateMachine
-from .user_data import NOTHING
+from .user_data import NOTHING, Remapping
 
 
 class Sequence(StateMachine):
@@ -34,7 +34,7 @@ class Sequence(StateMachine):
 
     @staticmethod
     def add(  # type: ignore[override]  # upstream's has no constants
-        label: str, state: State, transitions: dict[str, Any] | None = None, remapping: Any = None
+        label: str, state: State, transitions: dict[str, Any] | None = None, remapping: Remapping | None = None
     ) -> State:
         """Add a state to the open sequence and lead the previous one to it, unless that one leads elsewhere."""
         self = Sequence._currently_opened_container()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-from ._names import Names
+from ._names import OrderedSet
 from .user_data import NOTHING
 from .util import has_smach_interface
 
@@ -27,9 +27,9 @@ class State:
         output_keys: list[str] = NOTHING,
         io_keys: list[str] = NOTHING,
     ):
-        self._outcomes = Names(outcomes)
-        self._input_keys = Names(input_keys + io_keys)
-        self._output_keys = Names(output_keys + io_keys)
+        self._outcomes = OrderedSet(outcomes)
+        self._input_keys = OrderedSet(input_keys + io_keys)
+        self._output_keys = OrderedSet(output_keys + io_keys)
         self._preempt_requested = False
 
     def execute(self, ud: Any) -> Any:

@@ -12,7 +12,7 @@ from ._settings import errors_of_user_code, settings
 from .container import Container
 from .exceptions import InvalidStateError, InvalidTransitionError, InvalidUserCodeError
 from .state import State
-from .user_data import NOTHING, Remapper, UserData
+from .user_data import NOTHING, Remapping, UserData
 
 
 class StateMachine(Container):
@@ -34,7 +34,7 @@ class StateMachine(Container):
         # Legacy code reads and writes these, so they stay plain and are read afresh at each transition.
         self._states: dict[str, State] = {}
         self._transitions: dict[str, dict[str, str | None]] = {}
-        self._remappings: dict[str, Any] = {}
+        self._remappings: dict[str, Remapping] = {}
         self._constants: dict[str, dict[str, Any]] = {}
         self._initial_state_label: str | None = None
 
@@ -57,7 +57,7 @@ class StateMachine(Container):
         label: str,
         state: State,
         transitions: dict[str, Any] | None = None,
-        remapping: Any = None,
+        remapping: Remapping | None = None,
         constants: dict[str, Any] | None = None,
     ) -> State:
         """Add a state to the open machine; the first one is where it begins.
@@ -109,7 +109,7 @@ class StateMachine(Container):
         state: State,
         connector_outcomes: Iterable[str],
         transitions: dict[str, Any] | None = None,
-        remapping: Any = None,
+        remapping: Remapping | None = None,
         constants: dict[str, Any] | None = None,
     ) -> State:
         """Add a state whose `connector_outcomes` lead to whatever state is added next, whatever `transitions` says.
@@ -145,10 +145,13 @@ class StateMachine(Container):
             for outcome, target in transitions.items():
                 # Without a target an outcome falls through to the machine's outcome of the same name.
                 if target not in states and (target or outcome) not in outcomes:
-                    raise InvalidTransitionError(
-                        f"Outcome {outcome!r} of state {label!r} leads to {target or outcome!r}, neither a state "
-                        f"{list(states)} nor an outcome {list(outcomes)} of the machine"
-                    )
+                    raise self._leads_nowhere(label, outcome, target or outcome)
+
+    def _leads_nowhere(self, label: str, outcome: str, target: str | None) -> InvalidTransitionError:
+        return InvalidTransitionError(
+            f"Outcome {outcome!r} of state {label!r} leads to {target!r}, neither a state {list(self._states)} "
+            f"nor an outcome {list(self.get_registered_outcomes())} of the machine"
+        )
 
     # --- the container's view of itself ---
 
@@ -257,12 +260,7 @@ class StateMachine(Container):
         if label in self._constants:
             for key, value in self._constants[label].items():
                 self.userdata[key] = value
-        view = Remapper(
-            self.userdata,
-            state.get_registered_input_keys(),
-            state.get_registered_output_keys(),
-            self._remappings[label],
-        )
+        view = self._view(state, self._remappings[label])
         lock = self._state_transitioning_lock
         lock.release()  # so that a preempt can be requested meanwhile
         try:
@@ -299,10 +297,7 @@ class StateMachine(Container):
         outcomes = self.get_registered_outcomes()
         reached = target if target in outcomes else outcome
         if reached not in outcomes:
-            raise InvalidTransitionError(
-                f"Outcome {outcome!r} of state {label!r} leads to {target!r}, neither a state "
-                f"{list(self._states)} nor an outcome {list(outcomes)} of the machine"
-            )
+            raise self._leads_nowhere(label, outcome, target)
         self._set_current_state(None)
         hooks.loginfo(f"State machine terminating {label!r}:{outcome!r}:{reached!r}")
         self.call_termination_cbs([label], reached)

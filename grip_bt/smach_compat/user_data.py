@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import threading
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 from typing import Any, NoReturn
 
 from ._hooks import hooks
@@ -12,6 +12,10 @@ from .exceptions import InvalidUserCodeError
 
 NOTHING: list[Any] = []
 """The default of list arguments. A list and not a tuple, because callers' lists are added to it; never written."""
+
+
+Remapping = Mapping[str, str] | Collection[str]
+"""The state's key -> the container's key; smach_ros passes an empty list for none."""
 
 
 class _Locks(dict[str, threading.Lock]):
@@ -133,7 +137,7 @@ class Remapper:
         ud: Any,
         input_keys: Iterable[str] = NOTHING,
         output_keys: Iterable[str] = NOTHING,
-        remapping: Collection[str] | dict[str, str] = NOTHING,
+        remapping: Remapping = NOTHING,
     ):
         vars(self).update(_ud=ud, _input=tuple(input_keys), _output=tuple(output_keys), _map=remapping)
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from ._hooks import hooks
 from ._hooks import is_shutdown as is_shutdown
-from ._names import Names
+from ._names import OrderedSet
 from .user_data import NOTHING
 
 
@@ -37,9 +37,9 @@ class CBInterface:
         io_keys: Iterable[str] = NOTHING,
     ):
         self._cb = cb
-        self._outcomes = Names(outcomes)
-        self._input_keys = Names(input_keys)
-        self._output_keys = Names(output_keys)
+        self._outcomes = OrderedSet(outcomes)
+        self._input_keys = OrderedSet(input_keys)
+        self._output_keys = OrderedSet(output_keys)
 
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
         """Call the function."""

@@ -19,7 +19,7 @@ from grip_bt.smach_compat import (
     cb_interface,
     has_smach_interface,
 )
-from grip_bt.smach_compat._names import Names
+from grip_bt.smach_compat._names import OrderedSet
 
 
 def test_keys_are_lists():  # probe 16
@@ -110,13 +110,13 @@ def test_errors_can_be_pickled():
 
 @given(st.lists(st.text(max_size=3)), st.lists(st.text(max_size=3)))
 def test_names_are_a_set_in_the_order_of_declaration(first, second):
-    names = Names(first)
+    names = OrderedSet(first)
     for name in second:
         names.add(name)
     order = list(dict.fromkeys(first + second))
     assert list(names) == order
     assert names == set(order)
-    assert list(Names(first).union(second)) == order
+    assert list(OrderedSet(first).union(second)) == order
     assert list(pickle.loads(pickle.dumps(names))) == order
     names.difference_update(second)
     assert list(names) == [name for name in order if name not in second]
@@ -143,7 +143,7 @@ def test_names_are_a_set_in_the_order_of_declaration(first, second):
     ],
 )
 def test_names_stay_in_order_however_they_change(change):
-    names, plain = Names(["a", "b", "c"]), {"a", "b", "c"}
+    names, plain = OrderedSet(["a", "b", "c"]), {"a", "b", "c"}
     change(names)
     change(plain)
     assert names == plain
