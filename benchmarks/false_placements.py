@@ -26,8 +26,10 @@ from typing import Any
 import numpy as np
 import yaml
 
-from grip_bt.app.project import find_project
-from grip_bt.app.resources import open_resources, silent
+from grip_bt.app.project.catalogue import catalogue_of
+from grip_bt.app.project.folder import find_project
+from grip_bt.app.wiring.open import open_resources
+from grip_bt.app.wiring.parts import silent
 from grip_bt.base.values import Failure, Grasp, JointState, Pose
 from grip_bt.compilers import to_machine, to_tree
 from grip_bt.nodes.observer import Silent
@@ -174,7 +176,7 @@ class Session:
         self.task = one_attempt(folder / "tasks" / "reactive_pick.yaml", self._grips)
         self._compile = to_machine if form == "sm" else to_tree
         project = find_project(folder / "tasks" / "reactive_pick.yaml")
-        self._catalog = project.catalog()
+        self._catalog = catalogue_of(project)
         needs = {leaf.manifest.id for leaf in self._compile(self.task, self._catalog).leaves.values()}
         self.resources = stack.enter_context(open_resources(project, needs, "sim", 0, None, silent))
         self.simulation = self.resources.world

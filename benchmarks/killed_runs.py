@@ -23,9 +23,9 @@ from pathlib import Path
 
 import numpy as np
 
-from grip_bt.app.domain import free_domain
 from grip_bt.base.interpreter import python_command
 from grip_bt.ros.bus import Bus
+from grip_bt.ros.domain import free_domain
 from grip_bt.ros.process import child_environment
 from grip_bt.ros.topic import Received
 
@@ -103,7 +103,7 @@ def own_process(parent: int) -> int:
     for folder in Path("/proc").iterdir():
         with suppress(OSError, ValueError):
             line = (folder / "cmdline").read_bytes()
-            if b"grip_bt.app.run_process" in line:
+            if b"grip_bt.app.runs.process" in line:
                 above = int((folder / "stat").read_text().rpartition(")")[2].split()[1])
                 if above == parent:
                     return int(folder.name)

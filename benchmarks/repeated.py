@@ -28,7 +28,7 @@ LATEST = 0.3
 
 def one(seed: int, target: str, journal: str, late: bool) -> None:
     """Run the task once, in this process, and print the run's id."""
-    from grip_bt.app import RunOptions, open_session
+    from grip_bt.app.runs.execute import RunOptions, open_session
 
     if late:
         delay_answers()

@@ -152,7 +152,7 @@ def bare(taken: Taken) -> None:
 
 def in_trees(folder: Path, figures: Taken) -> None:
     """Take the same from a task that is run, and how long an answer waits for the tick that takes it."""
-    from grip_bt.app import run
+    from grip_bt.app.runs.execute import run
     from grip_bt.nodes.component import ComponentLeaf
 
     stamps: dict[str, list[float]] = {"began": [], "answered": [], "taken": []}

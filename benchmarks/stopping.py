@@ -250,9 +250,9 @@ def served() -> Iterator[Wire]:
     """Run `grip sim`."""
     from simulated_robot import ARM, ARM_ACTION, simulated_robot
 
-    from grip_bt.app.domain import free_domain
     from grip_bt.commanders.robots import build_robot
     from grip_bt.ros.definitions import provide
+    from grip_bt.ros.domain import free_domain
 
     limits = build_robot("panda_allegro").acceleration_limits
     away = np.array([0.5, 0, 0.2, 0, 0, 0, 0.4])

@@ -37,8 +37,8 @@ _HOME = {
     "from_machine": "grip_bt.formats.smach",
     "BehaviourTree": "grip_bt.runtime",
     "TreeRun": "grip_bt.runtime",
-    "tree_run": "grip_bt.app",
-    "run": "grip_bt.app",
+    "tree_run": "grip_bt.app.wiring.open",
+    "run": "grip_bt.app.runs.execute",
 }
 
 __all__ = ["__version__", *_HOME]

@@ -33,7 +33,7 @@ def add_parser(subparsers: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Apply the commands in their order, all or none."""
-    from grip_bt.app.project import project_catalog
+    from grip_bt.app.project.catalogue import project_catalog
     from grip_bt.base.files import replace_text
     from grip_bt.task import read
 
@@ -85,7 +85,7 @@ def _applied(data: Any, document: Document, catalog: Catalog, files: dict[str, s
 
 
 def _write_new(task: Path, name: str, text: str) -> None:
-    from grip_bt.app.project import find_project
+    from grip_bt.app.project.folder import find_project
 
     file = find_project(task).folder / name
     if file.exists():

@@ -14,8 +14,8 @@ from .parser import add_no_code
 from .signals import on_stop
 
 if TYPE_CHECKING:  # the verbs are listed without loading what they run
-    from grip_bt.app import Project
     from grip_bt.app.campaign import Campaign, Results
+    from grip_bt.app.project.folder import Project
 
 STOPPED = 130
 
@@ -56,8 +56,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _run(path: Path, args: argparse.Namespace) -> int:
-    from grip_bt.app import find_project
     from grip_bt.app.campaign import Trials, begin, check, head_of, read_campaign
+    from grip_bt.app.project.folder import find_project
 
     campaign = read_campaign(path)
     check(campaign)

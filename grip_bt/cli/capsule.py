@@ -18,8 +18,8 @@ def add_parser(subparsers: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write the file, and say how large it is."""
-    from grip_bt.app.capsule import write_capsule
-    from grip_bt.app.replay import find_run, journal_of
+    from grip_bt.app.runs.capsule import write_capsule
+    from grip_bt.app.runs.replay import find_run, journal_of
     from grip_bt.runtime import JournalReader
 
     with JournalReader(journal_of(None, args.journal)) as reader:

@@ -45,7 +45,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _issues(path: str) -> tuple[Issue, ...]:
     """Return the issues of a file; what keeps it from being read is one too."""
-    from grip_bt.app import project_catalog
+    from grip_bt.app.project.catalogue import project_catalog
     from grip_bt.base.issue import Issue
     from grip_bt.base.yaml.files import read_file
     from grip_bt.task import read_text

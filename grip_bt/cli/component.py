@@ -57,7 +57,7 @@ def add_parser(subparsers: Any) -> None:
 
 def run_new(args: argparse.Namespace) -> int:
     """Write the repository and its node, and say how to go on."""
-    from grip_bt.app.new_component import components_folder
+    from grip_bt.app.project.components import components_folder
     from grip_bt.codegen.new_repository import make_repository
 
     folder = args.folder or components_folder(Path()) / args.name
@@ -75,7 +75,7 @@ def run_add(args: argparse.Namespace) -> int:
         raise GripError("say what: a folder, an interface file, a type, or --from-graph NAME")
     folders = [folder for what in args.what if (folder := _folder(what, args)) is not None]
     if args.from_graph:
-        from grip_bt.app.new_component import from_graph
+        from grip_bt.app.project.components import from_graph
 
         folders.append(_made(from_graph(args.from_graph, args.wait, args.interfaces), args))
     return check(folders) if args.check else generate(folders)
@@ -90,7 +90,7 @@ def _folder(what: str, args: argparse.Namespace) -> Path:
     if path.suffix[1:] not in ("srv", "action", "msg") and (path.exists() or not _names_a_type(what)):
         _check_folder(path, args.project)
         return path
-    from grip_bt.app.new_component import from_file, from_type
+    from grip_bt.app.project.components import from_file, from_type
 
     return _made(from_file(path) if path.suffix else from_type(what), args)
 
@@ -101,7 +101,7 @@ def _check_component(folder: Path) -> None:
     Raises:
         GripError: it doesn't; it says what to give instead, or what to rename.
     """
-    from grip_bt.app.new_component import components_folder
+    from grip_bt.app.project.components import components_folder
     from grip_bt.task.catalog.component_file import FILE_NAME, load_component
 
     if not (folder / FILE_NAME).exists():
@@ -130,7 +130,7 @@ def _check_folder(path: Path, project: Path) -> None:
     Raises:
         GripError: there is none; it names the nearest one of the project.
     """
-    from grip_bt.app.new_component import components_folder
+    from grip_bt.app.project.components import components_folder
     from grip_bt.task.catalog.component_file import FILE_NAME
 
     if path.exists():
@@ -147,7 +147,7 @@ def _check_folder(path: Path, project: Path) -> None:
 def _made(wish: Any, args: argparse.Namespace) -> Path:
     from dataclasses import replace
 
-    from grip_bt.app.new_component import components_folder, make_component
+    from grip_bt.app.project.components import components_folder, make_component
     from grip_bt.task.catalog.component_file import load_component
 
     wish = replace(wish, name=args.name, server=args.server or wish.server)
@@ -185,7 +185,7 @@ def check(folders: Sequence[Path]) -> int:
 
 def run_list(args: argparse.Namespace) -> int:
     """Print each component with its service, outcomes and whether its node is up to date; 1 when one is broken."""
-    from grip_bt.app.project import find_project
+    from grip_bt.app.project.folder import find_project
     from grip_bt.codegen import outdated
     from grip_bt.task.catalog.component_file import load_component
 
@@ -212,9 +212,9 @@ def run_test(args: argparse.Namespace) -> int:
     """Start the component, call it once (an action: one goal) with nothing in it, and tell the answer and its time."""
     import time
 
-    from grip_bt.app.component_answer import label_of
-    from grip_bt.app.project import find_project
-    from grip_bt.app.strange_code import of_component, refuse
+    from grip_bt.app.project.components import label_of
+    from grip_bt.app.project.folder import find_project
+    from grip_bt.app.project.foreign_code import of_component, refuse
     from grip_bt.ros.components import start_components
     from grip_bt.task.catalog.component_file import load_component
 

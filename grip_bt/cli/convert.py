@@ -126,7 +126,7 @@ def add_parser(subparsers: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Convert one task."""
-    from grip_bt.app import project_catalog
+    from grip_bt.app.project.catalogue import project_catalog
     from grip_bt.base.yaml.files import read_file
     from grip_bt.task import read_text
 

@@ -9,14 +9,14 @@ import sys
 import time
 from typing import TYPE_CHECKING, Any
 
-from grip_bt.app.demos import DEMOS, Demo, find_demo
+from grip_bt.app.project.examples import DEMOS, Demo, find_demo
 
 from .run import add_run_options, exit_status, options_of, sentence
 from .signals import on_hang_up, on_stop
 
 if TYPE_CHECKING:  # the verbs are listed without loading what they run
-    from grip_bt.app.attempts import Attempt, AttemptRecorder
-    from grip_bt.app.execute import Session
+    from grip_bt.app.runs.execute import Session
+    from grip_bt.app.runs.verdict import Attempt, AttemptRecorder
     from grip_bt.runtime import RunResult
 
 
@@ -34,9 +34,8 @@ def add_parser(subparsers: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run the demonstration; 0 only when the referee agrees that everything was done."""
-    from grip_bt.app import open_session
-    from grip_bt.app.report import object_table
-    from grip_bt.app.verdict import Verdict
+    from grip_bt.app.runs.execute import open_session
+    from grip_bt.app.runs.verdict import Verdict, object_table
     from grip_bt.runtime.control import result_facts
     from grip_bt.task import walk
 
@@ -70,8 +69,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _recorder(demo: Demo, session: Session, say: Any) -> AttemptRecorder:
-    from grip_bt.app.attempts import AttemptRecorder
-    from grip_bt.app.report import attempt_line
+    from grip_bt.app.runs.verdict import AttemptRecorder, attempt_line
     from grip_bt.compilers.probe import parts_of
 
     referee = session.resources.referee

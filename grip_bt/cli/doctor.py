@@ -8,7 +8,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:  # the verbs are listed without loading what they run
-    from grip_bt.app.doctor import Finding
+    from grip_bt.app.project.doctor import Finding
 
 _MARK = {"ok": "ok  ", "missing": "MISS", "broken": "FAIL"}
 
@@ -22,7 +22,7 @@ def add_parser(subparsers: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Print the findings; 1 when something that the demo needs is missing."""
-    from grip_bt.app.doctor import examine
+    from grip_bt.app.project.doctor import examine
 
     findings = examine()
     if args.json:

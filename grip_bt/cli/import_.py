@@ -60,7 +60,7 @@ def add_parser(subparsers: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Import from one source."""
     if args.execute:
-        from grip_bt.app.strange_code import refuse
+        from grip_bt.app.project.foreign_code import refuse
 
         refuse([f"--execute: imports and runs {args.path}"])
     return IMPORTERS[args.source](args)
@@ -128,7 +128,7 @@ def _report(imported: ImportedFile) -> None:
 
 
 def _write(imports: list[ImportedFile], args: argparse.Namespace) -> None:
-    from grip_bt.app.project import find_project
+    from grip_bt.app.project.folder import find_project
     from grip_bt.formats.smach import write_import
 
     every = [(imported, name) for imported in imports for name in imported.tasks]

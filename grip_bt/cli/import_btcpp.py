@@ -25,7 +25,8 @@ HEADER = """\
 
 def run(args: argparse.Namespace) -> int:
     """Import one tree; its task goes to a file or to stdout, what to know about it to stderr."""
-    from grip_bt.app.project import find_project
+    from grip_bt.app.project.catalogue import project_catalog
+    from grip_bt.app.project.folder import find_project
     from grip_bt.base.yaml.files import read_file
     from grip_bt.formats.btcpp import from_xml
 
@@ -34,7 +35,7 @@ def run(args: argparse.Namespace) -> int:
     text = read_file(args.path)
     around = find_project(args.path)
     bound = around.folder if (around.folder / "grip.yaml").is_file() else args.path.resolve().parent
-    catalog = find_project(args.output or args.path).catalog()
+    catalog = project_catalog(args.output or args.path)
     imported = from_xml(text, catalog, str(args.path), args.path.resolve().parent, bound, args.machine or "")
     for remark in imported.remarks:
         print(remark, file=sys.stderr)
@@ -64,7 +65,7 @@ def _report(imported: ImportedFile, origin: str) -> str:
 
 def _provide(manifests: tuple[Manifest, ...], output: Path | None, origin: str) -> None:
     """Write a manifest for each node type, in a folder of its own among the project's nodes."""
-    from grip_bt.app.project import find_project
+    from grip_bt.app.project.folder import find_project
     from grip_bt.task.catalog.manifest_text import manifest_text
 
     names = ", ".join(manifest.id for manifest in manifests)

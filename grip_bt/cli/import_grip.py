@@ -32,7 +32,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _write(imported: GripImport, folder: Path) -> int:
-    from grip_bt.app.project import find_project
+    from grip_bt.app.project.catalogue import catalogue_of
+    from grip_bt.app.project.folder import find_project
     from grip_bt.formats.first_grip import write_files
     from grip_bt.task.document import read_text
     from grip_bt.task.validation import validate
@@ -52,7 +53,9 @@ def _write(imported: GripImport, folder: Path) -> int:
     for name in imported.tasks:
         document = read_text(texts[f"tasks/{name}.yaml"], f"tasks/{name}.yaml")
         issues = [
-            issue for issue in validate(document.task, project.catalog(), document).issues if issue.severity == "error"
+            issue
+            for issue in validate(document.task, catalogue_of(project), document).issues
+            if issue.severity == "error"
         ]
         for issue in issues:
             print(f"  to do    tasks/{name}.yaml: {issue.path}: {issue.message}")

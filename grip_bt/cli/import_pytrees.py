@@ -65,7 +65,7 @@ def _from_code(args: argparse.Namespace) -> Imported:
 def _from_xml(args: argparse.Namespace) -> Imported:
     if args.execute:
         args.usage_error("--execute is for module:factory; an XML file is only read")
-    from grip_bt.app import project_catalog
+    from grip_bt.app.project.catalogue import project_catalog
     from grip_bt.base.yaml.files import read_file
     from grip_bt.formats.pytrees_xml import from_xml
 

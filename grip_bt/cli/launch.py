@@ -16,7 +16,7 @@ from grip_bt.base.errors import GripError
 from .parser import add_no_code
 
 if TYPE_CHECKING:
-    from grip_bt.app.project import Project
+    from grip_bt.app.project.folder import Project
     from grip_bt.ros.launch.group import Member
     from grip_bt.ros.launch.model import LaunchEvent
 
@@ -45,7 +45,7 @@ def add_parser(subparsers: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run until all have ended, a required one has failed, or we are told to stop."""
-    from grip_bt.app.strange_code import refuse
+    from grip_bt.app.project.foreign_code import refuse
 
     if args.write is not None:
         return _write(args)
@@ -77,7 +77,8 @@ def _show_arguments(what: Sequence[str]) -> int:
 
 
 def _nothing_to_launch(place: Path) -> str:
-    from grip_bt.app.project import FILE_NAME, find_project
+    from grip_bt.app.project.config import FILE_NAME
+    from grip_bt.app.project.folder import find_project
 
     file = find_project(place).folder / FILE_NAME
     said = "declares no processes; " if file.is_file() else "isn't there; name a project by --project, "
@@ -85,8 +86,8 @@ def _nothing_to_launch(place: Path) -> str:
 
 
 def _members(args: argparse.Namespace) -> tuple[Project, list[Member], list[LaunchEvent]]:
-    from grip_bt.app.launching import project_members
-    from grip_bt.app.project import find_project
+    from grip_bt.app.project.folder import find_project
+    from grip_bt.app.project.launching import project_members
     from grip_bt.ros.launch.run import is_launch_file, members_of_file
 
     project = find_project(args.project)
@@ -116,8 +117,8 @@ def _print_members(members: Sequence[Member], as_json: bool) -> None:
 
 
 def _write(args: argparse.Namespace) -> int:
-    from grip_bt.app.launch_file import launch_file_of
-    from grip_bt.app.project import find_project
+    from grip_bt.app.project.folder import find_project
+    from grip_bt.app.project.launching import launch_file_of
 
     project = find_project(args.project)
     args.write.write_text(launch_file_of(project), encoding="utf-8")

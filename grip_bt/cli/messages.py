@@ -84,7 +84,7 @@ def _add_form(parser: argparse.ArgumentParser) -> None:
 
 def run_serve(args: argparse.Namespace) -> int:
     """Serve until SIGINT or SIGTERM."""
-    from grip_bt.app.project import find_project
+    from grip_bt.app.project.folder import find_project
     from grip_bt.ros.bus import Bus
     from grip_bt.ros.managers import MessageServer
 

@@ -191,7 +191,7 @@ def _server() -> Iterator[RosMessages]:
 
 def told_of_building() -> AbstractContextManager[None]:
     """Say that the interfaces are being built, where that takes its time: once on a machine."""
-    from grip_bt.app.waiting import told_when_slow
+    from grip_bt.app.wiring.parts import told_when_slow
 
     words = "grip: building the interfaces of messages, once; this takes a while ..."
     return told_when_slow(lambda _, said: print(said, file=sys.stderr, flush=True), "messages", lambda: words, SILENT)

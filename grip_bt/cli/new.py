@@ -16,7 +16,7 @@ def add_parser(subparsers: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Make the project and say how to go on."""
-    from grip_bt.app.new_project import make_project
+    from grip_bt.app.project.folder import make_project
 
     written = make_project(args.folder)
     print(f"{args.folder}: {', '.join(str(file) for file in written)}")

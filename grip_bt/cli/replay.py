@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from grip_bt.base.errors import MissingPartError, UnknownNameError
 
 if TYPE_CHECKING:
-    from grip_bt.app.replay import Until
+    from grip_bt.app.runs.replay import Until
     from grip_bt.runtime import Event, JournalReader, Moment
 
 
@@ -38,7 +38,7 @@ def add_parser(subparsers: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Show the events."""
-    from grip_bt.app.replay import Until, events_of, find_run, journal_of, line_of, moment_lines, replay
+    from grip_bt.app.runs.replay import Until, events_of, find_run, journal_of, line_of, moment_lines, replay
     from grip_bt.runtime import JournalReader
 
     file = journal_of(None, args.journal)
@@ -99,7 +99,7 @@ def _open_page(journal: Path, run: str, open_browser: bool) -> int:
         from grip_gui import serve
     except ImportError as error:
         raise MissingPartError(f"the page ({error.name})", "pip install 'grip-bt[gui]'") from error
-    from grip_bt.app import find_project
+    from grip_bt.app.project.folder import find_project
 
     folder = journal.resolve().parent.parent if journal.parent.name == ".grip" else find_project(Path()).folder
     return serve(folder, show_run=run, journal=journal, open_browser=open_browser)

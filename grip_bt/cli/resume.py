@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 from grip_bt.base.errors import ResumeError
 
 if TYPE_CHECKING:
-    from grip_bt.app import RunOptions
-    from grip_bt.app.going_on import Question
+    from grip_bt.app.runs.execute import RunOptions
+    from grip_bt.app.runs.resume import Question
 
 
 class Given(argparse.Action):
@@ -91,8 +91,11 @@ def prepare(args: argparse.Namespace, options: RunOptions, given: frozenset[str]
         UnknownNameError: there is no such run, place, node or outcome.
         ResumeError: it can't be gone on with; it says what can be done.
     """
-    from grip_bt.app import check_task
-    from grip_bt.app.going_on import (
+    from grip_bt.app.project.catalogue import catalogue_of
+    from grip_bt.app.runs.execute import check_task
+    from grip_bt.app.runs.mocks import apply_mocks
+    from grip_bt.app.runs.replay import find_run, journal_of
+    from grip_bt.app.runs.resume import (
         GoOn,
         agree,
         place_in,
@@ -103,9 +106,7 @@ def prepare(args: argparse.Namespace, options: RunOptions, given: frozenset[str]
         see_off,
         undamaged,
     )
-    from grip_bt.app.keeping import MESSAGES, unreadable
-    from grip_bt.app.mocks import apply_mocks
-    from grip_bt.app.replay import find_run, journal_of
+    from grip_bt.app.runs.saved_state import MESSAGES, unreadable
     from grip_bt.compilers.resolve import resolve
     from grip_bt.runtime import JournalReader
 
@@ -131,11 +132,13 @@ def prepare(args: argparse.Namespace, options: RunOptions, given: frozenset[str]
     was = recorded_options(events)
     values = dict(options.data)
     options = replace(options, **{k: was[k] for k in was.keys() - given if hasattr(options, k)})
-    options = replace(options, data=was.get("data", {}), target=record.target, journal=file.absolute())
+    options = replace(
+        options, data=was.get("data", {}), target="sm" if record.target == "sm" else "bt", journal=file.absolute()
+    )
     project, document, _ = check_task(task, record.task_text)
     if task.is_file() and task.read_text(encoding="utf-8") != record.task_text:
         _say(f"{task} has changed since; the run goes on with the task as it was")
-    catalog, model = project.catalog(), document.task
+    catalog, model = catalogue_of(project), document.task
     parts = {part.path: part for part in resolve(model, catalog).root.walk()}
     if options.mocks:
         model, catalog, _ = apply_mocks(model, catalog, options.mocks)

@@ -17,8 +17,8 @@ from .resume import Given, add_resume_options, check_usage, fork_often, prepare
 from .signals import on_stop
 
 if TYPE_CHECKING:  # the verbs are listed without loading what they run
-    from grip_bt.app import RunOptions
-    from grip_bt.app.supervisor import Supervisor
+    from grip_bt.app.runs.execute import RunOptions
+    from grip_bt.app.runs.supervisor import Supervisor
     from grip_bt.runtime import RunResult
 
 EXIT_STATUS = {"success": 0, "failure": 3, "error": 4, "died": 4, "stopped": 130}
@@ -116,14 +116,14 @@ def _pace(word: str) -> float:
 
 def options_of(args: argparse.Namespace) -> RunOptions:
     """Return the options that a command line gave."""
-    from grip_bt.app import RunOptions
+    from grip_bt.app.runs.execute import RunOptions
 
     return RunOptions(target=args.target, robot=args.robot, seed=args.seed, pace=args.pace)
 
 
 def run(args: argparse.Namespace) -> int:
     """Run the task; the exit status tells how it ended."""
-    from grip_bt.app.mocks import read_mocks
+    from grip_bt.app.runs.mocks import read_mocks
 
     check_usage(args, args.parser.error)
     debug = args.debug or (bool(args.breaks) and not args.control)
@@ -150,8 +150,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _run_here(args: argparse.Namespace, options: RunOptions) -> int:
-    from grip_bt.app import open_session
-    from grip_bt.app.verdict import Verdict
+    from grip_bt.app.runs.execute import open_session
+    from grip_bt.app.runs.verdict import Verdict
     from grip_bt.runtime import serve_control
     from grip_bt.runtime.control import result_facts
 
@@ -179,7 +179,7 @@ def exit_status(end: Mapping[str, Any]) -> int:
 
 def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> tuple[int, Mapping[str, Any]]:
     """Run in a child process; pass on what goes either way. Return the exit status, and the event `ended`."""
-    from grip_bt.app.supervisor import Supervisor
+    from grip_bt.app.runs.supervisor import Supervisor
 
     run_id: list[str] = []
     started: list[Mapping[str, Any]] = []
@@ -222,7 +222,7 @@ def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> tu
 
 def _tell_failures(started: Mapping[str, Any], said: str) -> None:
     """Print why leaves failed, also where the task has recovered from it; not what was said already."""
-    from grip_bt.app.run_tables import failures
+    from grip_bt.app.runs.tables import failures
     from grip_bt.runtime import JournalReader
 
     with JournalReader(started["journal"]) as reader:
@@ -278,7 +278,7 @@ def _tell(end: Mapping[str, Any], as_json: bool) -> None:
         named = f"run {end['run']}" if end.get("run") else "no run was begun"
         print(f"{sentence(end)}; {took}{ticks}{named}")
         if "truth" in end:
-            from grip_bt.app.verdict import words
+            from grip_bt.app.runs.verdict import words
 
             print(f"the referee: {words(end['truth'])}")
 

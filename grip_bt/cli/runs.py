@@ -40,8 +40,8 @@ def add_parser(subparsers: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Print a line per run, or do what is asked with one run."""
-    from grip_bt.app import find_project
-    from grip_bt.app.replay import find_run
+    from grip_bt.app.project.folder import find_project
+    from grip_bt.app.runs.replay import find_run
     from grip_bt.runtime import JournalReader
 
     if args.prune is not None:
@@ -94,8 +94,8 @@ def _no_journal(file: Path) -> NoReturn:
 def _prune(args: argparse.Namespace) -> int:
     from pydantic import ByteSize, TypeAdapter, ValidationError
 
-    from grip_bt.app import find_project
-    from grip_bt.app.journal_room import make_room
+    from grip_bt.app.project.folder import find_project
+    from grip_bt.app.runs.execute import make_room
 
     project = find_project(Path(args.what))
     try:
@@ -119,7 +119,7 @@ def _prune(args: argparse.Namespace) -> int:
 
 
 def _export(reader: JournalReader, run: str, file: Path, to: str) -> None:
-    from grip_bt.app.export_run import export_run
+    from grip_bt.app.runs.export import export_run
 
     count = export_run(reader, run, file, to)
     print(f"{file}: {count} events of run {run}")
@@ -136,7 +136,7 @@ def _data(reader: JournalReader, run: str, as_json: bool) -> None:
 
 
 def _timing(reader: JournalReader, run: str, as_json: bool) -> None:
-    from grip_bt.app.run_tables import timings
+    from grip_bt.app.runs.tables import timings
 
     rows = timings(reader.events(run))
     if as_json:
@@ -150,7 +150,7 @@ def _timing(reader: JournalReader, run: str, as_json: bool) -> None:
 
 
 def _coverage(reader: JournalReader, task: Path, as_json: bool) -> None:
-    from grip_bt.app.run_tables import coverage
+    from grip_bt.app.runs.tables import coverage
 
     found = coverage(reader, str(task))
     seen, there = found.counts

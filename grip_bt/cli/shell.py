@@ -94,7 +94,7 @@ def _done(arguments: Sequence[str] | None) -> int:
         sys.stdout.flush()  # the help, which argparse has printed
         raise
     if getattr(args, "no_code", False):
-        from grip_bt.app.strange_code import forbid
+        from grip_bt.app.project.foreign_code import forbid
 
         forbid()
     return int(args.run(args))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from grip_bt.base.errors import GripError
 
 if TYPE_CHECKING:
-    from grip_bt.app.sim_node import Served
+    from grip_bt.app.wiring.ros_simulation import Served
 
 STOPPED, SIMULATOR_ENDED = 0, 4
 
@@ -33,8 +33,8 @@ def add_parser(subparsers: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Serve the world until Ctrl-C; then say where its objects are."""
-    from grip_bt.app import find_project
-    from grip_bt.app.sim_node import serve_world
+    from grip_bt.app.project.folder import find_project
+    from grip_bt.app.wiring.ros_simulation import serve_world
 
     from .run import progress
     from .signals import on_stop

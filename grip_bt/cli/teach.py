@@ -11,7 +11,7 @@ from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
 from grip_bt.base.failures import ExpectedError
 
 if TYPE_CHECKING:
-    from grip_bt.app.resources import Resources
+    from grip_bt.app.wiring.parts import Resources
     from grip_bt.base.values import JointState, Pose
 
 
@@ -31,9 +31,9 @@ def add_parser(subparsers: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Teach, or list."""
-    from grip_bt.app.named_parts import TAUGHT
-    from grip_bt.app.project import find_project
-    from grip_bt.app.resources import open_resources
+    from grip_bt.app.project.faults import TAUGHT
+    from grip_bt.app.project.folder import find_project
+    from grip_bt.app.wiring.open import open_resources
 
     project = find_project(args.project)
     if args.name is None:

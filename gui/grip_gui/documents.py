@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from grip_bt.app.project import project_catalog
+from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.base.errors import DocumentError, GripError, SubtaskError, UnknownNameError
 from grip_bt.base.issue import Issue
 from grip_bt.base.yaml.files import read_file

@@ -7,7 +7,7 @@ from typing import get_args
 
 from fastapi import APIRouter
 
-from grip_bt.app.execute import RobotKind
+from grip_bt.app.wiring.parts import RobotKind
 from grip_bt.base.errors import GripError, UnknownNameError
 from grip_gui.documents import task_view
 from grip_gui.from_here import mocks_before

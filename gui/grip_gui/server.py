@@ -12,7 +12,7 @@ from urllib.parse import urlencode
 
 import uvicorn
 
-from grip_bt.app.project import find_project
+from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import GripError
 from grip_gui.application import create_app
 from grip_gui.journal import JournalRuns

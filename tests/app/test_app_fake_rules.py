@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from grip_bt.app import run
+from grip_bt.app.runs.execute import run
 from grip_bt.cli.__main__ import main
 
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from grip_bt.app import RunOptions, open_session
-from grip_bt.app.replay import find_run
+from grip_bt.app.runs.execute import RunOptions, open_session
+from grip_bt.app.runs.replay import find_run
 from grip_bt.cli.__main__ import main
 from grip_bt.nodes.observer import Silent
 from grip_bt.runtime import JournalReader

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from grip_bt.app.replay import find_run
+from grip_bt.app.runs.replay import find_run
 from grip_bt.cli.__main__ import main
 from grip_bt.commanders.robots import build_robot
 from grip_bt.runtime import JournalReader
@@ -134,7 +134,7 @@ def test_a_state_that_was_too_big_to_be_kept_is_said(
     monkeypatch.chdir(tmp_path)
     Path("grip.yaml").write_text(GRIP)
     Path("kept.yaml").write_text(TASK.replace("WAIT", "0.01"))
-    from grip_bt.app import execute
+    from grip_bt.app.runs import execute
     from grip_bt.runtime import Journal
 
     monkeypatch.setattr(execute, "Journal", lambda file: Journal(file, largest_value=100))
@@ -153,7 +153,7 @@ def test_with_yes_a_part_that_cannot_be_brought_back_begins_as_in_a_new_run(
     monkeypatch.chdir(tmp_path)
     Path("grip.yaml").write_text(GRIP)
     Path("kept.yaml").write_text(TASK.replace("WAIT", "0.01"))
-    from grip_bt.app import execute
+    from grip_bt.app.runs import execute
     from grip_bt.runtime import Journal
 
     with monkeypatch.context() as small:
@@ -206,7 +206,7 @@ def test_a_fake_robot_is_where_it_was_without_a_question(tmp_path: Path) -> None
 
 
 def test_fakes_are_put_back_to_where_they_were() -> None:
-    from grip_bt.app.fake_state import FakeState
+    from grip_bt.app.wiring.fake import FakeState
     from grip_bt.base.values import JointState, Pose
     from grip_bt.commanders.fake import FakeArm, FakeComponent, FakeHand
 

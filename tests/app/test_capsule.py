@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from grip_bt.app.capsule import MOST_TEXT, columns_of, write_capsule
+from grip_bt.app.runs.capsule import MOST_TEXT, columns_of, write_capsule
 from grip_bt.cli.__main__ import main
 from grip_bt.runtime import Event, Journal, JournalReader
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from grip_bt.app import RunOptions, open_session
+from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.base.values import Pose
 from grip_bt.commanders.taught import Taught
 from grip_bt.runtime import JournalReader

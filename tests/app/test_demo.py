@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from trial_project import grip, processes_in, result_of
 
-from grip_bt.app import RunOptions, open_session
-from grip_bt.app.attempts import AttemptRecorder
-from grip_bt.app.demos import examples_folder, find_demo
+from grip_bt.app.project.examples import examples_folder, find_demo
+from grip_bt.app.runs.execute import RunOptions, open_session
+from grip_bt.app.runs.verdict import AttemptRecorder
 from grip_bt.base.values import Pose
 from grip_bt.nodes.observer import Silent
 

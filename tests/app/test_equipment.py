@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from smally_project import write_project
 
-from grip_bt.app import project_catalog
+from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.cli.__main__ import main
 from grip_bt.task import read_text
 from grip_bt.task.validation import validate
@@ -186,7 +186,8 @@ def test_a_component_whose_file_is_broken_is_told_to_the_tasks_that_use_it(tmp_p
 def test_no_library_of_motion_of_ros_or_of_the_simulator_is_loaded(tmp_path):
     write_project(tmp_path)
     code = (
-        "import sys; from grip_bt.app import project_catalog; assert project_catalog(sys.argv[1]).equipment().arms; "
+        "import sys; from grip_bt.app.project.catalogue import project_catalog; "
+        "assert project_catalog(sys.argv[1]).equipment().arms; "
         "print({'ompl', 'coal', 'pinocchio', 'rclpy', 'sapien', 'py_trees'} & set(sys.modules))"
     )
     done = subprocess.run([sys.executable, "-c", code, str(tmp_path)], capture_output=True, text=True, check=True)

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
-from grip_bt.app.export_run import COLUMNS, FORMATS, export_run
+from grip_bt.app.runs.export import COLUMNS, FORMATS, export_run
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.values import CameraInfo, DepthImage, Failure, Grasp, Image, PointCloud, Pose, RgbdFrame
 from grip_bt.cli.__main__ import main

@@ -2,7 +2,7 @@
 
 import pytest
 
-from grip_bt.app import run
+from grip_bt.app.runs.execute import run
 from grip_bt.base.errors import DocumentError
 
 HANDS = "hands: {right_hand: {group: hand}}\narms: {right: {group: arm, hand: right_hand}}\n"

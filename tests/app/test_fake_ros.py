@@ -8,8 +8,8 @@ import textwrap
 
 import pytest
 
-from grip_bt.app import run
-from grip_bt.app.fake_values import value_of
+from grip_bt.app.runs.execute import run
+from grip_bt.app.wiring.fake_values import value_of
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import SensorError
 from grip_bt.base.ports import Ros, Sensor
@@ -67,7 +67,7 @@ def test_sensors_topics_frames_parameters_and_messages_run_without_ros(project):
 def test_it_loads_no_rclpy(project):
     code = textwrap.dedent("""
         import sys
-        from grip_bt.app import run
+        from grip_bt.app.runs.execute import run
         assert run("look.yaml", robot="fake").outcome == "success"
         assert "rclpy" not in sys.modules
     """)
@@ -128,9 +128,9 @@ def test_fakes_are_what_the_ports_ask_for():
 
 
 def test_a_component_that_is_not_in_the_project_is_still_named(project):
-    from grip_bt.app.fake_parts import open_components
-    from grip_bt.app.project import find_project
-    from grip_bt.app.resources import Resources
+    from grip_bt.app.project.folder import find_project
+    from grip_bt.app.wiring.fake import open_components
+    from grip_bt.app.wiring.parts import Resources
 
     with pytest.raises(UnknownNameError, match="component 'grasps'"):
         open_components(find_project(project), ["grasps"], Resources())

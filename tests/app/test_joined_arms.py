@@ -8,9 +8,10 @@ from types import SimpleNamespace
 import pytest
 from smally_project import robot_files
 
-from grip_bt.app import RunOptions, find_project, open_session
-from grip_bt.app.named_parts import check_arms, jerks_of_arms
-from grip_bt.app.project import ArmConfig
+from grip_bt.app.project.config import ArmConfig
+from grip_bt.app.project.faults import check_arms, jerks_of_arms
+from grip_bt.app.project.folder import find_project
+from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.base.errors import GripError
 from grip_bt.cli.__main__ import main
 

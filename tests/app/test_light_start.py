@@ -14,7 +14,7 @@ HEAVY = {"ompl", "toppra", "scipy", "coal", "sapien", "pytracik"}
     ("modules", "spared"),
     [
         ("grip_bt.commanders.worker", HEAVY - {"coal", "pytracik"}),
-        ("grip_bt.app.run_process, grip_bt.app.motion_record", HEAVY),
+        ("grip_bt.app.runs.process, grip_bt.app.runs.motion_record", HEAVY),
     ],
 )
 def test_heavy_libraries_are_left_to_those_who_need_them(modules, spared):

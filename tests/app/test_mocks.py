@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from grip_bt.app import RunOptions, open_session
-from grip_bt.app.mocks import read_mocks
+from grip_bt.app.runs.execute import RunOptions, open_session
+from grip_bt.app.runs.mocks import read_mocks
 from grip_bt.base.errors import DocumentError, UnknownNameError
 from grip_bt.runtime import JournalReader
 

@@ -9,9 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from grip_bt.app.motion_bodies import MOST_CELLS, Bodies, few_cells
-from grip_bt.app.motion_record import KEPT, motion_file, recorded_motion
-from grip_bt.app.resources import Resources
+from grip_bt.app.runs.motion_record import KEPT, MOST_CELLS, Bodies, few_cells, motion_file, recorded_motion
+from grip_bt.app.wiring.parts import Resources
 from grip_bt.base.errors import SimulatorLostError
 from grip_bt.base.values import JointState, Pose
 from grip_bt.base.values.solids import CellMap, Mesh

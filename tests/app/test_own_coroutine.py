@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from grip_bt.app import run
+from grip_bt.app.runs.execute import run
 from grip_bt.runtime import JournalReader
 
 PAGE = (Path(__file__).parents[2] / "docs" / "own_nodes.md").read_text()

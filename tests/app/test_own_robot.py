@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 from smally_project import PROJECT, write_project
 
-from grip_bt.app import RunOptions, find_project, open_session
+from grip_bt.app.project.folder import find_project
+from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.base.errors import DocumentError, InvalidRobotError
 from grip_bt.runtime import JournalReader
 

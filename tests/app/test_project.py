@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from grip_bt.app.project import find_project, project_catalog
+from grip_bt.app.project.catalogue import catalogue_of, project_catalog
+from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import DocumentError
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
@@ -24,8 +25,8 @@ def test_the_catalogue_holds_builtin_sensor_and_component_nodes():
 def test_without_a_project_file_only_builtin_nodes_exist(tmp_path):
     project = find_project(tmp_path / "task.yaml")
     assert project.folder == tmp_path
-    assert "flow/wait" in project.catalog().ids()
-    assert not any(i.startswith("sensor/") for i in project.catalog().ids())
+    assert "flow/wait" in catalogue_of(project).ids()
+    assert not any(i.startswith("sensor/") for i in catalogue_of(project).ids())
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from grip_bt.app.replay import find_run
+from grip_bt.app.runs.replay import find_run
 from grip_bt.cli.__main__ import main
 from grip_bt.runtime import JournalReader
 

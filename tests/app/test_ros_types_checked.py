@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from grip_bt.app import project_catalog
+from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.task import read_text
 from grip_bt.task.validation import validate
 

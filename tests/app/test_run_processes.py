@@ -14,8 +14,8 @@ from typing import Any
 
 import pytest
 
-from grip_bt.app import run_process
-from grip_bt.app.supervisor import Supervisor
+from grip_bt.app.runs import run_process
+from grip_bt.app.runs.supervisor import Supervisor
 from grip_bt.base.errors import GripError
 from grip_bt.runtime import JournalReader
 
@@ -316,7 +316,7 @@ def test_a_stop_that_is_the_very_first_command_ends_the_process_in_good_order(pr
         "import os, signal\n"
         "from grip_bt.runtime.control import Control\n"
         "Control.start = lambda self: os.kill(os.getpid(), signal.SIGUSR1)\n"
-        "from grip_bt.app.run_process import main\n"
+        "from grip_bt.app.runs.process import main\n"
         "raise SystemExit(main())\n"
     )
     (commands, order), (told, events), (_, trace) = os.pipe(), os.pipe(), os.pipe()

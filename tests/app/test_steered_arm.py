@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from grip_bt.app import RunOptions, open_session
+from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_sim.adapters import SimExecutor
 
 PROJECT = """grip: 1

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from grip_bt.app import RunOptions, open_session
-from grip_bt.app.demos import find_demo
+from grip_bt.app.project.examples import find_demo
+from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.base.values import Pose
 
 pytestmark = [pytest.mark.ros, pytest.mark.sim, pytest.mark.slow]

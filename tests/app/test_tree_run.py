@@ -8,8 +8,8 @@ import pytest
 
 import grip_bt
 from grip_bt import smach_compat
-from grip_bt.app import project_catalog
-from grip_bt.app.execute import RunOptions, open_session
+from grip_bt.app.project.catalogue import project_catalog
+from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.formats.smach_export import export
 from grip_bt.runtime import JournalReader
 from grip_bt.task import load

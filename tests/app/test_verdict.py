@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from trial_project import grip
 
-from grip_bt.app.verdict import PLACE, Verdict, words
+from grip_bt.app.runs.verdict import PLACE, Verdict, words
 from grip_bt.base.errors import DocumentError, SimulatorLostError
 from grip_bt.cli.run import exit_status, sentence
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from grip_bt.app import project_catalog
+from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.cli.__main__ import main
 from grip_bt.task import read_text
 from grip_bt.task.validation import validate

@@ -139,7 +139,7 @@ def test_nothing_else_starts_this_python() -> None:
         "grip_bt/base/interpreter.py",
         "grip_bt/ros/process.py",
         "grip_bt/ros/starting.py",
-        "grip_bt/app/doctor.py",
+        "grip_bt/app/project/doctor.py",
     }
     rooms = [ROOT / "grip_bt", ROOT / "sim", ROOT / "gui" / "grip_gui"]
     found = {

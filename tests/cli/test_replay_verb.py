@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from grip_bt.app.replay import Until, events_of, replay
+from grip_bt.app.runs.replay import Until, events_of, replay
 from grip_bt.cli.__main__ import main
 from grip_bt.runtime import Event, Journal, JournalReader
 
@@ -97,7 +97,7 @@ def test_the_speed_divides_the_times_of_the_run(monkeypatch):
         waited.append(seconds)
         now[0] += seconds
 
-    monkeypatch.setattr("grip_bt.app.replay.time", SimpleNamespace(monotonic=lambda: now[0]))
+    monkeypatch.setattr("grip_bt.app.runs.replay.time", SimpleNamespace(monotonic=lambda: now[0]))
     events = [Event(i + 1, t, t, "a", "enter", None, None, {}) for i, t in enumerate((5.0, 6.0, 9.0))]
     replay(iter(events), lambda *_: None, speed=2.0, sleep=sleep)
     assert waited == pytest.approx([0.5, 1.5]), "the run's own first moment is shown at once"
@@ -156,7 +156,7 @@ def test_the_page_begins_with_the_run_that_is_replayed(folder):
 
 
 def test_a_run_that_was_gone_on_with_says_so_and_what_ran_runs_on():
-    from grip_bt.app.replay import line_of
+    from grip_bt.app.runs.replay import line_of
     from grip_bt.runtime import Moment
 
     def event(seq, path, kind, **data):

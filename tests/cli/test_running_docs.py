@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ruamel.yaml import YAML
 
-from grip_bt.app.mocks import read_mocks
+from grip_bt.app.runs.mocks import read_mocks
 from grip_bt.cli.debug_prompt import _PLAIN, _STEPS
 from grip_bt.cli.shell import make_parser
 from grip_bt.runtime.control import COMMANDS

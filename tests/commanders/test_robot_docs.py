@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 from robot_files import description_package, moveit_package
 
-from grip_bt.app import find_project
+from grip_bt.app.project.folder import find_project
 from grip_bt.cli.shell import make_parser
 from grip_bt.commanders.description import check_links, check_srdf, check_urdf, load, single
 from grip_bt.commanders.moveit_package import package

@@ -28,8 +28,8 @@ def move_group() -> Iterator[tuple[Any, Any]]:
     """Start the stand-in of move_group for a Panda; give a bus on its domain, and what is measured of the joints."""
     from patient_bus import PatientBus, joints_of
 
-    from grip_bt.app.domain import free_domain
     from grip_bt.ros.definitions import provide
+    from grip_bt.ros.domain import free_domain
 
     messages = provide("moveit_msgs")
     with (
@@ -69,7 +69,7 @@ def arm_of_controllers(ros_robot: tuple[Any, Any]) -> Iterator[ArmRig]:
 @contextmanager
 def arm_of_move_group(ros_move_group: tuple[Any, Any]) -> Iterator[ArmRig]:
     """MoveIt plans and moves; our planner answers what is about given motions, as in a project."""
-    from grip_bt.app.planner_parts import PlannerByName
+    from grip_bt.app.wiring.planners import PlannerByName
     from grip_bt.commanders.worker import PlanningProcess
     from grip_bt.ros.moveit import Mount, MoveGroup, MoveGroupPlanner
 

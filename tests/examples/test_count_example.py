@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from grip_bt.app import check_task
-from grip_bt.app.execute import RunOptions, open_session
+from grip_bt.app.runs.execute import RunOptions, check_task, open_session
 from grip_bt.base.errors import InvalidTaskError
 from grip_bt.cli.__main__ import main
 from grip_bt.formats.draw import to_dot, to_mermaid, to_svg

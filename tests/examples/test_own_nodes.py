@@ -9,9 +9,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from grip_bt.app import check_task
-from grip_bt.app.execute import RunOptions, open_session
-from grip_bt.app.project import find_project
+from grip_bt.app.project.catalogue import project_catalog
+from grip_bt.app.runs.execute import RunOptions, check_task, open_session
 from grip_bt.base.values import PointCloud, Pose
 from grip_bt.cli.__main__ import main
 from grip_bt.runtime import JournalReader, RunContext
@@ -24,7 +23,7 @@ TASK = EXAMPLES / "tasks" / "fill_shelf.yaml"
 @pytest.fixture
 def make():
     """Make a leaf of the example with parameters and inputs; what it writes is in `data`."""
-    catalog, context = find_project(EXAMPLES).catalog(), RunContext()
+    catalog, context = project_catalog(EXAMPLES), RunContext()
 
     def made(node, inputs=None, **params):
         manifest = catalog.get(node)

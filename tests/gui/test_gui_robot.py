@@ -14,8 +14,7 @@ from fastapi import FastAPI
 from played import TASK, TestClient
 from test_gui_e2e import SCENARIO, browser, editing
 
-from grip_bt.app.motion_bodies import FINE, Bodies, coarse
-from grip_bt.app.motion_record import motion_file
+from grip_bt.app.runs.motion_record import FINE, Bodies, coarse, motion_file
 from grip_bt.base.message_store.library import MessageLibrary
 from grip_bt.base.values import Grasp, JointState, PointCloud, Pose
 from grip_bt.base.values.solids import CellMap, Mesh

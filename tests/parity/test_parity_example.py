@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from grip_bt.app.execute import RunOptions, open_session
-from grip_bt.app.mocks import read_mocks
+from grip_bt.app.runs.execute import RunOptions, open_session
+from grip_bt.app.runs.mocks import read_mocks
 from grip_bt.runtime import JournalReader
 
 TASK = Path(__file__).parents[2] / "examples" / "tasks" / "reactive_pick.yaml"

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from grip_bt.app.project import find_project
+from grip_bt.app.project.folder import find_project
 from grip_bt.base.message_store import STANDARD, MessageLibrary
 from grip_bt.ros.launch.interpreter import _HANDLERS
 from grip_bt.ros.launch.substitutions import _KNOWN

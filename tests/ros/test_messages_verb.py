@@ -22,8 +22,8 @@ FILES = {
 @pytest.fixture(scope="module")
 def served(tmp_path_factory):
     """Give the domain of a server with a few messages."""
-    from grip_bt.app.domain import free_domain
     from grip_bt.ros.bus import Bus
+    from grip_bt.ros.domain import free_domain
     from grip_bt.ros.managers import MessageServer
 
     folder = tmp_path_factory.mktemp("project")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from grip_bt.app import run
+from grip_bt.app.runs.execute import run
 from grip_bt.base.errors import MissingPartError, UnknownNameError
 from grip_bt.ros.types import load_message, load_type
 

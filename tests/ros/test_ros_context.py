@@ -121,8 +121,8 @@ def test_simulated_time_is_the_clock_topics(bus):
 
 
 def test_a_run_that_waits_for_simulated_time_in_vain_is_told_what_is_published(bus, monkeypatch):
-    from grip_bt.app import ros_parts
-    from grip_bt.app.resources import Resources
+    from grip_bt.app.wiring import ros_parts
+    from grip_bt.app.wiring.parts import Resources
 
     monkeypatch.setattr(ros_parts, "TIME_STARTS", 0.2)
     ended(bus.writer("rosgraph_msgs/msg/Clock", "/sim/clock").publish(_stamp(1.0), subscribers=0))

@@ -14,7 +14,9 @@ import pytest
 from patience import PATIENCE, until
 from ros_bench import DATA, Deadline, ended
 
-from grip_bt.app import find_project, run
+from grip_bt.app.project.catalogue import project_catalog
+from grip_bt.app.project.folder import find_project
+from grip_bt.app.runs.execute import run
 from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.failures import BadReplyError, CanceledError, SensorError, ServerLostError, ServerTimeOutError
 from grip_bt.base.values import CameraInfo, DepthImage, Image, Pose
@@ -86,7 +88,7 @@ def test_a_task_is_checked_with_no_sensor_alive(tmp_path):
     (tmp_path / "grip.yaml").write_text(
         "grip: 1\nsensors:\n  wrist:\n    topics: {cloud: {topic: /points, type: PointCloud}}\n    timeout: 0.5\n"
     )
-    manifest = find_project(tmp_path).catalog().get("sensor/wrist")
+    manifest = project_catalog(tmp_path).get("sensor/wrist")
     assert {name: port.type for name, port in manifest.outputs.items()} == {"cloud": "PointCloud"}
     (tmp_path / "grip.yaml").write_text("grip: 1\nsensors: {wrist: {topics: {cloud: {topic: points, type: Image}}}}\n")
     with pytest.raises(DocumentError, match=r"grip\.yaml:2"):

@@ -291,7 +291,7 @@ def test_a_class_with_a_coroutine_in_a_projects_file_is_a_node(tmp_path: Path) -
         "grip: 1\nname: t\ndata: {a: {type: int, value: 4}, b: int}\n"
         "root: {node: my/double, in: {number: a}, out: {doubled: b}}\n"
     )
-    from grip_bt.app import run
+    from grip_bt.app.runs.execute import run
 
     assert run(tmp_path / "t.yaml", robot="fake").status == "success"
     with JournalReader(tmp_path / ".grip" / "runs.sqlite") as reader:

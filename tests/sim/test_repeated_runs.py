@@ -8,7 +8,7 @@ import threading
 import pytest
 from same_run import compared
 
-from grip_bt.app import RunOptions, open_session
+from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.base.operation import Operation
 from grip_bt.commanders.worker import PlanningProcess
 

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError, field_validator
 
-from grip_bt.app.mocks import Script
+from grip_bt.app.runs.mocks import Script
 from grip_bt.base.errors import CampaignError
 from grip_bt.base.yaml.settings_file import read_model
 

@@ -6,9 +6,10 @@ from collections import Counter
 from collections.abc import Mapping
 from typing import Any
 
-from grip_bt.app.execute import check_inputs, check_task
-from grip_bt.app.mocks import apply_mocks, scripted
-from grip_bt.app.strange_code import of_task, refuse
+from grip_bt.app.project.catalogue import catalogue_of
+from grip_bt.app.project.foreign_code import of_task, refuse
+from grip_bt.app.runs.execute import check_inputs, check_task
+from grip_bt.app.runs.mocks import apply_mocks, scripted
 from grip_bt.base.errors import CampaignError, EvaluationError, ExpressionError, nearest
 from grip_bt.base.evaluation import condition_of, value_of
 from grip_bt.base.expression import parse_expression
@@ -16,7 +17,7 @@ from grip_bt.compilers.resolve import resolve
 from grip_bt.runtime import JournalReader
 from grip_bt.runtime.rest import Rest
 
-from ..verdict import STATES
+from ..runs.verdict import STATES
 from .file import Campaign
 
 KNOWN = ("status", "outcome", "code", "contradicted", "duration", "wall", "objects", *STATES)
@@ -39,9 +40,9 @@ def check(campaign: Campaign) -> None:
         project, document, _ = check_task(campaign.task(variant))
         check_inputs(document, settings.set)
         mocks = scripted(settings.mocks)
-        task, catalog, _ = apply_mocks(document.task, project.catalog(), mocks)
+        task, catalog, _ = apply_mocks(document.task, catalogue_of(project), mocks)
         refuse(of_task(project, task, catalog, said.robot, mocks))
-        paths = [part.path for part in resolve(document.task, project.catalog()).root.walk()]
+        paths = [part.path for part in resolve(document.task, catalogue_of(project)).root.walk()]
         for name, path in said.count.items():
             if path not in paths:
                 text = f"count/{name}: {variant!r} has no node {path!r}{nearest(path, paths)}"

@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from grip_bt.app.mocks import scripted
-from grip_bt.app.supervisor import Supervisor
+from grip_bt.app.runs.mocks import scripted
+from grip_bt.app.runs.supervisor import Supervisor
 
 from .file import Campaign
 from .judging import judged

@@ -13,9 +13,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from grip_bt.app.component_answer import label_of
-from grip_bt.app.project import Project, find_project
-from grip_bt.app.strange_code import of_component, refuse
+from grip_bt.app.project.components import label_of
+from grip_bt.app.project.folder import Project, find_project
+from grip_bt.app.project.foreign_code import of_component, refuse
 from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.message_store import MessageLibrary

@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from grip_bt.app.project import find_project
+from grip_bt.app.project.folder import find_project
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.message_store.written import fields_of
 from grip_bt.ros.bus import Bus

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from grip_bt.app.project import Project, find_project
-from grip_bt.app.resources import open_resources
+from grip_bt.app.project.folder import Project, find_project
+from grip_bt.app.wiring.open import open_resources
 from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.message_store.written import text_of

@@ -6,7 +6,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from grip_bt.app.project import find_project
+from grip_bt.app.project.catalogue import catalogue_of
+from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import GripError
 from grip_bt.base.message_store import MessageLibrary
 from grip_bt.runtime import JournalReader
@@ -32,7 +33,7 @@ def form_of(folder: Path, home: Path) -> ComponentForm:
     try:
         project = find_project(folder)
         name = next((name for name, place in project.component_folders().items() if place == home), home.name)
-        manifest = project.catalog().get(f"component/{name}")
+        manifest = catalogue_of(project).get(f"component/{name}")
     except GripError as error:
         return ComponentForm(name=home.name, inputs=[], trouble=f"Generate its node first. {error}")
     recorded = list(_written(project.journal))

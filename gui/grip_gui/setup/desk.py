@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Literal
 
-from grip_bt.app.project import find_project
+from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.yaml.faults import Fault, find
 from grip_bt.base.yaml.syntax import Value, parse, plain

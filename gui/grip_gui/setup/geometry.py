@@ -19,7 +19,7 @@ from xml.etree.ElementTree import Element, fromstring
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.app.motion_bodies import coarse
+from grip_bt.app.runs.motion_record import coarse
 from grip_bt.base.interpreter import python_command
 
 from .facts import PATIENCE, stamp_of

@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 
 from pydantic import ValidationError
 
-from grip_bt.app.new_component import Wish, components_folder, from_file, from_type, make_component
+from grip_bt.app.project.components import Wish, components_folder, from_file, from_type, make_component
 from grip_bt.base.errors import ContractError, DocumentError, GripError
 from grip_bt.base.yaml.faults import fault_of
 from grip_bt.base.yaml.settings_file import check_model

@@ -6,7 +6,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from grip_bt.app.project import ProjectFile, find_project
+from grip_bt.app.project.config import ProjectFile
+from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import GripError
 
 from .facts import facts

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, get_args
 
-from grip_bt.app.worlds import WORLDS
+from grip_bt.app.project.faults import WORLDS
 from grip_bt.base.errors import GripError, listing, nearest
 from grip_bt.base.yaml.faults import Fault, find
 from grip_bt.base.yaml.syntax import Value, parse, plain

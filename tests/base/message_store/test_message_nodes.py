@@ -109,7 +109,7 @@ def test_what_is_saved_is_there_in_the_next_run_and_what_is_not_is_forgotten(pro
 
 def test_a_name_that_is_nowhere_is_told_before_the_run(tmp_path):
     """The first GRIP told it in the middle of a run, and planned to an empty goal; here with the check of the task."""
-    from grip_bt.app.execute import check_task
+    from grip_bt.app.runs.execute import check_task
 
     (tmp_path / "messages").mkdir()
     (tmp_path / "messages/joint_states.yaml").write_text("above_bin: {panda_joint1: 1.49}\n")

@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 from original_files import Graph, pick_and_place, variant, write_configuration, write_settings
 
-from grip_bt.app import RunOptions, open_session
-from grip_bt.app.project import find_project
+from grip_bt.app.project.catalogue import project_catalog
+from grip_bt.app.project.folder import find_project
+from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.base.errors import GripError
 from grip_bt.base.message_store.original import read_joint_states, read_poses, read_trajectories
 from grip_bt.cli.__main__ import main
@@ -27,7 +28,7 @@ TWO = ["success", "failure"]
 
 def errors_of(folder: Path, name: str) -> list[str]:
     document = read(folder / "tasks" / f"{name}.yaml")
-    report = validate(document.task, find_project(folder).catalog(), document)
+    report = validate(document.task, project_catalog(folder), document)
     return [str(issue) for issue in report.issues if issue.severity == "error"]
 
 
@@ -108,7 +109,7 @@ def counting(limit: str) -> Graph:
 def test_a_counter_loop_counts_as_often_as_it_did(compile_task, tmp_path):
     write_settings(tmp_path / "count.ini", {"root": counting("4")})
     task = import_grip(tmp_path / "count.ini").tasks["count"]
-    compiled = compile_task(task, find_project(tmp_path).catalog())
+    compiled = compile_task(task, project_catalog(tmp_path))
     result = Runner(compiled, RunContext()).run()
     assert (result.outcome, compiled.data[""].cells["n"].value) == ("Task success", 4)
 

@@ -9,7 +9,7 @@ from zlib import crc32
 from smach_sources import LAST
 
 from grip_bt import smach_compat
-from grip_bt.app.project import find_project
+from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.compilers import to_machine, to_tree
 from grip_bt.compilers.restructure import to_trees
 from grip_bt.nodes import smach_leaf
@@ -123,7 +123,7 @@ def _runner(path, form, pace):
 
 def compiled_as(path, form, pace):
     """Return the compiled task in one of its forms, and its legacy states; other arguments as for `run_form`."""
-    task, catalog = read(path).task, find_project(path).catalog()
+    task, catalog = read(path).task, project_catalog(path)
     if form == "structured":
         task = to_trees(task, catalog).task
     compiled = (to_machine if form == "machine" else to_tree)(task, catalog)

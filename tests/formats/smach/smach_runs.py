@@ -1,7 +1,7 @@
 """Runs a legacy machine on smach_compat and as an imported task, and notes what happens."""
 
 from grip_bt import smach_compat
-from grip_bt.app.project import find_project
+from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.compilers import to_machine, to_tree
 from grip_bt.formats.smach import import_file, write_import
 from grip_bt.nodes.observer import Silent
@@ -33,7 +33,7 @@ def write(file, folder):
 def run_task(path, target="bt", data=None):
     """Return (outcome, ends of leaves, data) of a run."""
     task = read(path).task
-    compiled = COMPILERS[target](task, find_project(path).catalog(), data=data)
+    compiled = COMPILERS[target](task, project_catalog(path), data=data)
     kinds = {path: node.node for path, node in walk(task.root) if isinstance(node, Leaf)}
     trace = Trace({path for path, kind in kinds.items() if kind.split("/")[-1][:5] not in ("next_", "copy_", "preem")})
     runner = Runner(compiled, RunContext())

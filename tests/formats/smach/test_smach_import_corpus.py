@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 from smach_runs import build_legacy, run_legacy, run_task, write
 
-from grip_bt.app.project import find_project
+from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.formats.smach import import_file
 from grip_bt.nodes.smach_leaf import task_name
 from grip_bt.task import read
@@ -39,7 +39,7 @@ def test_what_is_imported_passes_the_check_without_an_error(file, tmp_path):
     assert paths or file.stem == "dynamic_goals"
     for path in paths.values():
         document = read(path)
-        report = validate(document.task, find_project(path).catalog(), document)
+        report = validate(document.task, project_catalog(path), document)
         assert [str(i) for i in report.issues if i.severity == "error"] == []
 
 

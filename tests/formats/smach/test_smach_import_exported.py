@@ -11,7 +11,7 @@ from smach_runs import write
 from smach_sources import source_of
 
 from grip_bt import smach_compat
-from grip_bt.app.project import find_project
+from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.formats.smach_export import export
 from grip_bt.task import Leaf, read, walk
 
@@ -31,7 +31,7 @@ def exported(name, spec, folder):
     task = read(paths["build"]).task
     if any(isinstance(node, Leaf) and "/copy_" in node.node for _, node in walk(task.root)):
         return None
-    text = export(task, find_project(paths["build"]).catalog(), folder)
+    text = export(task, project_catalog(paths["build"]), folder)
     assert "BehaviourTree" not in text
     again = folder / f"{name}_again.py"
     again.write_text(text)

@@ -7,7 +7,7 @@ from smach_lowerings import FORMS, PacedActivation, _await_arrival, _runner
 from smach_probe_machines import HEAD
 from smach_runs import write
 
-from grip_bt.app import RunOptions, open_session
+from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.cli.__main__ import main
 from grip_bt.nodes import smach_leaf
 from grip_bt.nodes.smach_source import load_legacy

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from grip_bt.app import project_catalog
+from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.cli.__main__ import main
 from grip_bt.formats.smach import import_file, write_import
 from grip_bt.formats.smach_export import export

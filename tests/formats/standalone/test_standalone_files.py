@@ -14,7 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from py_trees.common import Status
 
-from grip_bt.app import RunOptions, open_session, project_catalog
+from grip_bt.app.project.catalogue import project_catalog
+from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.base.errors import NotExpressibleError
 from grip_bt.cli.__main__ import main
 from grip_bt.formats.standalone import export

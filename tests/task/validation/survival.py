@@ -10,8 +10,8 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from grip_bt.app.execute import RunOptions, open_session
-from grip_bt.app.project import project_catalog
+from grip_bt.app.project.catalogue import project_catalog
+from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.issue import Report
 from grip_bt.cli.convert import CONVERTERS

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from grip_bt.app.project import project_catalog
+from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.base.expression import parse_expression
 from grip_bt.base.yaml.syntax import parse, plain
 from grip_bt.task import read_text

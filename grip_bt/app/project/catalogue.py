@@ -1,0 +1,210 @@
+"""What a project's robot, sensors and components have, for the check of its tasks: read from files alone."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Mapping
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from grip_bt.base.errors import (
+    DocumentError,
+    GripError,
+    MissingPartError,
+    UnknownNameError,
+)
+from grip_bt.base.message_store import MessageLibrary, names
+from grip_bt.task.catalog import Catalog, OwnCode, TaskFolder, find_manifests, find_python_nodes
+from grip_bt.task.catalog.equipment import UNFIT, UNMOVED, Equipment, Equipped, Trouble
+from grip_bt.task.catalog.sensors import sensor_manifest
+
+from .config import ARCHIVE, MESSAGES
+from .faults import TAUGHT, common_states, faults_of_arm, faults_of_camera, faults_of_hand, faults_of_world
+from .folder import find_project
+from .frames import frames_in_doubt
+from .packages import components_in_need, packages_here, sensors_in_need
+
+if TYPE_CHECKING:
+    from grip_bt.commanders.robots import RobotDescription
+    from grip_bt.task.catalog.equipment import Equipment
+
+if TYPE_CHECKING:
+    from grip_bt.commanders.description.reading import Stamps
+    from grip_bt.commanders.robots import RobotDescription
+    from grip_bt.commanders.taught import Taught
+
+    from .folder import Project
+    from .packages import PackagesHere
+
+_robots: dict[tuple[str, str], tuple[Stamps, RobotDescription | GripError | None]] = {}
+"""Folder and `robot:` of a project -> the files that were read, as they were, and what came of it."""
+
+
+def equipment_of(project: Project) -> Equipment:
+    """Return what a project has, as far as its files tell."""
+    found, troubles, file = _robot(project), tuple[Trouble, ...](), project.file
+    if isinstance(found, GripError):
+        troubles = (_trouble(found, "`grip robot check` lists all that is wrong with it"),)
+    world = [_trouble(fault) for fault in faults_of_world(project)]
+    robot = None if isinstance(found, GripError) else found
+    links, packages = _links(robot), packages_here(project)
+    nodes = {**_sensors(project, links, packages, world), **components_in_need(project, packages)}
+    for node, doubts in frames_in_doubt(project, links, robot is not None or file.robot is None).items():
+        nodes[node] = (*nodes.get(node, ()), *doubts)
+    if file.robot is None and not file.arms and not file.hands:
+        return Equipment(nodes=nodes, packages=packages)  # a task can be drawn before there is a robot
+    learnt = _taught(project)
+    taught = None if isinstance(learnt, DocumentError) else learnt
+    troubles = (*troubles, *world, *([_trouble(learnt)] if isinstance(learnt, DocumentError) else []))
+    arms, hands = _arms(project, robot, taught, troubles), _hands(project, robot, taught, links, troubles)
+    return Equipment(arms, hands, nodes, packages)
+
+
+def _robot(project: Project) -> RobotDescription | GripError | None:
+    """Return the robot, or what is wrong with it; None where there is none, or its models aren't installed."""
+    from grip_bt.commanders.description.reading import as_they_were, noting_files, stamps_of
+
+    if project.file.robot is None:
+        return None
+    key = str(project.folder), repr(project.file.robot)
+    stamps, known = _robots.get(key, ((), None))
+    if key in _robots and as_they_were(stamps):
+        return known
+    found: RobotDescription | GripError | None
+    with noting_files() as files:
+        try:
+            found = project.description()
+        except (MissingPartError, ImportError):
+            found = None  # a task can be drawn where the robot isn't installed
+        except GripError as error:
+            found = error
+    _robots[key] = stamps_of(files), found
+    return found
+
+
+def _arms(
+    project: Project, robot: RobotDescription | None, taught: Taught | None, troubles: tuple[Trouble, ...]
+) -> dict[str, Equipped]:
+    found = {}
+    for name, arm in project.file.arms.items():
+        known: dict[str, Iterable[str]] = {}
+        if taught is not None:
+            known["taught"] = taught.of(name)
+        if robot is not None and taught is not None and arm.group in robot.groups:
+            states = {**robot.named_states.get(arm.group, {}), **common_states(arm, project.file.arms, robot)}
+            known["state"] = {**states, **taught.states(name)}
+        faults = () if robot is None else faults_of_arm(project, name, robot)
+        found[name] = _equipped(known, [*troubles, *map(_trouble, faults), *_uncontrolled(project, name, arm.arms)])
+    return found
+
+
+def _hands(
+    project: Project,
+    robot: RobotDescription | None,
+    taught: Taught | None,
+    links: list[str],
+    troubles: tuple[Trouble, ...],
+) -> dict[str, Equipped]:
+    from grip_bt.commanders.robot_links import joints_of_fingers, links_of_groups
+
+    found = {}
+    for name, hand in project.file.hands.items():
+        known: dict[str, Iterable[str]] = {}
+        if robot is not None and taught is not None and hand.group in robot.groups:
+            fingers = joints_of_fingers(robot, hand.group)
+            known["posture"] = {**robot.named_states.get(hand.group, {}), **taught.states(name)}
+            known["finger"] = fingers
+            known["tip"] = [*fingers, *links_of_groups(robot, {name: hand.group})[name]]
+            known["link"] = [*links, *_frames(robot)]
+        faults = () if robot is None else faults_of_hand(project, name, robot)
+        found[name] = _equipped(known, [*troubles, *map(_trouble, faults), *_uncontrolled(project, name)])
+    return found
+
+
+def _uncontrolled(project: Project, name: str, joined: tuple[str, ...] = ()) -> list[Trouble]:
+    """Return that a real robot's arm or hand has no controller; one that joins others moves by theirs."""
+    ros = project.file.ros
+    if ros is None or joined or name in ros.controllers:
+        return []
+    error = UnknownNameError("controller of", name, ros.controllers, "grip.yaml: ros/controllers")
+    return [Trouble(UNMOVED, str(error).rstrip("."))]
+
+
+def _sensors(
+    project: Project, links: Iterable[str], packages: PackagesHere | None, world: Iterable[Trouble]
+) -> dict[str, tuple[Trouble, ...]]:
+    """Return what is wrong with the sensors: no such camera, a mount on no link, packages that aren't installed."""
+    found = sensors_in_need(project, packages)
+    cameras = {} if project.file.ros is None else project.file.ros.cameras
+    for name, sensor in project.file.sensors.items():
+        if sensor.camera is not None:
+            found[f"sensor/{name}"] += (*world, *map(_trouble, faults_of_camera(project, name)))
+        mounts = {
+            f"sensors/{name}": sensor.mount,
+            f"ros/cameras/{name}": cameras[name].mount if name in cameras else None,
+        }
+        for where, mount in mounts.items():
+            if mount is not None and links and mount.on not in ("world", *links):
+                error = UnknownNameError("link", mount.on, ("world", *links), f"grip.yaml: {where}/mount/on")
+                found[f"sensor/{name}"] += (_trouble(error),)
+    return found
+
+
+def _taught(project: Project) -> Taught | DocumentError:
+    from grip_bt.commanders.taught import Taught
+
+    try:
+        return Taught(project.folder / TAUGHT)
+    except DocumentError as error:
+        return error
+
+
+def _links(robot: RobotDescription | None) -> list[str]:
+    return [] if robot is None else [link.get("name", "") for link in ET.fromstring(robot.urdf).iter("link")]
+
+
+def _frames(robot: RobotDescription) -> list[str]:
+    return ["grasp", *(f"grasp/{group}" for group in robot.grasp_frames)]
+
+
+def _equipped(known: Mapping[str, Iterable[str]], troubles: list[Trouble]) -> Equipped:
+    return Equipped({kind: tuple(dict.fromkeys(names)) for kind, names in known.items()}, tuple(troubles))
+
+
+def _trouble(error: GripError, fix: str = "") -> Trouble:
+    return Trouble(UNFIT, str(error).rstrip("."), fix)
+
+
+def project_catalog(path: str | Path) -> Catalog:
+    """Return the nodes that a task file may use."""
+    return catalogue_of(find_project(path))
+
+
+def catalogue_of(project: Project) -> Catalog:
+    """Return the built-in nodes, a project's sensors, components' nodes, own nodes and task files."""
+    file = project.file
+    manifests = [sensor_manifest(name, sensor) for name, sensor in file.sensors.items()]
+    for folder in (file.components, file.nodes):
+        if folder is not None and (project.folder / folder).is_dir():
+            manifests += find_manifests(project.folder / folder)
+    if file.nodes is not None:
+        manifests += find_python_nodes(project.folder / file.nodes)
+    whole = Catalog.builtin().with_manifests(manifests).with_tasks(TaskFolder(project.folder))
+    whole = whole.with_code(OwnCode(file.code, project.folder))
+    return whole.with_named(partial(message_names, project)).with_equipment(partial(equipment_of, project))
+
+
+def message_names(project: Project) -> Mapping[str, set[str]] | None:
+    """Return store -> names of the messages that a run begins with; None where a server or nobody knows."""
+    if project.file.message_server:
+        return None
+    folder = project.folder / MESSAGES
+    try:
+        stores = MessageLibrary(folder if folder.is_dir() else None).stores()
+    except DocumentError:
+        return None  # a run says what is wrong with the file
+    found = {name: set(store.names()) for name, store in stores.items()}
+    for store, kept in names(project.folder / ".grip" / ARCHIVE).items():
+        found.setdefault(store, set()).update(kept)
+    return found

@@ -1,0 +1,186 @@
+"""A component's folder made from what there is: an interface file, the name of a type, or a server that runs."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from grip_bt.base.errors import DocumentError, GripError
+from grip_bt.base.evaluation import condition_of
+from grip_bt.base.expression import parse_expression
+from grip_bt.base.yaml import syntax
+from grip_bt.base.yaml.faults import document_error, fault_of
+from grip_bt.base.yaml.settings_file import check_model
+from grip_bt.codegen.component_text import OutcomesNeededError, component_text, parse_outcomes, suggested_name
+from grip_bt.codegen.contract import check_contract
+from grip_bt.task.catalog.component_file import FILE_NAME, ComponentFile
+from grip_bt.task.catalog.interface_spec import InterfaceSpec
+
+from .folder import find_project
+
+_NOTHING = syntax.Mapping({}, 1, 1)
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What is known of a component to be.
+
+    Attributes:
+        interface: its interface.
+        server: the name under which it is served; empty for one made from the interface's.
+        name: the component's; empty for one made from the server's.
+        package: folder of the interface package, to be copied; None for an installed one.
+    """
+
+    interface: InterfaceSpec
+    server: str = ""
+    name: str = ""
+    package: Path | None = None
+
+
+def from_file(path: Path) -> Wish:
+    """Take a .srv, .action or .msg file of an interface package.
+
+    Raises:
+        DocumentError: it can't be read, or lies in no package.
+    """
+    from grip_bt.ros.interfaces import read_interface
+
+    if not path.is_file():
+        raise DocumentError("there is no such file", str(path))
+    package = path.resolve().parent.parent
+    if not (package / "package.xml").is_file():
+        where = f"<package>/{path.suffix[1:]}/{path.name}, beside a package.xml"
+        reason = f"an interface belongs to a package, whose name is part of its type: put the file into {where}"
+        raise DocumentError(reason, str(path))
+    return Wish(read_interface(path), package=package)
+
+
+def from_type(name: str, prefixes: Collection[Path] = ()) -> Wish:
+    """Take an installed type, such as `std_srvs/srv/Trigger`.
+
+    Raises:
+        DocumentError: it isn't one, or isn't installed.
+    """
+    from grip_bt.ros.interfaces import read_interface
+
+    return Wish(read_interface(name, tuple(prefixes)))
+
+
+def from_graph(name: str, within: float, interfaces: Path | None = None) -> Wish:
+    """Take what runs: its type is asked of the running graph.
+
+    Args:
+        name: what is served, such as `/plan_grasp`.
+        within: how long to look [s].
+        interfaces: folder with the package that defines the type, for one that isn't installed.
+
+    Raises:
+        UnknownNameError: nothing of that name runs.
+        GripError: its type isn't known here; it says what to do.
+    """
+    from grip_bt.ros.graph import find_served
+    from grip_bt.ros.interfaces import read_interface
+    from grip_bt.ros.interfaces.source import interface_file
+
+    served = find_served(name, within)
+    if interfaces is not None:
+        file = interface_file(interfaces, served.type)
+        if file is not None:
+            return Wish(read_interface(file), served.name, package=file.parent.parent)
+    try:
+        return Wish(read_interface(served.type), served.name)
+    except DocumentError as error:
+        advice = "give the folder of its interface package: --interfaces FOLDER"
+        raise GripError(f"{served.name} is of type {served.type}, but {error.message}; {advice}") from None
+
+
+def make_component(wish: Wish, folder: Path, outcomes: str | None, failures: Collection[str] = ()) -> Path:
+    """Write the folder of a component with its component file; return it.
+
+    Args:
+        wish: what is known.
+        folder: folder of the project's components.
+        outcomes: as `--outcomes` takes them; None asks the user, on a terminal.
+        failures: outcomes that mean failure.
+
+    Raises:
+        OutcomesNeededError: nobody said how it can end.
+        ContractError: the interface and the outcomes don't fit; nothing is written.
+        GripError: the folder has a component file already, or something doesn't fit.
+    """
+    from grip_bt.ros.interfaces.source import fields_within
+
+    server = wish.server or "/" + suggested_name(wish.interface)
+    name = wish.name or server.strip("/").replace("/", "_").lower()
+    home = folder / name
+    if (home / FILE_NAME).exists():
+        raise GripError(f"{home / FILE_NAME} is there already; edit it and run: grip component add {home}")
+    if outcomes is None and wish.interface.kind != "msg":
+        outcomes = _ask(wish.interface)
+    chosen = {"received": "true"} if outcomes is None else parse_outcomes(outcomes)
+    try:
+        text = component_text(wish.interface, name, server, chosen, failures)
+        component, faults = check_model(syntax.parse(text), ComponentFile)
+        if component is None:
+            raise document_error(faults, FILE_NAME)
+        check_contract(component, wish.interface, partial(fields_within, wish.package and wish.package.parent))
+    except ValidationError as error:
+        raise GripError(fault_of(_NOTHING, error.errors()[0])[0]) from None
+    home.mkdir(parents=True, exist_ok=True)
+    for package in _with_needed(wish.package):
+        if not (home / "interfaces" / package.name).exists():
+            shutil.copytree(package, home / "interfaces" / package.name)
+    (home / FILE_NAME).write_text(text, encoding="utf-8")
+    return home
+
+
+def _with_needed(folder: Path | None) -> list[Path]:
+    """Return a package's folder, and those beside it that it needs, directly or not."""
+    from grip_bt.ros.interfaces import read_package
+
+    found: dict[str, Path] = {}
+    todo = [] if folder is None else [folder]
+    while todo:
+        package = read_package(todo.pop())
+        found[package.name] = package.folder
+        beside = (package.folder.parent / name for name in package.depends - found.keys())
+        todo += [home for home in beside if (home / "package.xml").is_file()]
+    return list(found.values())
+
+
+def components_folder(start: Path) -> Path:
+    """Return the folder of the components of the project around `start`."""
+    project = find_project(start)
+    return project.folder / (project.file.components or "components")
+
+
+def _ask(interface: InterfaceSpec) -> str:
+    needed = OutcomesNeededError(interface)
+    if not sys.stdin.isatty():
+        raise needed
+    said = input(f"{needed}\noutcomes [{needed.suggestion}]: ").strip()
+    return said or needed.suggestion
+
+
+def label_of(component: ComponentFile, reply: Mapping[str, Any]) -> str:
+    """Return how an answer is called: by its number, or by the outcomes' rules.
+
+    Args:
+        component: whose answer it is.
+        reply: outputs, and the `outcome` of a contract.
+    """
+    if not component.rules:
+        return f"{component.outcomes[reply['outcome']]!r} ({reply['outcome']})"
+    for label, text in component.rules.items():
+        rule = parse_expression(text)
+        if condition_of(rule, {name: partial(reply.__getitem__, name) for name in rule.names})():
+            return repr(label)
+    return "no rule holds"

@@ -1,0 +1,206 @@
+"""What a project's arms and hands name: whether the robot has it. Nothing is started, and no motion library loaded."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
+from grip_bt.base.values import JointState
+from grip_bt.commanders.names import PLANNERS, SOLVERS
+from grip_bt.task.catalog.controller_config import MOVE_GROUP
+
+from .config import ArmConfig
+from .folder import Project
+
+if TYPE_CHECKING:
+    from grip_bt.commanders.robots import RobotDescription
+
+TAUGHT = "taught.yaml"
+"""File of a project in which taught states and poses are kept."""
+
+
+def check_arms(project: Project, description: RobotDescription) -> None:
+    """Verify what the project's arms and hands name, before anything is started for them.
+
+    Raises:
+        UnknownNameError: there is no such group, hand, planner, solver or arm; it lists those that there are.
+        GripError: an arm that joins others has a group of other joints than theirs.
+    """
+    for name in project.file.arms:
+        for fault in faults_of_arm(project, name, description):
+            raise fault
+    for name in project.file.hands:
+        for fault in faults_of_hand(project, name, description):
+            raise fault
+
+
+def faults_of_arm(project: Project, name: str, robot: RobotDescription) -> Iterator[GripError]:
+    """Yield what is wrong with what an arm names, all of it."""
+    arm, where = project.file.arms[name], f"grip.yaml: arms/{name}"
+    if arm.group not in robot.groups:
+        yield _no_group(robot, arm.group, where)
+    if arm.hand is not None and arm.hand not in project.file.hands:
+        yield UnknownNameError("hand", arm.hand, project.file.hands, f"{where}/hand")
+    yield from faults_of_fields(arm, robot, where)
+    yield from _faults_of_parts(project, name, arm, robot)
+
+
+def faults_of_hand(project: Project, name: str, robot: RobotDescription) -> Iterator[GripError]:
+    """Yield what is wrong with what a hand names."""
+    group = project.file.hands[name].group
+    if group not in robot.groups:
+        yield _no_group(robot, group, f"grip.yaml: hands/{name}")
+
+
+def faults_of_fields(arm: ArmConfig, robot: RobotDescription, where: str) -> Iterator[GripError]:
+    """Yield what an arm asks for, by its own fields or what the robot's files prefer, and isn't there."""
+    solver, planner = field_of(arm, robot, "kinematics"), field_of(arm, robot, "planner")
+    if solver not in SOLVERS:
+        yield UnknownNameError("kinematics solver", solver, SOLVERS, where)
+    if planner not in PLANNERS and planner != MOVE_GROUP:
+        yield UnknownNameError("planner", planner, (*PLANNERS, MOVE_GROUP), where)
+    unlimited = [joint for joint in robot.groups.get(arm.group, ()) if joint not in robot.jerk_limits]
+    if arm.jerk is not None and unlimited:
+        yield GripError(
+            f"{where}: jerk is a part of the joints' jerk limits, and those of {', '.join(unlimited)} aren't known; "
+            "give them `max_jerk` in joint_limits.yaml, or leave the field out"
+        )
+
+
+def field_of(arm: ArmConfig, robot: RobotDescription, name: str) -> Any:
+    """Return a field of an arm: as `grip.yaml` says, else as the robot's files prefer, else its default."""
+    preferred = robot.preferences.get(arm.group, {}).get(name)
+    if name in arm.model_fields_set or preferred is None or preferred.value is None:
+        return getattr(arm, name)
+    return preferred.value
+
+
+def jerks_of_arms(arms: Mapping[str, ArmConfig], robot: RobotDescription) -> dict[str, float]:
+    """Return joint -> jerk limit [rad/s^3] of the arms that say `jerk`; of a joint of two of them the smaller one."""
+    found: dict[str, float] = {}
+    for arm in arms.values():
+        for joint in robot.groups.get(arm.group, ()) if arm.jerk is not None else ():
+            found[joint] = min(found.get(joint, np.inf), robot.jerk_limits.get(joint, np.inf) * (arm.jerk or 1.0))
+    return {joint: limit for joint, limit in found.items() if np.isfinite(limit)}
+
+
+def common_states(arm: ArmConfig, arms: Mapping[str, ArmConfig], robot: RobotDescription) -> dict[str, JointState]:
+    """Return the states that all arms which an arm joins have by the same name, such as `home`."""
+    parts = [robot.named_states.get(arms[name].group, {}) for name in arm.arms if name in arms]
+    names = set.intersection(*(set(part) for part in parts)) if parts else set()
+    return {
+        name: JointState(
+            tuple(j for part in parts for j in part[name].names),
+            np.concatenate([part[name].position for part in parts]),
+        )
+        for name in sorted(names)
+    }
+
+
+def _faults_of_parts(project: Project, name: str, arm: ArmConfig, robot: RobotDescription) -> Iterator[GripError]:
+    """Yield what is wrong with the arms that an arm joins."""
+    where, arms = f"grip.yaml: arms/{name}/arms", project.file.arms
+    strange = [part for part in arm.arms if part not in arms or part == name]
+    for part in strange:
+        yield UnknownNameError("arm", part, set(arms) - {name}, where)
+    groups = [arm.group, *(arms[part].group for part in arm.arms if part not in strange)]
+    if not arm.arms or strange or any(group not in robot.groups for group in groups):
+        return
+    joints = {joint for group in groups[1:] for joint in robot.group(group)}
+    if set(robot.group(arm.group)) != joints:
+        yield GripError(f"{where}: the group {arm.group!r} holds other joints than {', '.join(arm.arms)} together")
+
+
+def _no_group(robot: RobotDescription, group: str, where: str) -> UnknownNameError:
+    return UnknownNameError("group", group, robot.groups, f"{where}/group, robot {robot.name}")
+
+
+WORLDS = ("table",)
+_rooms: dict[Path, tuple[tuple[int, int] | None, DocumentError | None]] = {}
+"""`.scene` files -> when they were written and how large they were, and what is wrong with them."""
+
+
+def check_world(project: Project) -> None:
+    """Verify the project's world, and the cameras that its sensors name, before anything is started for it.
+
+    Raises:
+        UnknownNameError: there is no such world or camera, or none is named; it lists those that there are.
+        DocumentError: the file of the room can't be read.
+    """
+    if project.file.world is None:
+        raise UnknownNameError("world", "", WORLDS, "grip.yaml: world")
+    for fault in faults_of_world(project):
+        raise fault
+    check_cameras(project)
+
+
+def check_cameras(project: Project, world: str | None = None) -> None:
+    """Verify the cameras that a project's sensors name, in its own world or in another.
+
+    Raises:
+        UnknownNameError: there is no such camera.
+    """
+    for name in project.file.sensors:
+        for fault in faults_of_camera(project, name, world):
+            raise fault
+
+
+def faults_of_world(project: Project) -> Iterator[GripError]:
+    """Yield what is wrong with `world:` and `scene:`; nothing of those that the project doesn't have."""
+    world = project.file.world
+    if world is not None and world not in WORLDS:
+        yield UnknownNameError("world", world, WORLDS, "grip.yaml: world")
+    error = None if project.file.scene is None else _fault_of_room(project.folder / project.file.scene)
+    if error is not None:
+        yield error
+
+
+def faults_of_camera(project: Project, sensor: str, world: str | None = None) -> Iterator[UnknownNameError]:
+    """Yield that a world has no such camera as a sensor names.
+
+    Nothing is said where no world is named, or an unknown one, or where the simulator isn't installed: a camera of the
+    robot itself is known by the sensor's name, and needs no world.
+
+    Args:
+        project: with the sensor.
+        sensor: its name.
+        world: which world; the project's own where it isn't given.
+    """
+    camera, world = project.file.sensors[sensor].camera, world or project.file.world
+    cameras = None if camera is None or world is None else cameras_of(world)
+    if camera is not None and cameras is not None and camera not in cameras:
+        yield UnknownNameError("camera", camera, cameras, f"grip.yaml: sensors/{sensor}/camera, world {world!r}")
+
+
+def _fault_of_room(file: Path) -> DocumentError | None:
+    """Return what is wrong with a `.scene` file; one with meshes is large, so it is read again when it has changed."""
+    from grip_bt.commanders.scene_file import load_scene
+
+    try:
+        there = file.stat()
+        stamp = there.st_mtime_ns, there.st_size
+    except OSError:
+        stamp = None
+    if file not in _rooms or _rooms[file][0] != stamp:
+        try:
+            load_scene(file)
+            fault = None
+        except DocumentError as error:
+            fault = error
+        _rooms[file] = stamp, fault
+    return _rooms[file][1]
+
+
+def cameras_of(world: str) -> tuple[str, ...] | None:
+    """Return the names of a world's cameras; None where nobody knows."""
+    if world not in WORLDS:
+        return None
+    try:
+        from grip_sim.specs import WorldSpec
+    except ImportError:
+        return None
+    return tuple(camera.name for camera in WorldSpec().cameras)

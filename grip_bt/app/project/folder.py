@@ -1,0 +1,128 @@
+"""A project folder: `grip.yaml` and what lies beside it. Reading it loads no robot, no simulator and no ROS."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from grip_bt.base.errors import NotWritableError, ProjectExistsError
+from grip_bt.base.yaml.settings_file import read_model
+from grip_bt.commanders.description.config import RobotConfig
+
+from .config import FILE_NAME, ProjectFile
+
+if TYPE_CHECKING:
+    from grip_bt.commanders.robots import RobotDescription
+    from grip_bt.commanders.scene import SceneObject
+
+
+@dataclass(frozen=True)
+class Project:
+    """A project folder and its file."""
+
+    folder: Path
+    file: ProjectFile
+
+    @property
+    def state_folder(self) -> Path:
+        """Where runs, logs and built interfaces are kept; made when it isn't there.
+
+        Raises:
+            NotWritableError: it can't be made.
+        """
+        folder = self.folder / ".grip"
+        try:
+            folder.mkdir(exist_ok=True)
+        except OSError as error:
+            advice = "runs and logs are kept there; copy the project to a folder of yours, or give --journal FILE"
+            raise NotWritableError(folder, error, advice) from error
+        return folder
+
+    @property
+    def journal(self) -> Path:
+        """The project's journal file."""
+        return self.state_folder / "runs.sqlite"
+
+    def component_folders(self) -> dict[str, Path]:
+        """Return the folders of the external components by name."""
+        return {p.parent.name: p.parent for p in self._files(self.file.components, "*/component.yaml")}
+
+    @property
+    def robot_source(self) -> str:
+        """One word for the robot, for whoever loads it in another process: its name, or the file that describes it."""
+        robot = self.file.robot
+        return str(self.folder / FILE_NAME) if isinstance(robot, RobotConfig) else str(robot)
+
+    def description(self) -> RobotDescription:
+        """Return the project's robot.
+
+        Raises:
+            InvalidRobotError: its files are wrong.
+            UnknownNameError: there is no such robot, or the project names none.
+            MissingPartError: the data of a ready-made robot isn't installed.
+        """
+        from grip_bt.commanders.description.load import load_robot
+
+        return load_robot("None" if self.file.robot is None else self.file.robot, self.folder)
+
+    def room(self) -> tuple[SceneObject, ...]:
+        """Return what the project's `.scene` file holds; nothing where there is none.
+
+        Raises:
+            DocumentError: the file can't be read.
+        """
+        from grip_bt.commanders.scene_file import load_scene
+
+        return () if self.file.scene is None else load_scene(self.folder / self.file.scene)
+
+    def _files(self, folder: str | None, pattern: str) -> list[Path]:
+        return [] if folder is None else sorted((self.folder / folder).glob(pattern))
+
+
+def find_project(path: str | Path) -> Project:
+    """Return the project that a task file or folder belongs to: the nearest `grip.yaml` upwards.
+
+    Without one, the project is the folder itself with nothing in it, so that a task of built-in nodes can be checked
+    and run anywhere.
+
+    Raises:
+        DocumentError: `grip.yaml` is wrong.
+    """
+    start = Path(path).resolve()
+    folder = start if start.is_dir() else start.parent
+    for candidate in (folder, *folder.parents):
+        file = candidate / FILE_NAME
+        if file.is_file():
+            return Project(candidate, read_model(file, ProjectFile))
+    return Project(folder, ProjectFile(grip=1))
+
+
+TEMPLATE = Path(__file__).with_name("template")
+FOLDERS = ("tasks", "components", "nodes", "messages")
+
+
+def make_project(folder: str | Path) -> list[Path]:
+    """Make a project in a folder that isn't there yet or is empty (a `.git` in it is no harm).
+
+    Returns:
+        The files written, relative to the folder.
+
+    Raises:
+        ProjectExistsError: The folder holds something, or is a file; nothing was written.
+    """
+    folder = Path(folder)
+    if folder.exists() and (not folder.is_dir() or any(entry.name != ".git" for entry in folder.iterdir())):
+        raise ProjectExistsError(folder)
+    written = []
+    for source in sorted(file for file in TEMPLATE.rglob("*") if file.is_file()):
+        relative = source.relative_to(TEMPLATE)
+        # A file of this name in the package's own folder would hide files from git and from the package's build.
+        relative = relative.with_name(".gitignore") if relative.name == "gitignore" else relative
+        (folder / relative).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(source, folder / relative)
+        written.append(relative)
+    for name in FOLDERS:
+        (folder / name).mkdir(exist_ok=True)
+    return written

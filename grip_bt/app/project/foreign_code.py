@@ -1,0 +1,87 @@
+"""Code that isn't GRIP's: what a run would import or start of it, and the refusal of `--no-code`."""
+
+from __future__ import annotations
+
+import os
+import shlex
+from collections.abc import Collection, Iterable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from grip_bt.base.errors import GripError, StrangeCodeError
+
+if TYPE_CHECKING:
+    from grip_bt.task import Task
+    from grip_bt.task.catalog import Catalog
+    from grip_bt.task.catalog.component_parts import Start
+
+    from .folder import Project
+
+VARIABLE = "GRIP_NO_CODE"
+"""Set in a process, and so in those that it starts, where nobody's code but GRIP's may run."""
+_OURS = ("grip_bt", "grip_sim", "py_trees")
+
+
+def forbid() -> None:
+    """Let nobody's code but GRIP's run, in this process and in those that it starts."""
+    os.environ[VARIABLE] = "1"
+
+
+def refuse(found: Iterable[str]) -> None:
+    """Refuse to go on where code that isn't GRIP's is forbidden, and there is some.
+
+    Args:
+        found: what would be imported or started, each in words; not looked at where everything may run.
+
+    Raises:
+        StrangeCodeError: there is some; it names all of it.
+    """
+    if os.environ.get(VARIABLE) and (told := list(dict.fromkeys(found))):
+        raise StrangeCodeError(told)
+
+
+def of_task(project: Project, task: Task, catalog: Catalog, robot: str, mocked: Collection[str] = ()) -> Iterator[str]:
+    """Yield what a run of a task would import or start that isn't GRIP's.
+
+    Args:
+        project: its project.
+        task: valid.
+        catalog: its nodes.
+        robot: `sim`, `fake` or `ros`.
+        mocked: paths of nodes that play scripts.
+    """
+    from grip_bt.compilers.resolve import resolve
+    from grip_bt.task.model import Foreign
+
+    components = {}
+    for part in resolve(task, catalog).root.walk():
+        if isinstance(part.node, Foreign):
+            if catalog.code.is_strange(part.node.behaviour):
+                yield f"{part.path}: imports {part.node.behaviour}"
+        elif part.manifest is not None and part.manifest.implementation and part.path not in mocked:
+            where = part.manifest.implementation.rpartition(":")[0]
+            if where.endswith(".py") or where.partition(".")[0] not in _OURS:
+                yield f"{part.path}: imports {where}"
+            if part.manifest.id.startswith("component/"):
+                components[part.manifest.id.partition("/")[2]] = part.path
+    for name in components if robot != "fake" else ():
+        yield from of_component(project.component_folders().get(name))
+
+
+def of_component(folder: Path | None) -> Iterator[str]:
+    """Yield what the server of a component would start; nothing where it has none of its own."""
+    from grip_bt.task.catalog.component_file import load_component
+
+    try:
+        component = None if folder is None else load_component(folder)
+    except GripError:
+        return  # refused in its own words when it is started
+    if component is not None and component.start is not None:
+        yield f"component {component.name}: starts {started(component.start)}"
+
+
+def started(start: Start) -> str:
+    """Return what is started, as it is written."""
+    if start.command:
+        return shlex.join(start.command)
+    return " ".join(filter(None, (start.package, start.executable or start.launch)))

@@ -1,0 +1,137 @@
+"""The processes of a project, from `grip.yaml` to a group that runs."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Sequence
+from pathlib import Path
+from xml.etree import ElementTree
+
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.ros.launch.group import Member
+from grip_bt.ros.process import child_environment
+from grip_bt.ros.starting import command_of, text_of
+from grip_bt.task.catalog.component_file import load_component
+from grip_bt.task.catalog.component_parts import Start
+from grip_bt.task.catalog.process_config import ProcessConfig
+
+from .folder import Project
+
+
+def project_members(project: Project, names: Sequence[str] = (), domain_id: int | None = None) -> list[Member]:
+    """Return the processes of a project; all of those that are to be run, where none is named.
+
+    Raises:
+        UnknownNameError: the project has no such process.
+        PackageError: a package, its program or its launch file isn't here.
+    """
+    declared = project.file.processes
+    for name in names:
+        if name not in declared:
+            raise UnknownNameError("process", name, declared, str(project.folder / "grip.yaml"))
+    wanted = names or [name for name, config in declared.items() if config.run]
+    return [_member(name, declared[name], project.folder, domain_id) for name in wanted]
+
+
+def _member(name: str, config: ProcessConfig, project: Path, domain_id: int | None) -> Member:
+    return Member(
+        name,
+        command_of(config, project),
+        project / (config.folder or "."),
+        child_environment((), domain_id) | dict(config.env),
+        config.ready,
+        config.restart,
+        config.restarts,
+        config.restart_delay,
+        config.required,
+    )
+
+
+HEAD = '<?xml version="1.0"?>\n'
+
+
+def launch_file_of(project: Project) -> str:
+    """Return the text of a launch file that starts what `grip launch` and a run start, and nothing else.
+
+    Folders are written relative to the argument `project`. What is declared with `run: false` is left out. Static
+    frames of sensors need tf2_ros, which the wheels don't have: they are under the argument `frames`, off by default.
+
+    Raises:
+        DocumentError: a component file is wrong.
+    """
+    root = ElementTree.Element("launch")
+    folder = str(project.folder)
+    _add(root, "arg", name="project", default=folder, description="folder of the project")
+    _add(root, "arg", name="python", default="python3", description="the Python that has grip-bt")
+    _add(root, "arg", name="frames", default="false", description="publish the frames of sensors; needs tf2_ros")
+    for name, process in project.file.processes.items():
+        _start(root, name, process, "$(var project)" + (f"/{process.folder}" if process.folder else ""), process)
+    for name, home in project.component_folders().items():
+        component = load_component(home)
+        if component.start is not None:
+            _start(root, name, component.start, f"$(var project)/{home.relative_to(project.folder)}")
+    for name, sensor in project.file.sensors.items():
+        if sensor.driver is not None:
+            _start(root, f"{name}_driver", sensor.driver, "$(var project)")
+        if sensor.mount is not None:
+            x, y, z = map(str, sensor.mount.position)
+            qw, qx, qy, qz = map(str, sensor.mount.quaternion)
+            words = ["--x", x, "--y", y, "--z", z, "--qx", qx, "--qy", qy, "--qz", qz, "--qw", qw]
+            words += ["--frame-id", sensor.mount.on, "--child-frame-id", sensor.mount.frame]
+            attributes = {"pkg": "tf2_ros", "exec": "static_transform_publisher", "name": f"{name}_frame"}
+            _add(root, "node", **attributes, args=shlex.join(words), **{"if": "$(var frames)"})
+    ElementTree.indent(root)
+    return HEAD + ElementTree.tostring(root, encoding="unicode") + "\n"
+
+
+def _start(
+    root: ElementTree.Element, name: str, start: Start, folder: str, process: ProcessConfig | None = None
+) -> None:
+    if not start.run:
+        return
+    if start.launch is not None:
+        _include(root, start, folder)
+        return
+    common = {"name": name, "output": "both", "cwd": folder}
+    if process is not None:
+        common |= (
+            {"respawn": "true", "respawn_delay": str(process.restart_delay)} if process.restart == "always" else {}
+        )
+        common |= {"on_exit": "shutdown"} if process.required and process.restart == "never" else {}
+    if start.executable is not None:
+        words = shlex.join(map(_literal, start.args))
+        extra = {"args": words} if words else {}
+        element = _add(root, "node", pkg=str(start.package), exec=start.executable, **extra, **common)
+    else:
+        words = " ".join(_quoted(word) for word in start.command)
+        element = _add(root, "executable", cmd=words, **common)
+    for variable, value in start.env.items():
+        _add(element, "env", name=variable, value=_literal(value))
+
+
+def _include(root: ElementTree.Element, start: Start, folder: str) -> None:
+    if start.package is not None:
+        file = f"$(find-pkg-share {start.package})/launch/{start.launch}"
+    else:
+        file = str(start.launch) if Path(str(start.launch)).is_absolute() else f"{folder}/{start.launch}"
+    group = _add(root, "group")
+    for variable, value in start.env.items():
+        _add(group, "set_env", name=variable, value=_literal(value))
+    include = _add(group, "include", file=file)
+    for argument, given in start.arguments.items():
+        _add(include, "arg", name=argument, value=_literal(text_of(given)))
+
+
+def _quoted(word: str) -> str:
+    """Return a word of a command, quoted for a launch file; `{python}` becomes the argument `python`."""
+    made = shlex.quote(_literal(word)) if word != "{python}" else "$(var python)"
+    return made.replace("{python}", "$(var python)")
+
+
+def _literal(text: str) -> str:
+    """Return a text in which launch sees no substitution."""
+    return text.replace("\\", "\\\\").replace("$", "\\$")
+
+
+def _add(parent: ElementTree.Element, tag: str, /, **attributes: str) -> ElementTree.Element:
+    return ElementTree.SubElement(parent, tag, attributes)

@@ -1,0 +1,206 @@
+"""A run as one HTML file that needs no server and nothing from the network: to send, to keep, to look at in ten years.
+
+The page has the task's text, both drawings, parameters, variables and all events, with a time line to go through them.
+It is put together from `capsule_page/`; events are columns, deflated, which a browser inflates by itself.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from html import escape
+from importlib.resources import files
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grip_bt import __version__
+from grip_bt.base.errors import DocumentError
+from grip_bt.formats.draw import View, to_svg
+from grip_bt.formats.draw.scheme import describe
+from grip_bt.runtime import Event, JournalReader, RunRecord
+from grip_bt.task import Leaf, Task, loads, outcomes_of, walk
+from grip_bt.task.catalog import Catalog
+
+from ..project.catalogue import project_catalog
+
+MOST_TEXT = 900_000
+"""Most bytes, deflated, of what events say beyond their kind; where there is more, some of it is left out."""
+_LONGEST = 200
+_SHORT = 40
+_MICRO = 1e6
+
+
+@dataclass(frozen=True)
+class Capsule:
+    """What was written.
+
+    Attributes:
+        events: how many are in it.
+        size: of the file [bytes].
+        left_out: what isn't in it, in words; empty when everything is.
+    """
+
+    events: int
+    size: int
+    left_out: str
+
+
+def write_capsule(reader: JournalReader, run: str, file: Path, most: int | None = None) -> Capsule:
+    """Write a run as one HTML file.
+
+    Args:
+        reader: of the journal.
+        run: its id.
+        file: written anew.
+        most: only so many events, from the beginning; None for all.
+
+    Raises:
+        UnknownNameError: there is no such run.
+        DocumentError: the file can't be written, or the task that was run can't be read any more.
+    """
+    record = reader.run(run)
+    events = list(islice(reader.iterate(run), most))
+    task = loads(record.task_text, record.task_path or run)
+    columns, left_out = columns_of(events)
+    page = _page(record, task, _catalog(record), columns, left_out)
+    try:
+        file.write_text(page, encoding="utf-8", errors="backslashreplace")
+    except OSError as error:
+        raise DocumentError(f"can't be written: {error.strerror}", str(file)) from None
+    return Capsule(len(events), file.stat().st_size, left_out)
+
+
+def _catalog(record: RunRecord) -> Catalog:
+    """Return the nodes of the task's project, or GRIP's own where that isn't there any more."""
+    return project_catalog(record.task_path) if Path(record.task_path).is_file() else Catalog.builtin()
+
+
+def _page(record: RunRecord, task: Task, catalog: Catalog, columns: Mapping[str, Any], left_out: str) -> str:
+    facts = {
+        "run": {k: v for k, v in vars(record).items() if k not in ("task_text", "task_path")},
+        "file": Path(record.task_path).name,
+        "doc": task.doc,
+        "nodes": {path: _node(node, catalog) for path, node in walk(task.root)},
+        "events": columns,
+        "left_out": left_out,
+        "grip": __version__,
+    }
+    parts = {
+        "TITLE": escape(f"{task.name}, run {record.id}"),
+        "STYLE": _asset("style.css"),
+        "SCRIPT": _asset("page.js"),
+        "TREE": _drawing(task, catalog, "tree"),
+        "FLOW": _drawing(task, catalog, "flow"),
+        "TEXT": escape(record.task_text),
+        # `</script>` in a text would end the element; in JSON the slash may be escaped.
+        "FACTS": json.dumps(facts, default=str, ensure_ascii=False).replace("<", "\\u003c"),
+    }
+    page = _asset("page.html")
+    # in one pass, so that a text which looks like a mark is left alone
+    pieces = page.split("@@")
+    return "".join(parts[piece] if i % 2 else piece for i, piece in enumerate(pieces))
+
+
+def _asset(name: str) -> str:
+    return (files("grip_bt.app.runs") / "capsule_page" / name).read_text(encoding="utf-8")
+
+
+def _drawing(task: Task, catalog: Catalog, view: View) -> str:
+    drawn = to_svg(task, catalog, view, paths=True)
+    return drawn.replace('id="arrow"', f'id="arrow-{view}"').replace("url(#arrow)", f"url(#arrow-{view})")
+
+
+def _node(node: Any, catalog: Catalog) -> dict[str, Any]:
+    """Return what the page says about a node."""
+    manifest = catalog.get(node.node) if isinstance(node, Leaf) and node.node in catalog else None
+    if isinstance(node, Leaf):
+        plain = {"success": "success", "failure": "failure"}
+        outcomes = manifest.outcomes_for(dict(node.meaning)) if manifest is not None else {**plain, **node.meaning}
+    else:
+        outcomes = dict(outcomes_of(node))
+    return {
+        "what": describe(node),
+        "doc": node.doc or (manifest.doc if manifest is not None else ""),
+        "outcomes": outcomes,
+        "with": dict(getattr(node, "with_", {})),
+        "in": dict(getattr(node, "in_", {})),
+        "out": dict(getattr(node, "out", {})),
+    }
+
+
+# --- events ---
+
+
+def columns_of(events: list[Event]) -> tuple[dict[str, Any], str]:
+    """Return events as columns for the page, and in words what was left out.
+
+    Kinds of events stand in a table once; a column has their numbers, another the microseconds since the event before.
+    """
+    kinds: dict[tuple[Any, ...], int] = {}
+    numbers = np.fromiter(
+        (kinds.setdefault((e.path, e.event, e.outcome, e.code, e.meaning), len(kinds)) for e in events),
+        np.uint32,
+        len(events),
+    )
+    since = np.round(np.array([e.t for e in events], float) * _MICRO).astype(np.int64)
+    steps = np.diff(since, prepend=0)
+    text, left_out = _texts(events)
+    columns = {
+        "count": len(events),
+        "kinds": [list(kind) for kind in kinds],
+        "numbers": _packed(_planes(numbers)),
+        "steps": _packed(_planes(steps.astype(np.int64))),
+        "texts": text,
+    }
+    return columns, left_out
+
+
+def _planes(numbers: NDArray[Any]) -> bytes:
+    """Return little-endian whole numbers, all lowest bytes first, ... all highest last, which deflates well."""
+    width = numbers.dtype.itemsize
+    little = numbers.astype(numbers.dtype.newbyteorder("<"))
+    return little.view(np.uint8).reshape(-1, width).T.tobytes()
+
+
+def _packed(content: bytes) -> str:
+    deflater = zlib.compressobj(9, zlib.DEFLATED, -zlib.MAX_WBITS)
+    return base64.b64encode(deflater.compress(content) + deflater.flush()).decode()
+
+
+def _texts(events: list[Event]) -> tuple[str, str]:
+    """Return what events say, packed, in as many words as there is room for; and what was left out."""
+    packed = left_out = ""
+    for keep, longest, without in (
+        (True, _LONGEST, ""),
+        (False, _SHORT, "what running nodes said about their work, and the ends of long texts"),
+        (False, 0, "messages and values of events, of which there are too many"),
+    ):
+        said = {str(i): _said(e, longest) for i, e in enumerate(events) if e.data and (keep or e.event != "message")}
+        said = {i: data for i, data in said.items() if data}
+        packed = _packed(json.dumps(said, ensure_ascii=False, separators=(",", ":"), default=str).encode())
+        left_out = without
+        if len(packed) <= MOST_TEXT:
+            break
+    return packed, left_out
+
+
+def _said(event: Event, longest: int) -> dict[str, Any]:
+    """Return the data of an event in short; a value is there by its preview."""
+    data = {k: v for k, v in event.data.items() if k not in ("value", "hash", "size", "data")}
+    short = {k: _shortened(v, 10 * longest if k == "traceback" else longest) for k, v in data.items()}
+    if longest == 0:
+        return {k: v for k, v in short.items() if k in ("variable", "state", "status")}
+    return short
+
+
+def _shortened(value: Any, longest: int) -> Any:
+    if not isinstance(value, str) or len(value) <= max(longest, _SHORT):
+        return value
+    return value[: max(longest, _SHORT) - 1] + "…"

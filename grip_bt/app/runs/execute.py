@@ -1,0 +1,264 @@
+"""Running a task of a project: checked, compiled, with the parts of a robot that it needs, into the journal."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+from grip_bt.app.project.catalogue import catalogue_of
+from grip_bt.base.errors import InvalidTaskError
+from grip_bt.base.issue import Issue, Report
+from grip_bt.compilers import to_machine, to_tree
+from grip_bt.nodes import Leaf
+from grip_bt.nodes.mock import MockLeaf
+from grip_bt.runtime import Journal, JournalError, JournalReader, Runner, RunResult
+from grip_bt.runtime.breakpoints import make_breakpoint
+from grip_bt.runtime.durable import Durable
+from grip_bt.runtime.journal_limit import Pruned, prune, size_of
+from grip_bt.runtime.keeping import Kept
+from grip_bt.task import Document, Variable, read, read_text
+from grip_bt.task.model import type_of
+from grip_bt.task.validation import validate
+
+from ..project.folder import Project, find_project
+from ..project.foreign_code import of_task, refuse
+from ..wiring.open import open_resources
+from ..wiring.parts import Progress, Resources, RobotKind, silent
+from .mocks import apply_mocks
+from .resume import GoOn, begin_again, options_text, policy_of
+from .saved_state import BroughtBack, changes, kept_parts
+
+Target = Literal["bt", "sm"]
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """How a task is run.
+
+    Attributes:
+        target: behaviour tree or state machine.
+        robot: simulated, fake parts that do as asked, or real controllers over ROS 2.
+        seed: of the simulated world.
+        pace: simulated seconds per second for watching; None for as fast as it goes.
+        data: initial values for the task's variables.
+        journal: where to write; None for the project's own.
+        rate: ticks a second of the run's clock, instead of on wakes; None for on wakes.
+        watchdog: how long one tick may take [s] before the run ends as an error; None for ever.
+        breaks: breakpoints that are set before it begins: fields of the command `break`.
+        paused: whether it begins paused.
+        mocks: node -> script, as `grip_bt.app.runs.mocks` reads them.
+        durable: whether no motion begins before the journal on disk says so.
+        go_on: fields of `GoOn`: the run that is gone on with; None for a new one.
+    """
+
+    target: Target = "bt"
+    robot: RobotKind = "sim"
+    seed: int = 0
+    pace: float | None = None
+    data: Mapping[str, Any] = field(default_factory=dict)
+    journal: Path | None = None
+    rate: float | None = None
+    watchdog: float | None = None
+    breaks: Sequence[Mapping[str, Any]] = ()
+    paused: bool = False
+    mocks: Mapping[str, Any] = field(default_factory=dict)
+    durable: bool = False
+    go_on: Mapping[str, Any] | None = None
+
+
+@dataclass
+class Session:
+    """A task that is ready to run: everything is started, nothing has moved."""
+
+    project: Project
+    document: Document
+    report: Report
+    resources: Resources
+    runner: Runner
+    journal: Path
+
+
+def check_task(path: str | Path, text: str | None = None) -> tuple[Project, Document, Report]:
+    """Read a task file and check it against its project's nodes.
+
+    Args:
+        path: the file.
+        text: what it was at another time, in place of what it is.
+
+    Raises:
+        DocumentError: it can't be read.
+        InvalidTaskError: it is wrong; the error holds all issues.
+    """
+    document = read(Path(path)) if text is None else read_text(text, str(path))
+    project = find_project(path)
+    report = validate(document.task, catalogue_of(project), document)
+    report.raise_if_invalid(str(path))
+    return project, document, report
+
+
+def check_inputs(document: Document, given: Mapping[str, Any]) -> None:
+    """Refuse a run of a task that isn't given what it needs.
+
+    Raises:
+        InvalidTaskError: it names each input that is missing.
+    """
+    missing = []
+    for name, said in document.task.inputs.items():
+        if name not in given and not (isinstance(said, Variable) and said.has_value):
+            message = f"the task needs the input {name!r} ({type_of(said)}) when it is run by itself"
+            line, column = document.position("", ("inputs", name)) or (None, None)
+            fix = f"give it: --set {name}=..., or an initial value in `inputs`"
+            missing.append(Issue("", "missing-input", "error", message, fix, line, column, document.source))
+    if missing:
+        raise InvalidTaskError(missing, document.source)
+
+
+def _text_of(go_on: GoOn, path: str | Path, journal: Path | None) -> str:
+    with JournalReader(journal or find_project(path).journal) as reader:
+        return reader.run(go_on.run).task_text
+
+
+@contextmanager
+def open_session(
+    path: str | Path, options: RunOptions, progress: Progress = silent, hold: int | None = None
+) -> Iterator[Session]:
+    """Check a task, start what it needs, and compile it; everything is stopped and closed at the end.
+
+    Args:
+        path: the task file.
+        options: how it is run.
+        progress: told of each part that came up.
+        hold: file descriptor of the channel over which somebody else may hold the robot; None for nobody.
+
+    Raises:
+        DocumentError, InvalidTaskError: the task or the project is wrong; nothing was started.
+        UnknownNameError: a breakpoint or a mock names what isn't in the task; nothing was started.
+        GripError: a part of the robot, or a component, can't be started.
+    """
+    go_on = GoOn(**options.go_on) if options.go_on is not None else None
+    project, document, report = check_task(path, None if go_on is None else _text_of(go_on, path, options.journal))
+    check_inputs(document, options.data)
+    catalog = catalogue_of(project)
+    compile_task = to_machine if options.target == "sm" else to_tree
+    task, factory = document.task, None
+    if options.mocks:
+        task, catalog, factory = apply_mocks(task, catalog, options.mocks)
+    refuse(of_task(project, task, catalog, options.robot, options.mocks))
+    compiled = compile_task(task, catalog, data=options.data, leaf_factory=factory)
+    working = [leaf.manifest for leaf in compiled.leaves.values() if not isinstance(leaf, MockLeaf)]
+    for point in options.breaks:
+        make_breakpoint(compiled, 0, **point)  # refused before anything is started
+    needs, own = {manifest.id for manifest in working}, {manifest.implementation for manifest in working}
+    running: list[Runner] = []
+
+    def told(part: str, words: str) -> None:
+        progress(part, words)
+        for runner in running:
+            runner.tell(part, words)
+
+    parts = open_resources(project, needs, options.robot, options.seed, options.pace, told, hold, own)
+    with parts as resources, Journal(options.journal or project.journal) as journal:
+        log = reliving = None
+        kept = kept_parts(resources)
+        back = BroughtBack()
+        if go_on is not None:
+            again = begin_again(journal, compiled, go_on, resources.clock, options.seed, kept)
+            log, reliving, back = again
+            for part, seq in back.restored.items():
+                progress(part, f"as it was at event {seq}")
+            for part, why in back.anew.items():
+                progress(part, f"begins as in a new run, since it {why}")
+        context = resources.context(None if reliving is None else reliving.clock)
+        runner = Runner(
+            compiled,
+            context,
+            journal=journal,
+            task_path=str(path),
+            task_text=document.text,
+            seed=options.seed,
+            rate=options.rate,
+            watchdog=options.watchdog,
+            log=log,
+            reliving=reliving,
+            facts={
+                "options": options_text(vars(options)),
+                "keeps": sorted(kept),
+                **({"restored": back.restored} if back.restored else {}),
+                **({"anew": back.anew} if back.anew else {}),
+            },
+        )
+        runner.keep(
+            kept, {path: changed for path, leaf in compiled.leaves.items() if (changed := _changed(leaf, kept))}
+        )
+        if options.durable:
+            asked = [path for path, leaf in compiled.leaves.items() if policy_of(leaf.manifest) == "ask"]
+            runner.observe(Durable(journal, asked))
+        for point in options.breaks:
+            runner.debugger.set(**point)
+        if options.paused:
+            runner.pause()
+        running.append(runner)
+        try:
+            yield Session(project, document, report, resources, runner, journal.file)
+        finally:
+            runner.dismiss()
+    if options.journal is None:
+        keep_to_limit(project.journal, project.file.journal_limit)
+
+
+def _changed(leaf: Leaf, kept: Mapping[str, Kept]) -> tuple[str, ...]:
+    """Return which kept parts a leaf's work may change."""
+    manifest = leaf.manifest
+    return tuple(part for part in changes(manifest.id, manifest.implementation) if part in kept)
+
+
+def run(path: str | Path, **options: Any) -> RunResult:
+    """Run a task file to its end and return the result.
+
+    Args:
+        path: the task file.
+        **options: see `RunOptions`: target, robot, seed, pace, data, journal.
+
+    Raises:
+        DocumentError, InvalidTaskError: the task or the project is wrong; nothing was started.
+        GripError: a part of the robot, or a component, can't be started.
+    """
+    with open_session(path, RunOptions(**options)) as session:
+        return session.runner.run()
+
+
+_log = logging.getLogger(__name__)
+
+
+def make_room(file: Path, limit: int, give_back: bool = False) -> Pruned:
+    """Remove the oldest runs of a journal that are over, until it holds less than `limit` [bytes].
+
+    A run that has no end stays while its process lives.
+
+    Args:
+        file: the journal.
+        limit: how much it may hold [bytes].
+        give_back: whether free room is given back to the disk.
+
+    Raises:
+        JournalError: it is no journal, or can't be written.
+    """
+    with JournalReader(file) as reader:
+        return prune(file, limit, reader.lives, give_back)
+
+
+def keep_to_limit(file: Path, limit: int) -> None:
+    """Make room after a run, where there is need; trouble is logged, since the run itself went well."""
+    if size_of(file) <= limit:
+        return
+    try:
+        pruned = make_room(file, limit)
+    except JournalError as error:
+        _log.warning("%s", error)
+        return
+    if pruned.runs:
+        _log.info("%s: %d old runs were removed (journal_limit)", file, len(pruned.runs))

@@ -1,0 +1,234 @@
+"""What a run's robot and scene did, for drawing it: positions of joints, ten times a second while they change.
+
+It lies beside the journal, in `motion/RUN.jsonl`, one object a line: first `parts` (part -> its joints), then whatever
+has changed at the time `t` of the run's clock [s]: `q` (part -> positions [rad or m]), `scene` (all objects), `bodies`
+(new ones, see `motion_bodies`). It is no part of the journal: it is thinned out, and nothing is decided by it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import threading
+from base64 import b64encode
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grip_bt.base.errors import GripError
+from grip_bt.base.values import Pose
+from grip_bt.base.values.solids import Box, CellMap, Cylinder, Mesh, Solid, Sphere
+
+if TYPE_CHECKING:
+    from grip_bt.base.ports import Arm, Clock, Hand
+
+    from ..wiring.parts import Resources
+
+FOLDER = "motion"
+PERIOD = 0.1
+"""How often is looked [s]."""
+MOVED = 2e-4
+"""What changes less isn't told [rad or m]."""
+LARGEST = 1 << 26
+"""Where a file ends [bytes]: at full tilt after about an hour."""
+KEPT = 50
+"""How many runs' files are kept, the newest ones."""
+
+
+def motion_file(journal: Path, run: str) -> Path:
+    """Return where the motion of a run is kept, beside its journal."""
+    return journal.parent / FOLDER / f"{run}.jsonl"
+
+
+@contextmanager
+def recorded_motion(resources: Resources, clock: Clock, journal: Path, run: str) -> Iterator[None]:
+    """Record while the block runs; does nothing for a run without a robot.
+
+    Args:
+        resources: whose arms, hands and scene.
+        clock: the run's.
+        journal: beside which the file goes.
+        run: the run's id.
+    """
+    if not resources.arms and not resources.hands:
+        yield
+        return
+    over = threading.Event()
+    recorder = threading.Thread(
+        target=_record, args=(resources, clock, motion_file(journal, run), over), name="grip_motion", daemon=True
+    )
+    recorder.start()
+    try:
+        yield
+    finally:
+        over.set()
+        recorder.join(2.0)
+
+
+def _record(resources: Resources, clock: Clock, file: Path, over: threading.Event) -> None:
+    parts: dict[str, Arm | Hand] = {**resources.hands, **resources.arms}
+    # A robot that is lost, or a full disk, is told by the run itself; the drawing just ends.
+    with suppress(GripError, OSError, TimeoutError):
+        file.parent.mkdir(parents=True, exist_ok=True)
+        _thin_out(file.parent)
+        with file.open("a", encoding="utf-8") as out:
+            states = {name: part.state() for name, part in parts.items()}
+            out.write(json.dumps({"parts": {name: list(state.names) for name, state in states.items()}}) + "\n")
+            told: dict[str, Any] = {}
+            scene: Any = None
+            bodies = Bodies()
+            while True:
+                last = over.is_set()
+                line: dict[str, Any] = {}
+                moved = {
+                    name: p for name, part in parts.items() if _changed(p := part.state().position, told.get(name))
+                }
+                if moved:
+                    told |= moved
+                    line["q"] = {name: np.round(position, 4).tolist() for name, position in moved.items()}
+                now = resources.scene.snapshot() if resources.scene is not None else None
+                if now is not None and now is not scene:
+                    scene, line["scene"] = now, _objects(now.objects, bodies)
+                    if new := bodies.new():
+                        line["bodies"] = new
+                if line:
+                    out.write(json.dumps({"t": round(clock.now(), 3), **line}, separators=(",", ":")) + "\n")
+                    out.flush()
+                if last or out.tell() > LARGEST:
+                    return
+                over.wait(PERIOD)
+
+
+def _changed(now: Any, before: Any) -> bool:
+    return before is None or len(now) != len(before) or bool(np.abs(now - before).max(initial=0.0) > MOVED)
+
+
+def _objects(objects: Mapping[str, Any], bodies: Bodies) -> dict[str, Any]:
+    return {
+        name: {
+            **_shape(item.shape, bodies),
+            "at": _place(item.pose, item.shape),
+            "hand": item.hand,
+            "fixed": item.fixed,
+        }
+        for name, item in objects.items()
+    }
+
+
+def _shape(shape: Solid, bodies: Bodies) -> dict[str, Any]:
+    match shape:
+        case Box():
+            return {"kind": "box", "size": _rounded(shape.size)}
+        case Cylinder():
+            return {"kind": "cylinder", "size": _rounded((shape.radius, shape.height))}
+        case Sphere():
+            return {"kind": "sphere", "size": _rounded((shape.radius,))}
+        case Mesh() | CellMap():
+            return bodies.shape(shape)
+
+
+def _place(pose: Pose, shape: Solid) -> list[float]:
+    """Return x y z [m], then the quaternion w x y z, of a shape's middle; of a mesh's and of cells' origin."""
+    if isinstance(shape, Mesh | CellMap):
+        return _rounded((*pose.position, *pose.quaternion))
+    middle = pose.position + pose.rotation() @ np.asarray(shape.centre())
+    return _rounded((*middle, *pose.quaternion))
+
+
+def _rounded(numbers: Any) -> list[float]:
+    return [round(float(number), 5) for number in numbers]
+
+
+def _thin_out(folder: Path) -> None:
+    files = sorted(folder.glob("*.jsonl"), key=lambda file: file.stat().st_mtime)
+    for file in files[:-KEPT]:
+        file.unlink(missing_ok=True)
+
+
+FINE = 1500
+"""Meshes with more triangles than this are made coarser."""
+CUTS = 36
+"""Into how many cells the longest side of such a mesh is cut: what lies in one cell becomes one point."""
+MOST_CELLS = 4000
+"""Maps with more cells get cells of twice the size, until they are few enough."""
+
+
+def coarse(mesh: Mesh) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Return points and triangles of a mesh; of a fine one, the points of each cell as one (vertex clustering).
+
+    Source: Rossignac and Borrel, "Multi-resolution 3D approximations for rendering complex scenes", 1993.
+    """
+    points, triangles = np.asarray(mesh.points), np.asarray(mesh.triangles, dtype=np.int64)
+    if len(triangles) <= FINE:
+        return points, triangles
+    cell = max(float(np.ptp(points, axis=0).max()) / CUTS, 1e-6)
+    keys = np.floor((points - points.min(axis=0)) / cell).astype(np.int64)
+    _, which = np.unique(keys, axis=0, return_inverse=True)
+    which = which.reshape(-1)
+    count = np.bincount(which)
+    merged = np.stack([np.bincount(which, points[:, axis]) / count for axis in range(3)], axis=1)
+    moved = which[triangles]
+    kept = moved[(moved[:, 0] != moved[:, 1]) & (moved[:, 1] != moved[:, 2]) & (moved[:, 0] != moved[:, 2])]
+    return merged, np.unique(kept, axis=0)
+
+
+def few_cells(cells: CellMap) -> CellMap:
+    """Return a map of at most `MOST_CELLS` cells that covers what the other one covers."""
+    while len(cells.cells) > MOST_CELLS:
+        cells = CellMap(np.floor_divide(cells.cells, 2), 2 * cells.resolution)
+    return cells
+
+
+class Bodies:
+    """Gives each body a name by what it looks like, and tells those that are new."""
+
+    def __init__(self) -> None:
+        self._told: set[str] = set()
+        self._new: dict[str, dict[str, str]] = {}
+
+    def shape(self, shape: Mesh | CellMap) -> dict[str, Any]:
+        """Return what an object of this shape is in the record: `kind`, `size`, `body`."""
+        if isinstance(shape, CellMap):
+            few = few_cells(shape)
+            return {"kind": "cells", "size": [few.resolution], "body": self._name(few.middles(), None)}
+        points, triangles = _surface(shape)
+        size = [round(side, 5) for side in shape.extents()]
+        return {"kind": "mesh", "size": size, "body": self._name(points, triangles)}
+
+    def new(self) -> dict[str, dict[str, str]]:
+        """Return the bodies that weren't told before: name -> `points` and `triangles`, each in base64.
+
+        Points are float32 x y z [m] in the object's own frame; triangles uint32, three points each, none for cells.
+        """
+        new, self._new = self._new, {}
+        return new
+
+    def _name(self, points: NDArray[Any], triangles: NDArray[Any] | None) -> str:
+        rows = np.ascontiguousarray(points, dtype="<f4").tobytes()
+        corners = b"" if triangles is None else np.ascontiguousarray(triangles, dtype="<u4").tobytes()
+        name = hashlib.sha256(rows + b"|" + corners).hexdigest()[:16]
+        if name not in self._told:
+            self._told.add(name)
+            self._new[name] = {"points": b64encode(rows).decode(), "triangles": b64encode(corners).decode()}
+        return name
+
+
+def _surface(mesh: Mesh) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Return points and triangles of a mesh; of a hull, those of its surface, grown by its margin from the middle."""
+    if mesh.hollow:
+        return coarse(mesh)
+    from scipy.spatial import ConvexHull  # half a second that only a scene with a mesh needs
+
+    hull = ConvexHull(mesh.points)
+    kept = hull.vertices
+    number = np.zeros(len(mesh.points), dtype=np.int64)
+    number[kept] = np.arange(len(kept))
+    points = mesh.points[kept]
+    if mesh.margin:
+        middle, sides = np.asarray(mesh.centre()), np.asarray(mesh.extents())
+        points = middle + (points - middle) * sides / np.maximum(sides - 2 * mesh.margin, 1e-9)
+    return coarse(Mesh(points, number[hull.simplices].astype(np.int32)))

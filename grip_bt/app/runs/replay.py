@@ -1,0 +1,212 @@
+"""A run of the journal again, event by event: at its own pace or another, up to a place, also while it is written."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+
+from grip_bt.base.errors import AmbiguousNameError, UnknownNameError
+from grip_bt.runtime import Event, JournalReader, Moment, RunRecord
+from grip_bt.runtime.breakpoints import node_path
+
+from ..project.folder import find_project
+
+POLL = 0.05
+"""How often [s] the journal is asked about a run that is under way."""
+GLYPHS = {
+    "enter": "▶",
+    "interrupted": "⊘",
+    "message": "…",
+    "write": "=",
+    "error": "‼",
+    "zombie": "☠",
+    "damaged": "‼",
+}
+ENDS: Mapping[str | None, str] = {"success": "✓", "failure": "✗", None: "■"}
+"""What an end means; journals of earlier versions don't say what a task's own outcomes mean."""
+WENT_ON = {
+    "resume": "goes on with what was under way",
+    "restart": "is started again",
+    "result": "has ended as somebody said",
+}
+NO_END = {
+    "died": "the run died: the process that executed it isn't there any more",
+    "lost": "the run has no end, and its process isn't one of this machine, or of an earlier GRIP",
+}
+_NEAREST = 8
+
+
+def find_run(reader: JournalReader, name: str) -> str:
+    """Return the id of the run that is meant: an id, its beginning, or `last`.
+
+    Raises:
+        UnknownNameError: none is, or several are; it lists the nearest.
+    """
+    ids = [record.id for record in reader.runs()]
+    if name == "last" and ids:
+        return ids[0]
+    fitting = [id for id in ids if id.startswith(name)]
+    if name in ids or len(fitting) == 1:
+        return name if name in ids else fitting[0]
+    if name and len(fitting) > 1:
+        raise AmbiguousNameError("run", name, fitting, str(reader.file), _NEAREST)
+    alike = sorted(ids, key=lambda id: -_common(id, name))
+    raise UnknownNameError("run", name, alike[:_NEAREST], str(reader.file))
+
+
+def _common(one: str, other: str) -> int:
+    """Return how many characters two texts have in common at their beginning."""
+    return next((i for i, (a, b) in enumerate(zip(one, other, strict=False)) if a != b), min(len(one), len(other)))
+
+
+def journal_of(place: Path | None, journal: Path | None) -> Path:
+    """Return the journal to read: the one that is given, or that of the project around `place`.
+
+    Raises:
+        UnknownNameError: there are no runs yet.
+    """
+    file = journal or find_project(place or Path()).folder / ".grip" / "runs.sqlite"
+    if not file.is_file():
+        raise UnknownNameError("journal", str(file), [], "there are no runs yet; give --journal FILE, or run a task")
+    return file
+
+
+class Until:
+    """Where a replay ends: after an event's number, or after an event of a node.
+
+    Args:
+        text: `SEQ`, `NODE` (its first end) or `NODE:OUTCOME` (or `NODE:enter`); empty for the end of the run.
+    """
+
+    def __init__(self, text: str):
+        self.text = text
+        self._seq = int(text) if text.isdecimal() else None
+        node, _, self._what = text.partition(":") if self._seq is None else ("", "", "")
+        self._path = node_path(node) if node else ""
+
+    def reached(self, event: Event) -> bool:
+        """Tell whether this is the last event that is wanted."""
+        if self._seq is not None:
+            return event.seq >= self._seq
+        if not self._path or event.path != self._path:
+            return False
+        said = f"{event.outcome}.{event.code}" if event.code else event.outcome
+        if not self._what:
+            return event.event in ("exit", "interrupted")
+        return self._what == event.event or (event.event == "exit" and self._what in (event.outcome, said))
+
+
+def events_of(reader: JournalReader, run: str, follow: bool = True) -> Iterator[Event]:
+    """Yield a run's events in order; of a run that is under way, those to come too, until it has ended.
+
+    Args:
+        reader: of the journal.
+        run: its id.
+        follow: whether to wait for more of a run whose process lives.
+    """
+    after = 0
+    while True:
+        over = not follow or reader.run(run).status != "running"
+        for event in reader.iterate(run, after):
+            after = event.seq
+            yield event
+        if over:
+            return
+        time.sleep(POLL)
+
+
+def replay(
+    events: Iterator[Event],
+    show: Callable[[Event, Moment], None],
+    speed: float | None = None,
+    until: Until | None = None,
+    sleep: Callable[[float], None] = time.sleep,
+) -> tuple[Moment, bool]:
+    """Show one event after the other.
+
+    Args:
+        events: in order.
+        show: called with each event and the moment that it makes.
+        speed: seconds of the run in a second; None for as fast as it goes.
+        until: where to end; None for the end of the run.
+        sleep: waits so many seconds.
+
+    Returns:
+        the last moment, and whether `until` was reached.
+    """
+    moment = Moment()
+    began = 0.0
+    for event in events:
+        if speed is not None:
+            if moment.seq == 0:
+                began = time.monotonic() - event.t / speed
+            early = event.t / speed - (time.monotonic() - began)
+            if early > 0:
+                sleep(early)
+        moment.apply(event)
+        show(event, moment)
+        if until is not None and until.reached(event):
+            return moment, True
+    return moment, until is None
+
+
+def line_of(event: Event) -> str:
+    """Return an event in a line, indented by its node's depth."""
+    depth = 0 if event.path == "/" else event.path.count("/") + 1
+    name = event.path.rpartition("/")[2] or "/"  # also the root of a subtask
+    return f"{event.seq:>6} {event.t:>10.3f} s  {'  ' * depth}{_glyph(event)} {name}{_words(event)}"
+
+
+def _glyph(event: Event) -> str:
+    if event.event == "exit":
+        return ENDS[event.meaning]
+    return GLYPHS.get(event.event, "•")
+
+
+def _words(event: Event) -> str:
+    data = event.data
+    match event.event:
+        case "enter":
+            return ""
+        case "exit":
+            said = f"{event.outcome}.{event.code}" if event.code else f"{event.outcome}"
+            return f" {said}" + (f" ({data['message']})" if data.get("message") else "")
+        case "message":
+            return f" {data.get('text', '')}"
+        case "write":
+            return f" {data.get('variable')} = {data.get('preview')}"
+        case "error":
+            return f" {data.get('type')}: {data.get('message')}"
+        case "state":
+            return f" {data.get('state')}"
+        case "run_resumed":
+            back = ", ".join(data.get("restored", {}))
+            return " goes on in another process" + (f"; as before: {back}" if back else "")
+        case "went_on":
+            return f" {WENT_ON.get(str(data.get('how')), 'goes on')}"
+        case "kept":
+            return f" its {data.get('part')} is kept for going on"
+        case "run_ended":
+            why = f" ({data['message']})" if data.get("message") else ""
+            return f" ended: {data.get('status')}" + (f", {event.outcome}" if event.outcome else "") + why
+    more = ", ".join(f"{key} {value}" for key, value in data.items() if isinstance(value, str | int | float))
+    return f" {event.event.replace('_', ' ')}" + (f": {more}" if more else "")
+
+
+def moment_lines(moment: Moment, record: RunRecord | None = None) -> list[str]:
+    """Return what runs, and the variables, at a moment.
+
+    Args:
+        moment: of a run.
+        record: the run, where that is its last moment.
+    """
+    active = moment.active()
+    leaves = [path for path in active if not any(other.startswith(f"{path}/") for other in active)]
+    leaves = [path for path in leaves if path != "/" or len(active) == 1]
+    running = ", ".join(leaves) or "nothing"
+    lines = [f"after event {moment.seq}, at {moment.t:.3f} s: {moment.state}; running: {running}"]
+    lines += [f"  {name} = {event.data.get('preview')}" for name, event in moment.variables.items()]
+    if record is not None and record.status in NO_END:
+        lines.append(f"  {NO_END[record.status]}; grip run --resume {record.id} goes on with it")
+    return lines

@@ -1,0 +1,350 @@
+"""A run in a process of its own, and its certain end.
+
+The parent passes commands on and events back. It knows, through shared memory, which node its run was in last; when
+the process dies, or stands still, it says so in the journal. When the process doesn't acknowledge a stop in time, the
+parent holds the robot over a channel of its own and ends the process.
+"""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import resource
+import select
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from grip_bt.base.errors import GripError
+from grip_bt.base.interpreter import how_ended, python_command
+from grip_bt.runtime.pulse import LARGEST, PulseReader
+from grip_bt.runtime.rest import Rest
+
+ACKNOWLEDGE = 0.05
+"""How long [s] the run's process may take to acknowledge a stop."""
+WIND_DOWN = 15.0
+"""How long [s] it may take after that to have the robot measured at rest, and to close its parts."""
+STILL = 0.5
+"""How long [s] after a stop it may show no sign of life before it has ended; it shows several in that time."""
+REAPED = 11.0
+"""How long [s] the reaper of a robot over ROS may take to say what came of a run whose process has died."""
+HOLD = 2.0
+"""How long [s] a simulator is listened to before the process is ended. It answers when its joints rest, or don't come
+to rest: braking takes half a second of its time at most, and 1 s later it gives up."""
+LOOK = 0.25
+"""How often [s] the parent looks whether the run's process is alive."""
+
+Told = Callable[[Mapping[str, Any]], None]
+
+
+class Supervisor:
+    """Runs one task in a child process.
+
+    Args:
+        task: the task's file.
+        options: fields of `RunOptions`, as JSON data.
+        told: called with each event of the run, in a thread of the supervisor.
+        silence: how long [s] the process may stand still before it is ended; None for ever.
+        own_input: whether the child may read our standard input.
+    """
+
+    def __init__(
+        self, task: str, options: Mapping[str, Any], told: Told, silence: float | None = None, own_input: bool = True
+    ):
+        self._told, self._silence = told, silence
+        self._order, self._robot = {"task": task, "options": dict(options)}, options.get("robot")
+        self._own_input = own_input
+        self._lock = threading.RLock()
+        self._acknowledged, self._over = threading.Event(), threading.Event()
+        self._stopping = self._lost = self._told_all = False
+        self._why = ""
+        self._begun = time.monotonic()
+        self._paths: list[str] = []
+        self._run: Mapping[str, Any] | None = None
+        self._ended: Mapping[str, Any] | None = None
+        self._stood_still = self._simulated = False
+        self._held: dict[str, str] = {}
+
+    # --- for whoever controls the run ---
+
+    def start(self) -> None:
+        """Start the process.
+
+        Raises:
+            GripError: it can't be started; it says what the system refuses.
+        """
+        try:
+            self._start()
+        except OSError as error:
+            raise GripError(f"the run's process can't be started: {error.strerror}{_advice(error.errno)}") from None
+
+    def _start(self) -> None:
+        commands, self._command_end = os.pipe()
+        self._event_end, events = os.pipe()
+        self._hold_end, hold = socket.socketpair()
+        self._report_end, report = os.pipe()
+        self._memory, self._trace = tempfile.TemporaryFile(), tempfile.TemporaryFile()
+        self._memory.truncate(LARGEST)
+        self._pulse = PulseReader(self._memory.fileno())
+        channels = {
+            "commands": commands,
+            "events": events,
+            "hold": hold.fileno(),
+            "report": report,
+            "pulse": self._memory.fileno(),
+            "trace": self._trace.fileno(),
+        }
+        try:
+            self._process = subprocess.Popen(
+                python_command("-m", "grip_bt.app.runs.process", json.dumps(channels)),
+                pass_fds=list(channels.values()),
+                stdin=None if self._own_input else subprocess.DEVNULL,
+            )
+        finally:
+            os.close(commands)
+            os.close(events)
+            os.close(report)
+            hold.close()
+        self._send(self._order)
+        self._reader = threading.Thread(target=self._read, name="grip_events", daemon=True)
+        self._reader.start()
+
+    @property
+    def pid(self) -> int:
+        """The child's process id."""
+        return self._process.pid
+
+    def send(self, command: Mapping[str, Any]) -> None:
+        """Pass a command on; `stop` is seen to. From any thread."""
+        if command.get("command") == "stop":
+            self.stop()
+        else:
+            self._send(command)
+
+    def stop(self, lost: bool = False) -> None:
+        """Stop the run, or its start; whatever the process does. May be called from a signal handler.
+
+        Args:
+            lost: nobody has asked for that, but whoever controls the run has gone: it can be gone on with.
+        """
+        with self._lock:
+            if self._stopping:
+                return
+            self._stopping, self._lost = True, lost
+        threading.Thread(target=self._stop, args=(time.monotonic(),), name="grip_stop", daemon=True).start()
+
+    def wait(self) -> Mapping[str, Any]:
+        """Wait for the end of the process, and return the event `ended`, or `failed` when nothing could be run."""
+        try:
+            status = self._watch()
+        finally:
+            self._over.set()
+        self._reader.join(2.0)
+        if self._ended is None:
+            self._ended = self._obituary(status)
+            self._told(self._ended)
+        self._say_no_more()
+        self._hold_end.close()
+        os.close(self._report_end)
+        self._memory.close()
+        self._trace.close()
+        return self._ended
+
+    # --- its threads ---
+
+    def _send(self, command: Mapping[str, Any]) -> None:
+        line = json.dumps(command, default=str).encode() + b"\n"
+        try:
+            with self._lock:
+                if not self._told_all:
+                    os.write(self._command_end, line)
+        except OSError:
+            return  # it has ended, which is noticed elsewhere
+
+    def _say_no_more(self) -> None:
+        """Close the commands; a process that hears of it before a stop knows that it is on its own."""
+        with self._lock:
+            if not self._told_all:
+                self._told_all = True
+                os.close(self._command_end)
+
+    def _stop(self, called: float) -> None:
+        if self._lost:
+            self._say_no_more()
+        else:
+            self._send({"command": "stop"})
+        if not self._acknowledged.wait(called + ACKNOWLEDGE - time.monotonic()):
+            self._told({"event": "state", "state": "stopping"})
+            self._hold()
+            self._kill(f"did not acknowledge the stop within {1000 * ACKNOWLEDGE:.0f} ms")
+            return
+        while time.monotonic() < called + WIND_DOWN:
+            count = self._pulse.count
+            if self._over.wait(STILL):
+                return
+            if self._run is not None and self._ended is None and self._pulse.count == count:
+                self._hold()
+                self._kill("stood still after it had acknowledged the stop")
+                return
+        self._kill(f"did not end within {WIND_DOWN:g} s of the stop")
+
+    def _hold(self) -> None:
+        """Have the simulator, where there is one, hold the robot, and take note of what it has measured then."""
+        if not self._simulated:
+            return
+        try:
+            self._hold_end.settimeout(HOLD)
+            self._hold_end.sendall(b"hold")
+            said = self._hold_end.recv(1024).decode() or "the simulator has gone"
+        except OSError:
+            said = f"the simulator has said nothing of it within {HOLD:g} s"
+        self._held = {"robot": "" if said == "held" else said}
+
+    def _kill(self, why: str) -> None:
+        self._why = why
+        try:
+            self._process.send_signal(signal.SIGKILL)
+        except OSError:
+            return  # it has ended meanwhile
+
+    def _watch(self) -> int:
+        """Wait for the process; end it when it stands still."""
+        count, still, looked = -1, 0.0, time.monotonic()
+        while True:
+            try:
+                return self._process.wait(LOOK)
+            except subprocess.TimeoutExpired:
+                pass
+            step, looked = min(time.monotonic() - looked, 2 * LOOK), time.monotonic()  # not while we stood still
+            now = self._pulse.count
+            still = 0.0 if now != count or self._run is None or self._ended is not None else still + step
+            count = now
+            if self._silence is not None and still > self._silence and not self._why:
+                self._stood_still = True
+                self._hold()
+                self._kill(f"stood still for {self._silence:g} s, with code that lets no other run")
+
+    def _read(self) -> None:
+        with os.fdopen(self._event_end) as events:
+            for line in events:
+                event = json.loads(line)
+                match event["event"]:
+                    case "nodes":
+                        self._paths = event["paths"]
+                        continue
+                    case "progress" if event["part"] == "simulator":
+                        self._simulated = True
+                    case "started":
+                        self._run, self._begun = event, time.monotonic()
+                    case "state" if event["state"] == "stopping":
+                        self._acknowledged.set()
+                    case "ended" | "failed":
+                        self._acknowledged.set()
+                        self._ended = event
+                self._told(event)
+
+    # --- a death ---
+
+    def _at_rest(self) -> dict[str, str]:
+        """Return what reapers of what moves over ROS say: part or action -> why it isn't known to rest, or nothing."""
+        text, deadline = b"", time.monotonic() + REAPED
+        while (left := deadline - time.monotonic()) > 0 and select.select([self._report_end], [], [], left)[0]:
+            more = os.read(self._report_end, 1 << 16)
+            if not more:
+                break
+            text += more
+        else:
+            if self._robot == "ros":
+                return {"robot": f"nobody has said within {REAPED:g} s whether it is at rest"}
+        return {part: why for line in text.splitlines() for part, why in json.loads(line).items()}
+
+    def _obituary(self, status: int) -> dict[str, Any]:
+        """Return the event `ended` of a process that couldn't send it, and enter it into the journal."""
+        stopped = self._stopping and not self._stood_still
+        last, active = self._pulse.where(self._paths)
+        path = last if last in active or not active else active[-1]
+        how = self._why or how_ended(status) + (" before the task had ended" if status >= 0 else "")
+        message = f"the run's process {how}"
+        trace = self._traceback()
+        if self._run is None:
+            message = "before the task began" if stopped else f"{message}, and before it began"
+        elif not stopped:
+            others = [p for p in active if p != path]
+            message = f"{path}: {message}; last node entered: {last}"
+            message += f"; also active: {', '.join(others)}" if others else ""
+            message += f"; {_place(trace)}" if trace else ""
+        measured = {**self._held, **self._at_rest()}
+        unconfirmed = {part: why for part, why in measured.items() if why}
+        rest = str(Rest(tuple(part for part in measured if part not in unconfirmed), unconfirmed))
+        end = "died" if stopped and self._lost else "stopped" if stopped else "error"
+        if self._run is not None:
+            self._enter(path if self._paths else "/", end, f"{message}; {rest}" if rest else message, trace)
+        return {
+            "event": "ended",
+            "status": end,
+            "outcome": None,
+            "code": None,
+            "message": message,
+            "path": path,
+            "duration": time.monotonic() - self._begun,
+            "ticks": None,
+            "zombies": active if stopped else [],
+            "rest": rest,
+            "unconfirmed": unconfirmed,
+        }
+
+    def _traceback(self) -> str:
+        self._trace.seek(0)
+        return self._trace.read(1 << 16).decode(errors="replace")
+
+    def _enter(self, path: str, status: str, message: str, trace: str) -> None:
+        from grip_bt.runtime import Journal, RunLog
+
+        assert self._run is not None, "there is a run to end"
+        run, file, t = self._run["run"], self._run["journal"], time.monotonic() - self._begun
+        if file is None:
+            return
+        try:
+            with Journal(Path(file)) as journal:
+                log = RunLog(journal, run)
+                if status == "error":
+                    log.append(t, path, "error", data={"type": "ProcessDied", "message": message, "traceback": trace})
+                log.append(t, "/", "run_ended", data={"status": status, "message": message})
+                log.end(status, None)
+        except GripError as error:
+            sys.stderr.write(f"grip: {error}\n")
+
+
+def _advice(number: int | None) -> str:
+    """Return what can be done about a refusal of the system."""
+    folder, most = tempfile.gettempdir(), resource.getrlimit(resource.RLIMIT_FSIZE)[0]
+    known = {
+        errno.EFBIG: f"; files may have {most} bytes here, and {LARGEST} are needed: ulimit -f unlimited",
+        errno.EMFILE: "; too many files are open: ulimit -n says how many may be",
+        errno.ENOSPC: f"; make room in {folder}, or name another folder in TMPDIR",
+        errno.EDQUOT: f"; make room in {folder}, or name another folder in TMPDIR",
+        errno.EAGAIN: "; too many processes run: ulimit -u says how many may",
+    }
+    return known.get(number or 0, "")
+
+
+def _place(trace: str) -> str:
+    """Return where the thread that died was, from a dump of faulthandler: innermost, outside Python's library."""
+    frames: list[str] = []
+    inside = False
+    for line in trace.splitlines():
+        if line.startswith(("Current thread", "Thread", "Extension modules")):
+            inside = line.startswith("Current thread")
+        elif inside and line.strip().startswith("File "):
+            frames.append(line.strip())
+    library = f'File "{os.path.dirname(os.__file__)}/'
+    ours = [f for f in frames if not f.startswith(library) or "site-packages" in f] or frames
+    return f"at {ours[0]}" if ours else ""

@@ -1,0 +1,212 @@
+"""The commanders of a project's arms and hands, over whatever moves their joints."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.ports import Executor, HandPort
+from grip_bt.base.values import JointState, Pose
+
+from ..project.config import ArmConfig
+from ..project.faults import TAUGHT, common_states, faults_of_fields, field_of
+from ..project.folder import Project
+from .parts import Resources
+
+if TYPE_CHECKING:
+    from grip_bt.commanders.model import RobotModel
+    from grip_bt.commanders.planning.requests import PlanningSettings
+    from grip_bt.commanders.robots import RobotDescription
+    from grip_bt.commanders.worker import PlanningService
+
+
+def open_commanders(
+    project: Project,
+    resources: Resources,
+    description: RobotDescription,
+    planner: PlanningService,
+    executors: Mapping[str, Executor],
+    ports: Mapping[str, HandPort],
+    boxes: Mapping[str, tuple[Sequence[float], Pose]],
+    seed: int,
+) -> None:
+    """Put the project's arms, hands and scene into `resources`.
+
+    Args:
+        project: whose arms and hands.
+        resources: filled in.
+        description: the robot.
+        planner: makes the plans.
+        executors: what moves each arm.
+        ports: what moves each hand.
+        boxes: of the world: name -> (edge lengths [m], pose).
+        seed: of the planners.
+
+    Raises:
+        UnknownNameError: the project names a group or a hand that isn't there.
+    """
+    from grip_bt.commanders.arm import ArmCommander
+    from grip_bt.commanders.hand import HandCommander
+    from grip_bt.commanders.model import RobotModel
+    from grip_bt.commanders.robot_links import joints_of_fingers, limits_of_joints, links_of_groups
+    from grip_bt.commanders.scene import Carrier, PlanningScene
+    from grip_bt.commanders.taught import Taught
+
+    file = project.file
+    model, taught = RobotModel(description), Taught(project.folder / TAUGHT)
+    resources.hands = {
+        name: HandCommander(
+            name,
+            ports[name],
+            _states_of(description, hand.group),
+            fingers=joints_of_fingers(description, hand.group),
+            limits=limits_of_joints(description, hand.group),
+            taught=taught,
+            reach=partial(_reached, model, hand.group, _arm_group_of(name, file.arms)),
+        )
+        for name, hand in file.hands.items()
+    }
+    executors = {**executors, **joined_executors(project, executors)}
+    hand_of = {name: _hand_of(name, arm, file.hands) for name, arm in file.arms.items()}
+    groups = {name: arm.group for name, arm in file.arms.items()} | {
+        name: hand.group for name, hand in file.hands.items()
+    }
+    links = links_of_groups(description, groups)
+
+    def palm_of(arm: str) -> Pose:
+        return model.grasp_pose(executors[arm].state(), group=file.arms[arm].group)
+
+    states = {name: executor.state for name, executor in executors.items()} | {n: p.state for n, p in ports.items()}
+
+    def shapes(at: JointState | None) -> Sequence[NDArray[np.float64]]:
+        return model.hulls(*(measure() for measure in states.values()), *(() if at is None else (at,)))
+
+    scene = PlanningScene(
+        {hand: partial(palm_of, arm) for arm, hand in hand_of.items() if hand},
+        boxes,
+        project.room(),
+        links,
+        project.folder,
+        {
+            hand: Carrier(
+                file.arms[arm].group,
+                frozenset((*links[hand], *description.hands.get(file.hands[hand].group, ()))),
+            )
+            for arm, hand in hand_of.items()
+            if hand
+        },
+        shapes,
+    )
+    resources.arms = {
+        arm: ArmCommander(
+            arm,
+            model,
+            planner,
+            executors[arm],
+            scene,
+            hand,
+            ports[hand].state if hand else _no_joints,
+            settings_of(file.arms[arm], description, seed),
+            file.arms[arm].group,
+            taught,
+            partial(_elsewhere, states, (arm, hand)),
+            common_states(file.arms[arm], file.arms, description),
+        )
+        for arm, hand in hand_of.items()
+    }
+    resources.scene = scene
+
+
+def settings_of(arm: ArmConfig, robot: RobotDescription, seed: int, where: str = "grip.yaml: arms") -> PlanningSettings:
+    """Return how an arm is planned for: its fields in `grip.yaml`, else what the robot's files say, else defaults.
+
+    Raises:
+        UnknownNameError: there is no such solver or planner.
+    """
+    from grip_bt.commanders.planning.requests import PlanningSettings
+
+    for fault in faults_of_fields(arm, robot, where):
+        raise fault
+
+    def field(name: str) -> Any:
+        return field_of(arm, robot, name)
+
+    planner = field("planner")
+    configured = robot.preferences.get(arm.group, {}).get("planner")
+    parameters = {} if configured is None else configured.parameters.get(planner, {})
+    return PlanningSettings(
+        planner=planner,
+        kinematics=field("kinematics"),
+        speed=field("speed"),
+        acceleration=field("acceleration"),
+        time_limit=arm.planning_time,
+        attempts=arm.attempts,
+        seed=seed,
+        parameters=tuple(parameters.items()),
+        timing=arm.timing,
+        jerk=arm.jerk,
+    )
+
+
+def joined_executors(project: Project, executors: Mapping[str, Executor]) -> dict[str, Executor]:
+    """Return an executor for each arm that joins others, all of which are right as `check_arms` says."""
+    from grip_bt.commanders.together import JoinedExecutor
+
+    return {
+        name: JoinedExecutor(*(executors[part] for part in arm.arms))
+        for name, arm in project.file.arms.items()
+        if arm.arms
+    }
+
+
+def _arm_group_of(hand: str, arms: Mapping[str, ArmConfig]) -> str:
+    return next((arm.group for arm in arms.values() if arm.hand == hand), "")
+
+
+def _reached(
+    model: RobotModel,
+    group: str,
+    arm_group: str,
+    targets: Mapping[str, Sequence[float]],
+    posture: JointState,
+    frame: str,
+) -> JointState:
+    """Return the posture that brings fingertips to positions; those in no frame are in the grasp frame of the arm."""
+    from grip_bt.commanders.ik.fingertips import fingertip_posture
+
+    places = {name: np.array(position, dtype=float) for name, position in targets.items()}
+    return fingertip_posture(model, places, posture, group, frame=frame or model.grasp_frame_of(arm_group))
+
+
+def _elsewhere(states: Mapping[str, Callable[[], JointState]], own: tuple[str, str]) -> list[JointState]:
+    """Return the measured states of all arms and hands that have no joint in common with an arm and its hand."""
+    taken = {joint for name in own if name for joint in states[name]().names}
+    found = []
+    for name, measure in states.items():
+        state = measure() if name not in own else None
+        if state is not None and not taken & set(state.names):
+            taken |= set(state.names)
+            found.append(state)
+    return found
+
+
+def _hand_of(name: str, arm: ArmConfig, hands: Mapping[str, object]) -> str:
+    if arm.hand is None:
+        return ""  # a bare arm: it moves, and grasps nothing
+    if arm.hand not in hands:
+        raise UnknownNameError("hand", arm.hand, hands, f"grip.yaml: arms/{name}/hand")
+    return arm.hand
+
+
+def _states_of(description: RobotDescription, group: str) -> Mapping[str, JointState]:
+    description.group(group)
+    return description.named_states.get(group, {})
+
+
+def _no_joints() -> JointState:
+    return JointState((), ())

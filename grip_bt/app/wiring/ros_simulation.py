@@ -1,0 +1,202 @@
+"""A simulated world as a ROS 2 robot: its joints, controllers and cameras, for any program that speaks ROS."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Executor, HandPort
+from grip_bt.base.values import JointState, Trajectory
+
+from ..project.faults import WORLDS, check_cameras, jerks_of_arms
+from ..project.folder import Project
+from .parts import Progress
+
+if TYPE_CHECKING:
+    from grip_sim.simulation import Simulation
+
+JOINT_STATES = "/joint_states"
+SOON = 0.1
+"""Fingers take so long at least [s]."""
+LONG = 60.0
+"""So long a piece of simulated time is waited for at once [s]; nothing happens between two pieces."""
+
+
+@dataclass(frozen=True)
+class Served:
+    """What a simulated world offers.
+
+    Attributes:
+        simulation: the world.
+        joints: topic on which all joints are measured.
+        controllers: arm or hand -> its action.
+        cameras: sensor -> part of it -> topic.
+        mounts: sensor -> how `grip.yaml` says where its camera is.
+        room: what stands in the world and never moves, as the text of a `.scene` file.
+    """
+
+    simulation: Simulation
+    joints: str
+    controllers: Mapping[str, str]
+    cameras: Mapping[str, Mapping[str, str]]
+    mounts: Mapping[str, Mapping[str, Any]]
+    room: str
+
+
+@contextmanager
+def serve_world(
+    project: Project, world: str, seed: int, pace: float, progress: Progress, camera_rate: float = 2.0
+) -> Iterator[Served]:
+    """Simulate a world with the project's robot, and serve it over ROS 2; time goes on by itself.
+
+    Args:
+        project: with a robot, arms and hands; its sensors that say `camera` are served too. Where `ros/controllers`
+            names actions these are served, else `/NAME_controller/follow_joint_trajectory`.
+        world: the world's name.
+        seed: of the world.
+        pace: simulated seconds a second.
+        progress: told of each part that came up.
+        camera_rate: frames a second of each camera that somebody listens to.
+
+    Raises:
+        MissingPartError: the simulator or ROS isn't installed, or the project has no robot.
+        UnknownNameError: there is no such world, or it has no such camera as a sensor names.
+        GripError: a controller of the project isn't a trajectory controller.
+    """
+    if world not in WORLDS:
+        raise UnknownNameError("world", world, WORLDS)
+    check_cameras(project, world)
+    if project.file.robot is None:
+        raise MissingPartError("a robot to simulate", "name one in grip.yaml: `robot: panda_allegro`")
+    try:
+        from grip_bt.ros.bus import Bus
+        from grip_bt.ros.serving import ServedCamera, ServedController, ServedJoints
+        from grip_sim import start_simulation, table_world
+    except ImportError as error:
+        raise MissingPartError(f"the simulator or ROS ({error})", "pip install 'grip-bt[sim,ros]'") from None
+    groups = _groups(project)
+    actions = {name: _action(project, name) for name in groups}
+    with ExitStack() as stack:
+        progress("starting", "the simulator")
+        jerks = jerks_of_arms(project.file.arms, project.description())
+        spec = replace(table_world(seed), robot=project.robot_source, jerks=jerks)
+        simulation = stack.enter_context(start_simulation(spec, pace))
+        names = ", ".join(thing.name for thing in spec.objects)
+        progress("simulator", f"SAPIEN in process {simulation.pid}, world {world!r}, seed {seed}: {names}")
+        chosen = os.environ.get("ROS_DOMAIN_ID")
+        bus = stack.enter_context(Bus("grip_sim", domain_id=int(chosen) if chosen else None))
+        executors: dict[str, Executor] = {
+            name: PressingFingers(simulation.hand(group)) if name in project.file.hands else simulation.executor(group)
+            for name, group in groups.items()
+        }
+        for name, executor in executors.items():
+            stack.callback(ServedController(bus, actions[name], executor).close)
+            progress("controller", f"{actions[name]}: {len(executor.joint_names)} joints of {name}")
+        joints = project.file.ros.joint_states if project.file.ros is not None else JOINT_STATES
+        stack.callback(ServedJoints(bus, joints, tuple(executors.values())).close)
+        progress("joints", joints)
+        cameras = {}
+        for name, sensor in project.file.sensors.items():
+            if sensor.camera is not None:
+                served = ServedCamera(bus, name, simulation.camera(sensor.camera), camera_rate)
+                stack.callback(served.close)
+                cameras[name] = served.topics
+                progress("camera", ", ".join(served.topics.values()))
+        mounts = {name: _mount(simulation, project, name) for name in cameras}
+        stack.enter_context(_time_going_on(simulation))
+        yield Served(simulation, joints, actions, cameras, mounts, _room(simulation))
+
+
+class PressingFingers:
+    """A hand as a trajectory controller without tolerances moves it: fingers that meet something press on.
+
+    Implements `grip_bt.base.ports.Executor`; of a trajectory only its end and its duration count.
+    """
+
+    def __init__(self, hand: HandPort):
+        self._hand = hand
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints of the hand."""
+        return self._hand.joint_names
+
+    def state(self) -> JointState:
+        """Return the measured state."""
+        return self._hand.state()
+
+    def execute(self, trajectory: Trajectory) -> Operation[JointState]:
+        """Move the fingers towards the end of a trajectory, as far as what they meet lets them."""
+        goal = JointState(trajectory.names, trajectory.positions[-1])
+        return self._hand.move(goal, max(float(trajectory.times[-1]), SOON))
+
+    def stop(self) -> None:
+        """Hold the fingers where they are."""
+        self._hand.stop()
+
+
+def _groups(project: Project) -> dict[str, str]:
+    """Return arm or hand -> its group of joints; arms that join others move by the controllers of those."""
+    arms = {name: arm.group for name, arm in project.file.arms.items() if not arm.arms}
+    return arms | {name: hand.group for name, hand in project.file.hands.items()}
+
+
+def _action(project: Project, name: str) -> str:
+    """Return the action of an arm or a hand.
+
+    Raises:
+        GripError: it is reached in another way, which isn't simulated.
+    """
+    controllers = project.file.ros.controllers if project.file.ros is not None else {}
+    if name not in controllers:
+        return f"/{name}_controller/follow_joint_trajectory"
+    action = controllers[name].trajectory
+    if action is None:
+        where = f"grip.yaml: ros/controllers/{name}"
+        raise GripError(
+            f"{where}: only `trajectory` controllers are simulated; give the simulation a project of its own"
+        )
+    return action
+
+
+def _mount(simulation: Simulation, project: Project, name: str) -> dict[str, Any]:
+    camera = project.file.sensors[name].camera
+    assert camera is not None, "only cameras are served"
+    pose = simulation.camera(camera).info().pose
+    place = {"position": [round(float(v), 6) for v in pose.position]}
+    return {"frame": f"{name}_optical", **place, "quaternion": [round(float(v), 9) for v in pose.quaternion]}
+
+
+def _room(simulation: Simulation) -> str:
+    from grip_bt.base.values import Pose
+    from grip_bt.base.values.solids import Box
+    from grip_bt.commanders.scene import SceneObject
+    from grip_bt.commanders.scene_writer import scene_text
+
+    boxes = simulation.spec.boxes()
+    return scene_text("room", [SceneObject(box.name, Box(box.size), Pose(box.centre), fixed=True) for box in boxes])
+
+
+@contextmanager
+def _time_going_on(simulation: Simulation) -> Iterator[None]:
+    """Have physics advance though nothing is asked of it."""
+    over = threading.Event()
+
+    def wait() -> None:
+        try:
+            while not over.is_set():
+                simulation.settle(LONG)
+        except GripError:
+            return  # the simulator has ended, as it does when it is closed
+
+    threading.Thread(target=wait, name="grip_sim_time", daemon=True).start()
+    try:
+        yield
+    finally:
+        over.set()
