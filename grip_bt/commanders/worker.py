@@ -29,7 +29,6 @@ class PlanningService(Protocol):
 
     def submit(self, request: Request) -> Operation[Plan | ChosenGrasp | None]:
         """Ask; the operation ends with the answer, or with the `ExpectedError` that says why there is none."""
-        ...
 
 
 Search = PlanTo | PlanStraight | ChooseGrasp
@@ -41,7 +40,6 @@ class Searcher(Protocol):
 
     def submit(self, request: Search) -> Operation[Plan | ChosenGrasp | None]:
         """Ask; see `PlanningService`."""
-        ...
 
 
 @dataclass

@@ -27,15 +27,12 @@ class Pacer(Protocol):
         Raises:
             Halted: the run was stopped.
         """
-        ...
 
     def rest(self, seen: int) -> None:
         """Return when there may be something to look at since `turn` returned `seen`."""
-        ...
 
     def wake(self) -> None:
         """Have every `rest` return."""
-        ...
 
 
 def alone(count: int) -> list[AbstractContextManager[object]]:

@@ -45,14 +45,12 @@ class Child(Protocol):
 
     def preempt_requested(self) -> bool:
         """Return its flag."""
-        ...
 
     def recall_preempt(self) -> None:
         """Clear its flag."""
 
     def is_running(self) -> bool:
         """Tell whether it is being executed."""
-        ...
 
 
 class Container:

@@ -24,7 +24,6 @@ class Kept(Protocol):
 
         Called in the thread that ticks: it takes microseconds, or a few milliseconds for what has just moved.
         """
-        ...
 
     def restore(self, state: Any) -> None:
         """Bring it into a state that `changed` has returned, in another process.
@@ -32,7 +31,6 @@ class Kept(Protocol):
         Raises:
             GripError: it can't be brought there; it says why.
         """
-        ...
 
 
 class Keeper(Silent):

@@ -22,19 +22,15 @@ class RunSource(Protocol):
 
     def runs(self) -> list[RunRecord]:
         """Return the latest runs, newest first."""
-        ...
 
     def run(self, run: str) -> RunRecord | None:
         """Return one run, None when it isn't there."""
-        ...
 
     def task_text(self, run: str) -> str:
         """Return the task file as it was when the run started; empty when the run isn't there."""
-        ...
 
     def events(self, run: str, from_seq: int, limit: int) -> list[RunEvent]:
         """Return at most `limit` events from `from_seq` on, in order."""
-        ...
 
     def value(self, run: str, seq: int) -> ValueView:
         """Return what the write with this number wrote.
@@ -42,7 +38,6 @@ class RunSource(Protocol):
         Raises:
             UnknownNameError: there is no such write.
         """
-        ...
 
     def raw(self, run: str, seq: int) -> Any:
         """Return what the write with this number wrote, as it was.
@@ -51,11 +46,9 @@ class RunSource(Protocol):
             UnknownNameError: there is no such write.
             JournalError: it wasn't kept.
         """
-        ...
 
     def end_run(self, run: str) -> None:
         """Enter that a run was stopped whose process could not do so itself."""
-        ...
 
 
 class JournalRuns:

@@ -52,23 +52,18 @@ class RunProcess(Protocol):
 
     def lines(self) -> AsyncIterator[dict[str, Any]]:
         """Yield what the process says, one object a line, until its output ends; `{"event": "log"}` for plain text."""
-        ...
 
     async def send(self, command: Mapping[str, Any]) -> None:
         """Send a command of the control protocol; nothing happens when the process is gone."""
-        ...
 
     async def wait(self) -> int:
         """Wait for the end and return the exit status; negative is the signal that ended it."""
-        ...
 
     async def kill(self) -> None:
         """End the process and everything that it started, now. Idempotent."""
-        ...
 
     def tail(self) -> str:
         """Return the last lines that weren't part of the protocol."""
-        ...
 
 
 class Launcher(Protocol):
@@ -80,7 +75,6 @@ class Launcher(Protocol):
         Raises:
             OSError: the process can't be started.
         """
-        ...
 
 
 class CommandLineLauncher:

@@ -49,11 +49,9 @@ class Motion(Protocol):
 
     def advance(self, world: World) -> Ended | None:
         """Set the drives for the next step, or return how it has ended."""
-        ...
 
     def braking(self, world: World) -> Motion:
         """Return what brings its joints to rest; itself where it does that, or moves none."""
-        ...
 
 
 class Brake:

@@ -18,7 +18,6 @@ class Component(Protocol):
 
         Ends with ServerLostError, ServerTimeOutError or BadReplyError.
         """
-        ...
 
 
 @runtime_checkable
@@ -31,11 +30,9 @@ class Ros(Protocol):
         Raises:
             GripError: it can't be one; there is no such message, or its package isn't available.
         """
-        ...
 
     def listen(self, topic: str, message: str) -> None:
         """Subscribe now, so that a later `recent` finds what came since."""
-        ...
 
     def next(self, topic: str, message: str, value: str, timeout: float) -> Operation[Any]:
         """Wait for the next message and return it as the declared type `value`. Ends with ServerTimeOutError.
@@ -46,31 +43,24 @@ class Ros(Protocol):
             value: what becomes of it; `Any` leaves it as it is.
             timeout: how long to wait [s]; infinite for as long as it takes.
         """
-        ...
 
     def recent(self, topic: str, message: str, value: str, max_age: float, timeout: float) -> Operation[Any]:
         """Return the last message when it is at most `max_age` [s] old, else the next."""
-        ...
 
     def together(self, topics: Mapping[str, str], slop: float, timeout: float) -> Operation[Mapping[str, Any]]:
         """Wait for a message of each topic (topic -> type), stamped at most `slop` [s] apart; by topic."""
-        ...
 
     def publish(self, topic: str, message: str, value: Any, subscribers: int, timeout: float) -> Operation[None]:
         """Publish a value when at least `subscribers` listen."""
-        ...
 
     def transform(self, target: str, source: str, timeout: float, at: float | None = None) -> Operation[Pose]:
         """Return the pose of frame `source` in frame `target`, as it is or as it was at a time [s].
 
         Ends with an error of code `no_frame`.
         """
-        ...
 
     def get_parameter(self, node: str, name: str, timeout: float) -> Operation[Any]:
         """Return a parameter of a node. Ends with ServerLostError, or BadReplyError when it isn't set."""
-        ...
 
     def set_parameter(self, node: str, name: str, value: Any, timeout: float) -> Operation[None]:
         """Set a parameter of a node. Ends with ServerLostError, or BadReplyError with the node's reason."""
-        ...

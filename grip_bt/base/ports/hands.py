@@ -17,11 +17,9 @@ class HandPort(Protocol):
     @property
     def joint_names(self) -> tuple[str, ...]:
         """The joints of the hand."""
-        ...
 
     def state(self) -> JointState:
         """Return the measured state, with efforts [N m] where they are known."""
-        ...
 
     def move(self, posture: JointState, duration: float, torque_limit: float | None = None) -> Operation[JointState]:
         """Move the fingers towards a posture during `duration` [s] with at most `torque_limit` [N m].
@@ -29,15 +27,12 @@ class HandPort(Protocol):
         The result is the measured state when the time is over or all fingers have stopped moving, also when contact
         kept them from the posture.
         """
-        ...
 
     def contacts(self) -> Mapping[str, float]:
         """Return the contact force [N] of each link of the hand that touches something that isn't the robot."""
-        ...
 
     def stop(self) -> None:
         """Hold the fingers where they are."""
-        ...
 
 
 @runtime_checkable
@@ -47,27 +42,21 @@ class Hand(Protocol):
     @property
     def name(self) -> str:
         """The hand's name in the project."""
-        ...
 
     def state(self) -> JointState:
         """Return the measured state of the hand's joints."""
-        ...
 
     def named_states(self) -> Mapping[str, JointState]:
         """Return the hand's named postures; `open` and `closed` are among them."""
-        ...
 
     def fingers(self) -> Mapping[str, tuple[str, ...]]:
         """Return the hand's fingers: name -> joints."""
-        ...
 
     def contacts(self) -> Mapping[str, float]:
         """Return the contact force [N] of each link of the hand that touches something."""
-        ...
 
     def open(self, posture: JointState | str = "open") -> Operation[JointState]:
         """Open to a posture, given or named."""
-        ...
 
     def move(
         self, posture: JointState | str, torque_limit: float | None = None, seconds: float | None = None
@@ -78,7 +67,6 @@ class Hand(Protocol):
             UnknownNameError: there is no such posture or joint.
             ValueError: the torque limit [N m] or the time isn't positive.
         """
-        ...
 
     def finger_posture(self, closing: Mapping[str, float]) -> JointState:
         """Return the posture of some fingers: finger -> how far it is closed, 0 (as in `open`) to 1 (as in `closed`).
@@ -87,7 +75,6 @@ class Hand(Protocol):
             UnknownNameError: there is no such finger.
             ValueError: a number isn't in [0, 1].
         """
-        ...
 
     def fingertip_posture(self, targets: Mapping[str, Sequence[float]], frame: str = "") -> JointState:
         """Return the posture, near the present one, that brings fingertips or other links of the hand to positions.
@@ -103,7 +90,6 @@ class Hand(Protocol):
             UnknownNameError: there is no such finger, link or frame.
             ValueError: a position isn't 3 finite numbers, or the hand's geometry isn't known.
         """
-        ...
 
     def synergy(self, weights: Sequence[float]) -> JointState:
         """Return the posture of weights of the hand's synergies, kept within the joints' limits.
@@ -111,20 +97,15 @@ class Hand(Protocol):
         Raises:
             ValueError: there are more weights than synergies, or one isn't finite.
         """
-        ...
 
     def teach(self, name: str) -> JointState:
         """Remember the fingers' present posture as a named one, and return it; see `Arm.teach`."""
-        ...
 
     def close(self, posture: JointState | str = "closed", torque_limit: float | None = None) -> Operation[JointState]:
         """Close towards a posture until the fingers stop. Ends with NoContactError when nothing was touched."""
-        ...
 
     def closing(self) -> Closing | None:
         """Return what the hand did when it closed; None when it has moved in another way since, or never closed."""
-        ...
 
     def stop(self) -> None:
         """Hold the fingers where they are."""
-        ...

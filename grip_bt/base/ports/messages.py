@@ -17,27 +17,21 @@ class Messages(Protocol):
         Raises:
             WrongTypeError: the store holds another type.
         """
-        ...
 
     def get(self, store: str, name: str) -> Operation[Any]:
         """Return an entry, with `value`, `time` [s of the Unix epoch] and `provenance`.
 
         Without a name: the oldest of the store's queue, which is removed. Ends with NoEntryError or EmptyQueueError.
         """
-        ...
 
     def names(self, store: str) -> Operation[tuple[str, ...]]:
         """Return the names in a store. Ends with NoEntryError."""
-        ...
 
     def delete(self, store: str, name: str) -> Operation[None]:
         """Remove an entry. Ends with NoEntryError."""
-        ...
 
     def reset(self, store: str = "") -> Operation[None]:
         """Empty a store, or all, and read the project's files again. Ends with NoEntryError."""
-        ...
 
     def save(self) -> Operation[int]:
         """Keep everything for later runs; the result is the number of entries."""
-        ...

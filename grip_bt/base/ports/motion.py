@@ -20,11 +20,9 @@ class Executor(Protocol):
     @property
     def joint_names(self) -> tuple[str, ...]:
         """The joints that it moves, in its order."""
-        ...
 
     def state(self) -> JointState:
         """Return the measured state of the joints."""
-        ...
 
     def execute(self, trajectory: Trajectory) -> Operation[JointState]:
         """Follow a trajectory that starts at the present positions; the result is the measured state at the end.
@@ -32,11 +30,9 @@ class Executor(Protocol):
         Ends with ExecutionAbortedError when the start or the end is off by more than the adapter's tolerance, with
         CanceledError when it was stopped; the joints then hold where they are.
         """
-        ...
 
     def stop(self) -> None:
         """Hold where the joints are now and end a motion under way."""
-        ...
 
 
 @runtime_checkable
@@ -45,7 +41,6 @@ class Steerable(Protocol):
 
     def passed(self) -> float | None:
         """Return for how long the motion under way has been followed [s]; None when nothing moves."""
-        ...
 
     def amend(self, tail: Trajectory, at: float) -> bool:
         """Go on with `tail` from `at` seconds after the beginning of the motion under way.
@@ -56,7 +51,6 @@ class Steerable(Protocol):
         Raises:
             ValueError: the tail moves other joints, or begins elsewhere than the motion is at that moment.
         """
-        ...
 
     def expect(self, at: float | None) -> None:
         """Tell that an amendment at that moment is likely; None: none is.
@@ -64,7 +58,6 @@ class Steerable(Protocol):
         For executors with a time of their own: a simulator that is quicker than our clock waits there for a
         moment. Others do nothing.
         """
-        ...
 
 
 @runtime_checkable
@@ -74,19 +67,15 @@ class Arm(Protocol):
     @property
     def name(self) -> str:
         """The arm's name in the project."""
-        ...
 
     def state(self) -> JointState:
         """Return the measured state of the arm's joints."""
-        ...
 
     def grasp_pose(self) -> Pose:
         """Return the measured pose of the hand's grasp frame in world."""
-        ...
 
     def named_states(self) -> Mapping[str, JointState]:
         """Return the arm's named states, such as `home`."""
-        ...
 
     def plan(
         self,
@@ -111,14 +100,12 @@ class Arm(Protocol):
         Raises:
             UnknownNameError: there is no such named state, or no such freedom.
         """
-        ...
 
     def plan_straight(self, goals: Sequence[Pose], *, start: JointState | None = None) -> Operation[Plan]:
         """Plan a motion that moves the grasp frame along straight lines through `goals`.
 
         Ends with NoIkError, PathInvalidError (collision or joint jump).
         """
-        ...
 
     def plan_through(
         self,
@@ -144,7 +131,6 @@ class Arm(Protocol):
             UnknownNameError: there is no such named state.
             ValueError: there are no way points.
         """
-        ...
 
     def plan_along(self, trajectory: Trajectory, *, slow_down: bool = False) -> Operation[Plan]:
         """Check a trajectory that was made elsewhere, such as a stored one, and make a plan of it, as it is.
@@ -161,7 +147,6 @@ class Arm(Protocol):
         Raises:
             UnknownNameError: it names a joint that isn't the arm's.
         """
-        ...
 
     def check_together(self, plans: Sequence[Plan]) -> Operation[None]:
         """Check that plans of several arms, begun at once and followed as their times say, keep the arms apart.
@@ -171,7 +156,6 @@ class Arm(Protocol):
 
         Ends with PathInvalidError where something would be touched.
         """
-        ...
 
     def jog(
         self, linear: Sequence[float], angular: Sequence[float] = (0.0, 0.0, 0.0), seconds: float = 0.5
@@ -188,7 +172,6 @@ class Arm(Protocol):
         Raises:
             ValueError: a number isn't finite, or the time isn't positive.
         """
-        ...
 
     def steer(self, linear: Sequence[float], angular: Sequence[float] = (0.0, 0.0, 0.0)) -> Operation[JointState]:
         """Move the grasp frame with a twist from now on, without a stop where the executor is `Steerable`.
@@ -209,7 +192,6 @@ class Arm(Protocol):
         Raises:
             ValueError: a number isn't finite.
         """
-        ...
 
     def steer_to(self, target: Pose, speed: float = 0.15) -> Operation[JointState]:
         """Steer the grasp frame towards a pose in world, slower near it; see `steer`.
@@ -218,7 +200,6 @@ class Arm(Protocol):
             target: where to, for now.
             speed: of the grasp frame's origin at most [m/s].
         """
-        ...
 
     def teach(self, name: str, *, pose: bool = False) -> JointState | Pose:
         """Remember where the arm is now, as a named state or as a pose of the grasp frame, and return it.
@@ -227,23 +208,18 @@ class Arm(Protocol):
             NameTakenError: the robot's description has a state of this name.
             ValueError: the name isn't a word.
         """
-        ...
 
     def taught(self) -> Mapping[str, JointState | Pose]:
         """Return what was taught: name -> state or pose. The states are named states too."""
-        ...
 
     def execute(self, plan: Plan) -> Operation[JointState]:
         """Execute a plan; the result is what was measured at the end."""
-        ...
 
     def choose_grasp(self, grasps: Sequence[Grasp]) -> Operation[Grasp]:
         """Return the first grasp, by falling quality, whose approach, closing and lift are reachable and free.
 
         Ends with NoGraspError, whose `data['reasons']` counts why candidates were refused.
         """
-        ...
 
     def stop(self) -> None:
         """Hold where the arm is now and end a motion under way."""
-        ...

@@ -18,11 +18,9 @@ class Scene(Protocol):
 
     def set_box(self, name: str, size: Sequence[float], pose: Pose) -> None:
         """Add or replace a box of `size` (3 edge lengths [m]), centred at `pose` in world."""
-        ...
 
     def put(self, name: str, solid: Solid, pose: Pose) -> None:
         """Add or replace an object of any shape, whose own axes are at `pose` in world."""
-        ...
 
     def solid(self, name: str) -> tuple[Solid, Pose]:
         """Return an object's shape and its present pose in world, attached or not.
@@ -30,7 +28,6 @@ class Scene(Protocol):
         Raises:
             UnknownNameError: it isn't there.
         """
-        ...
 
     def load(self, file: str) -> tuple[str, ...]:
         """Add the objects of a `.scene` file, a path in the project, and return their names.
@@ -38,7 +35,6 @@ class Scene(Protocol):
         Raises:
             DocumentError: it can't be read, or isn't one.
         """
-        ...
 
     def mesh(self, file: str, scale: Sequence[float] = (1.0, 1.0, 1.0), hollow: bool = False) -> Mesh:
         """Read a mesh file, a path in the project or `package://...`: its convex hull, or its hollow surface.
@@ -47,11 +43,9 @@ class Scene(Protocol):
             DocumentError: it can't be read, or isn't one.
             UnknownNameError: the package isn't known.
         """
-        ...
 
     def fixed(self, name: str) -> bool:
         """Tell whether an object belongs to the room, so that it can't be removed, replaced or attached."""
-        ...
 
     def allow(self, one: str, other: str, allowed: bool = True) -> None:
         """Allow contact between two names, or forbid it again.
@@ -61,23 +55,18 @@ class Scene(Protocol):
         Raises:
             UnknownNameError: it is none of these.
         """
-        ...
 
     def snapshot(self) -> Any:
         """Return the present state as a value that `restore` takes."""
-        ...
 
     def restore(self, snapshot: Any) -> None:
         """Go back to an earlier state: objects, what hands hold, and allowed collisions."""
-        ...
 
     def remove(self, name: str) -> None:
         """Remove an object; nothing happens when it isn't there."""
-        ...
 
     def names(self) -> tuple[str, ...]:
         """Return the names of all objects."""
-        ...
 
     def box(self, name: str) -> tuple[NDArray[np.float64], Pose]:
         """Return an object's edge lengths, shape (3,) [m], and its present pose in world, attached or not.
@@ -85,23 +74,18 @@ class Scene(Protocol):
         Raises:
             UnknownNameError: it isn't there.
         """
-        ...
 
     def robot(self, at: JointState | None = None) -> Sequence[NDArray[np.float64]]:
         """Return the robot's shapes, each as points, shape (k, 3) in world [m], whose convex hull contains it.
 
         Its joints are where they are measured, but for those in `at`. Nothing where its geometry isn't known.
         """
-        ...
 
     def attached(self, hand: str) -> tuple[str, ...]:
         """Return the names of the objects that move with the hand."""
-        ...
 
     def attach(self, name: str, hand: str) -> None:
         """From now on the object moves with the hand and may touch it."""
-        ...
 
     def detach(self, name: str) -> None:
         """The object stays where it is now; nothing happens when it isn't attached."""
-        ...

@@ -15,11 +15,9 @@ class Camera(Protocol):
 
     def info(self) -> CameraInfo:
         """Return the camera's geometry."""
-        ...
 
     def capture(self) -> Operation[RgbdFrame]:
         """Take one frame. Ends with SensorError when there is none."""
-        ...
 
 
 @runtime_checkable
@@ -28,4 +26,3 @@ class Sensor(Protocol):
 
     def capture(self) -> Operation[Mapping[str, Any]]:
         """Take one value of each output, by name. Ends with SensorError or ServerTimeOutError."""
-        ...

@@ -14,7 +14,6 @@ class Clock(Protocol):
 
     def now(self) -> float:
         """Return the time [s]; it never decreases."""
-        ...
 
 
 @runtime_checkable
@@ -23,11 +22,9 @@ class Pausable(Protocol):
 
     def pause(self) -> None:
         """Hold what moves where it is and keep what is left of it; harmless when it is paused."""
-        ...
 
     def resume(self) -> None:
         """Go on with what is left; harmless when it isn't paused."""
-        ...
 
 
 class InTurnOf(Protocol):
@@ -35,7 +32,6 @@ class InTurnOf(Protocol):
 
     def __call__(self, operation: Operation[Any], *, holds: bool) -> Operation[Any]:
         """Return it for the run; `holds` says whether time stands still until it ends."""
-        ...
 
 
 class Stepped(Protocol):
@@ -44,16 +40,13 @@ class Stepped(Protocol):
     @property
     def sent(self) -> int:
         """How many requests it was sent; they may have ended motions."""
-        ...
 
     @property
     def clock(self) -> Clock:
         """Simulated time."""
-        ...
 
     def keep_to_simulated(self, only: bool) -> None:
         """Have the clock show simulated time alone, or let ours go on in it while nothing moves."""
-        ...
 
     def take_turns(self, in_turn: InTurnOf, stood: Callable[[], None]) -> None:
         """Stand still from now on.
@@ -62,16 +55,12 @@ class Stepped(Protocol):
             in_turn: makes what the run gets of every motion and every frame that is begun from now on.
             stood: called each time it has gone as far as it was told, when all ends until then were handed on.
         """
-        ...
 
     def go(self, until: float | None) -> bool:
         """Go on up to a moment [s], or until a motion ends, and stand still; False when it is lost."""
-        ...
 
     def stand(self) -> None:
         """Stand still now, if it goes."""
-        ...
 
     def go_freely(self) -> None:
         """Go by itself again."""
-        ...

@@ -22,11 +22,9 @@ class MovableClock(Protocol):
 
     def now(self) -> float:
         """Return the time [s]."""
-        ...
 
     def on_advance(self, listener: Callable[[], None]) -> None:
         """Call `listener()` after each move."""
-        ...
 
 
 class Schedule(Protocol):
@@ -34,15 +32,12 @@ class Schedule(Protocol):
 
     def now(self) -> float:
         """Return the time [s]."""
-        ...
 
     def stamp(self) -> float:
         """Return the stamp of what is measured now [s]; 0 where nobody else's time goes like this."""
-        ...
 
     def after(self, delay: float, action: Callable[[], None]) -> None:
         """Call `action()` when `delay` [s] has passed."""
-        ...
 
 
 class AtOnce:

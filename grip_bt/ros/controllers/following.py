@@ -37,11 +37,9 @@ class Time(Protocol):
 
     def now(self) -> float:
         """Return the time [s]."""
-        ...
 
     def after(self, delay: float, action: Callable[[], None]) -> None:
         """Call `action()` when `delay` [s] has passed."""
-        ...
 
 
 class WallTime:

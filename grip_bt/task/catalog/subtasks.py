@@ -23,14 +23,12 @@ class TaskFiles(Protocol):
         Raises:
             SubtaskError: there is no such file, it can't be used, or it isn't a task.
         """
-        ...
 
     def mentioning(self, text: str) -> Sequence[str]:
         """Return the files that there are, as `read` names them; those that surely don't hold a text may be left out.
 
         Not each of them is a task.
         """
-        ...
 
 
 class NoTaskFiles:
