@@ -12,8 +12,8 @@ from typing import TypeAlias
 import coal
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array, Mask
 from grip_bt.base.values.solids import Box, Cylinder, Mesh, Solid, Sphere
 
 from .meshes import coal_mesh
@@ -41,8 +41,6 @@ class CollisionChecker:
         reaches: how far each joint moves what is furthest from it [m/rad], shape (n,).
 
     Args:
-        chain: what moves.
-        scene: what is avoided.
         hand: the hand at the chain's end; what it holds moves along and may touch it.
         margin: distance [m] to keep from the objects of the scene; the robot itself needs none.
     """
@@ -108,11 +106,11 @@ class CollisionChecker:
             if carried[one] != carried[other] and joint[one] != joint[other]:
                 self._pair([one], [other])
 
-    def free(self, q: NDArray[np.float64]) -> bool:
+    def free(self, q: Array) -> bool:
         """Tell whether a configuration, shape (n,), touches nothing."""
         return bool(self.all_free(q[None, :]))
 
-    def all_free(self, configurations: NDArray[np.float64]) -> bool:
+    def all_free(self, configurations: Array) -> bool:
         """Tell whether none of the configurations, shape (k, n), touches anything; stops at the first that does.
 
         Put first what is likely to touch.
@@ -129,12 +127,11 @@ class CollisionChecker:
         rest = configurations[_ONE_BY_ONE:]
         return not len(rest) or not self._collide(rest, stop_at_first=True).any()
 
-    def free_each(self, configurations: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def free_each(self, configurations: Array) -> Mask:
         """Tell for each of the configurations, shape (k, n), whether it touches nothing; shape (k,)."""
-        result: NDArray[np.bool_] = ~self._collide(configurations, stop_at_first=False)
-        return result
+        return ~self._collide(configurations, stop_at_first=False)
 
-    def pairs(self, q: NDArray[np.float64]) -> tuple[tuple[str, str], ...]:
+    def pairs(self, q: Array) -> tuple[tuple[str, str], ...]:
         """Return the names of the links and objects that touch one another in a configuration, without repetition."""
         if self.free(q):
             return ()
@@ -143,7 +140,7 @@ class CollisionChecker:
         names = ((self._names[p.first], self._names[p.second]) for p, result in touching if result.isCollision())
         return tuple(dict.fromkeys(names))
 
-    def clear_each(self, configurations: NDArray[np.float64], margin: float) -> NDArray[np.bool_]:
+    def clear_each(self, configurations: Array, margin: float) -> Mask:
         """Tell of which configurations, shape (k, n), it is certain that whatever could touch is `margin` [m] apart.
 
         A hand counts as its hull here: False doesn't mean that it isn't so.
@@ -151,9 +148,7 @@ class CollisionChecker:
         count = self._outline.ngeoms
         return self._clear_each(configurations, np.full((count, count), margin))
 
-    def clear_while_moving(
-        self, configurations: NDArray[np.float64], motion: NDArray[np.float64], hulls: bool = True
-    ) -> NDArray[np.bool_]:
+    def clear_while_moving(self, configurations: Array, motion: Array, hulls: bool = True) -> Mask:
         """Tell from which configurations, shape (k, n), the joints can certainly move so far and touch nothing.
 
         Two things come closer only by the joints between them, so what is always near, such as links of a wrist,
@@ -167,27 +162,25 @@ class CollisionChecker:
         between = self._between if hulls else self._between_shapes
         return self._clear_each(configurations, np.tensordot(motion, between, axes=1), hulls)
 
-    def _clear_each(
-        self, configurations: NDArray[np.float64], margins: NDArray[np.float64], hulls: bool = True
-    ) -> NDArray[np.bool_]:
+    def _clear_each(self, configurations: Array, margins: Array, hulls: bool = True) -> Mask:
         pool, geometry = (self._rough, self._outline) if hulls else (self._pool, self._geometry)
         _keep_apart(pool, geometry, margins)
-        result: NDArray[np.bool_] = ~self._ask(pool, configurations, stop_at_first=False)
+        result: Mask = ~self._ask(pool, configurations, stop_at_first=False)
         _keep_apart(pool, geometry, np.zeros_like(margins))
         return result
 
     @cached_property
-    def _between(self) -> NDArray[np.float64]:
+    def _between(self) -> Array:
         """How far each joint can move two shapes of the outline against one another, shape (n, k, k)."""
         added = self._outline.geometryObjects[self.chain.outline.geometry.ngeoms :]
         return between(np.hstack([self.chain.outline_reaches, shape_reaches(self.chain.model, added)]))
 
     @cached_property
-    def _between_shapes(self) -> NDArray[np.float64]:
+    def _between_shapes(self) -> Array:
         """How far each joint can move two shapes against one another, shape (n, k, k)."""
         return between(shape_reaches(self.chain.model, self._geometry.geometryObjects))
 
-    def _collide(self, configurations: NDArray[np.float64], stop_at_first: bool) -> NDArray[np.bool_]:
+    def _collide(self, configurations: Array, stop_at_first: bool) -> Mask:
         """Ask the outline first: nearly all that is free is seen to be free by it."""
         result = self._ask(self._rough, configurations, stop_at_first=False)
         suspects = np.flatnonzero(result)
@@ -195,7 +188,7 @@ class CollisionChecker:
             result[suspects] = self._ask(self._pool, configurations[suspects], stop_at_first)
         return result
 
-    def _ask(self, pool: _Pool, configurations: NDArray[np.float64], stop_at_first: bool) -> NDArray[np.bool_]:
+    def _ask(self, pool: _Pool, configurations: Array, stop_at_first: bool) -> Mask:
         columns = np.asfortranarray(configurations.T)
         threads = self._threads if columns.shape[1] >= _ENOUGH_FOR_THREADS else 1
         return np.array(pin.computeCollisionsInParallel(threads, pool, columns, True, stop_at_first), dtype=bool)
@@ -233,7 +226,7 @@ class CollisionChecker:
             geometry.setCollisionPairs(pairs)
 
 
-def _keep_apart(pool: _Pool, geometry: pin.GeometryModel, margins: NDArray[np.float64]) -> None:
+def _keep_apart(pool: _Pool, geometry: pin.GeometryModel, margins: Array) -> None:
     for manager in pool.getBroadPhaseManagers():
         manager.getGeometryData().setSecurityMargins(geometry, margins)
 

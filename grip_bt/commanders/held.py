@@ -12,8 +12,8 @@ from collections.abc import Callable, Mapping
 from typing import Generic, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.failures import CanceledError, ExecutionAbortedError, ExpectedError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Executor, HandPort, Steerable
@@ -38,11 +38,7 @@ _GRID, _DOUBT = 0.005, 0.01
 
 
 def rest_of(
-    trajectory: Trajectory,
-    measured: NDArray[np.float64],
-    passed: float,
-    acceleration: NDArray[np.float64],
-    jerk: NDArray[np.float64] | None = None,
+    trajectory: Trajectory, measured: Array, passed: float, acceleration: Array, jerk: Array | None = None
 ) -> Trajectory:
     """Return what is left of a trajectory that was stopped: the same path, from rest.
 
@@ -91,7 +87,7 @@ def rest_of(
     return slowed(whole, np.full(len(aside), np.inf), acceleration)
 
 
-def _fading(rest: Trajectory, aside: NDArray[np.float64], within: float) -> Trajectory:
+def _fading(rest: Trajectory, aside: Array, within: float) -> Trajectory:
     """Return a trajectory that begins aside of its path, shape (n,), and is on it after a time [s], smoothly."""
     if rest.duration == 0.0:
         still = np.zeros((2, len(aside)))

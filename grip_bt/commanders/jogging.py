@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.values import Plan, Pose
 
 MOST_LINEAR = 0.25
@@ -41,7 +41,7 @@ def jogged(pose: Pose, linear: Sequence[float], angular: Sequence[float], second
     return Pose(pose.position + v * seconds, turned.quaternion, pose.frame), seconds
 
 
-def bounded(linear: Sequence[float], angular: Sequence[float]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def bounded(linear: Sequence[float], angular: Sequence[float]) -> tuple[Array, Array]:
     """Return a twist, made smaller as a whole where it is above the bounds.
 
     Raises:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.errors import UnknownNameError
 
 
@@ -21,7 +22,7 @@ def require_joints(names: Sequence[str], allowed: Sequence[str], arm: str) -> No
             raise UnknownNameError("joint", name, allowed, where=f"arm {arm!r}")
 
 
-def same_joints(position: ArrayLike, names: Sequence[str]) -> NDArray[np.float64]:
+def same_joints(position: ArrayLike, names: Sequence[str]) -> Array:
     """Return a copy of the positions of these joints, shape (n,).
 
     Raises:

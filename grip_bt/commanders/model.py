@@ -15,8 +15,8 @@ from math import isfinite
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.values import JointState, Pose
 
 from .outline import Outline, corners, outlined, radii, shape_reaches
@@ -41,11 +41,11 @@ class Limits:
         jerk: [rad/s^3], infinite where none is known; None: of no joint.
     """
 
-    lower: NDArray[np.float64]
-    upper: NDArray[np.float64]
-    velocity: NDArray[np.float64]
-    acceleration: NDArray[np.float64]
-    jerk: NDArray[np.float64] | None = None
+    lower: Array
+    upper: Array
+    velocity: Array
+    acceleration: Array
+    jerk: Array | None = None
 
 
 class Chain:
@@ -85,31 +85,27 @@ class Chain:
         return outlined(self.geometry, self.hand)
 
     @cached_property
-    def outline_reaches(self) -> NDArray[np.float64]:
+    def outline_reaches(self) -> Array:
         """How far each joint can move each shape of the outline; see `outline.shape_reaches`."""
         return shape_reaches(self.model, self.outline.geometry.geometryObjects)
 
     @cached_property
-    def radii(self) -> NDArray[np.float64]:
+    def radii(self) -> Array:
         """How far from each joint's frame what moves with it reaches [m], shape (n + 1,); the base comes first."""
         return radii(self.model, self.geometry.geometryObjects)
 
-    def grasp_pose(self, q: NDArray[np.float64]) -> pin.SE3:
+    def grasp_pose(self, q: Array) -> pin.SE3:
         """Return the grasp frame in world for a configuration of shape (n,)."""
         pin.framesForwardKinematics(self.model, self.data, q)
         return self.data.oMf[self.frame].copy()
 
-    def within_limits(self, q: NDArray[np.float64], slack: float = 1e-6) -> bool:
+    def within_limits(self, q: Array, slack: float = 1e-6) -> bool:
         """Tell whether configurations, shape (..., n), respect the position limits up to `slack` [rad]."""
         return bool(np.all((q >= self.limits.lower - slack) & (q <= self.limits.upper + slack)))
 
 
 class RobotModel:
-    """Kinematics and collision shapes of a whole robot.
-
-    Args:
-        description: what it is.
-    """
+    """Kinematics and collision shapes of a whole robot."""
 
     def __init__(self, description: RobotDescription):
         self.description = description
@@ -125,7 +121,7 @@ class RobotModel:
         self._drop_harmless_pairs()
         self._chains: dict[tuple[str, bytes], Chain] = {}
 
-    def configuration(self, *states: JointState, base: NDArray[np.float64] | None = None) -> NDArray[np.float64]:
+    def configuration(self, *states: JointState, base: Array | None = None) -> Array:
         """Return a configuration of all joints, shape (nq,): `base` (or at rest), overlaid with `states`.
 
         Joints that mimic others follow them.
@@ -150,7 +146,7 @@ class RobotModel:
             pin.framesForwardKinematics(self.model, self.data, self.configuration(*states))
             return Pose.from_matrix(self.data.oMf[frame].homogeneous)
 
-    def hulls(self, *states: JointState) -> list[NDArray[np.float64]]:
+    def hulls(self, *states: JointState) -> list[Array]:
         """Return points of each collision shape, shape (k, 3) in world [m], whose convex hull contains the shape."""
         with self._lock:
             pin.forwardKinematics(self.model, self.data, self.configuration(*states))
@@ -161,7 +157,7 @@ class RobotModel:
         ]
 
     @cached_property
-    def _shape_corners(self) -> list[tuple[int, NDArray[np.float64]]]:
+    def _shape_corners(self) -> list[tuple[int, Array]]:
         return [(shape.parentJoint, corners(shape)) for shape in self.geometry.geometryObjects]
 
     def limits(self, group: str) -> Limits:
@@ -207,7 +203,7 @@ class RobotModel:
         q[[self._columns[n] for n in names]] = 0.0
         return self._reduced(groups[0], names, q)
 
-    def _reduced(self, group: str, names: tuple[str, ...], q: NDArray[np.float64]) -> Chain:
+    def _reduced(self, group: str, names: tuple[str, ...], q: Array) -> Chain:
         frozen = [self.model.getJointId(n) for n in self.model.names if n not in (*names, "universe")]
         model, geometry = pin.buildReducedModel(self.model, self.geometry, frozen, q)
         _drop_pairs_within_one_body(geometry)
@@ -261,7 +257,7 @@ class RobotModel:
         for pair in kept:
             self.geometry.addCollisionPair(pair)
 
-    def _overlap_rates(self) -> NDArray[np.float64]:
+    def _overlap_rates(self) -> Array:
         rng = np.random.default_rng(0)
         hands = {j for hand in self.description.hands for j in self.description.groups.get(hand, ())}
         names = tuple(n for n in self.description.joints if n not in hands)

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import coal
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
+
+from grip_bt.base.arrays import Array
 
 
 @dataclass(frozen=True)
@@ -30,12 +31,7 @@ class Outline:
 
 
 def outlined(geometry: pin.GeometryModel, grouped: Iterable[int]) -> Outline:
-    """Return the geometry with those of the `grouped` shapes that move as one body replaced by their hull.
-
-    Args:
-        geometry: shapes and the pairs to check.
-        grouped: indices of shapes that may be put together, such as a hand's.
-    """
+    """Return the geometry with those of the `grouped` shapes that move as one body replaced by their hull."""
     groups = [group for group in _by_body(geometry, grouped) if len(group) > 1]
     shapes, outline, place = geometry.geometryObjects, pin.GeometryModel(), {}
     hulled = {k for group in groups for k in group}
@@ -55,7 +51,7 @@ def outlined(geometry: pin.GeometryModel, grouped: Iterable[int]) -> Outline:
     return Outline(outline, place)
 
 
-def radii(model: pin.Model, shapes: Iterable[pin.GeometryObject]) -> NDArray[np.float64]:
+def radii(model: pin.Model, shapes: Iterable[pin.GeometryObject]) -> Array:
     """Return how far from each joint's frame the shapes that move with it reach [m], shape (njoints,)."""
     result = np.zeros(model.njoints)
     for shape in shapes:
@@ -63,14 +59,13 @@ def radii(model: pin.Model, shapes: Iterable[pin.GeometryObject]) -> NDArray[np.
     return result
 
 
-def reaches(model: pin.Model, radius: NDArray[np.float64]) -> NDArray[np.float64]:
+def reaches(model: pin.Model, radius: Array) -> Array:
     """Return for each joint how far from its axis anything that it moves can come, whatever the others do; shape (nv,).
 
     The displacement of any point of the robot is at most the sum over the joints of this [m, or m per m for a sliding
     joint] times the joint's motion.
 
     Args:
-        model: the joints.
         radius: see `radii`, shape (njoints,).
     """
     radius, result = np.array(radius), np.ones(model.nv)
@@ -87,7 +82,7 @@ def reaches(model: pin.Model, radius: NDArray[np.float64]) -> NDArray[np.float64
     return result
 
 
-def shape_reaches(model: pin.Model, shapes: Iterable[pin.GeometryObject]) -> NDArray[np.float64]:
+def shape_reaches(model: pin.Model, shapes: Iterable[pin.GeometryObject]) -> Array:
     """Return how far from each joint's axis each shape can come [m, or m per m for a sliding joint], shape (nv, k).
 
     It is 0 where the joint doesn't move the shape. Unlike in `reaches`, what is further out doesn't count.
@@ -109,7 +104,7 @@ def shape_reaches(model: pin.Model, shapes: Iterable[pin.GeometryObject]) -> NDA
     return np.array(columns).reshape(-1, model.nv).T
 
 
-def between(moved: NDArray[np.float64]) -> NDArray[np.float64]:
+def between(moved: Array) -> Array:
     """Return how far each joint can move two shapes against one another [m/rad], shape (nv, k, k).
 
     A joint that moves both moves them alike; so it counts only where it moves one of them.
@@ -131,7 +126,7 @@ def _by_body(geometry: pin.GeometryModel, grouped: Iterable[int]) -> list[list[i
     return [group for body, group in bodies.items() if body > 0]
 
 
-def corners(shape: pin.GeometryObject) -> NDArray[np.float64]:
+def corners(shape: pin.GeometryObject) -> Array:
     """Return points in the body's frame, shape (k, 3), whose convex hull contains the shape."""
     solid = shape.geometry
     if isinstance(solid, coal.ConvexBase):
@@ -140,11 +135,10 @@ def corners(shape: pin.GeometryObject) -> NDArray[np.float64]:
         solid.computeLocalAABB()
         low, high = solid.aabb_local.min_, solid.aabb_local.max_
         points = np.array([(x, y, z) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
-    placed: NDArray[np.float64] = points @ shape.placement.rotation.T + shape.placement.translation
-    return placed
+    return points @ shape.placement.rotation.T + shape.placement.translation
 
 
-def _hull(points: NDArray[np.float64]) -> coal.ConvexBase:
+def _hull(points: Array) -> coal.ConvexBase:
     rows = coal.StdVec_Vec3s()
     rows.extend(list(points))
     return coal.Convex.convexHull(rows, True, "Qt")

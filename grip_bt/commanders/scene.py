@@ -11,8 +11,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.values import JointState, Pose
 from grip_bt.base.values.pose import check_frame
@@ -93,7 +93,7 @@ class SceneSnapshot:
         pairs = ((one, other), (one, ANYTHING), (other, ANYTHING))
         return any(_sorted(*pair) in self.allowed for pair in pairs)
 
-    def around(self, point: NDArray[np.float64], within: float) -> tuple[str, ...]:
+    def around(self, point: Array, within: float) -> tuple[str, ...]:
         """Return the names of objects at most `within` [m] from a point, nearest first.
 
         What is fixed, what a hand holds, and maps of cells, which aren't one thing, are left out.
@@ -130,7 +130,7 @@ class PlanningScene:
         links: Mapping[str, Sequence[str]] | None = None,
         folder: Path | None = None,
         carriers: Mapping[str, Carrier] | None = None,
-        robot: Callable[[JointState | None], Sequence[NDArray[np.float64]]] | None = None,
+        robot: Callable[[JointState | None], Sequence[Array]] | None = None,
     ):
         self._robot = robot
         self._folder = folder or Path()
@@ -165,7 +165,7 @@ class PlanningScene:
         with self._lock:
             self._snapshot = snapshot
 
-    def robot(self, at: JointState | None = None) -> Sequence[NDArray[np.float64]]:
+    def robot(self, at: JointState | None = None) -> Sequence[Array]:
         """Return the points of the robot's shapes; see `ports.Scene`."""
         return () if self._robot is None else self._robot(at)
 
@@ -226,7 +226,7 @@ class PlanningScene:
         """Return the names of all objects, those of the room included."""
         return tuple(self._snapshot.objects)
 
-    def box(self, name: str) -> tuple[NDArray[np.float64], Pose]:
+    def box(self, name: str) -> tuple[Array, Pose]:
         """Return an object's edge lengths and its present pose in world; see `ports.Scene`."""
         solid, pose = self.solid(name)
         return np.array(solid.extents()), pose.moved(pose.rotation() @ solid.centre())

@@ -11,8 +11,8 @@ import itertools
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.values import Trajectory
 
 from .trajectory.splines import s_curve
@@ -23,23 +23,22 @@ SAMPLING = 0.02
 """Time between two points of a step [s]."""
 _LOOKS = 4
 
-Velocity = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+Velocity = Callable[[Array], Array]
 """Joint positions -> the joint velocities that are wanted there, each shape (n,)."""
 
 
 def steered(
     names: Sequence[str],
-    position: NDArray[np.float64],
-    velocity: NDArray[np.float64],
+    position: Array,
+    velocity: Array,
     wanted: Velocity,
-    acceleration: NDArray[np.float64],
+    acceleration: Array,
     hold: float = HOLD,
-    jerk: NDArray[np.float64] | None = None,
+    jerk: Array | None = None,
 ) -> Trajectory:
     """Return a step: from a position and a velocity on, towards the wanted velocities, then to rest.
 
     Args:
-        names: n joints.
         position: shape (n,) [rad].
         velocity: shape (n,) [rad/s].
         wanted: what velocities are wanted, within the joints' limits.
@@ -60,7 +59,7 @@ def steered(
         v = faster
         rows.append(q)
         speeds.append(v)
-    times: NDArray[np.float64] = np.arange(len(rows), dtype=np.float64) * np.float64(SAMPLING)
+    times: Array = np.arange(len(rows), dtype=np.float64) * np.float64(SAMPLING)
     if v.any():
         braking = max(SAMPLING, float((np.abs(v) / acceleration).max()))
         rest = np.linspace(0.0, braking, int(np.ceil(braking / SAMPLING)) + 1)[1:]
@@ -72,12 +71,12 @@ def steered(
 
 def _smoothly(
     names: Sequence[str],
-    position: NDArray[np.float64],
-    velocity: NDArray[np.float64],
+    position: Array,
+    velocity: Array,
     wanted: Velocity,
-    acceleration: NDArray[np.float64],
+    acceleration: Array,
     hold: float,
-    jerk: NDArray[np.float64],
+    jerk: Array,
 ) -> Trajectory:
     q, v = np.array(position, dtype=float), np.array(velocity, dtype=float)
     count = max(2, round(hold / SAMPLING))
@@ -87,7 +86,7 @@ def _smoothly(
     for _ in range(_LOOKS):  # where the step ends depends on how fast it is then
         change = wanted(q + (v + change / 2) * count * SAMPLING) - v
         change /= max(1.0, float((np.abs(change) / np.minimum(acceleration, jerk * corner)).max()) / level)
-    times: NDArray[np.float64] = np.arange(count + 1, dtype=np.float64) * np.float64(SAMPLING)
+    times: Array = np.arange(count + 1, dtype=np.float64) * np.float64(SAMPLING)
     moved, part, _ = s_curve(times, count * SAMPLING, corner)
     rows, speeds = [q + np.outer(times, v) + np.outer(moved, change)], [v + np.outer(part, change)]
     q, v = rows[0][-1], v + change
@@ -104,7 +103,7 @@ def _smoothly(
     return Trajectory(tuple(names), times, np.concatenate(rows), np.concatenate(speeds))
 
 
-def _divided(edges: NDArray[np.float64]) -> NDArray[np.float64]:
+def _divided(edges: Array) -> Array:
     """Return times between edges and these, evenly spaced from each to the next one, without the first edge [s]."""
     pieces = [
         np.linspace(begin, end, int(np.ceil((end - begin) / SAMPLING)) + 1)[1:]

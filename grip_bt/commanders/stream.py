@@ -8,8 +8,8 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.failures import CanceledError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Executor, Steerable
@@ -164,7 +164,7 @@ class _Run:
                 part.cancel()
 
 
-def velocity_of(state: JointState, names: Sequence[str]) -> NDArray[np.float64]:
+def velocity_of(state: JointState, names: Sequence[str]) -> Array:
     """Return the velocities of joints, shape (n,); zero where they aren't known [rad/s]."""
     if state.velocity is None:
         return np.zeros(len(names))

@@ -9,8 +9,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.values import JointState
 
 _NOTHING = 1e-9
@@ -28,17 +28,12 @@ class Synergies:
     """
 
     names: tuple[str, ...]
-    middle: NDArray[np.float64]
-    directions: NDArray[np.float64]
+    middle: Array
+    directions: Array
 
     @classmethod
     def of(cls, postures: Iterable[JointState], most: int | None = None) -> Synergies:
-        """Find the synergies of postures of the same joints.
-
-        Args:
-            postures: at least one.
-            most: how many synergies are kept; all when None.
-        """
+        """Find the synergies of postures of the same joints."""
         rows = list(postures)
         names = rows[0].names
         table = np.stack([row.ordered(names) for row in rows])
@@ -61,24 +56,16 @@ class Synergies:
             raise ValueError(f"weights are at most {len(self.directions)} finite numbers, not {list(weights)}")
         return JointState(self.names, self.middle + given @ self.directions[: len(given)])
 
-    def weights(self, posture: JointState) -> NDArray[np.float64]:
+    def weights(self, posture: JointState) -> Array:
         """Return the weights of the nearest posture in the space, shape (k,)."""
         away = posture.ordered(self.names) - self.middle
-        result: NDArray[np.float64] = (self.directions @ away) / (self.directions**2).sum(axis=1)
-        return result
+        return (self.directions @ away) / (self.directions**2).sum(axis=1)
 
 
 def finger_posture(
     opened: JointState, closed: JointState, fingers: Mapping[str, Sequence[str]], closing: Mapping[str, float]
 ) -> JointState:
-    """Return the posture of the joints of some fingers, each between open (0) and closed (1).
-
-    Args:
-        opened: the hand's open posture.
-        closed: likewise.
-        fingers: finger -> its joints.
-        closing: finger -> how far; known fingers only.
-    """
+    """Return the posture of the joints of some fingers, each between open (0) and closed (1)."""
     start, end = opened.as_mapping(), closed.as_mapping()
     part = {joint: share for finger, share in closing.items() for joint in fingers[finger]}
     return JointState.from_mapping({j: start[j] + (end[j] - start[j]) * share for j, share in part.items()})

@@ -57,7 +57,6 @@ class PlanningProcess:
     when this process ends, however that ends, since its stdin does.
 
     Args:
-        robot: what it plans for.
         told: of each child that died and that another one takes the place of, in words; on a thread of our own.
     """
 

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import CameraInfo, DepthImage, Image, JointState, Pose, RgbdFrame, Trajectory
 from grip_sim.client import SimClient
@@ -58,8 +58,7 @@ class SimExecutor(_Joints):
 
     def passed(self) -> float | None:
         """Return for how long the motion under way has been followed, in simulated time [s]; see `ports.Steerable`."""
-        passed: float | None = self._client.ask("passed", names=list(self._names)).fields["passed"]
-        return passed
+        return self._client.ask("passed", names=list(self._names)).fields["passed"]
 
     def amend(self, tail: Trajectory, at: float) -> bool:
         """Go on with another trajectory from a moment on; see `ports.Steerable`."""
@@ -72,7 +71,7 @@ class SimExecutor(_Joints):
         """Have simulated time stand still at a moment until the motion is amended, for a second of ours at most."""
         self._client.ask("expect", names=list(self._names), at=at)
 
-    def _arrays(self, trajectory: Trajectory) -> dict[str, NDArray[np.float64]]:
+    def _arrays(self, trajectory: Trajectory) -> dict[str, Array]:
         if set(trajectory.names) != set(self._names):
             raise ValueError(f"the trajectory is for {trajectory.names}, not for {self._names}")
         _check_finite("a trajectory", trajectory.times, trajectory.positions, trajectory.velocities)
@@ -105,8 +104,7 @@ class SimHand(_Joints):
 
     def contacts(self) -> Mapping[str, float]:
         """Return the contact force [N] of each link of the hand that touches something that isn't the robot."""
-        contacts: dict[str, float] = self._client.ask("contacts").fields["contacts"]
-        return contacts
+        return self._client.ask("contacts").fields["contacts"]
 
 
 class SimCamera:
@@ -156,7 +154,7 @@ def check_positive(what: str, number: float) -> None:
         raise ValueError(f"{what} must be a positive number, not {number}")
 
 
-def _check_finite(what: str, *arrays: NDArray[np.float64] | None) -> None:
+def _check_finite(what: str, *arrays: Array | None) -> None:
     if not all(np.isfinite(array).all() for array in arrays if array is not None):
         raise ValueError(f"{what} must consist of finite numbers; it holds NaN or infinity")
 

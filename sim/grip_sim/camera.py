@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array, Mask
 from grip_sim.geometry import camera_info
 from grip_sim.physics import physx
 from grip_sim.specs import BoxSpec, CameraSpec, Colour
 
-Floats = NDArray[np.floating]
 LIGHT = np.array([0.35, -0.25, 0.9]) / np.linalg.norm([0.35, -0.25, 0.9])
 AMBIENT, DIFFUSE = 0.45, 0.55
 BACKGROUND: Colour = (24, 26, 30)
@@ -94,7 +94,7 @@ class RayCamera:
         pixels = np.flatnonzero(self._may_see_moving())
         hits: list[int] = []
         found: list[float] = []
-        facing: list[Floats] = []
+        facing: list[Array] = []
         what: list[int] = []
         raycast, origin, far = self._system.raycast, self._origin, self.spec.far
         for pixel, direction in zip(pixels.tolist(), self._directions32[pixels], strict=True):
@@ -108,7 +108,7 @@ class RayCamera:
             distance[hits], normals[hits], labels[hits] = found, np.array(facing), what
         return self._frame(distance, normals, labels)
 
-    def _frame(self, distance: Floats, normals: Floats, labels: NDArray[np.int16]) -> Frame:
+    def _frame(self, distance: Array, normals: Array, labels: NDArray[np.int16]) -> Frame:
         shape = (self.spec.height, self.spec.width)
         light = AMBIENT + DIFFUSE * np.clip(normals @ LIGHT, 0, 1)
         light[labels == NOTHING] = 1.0
@@ -116,7 +116,7 @@ class RayCamera:
         depth = (distance / self._stretch).astype(np.float32)
         return Frame(image.reshape(*shape, 3), depth.reshape(shape), labels.reshape(shape), self._names)
 
-    def _cast_boxes(self, boxes: Sequence[BoxSpec]) -> tuple[Floats, Floats, NDArray[np.int16]]:
+    def _cast_boxes(self, boxes: Sequence[BoxSpec]) -> tuple[Array, Array, NDArray[np.int16]]:
         """Return distance [m], normal and label of what each ray hits first, boxes along the axes (Kay and Kajiya)."""
         count = len(self._directions)
         distance, normals = np.full(count, np.inf), np.zeros((count, 3))
@@ -135,7 +135,7 @@ class RayCamera:
         distance[np.isinf(distance)] = 0
         return distance, normals, labels
 
-    def _may_see_moving(self) -> NDArray[np.bool_]:
+    def _may_see_moving(self) -> Mask:
         mask = np.zeros((self.spec.height, self.spec.width), dtype=bool)
         for target in self._moving:
             corners = np.array(list(itertools.product(*np.array(_bounds(target.body)).T)))
@@ -151,5 +151,5 @@ class RayCamera:
         return mask.ravel()
 
 
-def _bounds(body: physx.PhysxRigidBaseComponent) -> Floats:
+def _bounds(body: physx.PhysxRigidBaseComponent) -> Array:
     return np.asarray(body.get_global_aabb_fast())

@@ -139,11 +139,7 @@ class SimClient:
     # --- requests ---
 
     def _send(
-        self,
-        fields: dict[str, Any],
-        arrays: Arrays | None = None,
-        cancelable: bool = False,
-        waited_for: bool = False,
+        self, fields: dict[str, Any], arrays: Arrays | None = None, cancelable: bool = False, waited_for: bool = False
     ) -> Operation[Reply]:
         with self._lock:
             self.sent += 1

@@ -6,15 +6,14 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array, Indices
 from grip_bt.base.values import Trajectory
 from grip_bt.commanders.trajectory.braking import even_ramp, stop_ramp
 from grip_bt.commanders.trajectory.smooth import jerks_of
 from grip_sim.robot import SimRobot
 from grip_sim.world import World
 
-Floats = NDArray[np.float64]
 START_TOLERANCE, END_TOLERANCE = 0.05, 0.02
 """Largest error of a joint at the start and at the end of a trajectory [rad]."""
 GRACE = 1.0
@@ -45,7 +44,7 @@ class Ended:
 class Motion(Protocol):
     """Something under way in the simulator."""
 
-    rows: NDArray[np.intp]
+    rows: Indices
 
     def advance(self, world: World) -> Ended | None:
         """Set the drives for the next step, or return how it has ended."""
@@ -66,9 +65,9 @@ class Brake:
         begun: simulated time now [s].
     """
 
-    def __init__(self, robot: SimRobot, rows: NDArray[np.intp], ramp: Trajectory, begun: float):
+    def __init__(self, robot: SimRobot, rows: Indices, ramp: Trajectory, begun: float):
         self.rows, self._robot, self._ramp, self._begun = rows, robot, ramp, begun
-        self._hold: Floats | None = None
+        self._hold: Array | None = None
 
     def advance(self, world: World) -> Ended | None:
         """Move the targets on, and wait for the joints to stand still."""
@@ -108,13 +107,7 @@ class Follow:
     """
 
     def __init__(
-        self,
-        robot: SimRobot,
-        rows: NDArray[np.intp],
-        times: Floats,
-        positions: Floats,
-        velocities: Floats | None,
-        begun: float,
+        self, robot: SimRobot, rows: Indices, times: Array, positions: Array, velocities: Array | None, begun: float
     ):
         self.rows, self._robot, self._begun = rows, robot, begun
         self._path = Trajectory(robot.measure(rows).names, times, positions, velocities)
@@ -130,7 +123,7 @@ class Follow:
         """Tell whether the next step would go beyond where an amendment is expected."""
         return self.expects is not None and self.passed(world.time) + world.spec.dt > self.expects
 
-    def amend(self, time: float, at: float, times: Floats, positions: Floats, velocities: Floats) -> bool:
+    def amend(self, time: float, at: float, times: Array, positions: Array, velocities: Array) -> bool:
         """Go on with another path from a moment of this one on; False when that is over.
 
         Raises:
@@ -205,7 +198,7 @@ class MoveHand:
         begun: simulated time now [s].
     """
 
-    def __init__(self, robot: SimRobot, rows: NDArray[np.intp], goal: Floats, duration: float, begun: float):
+    def __init__(self, robot: SimRobot, rows: Indices, goal: Array, duration: float, begun: float):
         self.rows, self._robot, self._goal = rows, robot, goal
         self._start = robot.targets(rows)
         self._duration, self._begun = duration, begun
@@ -238,7 +231,7 @@ class MoveHand:
 class Wait:
     """Time passes."""
 
-    rows: NDArray[np.intp] = np.array([], dtype=np.intp)
+    rows: Indices = np.array([], dtype=np.intp)
 
     def __init__(self, until: float, end: Ended | None = None):
         self._until, self._end = until, end or Ended()

@@ -8,13 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array, Indices
 from grip_bt.commanders.robots import Mimic, RobotDescription
 from grip_bt.commanders.trajectory.braking import accelerations_of
 from grip_sim.physics import ignore_each_other, physx, sapien
 
-Floats = NDArray[np.float64]
 HAND_FRICTION = 1.0
 NEAR_BASE, THUMB = 30, 29
 PAIRS = range(28, 11, -1)
@@ -26,9 +25,9 @@ class Measured:
     """State of some joints: arrays of one length; rad, rad/s, N m."""
 
     names: tuple[str, ...]
-    position: Floats
-    velocity: Floats
-    effort: Floats
+    position: Array
+    velocity: Array
+    effort: Array
 
 
 class SimRobot:
@@ -57,11 +56,11 @@ class SimRobot:
         self._let_neighbours_pass()
         self.place(self._with_followers({j: q for j, q in description.at_rest.items() if j in self._rows}))
 
-    def rows(self, names: Sequence[str]) -> NDArray[np.intp]:
+    def rows(self, names: Sequence[str]) -> Indices:
         """Return the indices of joints, for the other methods."""
         return np.array([self._rows[name] for name in names], dtype=np.intp)
 
-    def group_rows(self, group: str) -> NDArray[np.intp]:
+    def group_rows(self, group: str) -> Indices:
         """Return the indices of a group's joints.
 
         Raises:
@@ -78,7 +77,7 @@ class SimRobot:
         self.body.set_qvel(np.zeros(len(q), np.float32))
         self.drive(rows, q[rows])
 
-    def drive(self, rows: NDArray[np.intp], positions: Floats, velocities: Floats | None = None) -> None:
+    def drive(self, rows: Indices, positions: Array, velocities: Array | None = None) -> None:
         """Set drive targets [rad, rad/s]; without velocities the joints are to stand still."""
         speeds = np.zeros(len(rows)) if velocities is None else velocities
         for row, position, speed in zip(rows.tolist(), positions.tolist(), speeds.tolist(), strict=True):
@@ -97,7 +96,7 @@ class SimRobot:
             for row, mimic in followers:
                 self._aim(row, mimic.multiplier * positions[leader] + mimic.offset, speeds[row])
 
-    def limit_torque(self, rows: NDArray[np.intp], limit: float | None) -> None:
+    def limit_torque(self, rows: Indices, limit: float | None) -> None:
         """Limit the drives' torque [N m]; None restores the description's limits."""
         leading = rows.tolist()
         for row in [*leading, *(f for leader in leading for f, _ in self._followers.get(leader, ()))]:
@@ -107,27 +106,27 @@ class SimRobot:
             joint.set_drive_properties(self._stiffness[row], self._damping[row], force_limit=value, mode="force")
             self._limit[row] = value
 
-    def hold(self, rows: NDArray[np.intp]) -> None:
+    def hold(self, rows: Indices) -> None:
         """Make the present positions the targets."""
         self.drive(rows, self.positions()[rows])
 
-    def accelerations(self, rows: NDArray[np.intp]) -> Floats:
+    def accelerations(self, rows: Indices) -> Array:
         """Return the acceleration limits of joints [rad/s^2]."""
         return accelerations_of([self._joints[row].name for row in rows.tolist()], self.description.acceleration_limits)
 
-    def targets(self, rows: NDArray[np.intp]) -> Floats:
+    def targets(self, rows: Indices) -> Array:
         """Return the drive targets [rad]."""
         return self._target[rows].copy()
 
-    def positions(self) -> Floats:
+    def positions(self) -> Array:
         """Return all joint positions [rad]."""
         return np.asarray(self.body.get_qpos(), dtype=float)
 
-    def velocities(self) -> Floats:
+    def velocities(self) -> Array:
         """Return all joint velocities [rad/s]."""
         return np.asarray(self.body.get_qvel(), dtype=float)
 
-    def kept(self) -> dict[str, Floats]:
+    def kept(self) -> dict[str, Array]:
         """Return everything that makes the robot move on as it does: states, targets and limits of all joints."""
         return {
             "positions": self.positions(),
@@ -137,7 +136,7 @@ class SimRobot:
             "limits": self._limit.copy(),
         }
 
-    def put_back(self, kept: Mapping[str, Floats]) -> None:
+    def put_back(self, kept: Mapping[str, Array]) -> None:
         """Bring the robot into a state that was kept.
 
         Raises:
@@ -153,7 +152,7 @@ class SimRobot:
             self._aim(row, float(kept["targets"][row]), float(kept["speeds"][row]))
             self.limit_torque(np.array([row]), float(kept["limits"][row]))
 
-    def measure(self, rows: NDArray[np.intp]) -> Measured:
+    def measure(self, rows: Indices) -> Measured:
         """Return the state of joints; the efforts are what the drives give, without the weight that is compensated."""
         q, v = self.positions()[rows], self.velocities()[rows]
         wanted = self._stiffness[rows] * (self._target[rows] - q) + self._damping[rows] * (self._speed[rows] - v)

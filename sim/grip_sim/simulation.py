@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-import numpy as np
-from numpy.typing import NDArray
-
+from grip_bt.base.arrays import Array
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.ports import InTurnOf
 from grip_bt.commanders.description.load import load_robot
@@ -79,11 +77,11 @@ class Simulation:
         wait.wait()
         wait.result()
 
-    def kept(self) -> dict[str, NDArray[np.float64]]:
+    def kept(self) -> dict[str, Array]:
         """Return everything that moves in the world, and how, for `put_back` in another process."""
         return dict(self._client.ask("kept").arrays)
 
-    def put_back(self, kept: Mapping[str, NDArray[np.float64]]) -> None:
+    def put_back(self, kept: Mapping[str, Array]) -> None:
         """Bring everything that moves to where it was kept, in a world of the same spec.
 
         Raises:

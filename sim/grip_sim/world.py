@@ -7,8 +7,8 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.values import Pose
 from grip_bt.commanders.description.load import load_robot
@@ -117,7 +117,7 @@ class World:
             raise UnknownNameError("camera", camera, self._cameras)
         return self._cameras[camera].capture()
 
-    def kept(self) -> dict[str, NDArray[np.float64]]:
+    def kept(self) -> dict[str, Array]:
         """Return everything that moves, and how: the robot, and the poses and velocities of the objects."""
         bodies = list(self._objects.values())
         poses = [[*body.entity_pose.p, *body.entity_pose.q] for body in bodies]
@@ -128,7 +128,7 @@ class World:
             "object_speeds": np.array(speeds, float).reshape(-1, 6),
         }
 
-    def put_back(self, kept: Mapping[str, NDArray[np.float64]]) -> None:
+    def put_back(self, kept: Mapping[str, Array]) -> None:
         """Bring everything that moves to where it was kept; what physics remembers of contacts builds up again.
 
         Raises:

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, Protocol, runtime_checkable
 
-import numpy as np
-from numpy.typing import NDArray
-
+from grip_bt.base.arrays import Array
 from grip_bt.base.values import JointState, Pose
 from grip_bt.base.values.solids import Mesh, Solid
 
@@ -68,14 +66,14 @@ class Scene(Protocol):
     def names(self) -> tuple[str, ...]:
         """Return the names of all objects."""
 
-    def box(self, name: str) -> tuple[NDArray[np.float64], Pose]:
+    def box(self, name: str) -> tuple[Array, Pose]:
         """Return an object's edge lengths, shape (3,) [m], and its present pose in world, attached or not.
 
         Raises:
             UnknownNameError: it isn't there.
         """
 
-    def robot(self, at: JointState | None = None) -> Sequence[NDArray[np.float64]]:
+    def robot(self, at: JointState | None = None) -> Sequence[Array]:
         """Return the robot's shapes, each as points, shape (k, 3) in world [m], whose convex hull contains it.
 
         Its joints are where they are measured, but for those in `at`. Nothing where its geometry isn't known.

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from grip_bt.base.arrays import Array, Indices
 
 from ._frozen import ComparesArrays, frozen_array
 
@@ -25,9 +27,9 @@ class JointState(ComparesArrays):
     """
 
     names: tuple[str, ...]
-    position: NDArray[np.float64]
-    velocity: NDArray[np.float64] | None = None
-    effort: NDArray[np.float64] | None = None
+    position: Array
+    velocity: Array | None = None
+    effort: Array | None = None
     time: float = 0.0
 
     if TYPE_CHECKING:  # what the constructor takes is wider than what it keeps
@@ -58,7 +60,7 @@ class JointState(ComparesArrays):
         """Return `{joint: position}`."""
         return dict(zip(self.names, map(float, self.position), strict=True))
 
-    def ordered(self, names: tuple[str, ...]) -> NDArray[np.float64]:
+    def ordered(self, names: tuple[str, ...]) -> Array:
         """Return the positions of `names`, shape (len(names),).
 
         Raises:
@@ -98,10 +100,10 @@ class Trajectory(ComparesArrays):
     """
 
     names: tuple[str, ...]
-    times: NDArray[np.float64]
-    positions: NDArray[np.float64]
-    velocities: NDArray[np.float64] | None = None
-    accelerations: NDArray[np.float64] | None = None
+    times: Array
+    positions: Array
+    velocities: Array | None = None
+    accelerations: Array | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "names", tuple(self.names))
@@ -119,11 +121,10 @@ class Trajectory(ComparesArrays):
         """Time of the last point [s]."""
         return float(self.times[-1])
 
-    def at(self, time: float) -> NDArray[np.float64]:
+    def at(self, time: float) -> Array:
         """Return the positions at `time` [s], shape (n,), as `sampled` interpolates."""
         if self.accelerations is not None:
-            position: NDArray[np.float64] = self.sampled(np.array([time]))[0][0]
-            return position
+            return self.sampled(np.array([time]))[0][0]
         row = int(self.times.searchsorted(time, side="right")) - 1
         if row < 0 or row >= len(self.times) - 1:
             return np.array(self.positions[max(row, 0)])
@@ -131,15 +132,13 @@ class Trajectory(ComparesArrays):
         part = (time - self.times[row]) / span
         begin, way = self.positions[row], self.positions[row + 1] - self.positions[row]
         if self.velocities is None:
-            there: NDArray[np.float64] = begin + part * way
+            there: Array = begin + part * way
         else:
             first, last = self.velocities[row] * span, self.velocities[row + 1] * span
             there = begin + part * (first + part * (3 * way - 2 * first - last + part * (first + last - 2 * way)))
         return there
 
-    def sampled(
-        self, times: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    def sampled(self, times: Array) -> tuple[Array, Array, Array]:
         """Return positions, velocities and accelerations at times, each of shape (m, n).
 
         Between two points as ros2_control's joint_trajectory_controller draws them: a quintic where accelerations are
@@ -176,9 +175,7 @@ class Trajectory(ComparesArrays):
         return JointState(self.names, self.positions[-1], time=self.duration)
 
 
-def _between(
-    trajectory: Trajectory, row: NDArray[np.intp], span: NDArray[np.float64], part: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+def _between(trajectory: Trajectory, row: Indices, span: Array, part: Array) -> tuple[Array, Array, Array]:
     """Return positions, velocities and accelerations a part (m, 1) of the way from points `row` to the next ones."""
     p0, way = trajectory.positions[row], trajectory.positions[row + 1] - trajectory.positions[row]
     if trajectory.velocities is None:

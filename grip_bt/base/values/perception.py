@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array
+
 from ._frozen import ComparesArrays, frozen_array
 from .pose import Pose
 
@@ -53,24 +55,23 @@ class CameraInfo(ComparesArrays):
 
     width: int
     height: int
-    matrix: NDArray[np.float64]
+    matrix: Array
     pose: Pose = field(default_factory=Pose)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "matrix", frozen_array(self.matrix, (3, 3), "matrix"))
 
-    def rays(self) -> NDArray[np.float64]:
+    def rays(self) -> Array:
         """Return the direction of each pixel with unit z, in the optical frame, shape (height, width, 3)."""
         u, v = np.meshgrid(np.arange(self.width) + 0.5, np.arange(self.height) + 0.5)
         k = self.matrix
         return np.stack([(u - k[0, 2]) / k[0, 0], (v - k[1, 2]) / k[1, 1], np.ones_like(u)], axis=-1)
 
-    def project(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    def project(self, points: Array) -> Array:
         """Map points of shape (n, 3) [m], given in `pose.frame`, to pixels, shape (n, 2)."""
         local = (np.asarray(points, dtype=float) - self.pose.position) @ self.pose.rotation()
         image = local @ self.matrix.T
-        pixels: NDArray[np.float64] = image[:, :2] / image[:, 2:3]
-        return pixels
+        return image[:, :2] / image[:, 2:3]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -112,12 +113,11 @@ class DepthImage(ComparesArrays):
         shape = (self.info.height, self.info.width)
         object.__setattr__(self, "depth", frozen_array(self.depth, shape, "depth", np.float32))
 
-    def points(self) -> NDArray[np.float64]:
+    def points(self) -> Array:
         """Return a point per pixel in `info.pose.frame`, shape (height, width, 3) [m]; NaN where nothing was seen."""
         local = self.info.rays() * self.depth[..., None]
         local[self.depth <= 0] = np.nan
-        world: NDArray[np.float64] = local @ self.info.pose.rotation().T + self.info.pose.position
-        return world
+        return local @ self.info.pose.rotation().T + self.info.pose.position
 
     def __repr__(self) -> str:
         return f"DepthImage({self.info.width}x{self.info.height})"

@@ -7,16 +7,18 @@ from math import isfinite, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from grip_bt.base.arrays import Array
 
 from ._frozen import ComparesArrays, frozen_array
 
 
-def _zeros() -> NDArray[np.float64]:
+def _zeros() -> Array:
     return np.zeros(3)
 
 
-def _identity() -> NDArray[np.float64]:
+def _identity() -> Array:
     return np.array([1.0, 0.0, 0.0, 0.0])
 
 
@@ -30,8 +32,8 @@ class Pose(ComparesArrays):
         frame: name of the reference frame.
     """
 
-    position: NDArray[np.float64] = field(default_factory=_zeros)
-    quaternion: NDArray[np.float64] = field(default_factory=_identity)
+    position: Array = field(default_factory=_zeros)
+    quaternion: Array = field(default_factory=_identity)
     frame: str = "world"
 
     if TYPE_CHECKING:  # what the constructor takes is wider than what it keeps
@@ -71,7 +73,7 @@ class Pose(ComparesArrays):
         )
         return cls(m[:3, 3], np.array(rows[i]) / s, frame)
 
-    def rotation(self) -> NDArray[np.float64]:
+    def rotation(self) -> Array:
         """Return the rotation matrix, shape (3, 3)."""
         w, x, y, z = self.quaternion.tolist()
         return np.array(
@@ -82,17 +84,16 @@ class Pose(ComparesArrays):
             ]
         )
 
-    def rotation_vector(self) -> NDArray[np.float64]:
+    def rotation_vector(self) -> Array:
         """Return the axis of the rotation, as long as its angle, at most pi [rad]; shape (3,)."""
         w, axis = self.quaternion[0], self.quaternion[1:]
         sine = float(np.linalg.norm(axis))
         if sine < 1e-12:
             return np.zeros(3)
         angle = 2 * np.arctan2(sine, abs(w))
-        vector: NDArray[np.float64] = axis * (angle / sine if w >= 0 else -angle / sine)
-        return vector
+        return axis * (angle / sine if w >= 0 else -angle / sine)
 
-    def matrix(self) -> NDArray[np.float64]:
+    def matrix(self) -> Array:
         """Return the homogeneous matrix, shape (4, 4)."""
         m = np.eye(4)
         m[:3, :3], m[:3, 3] = self.rotation(), self.position
@@ -109,10 +110,9 @@ class Pose(ComparesArrays):
         m[:3, :3], m[:3, 3] = r, -r @ self.position
         return Pose.from_matrix(m, frame)
 
-    def apply(self, points: ArrayLike) -> NDArray[np.float64]:
+    def apply(self, points: ArrayLike) -> Array:
         """Map points of shape (n, 3) [m] from the posed body to `frame`."""
-        mapped: NDArray[np.float64] = np.asarray(points, dtype=float) @ self.rotation().T + self.position
-        return mapped
+        return np.asarray(points, dtype=float) @ self.rotation().T + self.position
 
     def moved(self, offset: ArrayLike) -> Pose:
         """Return the pose shifted by `offset`, shape (3,) [m], given in `frame`."""

@@ -12,6 +12,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from grip_bt.base.arrays import Array
+
 from ._frozen import ComparesArrays, frozen_array
 
 _SLIVER = 1e-3
@@ -99,7 +101,7 @@ class Mesh(ComparesArrays):
         margin: how much thicker the hull is on every side [m], never negative.
     """
 
-    points: NDArray[np.float64]
+    points: Array
     triangles: NDArray[np.int32] = field(default_factory=lambda: np.zeros((0, 3), np.int32))
     margin: float = 0.0
 
@@ -180,10 +182,9 @@ class CellMap(ComparesArrays):
         cells, counts = np.unique(np.floor(rows / resolution).astype(np.int32), axis=0, return_counts=True)
         return cls(cells[counts >= min_points], resolution)
 
-    def middles(self) -> NDArray[np.float64]:
+    def middles(self) -> Array:
         """Return the middles of the cells, shape (n, 3) [m]."""
-        middles: NDArray[np.float64] = (self.cells.astype(np.float64) + 0.5) * self.resolution
-        return middles
+        return (self.cells.astype(np.float64) + 0.5) * self.resolution
 
     def extents(self) -> tuple[float, float, float]:
         """Return the edge lengths of the bounding box along the shape's own axes [m]."""

@@ -28,7 +28,6 @@ def normal(
 
     Args:
         robot: its tree.
-        name: of the robot.
         folder: that relative mesh paths start in.
         packages: for `package://`.
         limits: joint -> limits that override its own.

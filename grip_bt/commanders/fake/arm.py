@@ -11,8 +11,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import ConstraintBrokenError, ExpectedError, NoGraspError
 from grip_bt.base.operation import Operation
@@ -181,7 +181,7 @@ class FakeArm:
         """Execute a plan; the result is where the joints are at the end."""
         return self._executor.execute(plan.trajectory)
 
-    def put_back(self, position: NDArray[np.float64]) -> None:
+    def put_back(self, position: Array) -> None:
         """Have the joints where they were, when nothing is under way.
 
         Args:
@@ -218,7 +218,7 @@ class FakeArm:
         if failure is not None:
             return Operation.failed(failure)
 
-        def wanted(q: NDArray[np.float64]) -> NDArray[np.float64]:
+        def wanted(q: Array) -> Array:
             rates = (_joints_of(jogged(_pose_of(q), *twist, _MOMENT)[0]) - q[-len(JOINTS) :]) / _MOMENT
             still = np.zeros(len(q) - len(rates))
             return np.concatenate([still, rates / max(1.0, float(np.abs(rates).max()) / SPEED)])
@@ -227,7 +227,7 @@ class FakeArm:
         step = steered(self._joints, start.position, velocity_of(start, self._joints), wanted, limits, hold)
         return Operation.finished(step)
 
-    def _end(self, goal: JointState | Pose | str, begin: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _end(self, goal: JointState | Pose | str, begin: Array) -> Array:
         if isinstance(goal, str):
             states = self.named_states()
             if goal not in states:
@@ -235,14 +235,14 @@ class FakeArm:
             goal = states[goal]
         return self._row(begin, JointState(JOINTS, _joints_of(goal)) if isinstance(goal, Pose) else goal)
 
-    def _row(self, begin: NDArray[np.float64], state: JointState | None) -> NDArray[np.float64]:
+    def _row(self, begin: Array, state: JointState | None) -> Array:
         """Return the positions of all joints, shape (n,); those that aren't named are where they were."""
         row, named = np.array(begin), {} if state is None else state.as_mapping()
         require_joints(tuple(named), self._joints, self._name)
         row[[self._joints.index(name) for name in named]] = list(named.values())
         return row
 
-    def _planned(self, verb: str, ends: Sequence[NDArray[np.float64]], begin: NDArray[np.float64]) -> Operation[Plan]:
+    def _planned(self, verb: str, ends: Sequence[Array], begin: Array) -> Operation[Plan]:
         failure = next(self._scripts[verb])
         if failure is not None:
             return Operation.failed(failure)
@@ -255,12 +255,12 @@ class FakeArm:
         return Operation.finished(Plan("gantry", Trajectory(self._joints, np.array(times), np.stack(rows)), "fake"))
 
 
-def _joints_of(pose: Pose) -> NDArray[np.float64]:
+def _joints_of(pose: Pose) -> Array:
     """Return position and rotation vector, shape (6,); the vector's length is the angle, at most pi [rad]."""
     return np.concatenate([pose.position, pose.rotation_vector()])
 
 
-def _pose_of(joints: NDArray[np.float64]) -> Pose:
+def _pose_of(joints: Array) -> Pose:
     *_, x, y, z, a, b, c = joints
     vector = np.array([a, b, c])
     angle = float(np.linalg.norm(vector))
@@ -268,7 +268,7 @@ def _pose_of(joints: NDArray[np.float64]) -> Pose:
     return Pose((x, y, z), np.concatenate([[np.cos(angle / 2)], axis * np.sin(angle / 2)]))
 
 
-def _broken(constraint: PathConstraint | None, rows: Mapping[str, NDArray[np.float64]]) -> ConstraintBrokenError | None:
+def _broken(constraint: PathConstraint | None, rows: Mapping[str, Array]) -> ConstraintBrokenError | None:
     """Return the error for the first of some named rows of joints that breaks a constraint, or None."""
     for what, joints in rows.items():
         if constraint is not None and not constraint.kept_by(_pose_of(joints)):

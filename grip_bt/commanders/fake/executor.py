@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.failures import CanceledError, ExecutionAbortedError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, Trajectory
@@ -98,7 +98,7 @@ class FakeExecutor:
         if self._motion is not None:
             self._brake(self._motion)
 
-    def put_back(self, position: NDArray[np.float64]) -> None:
+    def put_back(self, position: Array) -> None:
         """Have the joints where they were; nothing may be under way.
 
         Args:

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array, Mask
 from grip_bt.base.failures import CanceledError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, Trajectory
@@ -94,11 +94,11 @@ class FakeHand:
         if self._motion is not None:
             self._brake(self._motion)
 
-    def kept(self) -> NDArray[np.float64]:
+    def kept(self) -> Array:
         """Return where its fingers are or, where a thing is in the way, would be [rad], shape (n,)."""
         return np.array(self._free_position())
 
-    def put_back(self, position: NDArray[np.float64]) -> None:
+    def put_back(self, position: Array) -> None:
         """Have the fingers where they were, as `kept` returned it; nothing may be under way.
 
         Raises:
@@ -128,18 +128,17 @@ class FakeHand:
             else:
                 motion.operation.succeed(self.state())
 
-    def _free_position(self) -> NDArray[np.float64]:
+    def _free_position(self) -> Array:
         motion = self._motion
         return self._position if motion is None else motion.way.at(self._schedule.now() - motion.begin)
 
-    def _blocked(self, position: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _blocked(self, position: Array) -> Array:
         if self.thing is None:
             return position
         wall = self.thing.ordered(self._names)
         past = (self._flexes & (position > wall)) | (self._extends & (position < wall))
         return np.where(past, wall, position)
 
-    def _pressing(self) -> NDArray[np.bool_]:
+    def _pressing(self) -> Mask:
         free = self._free_position()
-        pressing: NDArray[np.bool_] = np.abs(self._blocked(free) - free) > 1e-6
-        return pressing
+        return np.abs(self._blocked(free) - free) > 1e-6

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator, Mapping
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.errors import UnknownNameError
 
 from ..model import Chain
@@ -16,7 +16,7 @@ from .target import FREE, Free, Target
 
 __all__ = ["FREE", "SOLVERS", "Free", "Solutions", "Target", "distinct", "nearest", "solve", "solver"]
 
-Solutions = Callable[..., Iterator[NDArray[np.float64]]]
+Solutions = Callable[..., Iterator[Array]]
 """`(chain, target, rng, seeds, restarts) -> configurations`; see `damped_least_squares.solutions`."""
 
 SOLVERS: Mapping[str, Solutions] = MappingProxyType(
@@ -42,9 +42,9 @@ def solver(name: str) -> Solutions:
     return lambda *arguments, **named: distinct(find(*arguments, **named))
 
 
-def distinct(configurations: Iterator[NDArray[np.float64]]) -> Iterator[NDArray[np.float64]]:
+def distinct(configurations: Iterator[Array]) -> Iterator[Array]:
     """Leave out configurations, shape (n,), that differ from an earlier one by less than 0.05 rad in every joint."""
-    seen: list[NDArray[np.float64]] = []
+    seen: list[Array] = []
     for q in configurations:
         if all(np.abs(q - other).max() >= APART for other in seen):
             seen.append(q)
@@ -55,11 +55,11 @@ def solve(
     chain: Chain,
     target: Target,
     rng: np.random.Generator,
-    seeds: tuple[NDArray[np.float64], ...] = (),
+    seeds: tuple[Array, ...] = (),
     restarts: int = 20,
-    accept: Callable[[NDArray[np.float64]], bool] | None = None,
+    accept: Callable[[Array], bool] | None = None,
     kinematics: str = "damped_least_squares",
-) -> NDArray[np.float64] | None:
+) -> Array | None:
     """Return the first solution, shape (n,), that `accept` takes (any, when it is None), or None.
 
     With a collision check as `accept` it is collision-free inverse kinematics. Other arguments as in
@@ -79,10 +79,10 @@ def nearest(
     chain: Chain,
     target: Target,
     rng: np.random.Generator,
-    seed: NDArray[np.float64],
+    seed: Array,
     restarts: int = 20,
     kinematics: str = "damped_least_squares",
-) -> NDArray[np.float64] | None:
+) -> Array | None:
     """Return the solution whose joints are nearest to `seed`, by Euclidean distance, among all that are found.
 
     Raises:

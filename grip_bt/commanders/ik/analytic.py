@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.errors import UnfitSolverError
 
 from ..model import Chain
@@ -26,20 +26,9 @@ _TURN = 2 * np.pi
 
 
 def solutions(
-    chain: Chain,
-    target: Target,
-    rng: np.random.Generator,
-    seeds: tuple[NDArray[np.float64], ...] = (),
-    restarts: int = 20,
-) -> Iterator[NDArray[np.float64]]:
+    chain: Chain, target: Target, rng: np.random.Generator, seeds: tuple[Array, ...] = (), restarts: int = 20
+) -> Iterator[Array]:
     """Yield all configurations within the limits that reach `target`, the nearest to the first seed first.
-
-    Args:
-        chain: what moves.
-        target: wanted grasp frame.
-        rng: passed on.
-        seeds: only the first one matters: solutions are sorted by their distance to it.
-        restarts: with 0, only the solution nearest to each seed is given.
 
     Raises:
         UnfitSolverError: the arm hasn't six turning joints with a known decomposition.
@@ -69,7 +58,7 @@ class _Arm:
         if not self._solver.hasKnownDecomposition():
             raise UnfitSolverError(f"{_NAME}: the axes of {_joints(chain)} have no known decomposition; {_INSTEAD}")
 
-    def all(self, pose: pin.SE3) -> Iterator[NDArray[np.float64]]:
+    def all(self, pose: pin.SE3) -> Iterator[Array]:
         """Yield every configuration within the limits, whole turns added where they allow it."""
         wanted = pose.homogeneous
         wanted[:3, :3] = pose.rotation @ self._unturned
@@ -90,7 +79,7 @@ def _arm(chain: Chain) -> _Arm:
     return _Arm(chain)
 
 
-def _at_zero(chain: Chain) -> tuple[NDArray[np.float64], NDArray[np.float64], pin.SE3]:
+def _at_zero(chain: Chain) -> tuple[Array, Array, pin.SE3]:
     """Return the axes, shape (6, 3), a point on each, shape (6, 3), and the grasp frame, all in world."""
     model, data = chain.model, chain.model.createData()
     pin.framesForwardKinematics(model, data, np.zeros(model.nq))

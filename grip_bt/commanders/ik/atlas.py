@@ -12,7 +12,8 @@ from collections import OrderedDict
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
+
+from grip_bt.base.arrays import Array
 
 from ..model import Chain
 from .target import Target
@@ -25,11 +26,7 @@ _KEPT = 8
 
 
 class Atlas:
-    """A sample of an arm's configurations that can be asked for those near a target.
-
-    Args:
-        chain: the arm.
-    """
+    """A sample of an arm's configurations that can be asked for those near a target."""
 
     def __init__(self, chain: Chain):
         from scipy.spatial import cKDTree  # half a second, which only who searches needs
@@ -48,7 +45,7 @@ class Atlas:
         for k, axis in enumerate("xyz"):
             self._trees[axis] = cKDTree(np.hstack([positions, scaled[:, 3 * k : 3 * k + 3]]))
 
-    def near(self, target: Target, count: int) -> NDArray[np.float64]:
+    def near(self, target: Target, count: int) -> Array:
         """Return the configurations, shape (count, n), whose grasp frame is closest to the target, closest first."""
         position, rotation = target.pose.translation, target.pose.rotation.T * _METRES_PER_TURN
         if target.free == "orientation":
@@ -58,8 +55,7 @@ class Atlas:
         else:
             key = np.concatenate([position, rotation["xyz".index(target.free)]])
         _, rows = self._trees[target.free].query(key, k=count)
-        near: NDArray[np.float64] = self._configurations[np.atleast_1d(rows)]
-        return near
+        return self._configurations[np.atleast_1d(rows)]
 
 
 _atlases: OrderedDict[bytes, Atlas] = OrderedDict()

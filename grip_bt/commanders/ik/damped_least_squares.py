@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
+
+from grip_bt.base.arrays import Array
 
 from ..model import Chain
 from .atlas import atlas_of
@@ -23,17 +24,8 @@ _NEAR = 1.0
 """A seed whose grasp frame is further from the target [m + rad] is no better a start than one from the atlas."""
 
 
-def solve_from(
-    chain: Chain, target: Target, start: NDArray[np.float64], iterations: int = 30
-) -> NDArray[np.float64] | None:
-    """Return the configuration, shape (n,), that the descent from `start` reaches, or None when it doesn't converge.
-
-    Args:
-        chain: what moves.
-        target: wanted grasp frame.
-        start: configuration to begin at, shape (n,).
-        iterations: how many steps to make at most.
-    """
+def solve_from(chain: Chain, target: Target, start: Array, iterations: int = 30) -> Array | None:
+    """Return the configuration, shape (n,), that the descent from `start` reaches, or None when it doesn't converge."""
     lower, upper = chain.limits.lower, chain.limits.upper
     q = np.clip(start, lower, upper)
     for _ in range(iterations):
@@ -49,17 +41,11 @@ def solve_from(
 
 
 def solutions(
-    chain: Chain,
-    target: Target,
-    rng: np.random.Generator,
-    seeds: tuple[NDArray[np.float64], ...] = (),
-    restarts: int = 20,
-) -> Iterator[NDArray[np.float64]]:
+    chain: Chain, target: Target, rng: np.random.Generator, seeds: tuple[Array, ...] = (), restarts: int = 20
+) -> Iterator[Array]:
     """Yield configurations that reach `target`; those near `seeds` come first.
 
     Args:
-        chain: what moves.
-        target: wanted grasp frame.
         rng: where random restarts come from.
         seeds: configurations to start from, where they put the grasp frame near the target.
         restarts: how many more starts follow: half of them from the arm's atlas, then random ones.
@@ -75,7 +61,7 @@ def solutions(
         yield from _reached(chain, target, rng.uniform(chain.limits.lower, chain.limits.upper))
 
 
-def _reached(chain: Chain, target: Target, start: NDArray[np.float64]) -> Iterator[NDArray[np.float64]]:
+def _reached(chain: Chain, target: Target, start: Array) -> Iterator[Array]:
     q = solve_from(chain, target, start)
     if q is not None:
         yield q

@@ -13,6 +13,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import NoIkError
 from grip_bt.base.values import JointState
@@ -34,12 +35,10 @@ def fingertip_positions(
     names: Iterable[str] | None = None,
     group: str = "hand",
     frame: str = GRASP_FRAME,
-) -> dict[str, NDArray[np.float64]]:
+) -> dict[str, Array]:
     """Return where fingertips, or other links of a hand, are in a frame, each of shape (3,) [m].
 
     Args:
-        model: the robot.
-        hand: posture.
         names: fingers or links; every finger when they aren't given.
         group: the hand's group of joints.
         frame: as for `fingertip_posture`.
@@ -54,7 +53,7 @@ def fingertip_positions(
 
 def fingertip_posture(
     model: RobotModel,
-    targets: Mapping[str, NDArray[np.float64]],
+    targets: Mapping[str, Array],
     seed: JointState | None = None,
     group: str = "hand",
     rng: np.random.Generator | None = None,
@@ -65,7 +64,6 @@ def fingertip_posture(
     Joints that move none of these fingers stay where `seed` has them.
 
     Args:
-        model: the robot.
         targets: finger or link -> wanted position of its tip or origin in `frame`, shape (3,) [m].
         seed: posture to begin at, and to stay near; the hand's `open` one when it isn't given.
         group: the hand's group of joints.
@@ -134,13 +132,13 @@ class _Tips:
         joints = [self.model.getJointId(name) for name in model.description.group(group)]
         return int(self.model.parents[min(joints)])
 
-    def places(self, q: NDArray[np.float64]) -> NDArray[np.float64]:
+    def places(self, q: Array) -> Array:
         """Return the tips' positions in the grasp frame, shape (k, 3)."""
         pin.framesForwardKinematics(self.model, self.data, q)
         palm = self.data.oMf[self.palm]
         return np.array([palm.actInv(self.data.oMf[tip].translation) for tip in self.frames]).reshape(-1, 3)
 
-    def jacobian(self, q: NDArray[np.float64], columns: NDArray[np.int64]) -> NDArray[np.float64]:
+    def jacobian(self, q: Array, columns: NDArray[np.int64]) -> Array:
         """Return how the positions change with the joints in `columns`, which don't move the palm, shape (3 k, m)."""
         pin.computeJointJacobians(self.model, self.data, q)
         turn = self.data.oMf[self.palm].rotation.T
@@ -153,7 +151,7 @@ class _Tips:
 
 def _starts(
     model: RobotModel, begin: JointState, columns: NDArray[np.int64], rng: np.random.Generator
-) -> Iterator[NDArray[np.float64]]:
+) -> Iterator[Array]:
     first = model.configuration(begin)
     yield first
     for _ in range(_RESTARTS):
@@ -162,9 +160,7 @@ def _starts(
         yield q
 
 
-def _descended(
-    model: RobotModel, tips: _Tips, wanted: NDArray[np.float64], q: NDArray[np.float64], columns: NDArray[np.int64]
-) -> NDArray[np.float64]:
+def _descended(model: RobotModel, tips: _Tips, wanted: Array, q: Array, columns: NDArray[np.int64]) -> Array:
     lower, upper = model.model.lowerPositionLimit[columns], model.model.upperPositionLimit[columns]
     q = q.copy()
     for _ in range(_STEPS):

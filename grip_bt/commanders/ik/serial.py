@@ -10,7 +10,8 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
+
+from grip_bt.base.arrays import Array
 
 from ..model import Chain
 
@@ -19,7 +20,7 @@ _AXES = {"RX": 0, "RY": 1, "RZ": 2, "PX": 0, "PY": 1, "PZ": 2}
 Made = TypeVar("Made")
 
 
-def axis_of(joint: pin.JointModel) -> tuple[bool, NDArray[np.float64]]:
+def axis_of(joint: pin.JointModel) -> tuple[bool, Array]:
     """Return whether a joint of one degree of freedom turns (else it slides), and its axis, shape (3,).
 
     Raises:

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.ports.motion import FREEDOMS, Free
 
@@ -37,12 +37,8 @@ class Target:
         if self.free not in FREE:
             raise UnknownNameError("freedom of a pose", self.free, FREE)
 
-    def error(self, chain: Chain, q: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def error(self, chain: Chain, q: Array) -> tuple[Array, Array]:
         """Return what is missing to the target, and how that changes with the joints.
-
-        Args:
-            chain: what moves.
-            q: configuration, shape (n,).
 
         Returns:
             The error, shape (m,), in metres and radians, in the grasp frame, and its derivative by the
@@ -57,14 +53,12 @@ class Target:
             return pin.log6(missing).vector, -(pin.Jlog6(missing.inverse()) @ jacobian)
         return _partial(self.free, missing, jacobian)
 
-    def distance(self, chain: Chain, q: NDArray[np.float64]) -> float:
+    def distance(self, chain: Chain, q: Array) -> float:
         """Return the norm of the error at a configuration of shape (n,): metres and radians together."""
         return float(np.linalg.norm(self.error(chain, q)[0]))
 
 
-def _partial(
-    free: Free, missing: pin.SE3, jacobian: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _partial(free: Free, missing: pin.SE3, jacobian: Array) -> tuple[Array, Array]:
     """Return the error in position and, unless the orientation is free, in the direction of the axis that is kept.
 
     Axis a of the grasp frame must point along b = R a (both in the grasp frame). The error is the turn from a to b:

@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
+
+from grip_bt.base.arrays import Array
 
 from ..model import Chain
 from . import damped_least_squares
@@ -28,21 +29,9 @@ _PRECISION = 1e-5
 
 
 def solutions(
-    chain: Chain,
-    target: Target,
-    rng: np.random.Generator,
-    seeds: tuple[NDArray[np.float64], ...] = (),
-    restarts: int = 20,
-) -> Iterator[NDArray[np.float64]]:
-    """Yield configurations that reach `target`; those from `seeds` come first.
-
-    Args:
-        chain: what moves.
-        target: wanted grasp frame.
-        rng: where the starts after the seeds come from.
-        seeds: configurations to start from.
-        restarts: how many random starts follow, 5 ms each at most.
-    """
+    chain: Chain, target: Target, rng: np.random.Generator, seeds: tuple[Array, ...] = (), restarts: int = 20
+) -> Iterator[Array]:
+    """Yield configurations that reach `target`; those from `seeds` come first."""
     if target.free != "none":
         yield from damped_least_squares.solutions(chain, target, rng, seeds, restarts)
         return

@@ -26,7 +26,6 @@ def preferences_of(
 
     Args:
         package: what its YAML files say.
-        groups: of the robot.
         planners: names of those that there are here.
     """
     known, found = frozenset(planners), {}

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.failures import PathInvalidError
 from grip_bt.base.values import Trajectory
 
@@ -55,9 +55,7 @@ def plan_along(model: RobotModel, request: PlanAlong) -> Trajectory:
     return whole
 
 
-def _of_all(
-    given: NDArray[np.float64] | None, columns: list[int], like: NDArray[np.float64]
-) -> NDArray[np.float64] | None:
+def _of_all(given: Array | None, columns: list[int], like: Array) -> Array | None:
     """Return derivatives for all joints, shape (k, n): zero for those that stay."""
     if given is None:
         return None
@@ -66,7 +64,7 @@ def _of_all(
     return whole
 
 
-def _smooth(given: Trajectory) -> NDArray[np.float64]:
+def _smooth(given: Trajectory) -> Array:
     """Return velocities at way points that have positions alone, shape (k, n), at rest at both ends.
 
     They are those of the monotone cubic through the points (Fritsch and Butland 1984): no joint leaves what is between
@@ -74,6 +72,6 @@ def _smooth(given: Trajectory) -> NDArray[np.float64]:
     """
     if len(given.times) < 2:
         return np.zeros_like(given.positions)
-    velocities: NDArray[np.float64] = PchipInterpolator(given.times, given.positions).derivative()(given.times)
+    velocities: Array = PchipInterpolator(given.times, given.positions).derivative()(given.times)
     velocities[[0, -1]] = 0.0
     return velocities

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array, Path
 from grip_bt.base.failures import PathInvalidError, StartInCollisionError
 from grip_bt.base.values import Trajectory
 
@@ -15,7 +15,6 @@ from ..model import Chain, RobotModel
 from ..trajectory.timing import Allowed, timed
 from .continuous import continuously_free, trajectory_free
 from .goals import out_of_limits, touching
-from .paths import Path
 from .requests import PlanningSettings, Situation
 
 START_SLACK = 0.03
@@ -28,7 +27,7 @@ def chain_and_checker(model: RobotModel, situation: Situation, margin: float) ->
     return chain, recent_checker(chain, situation.scene, situation.hand, margin)
 
 
-def drawn_in(chain: Chain, situation: Situation) -> NDArray[np.float64]:
+def drawn_in(chain: Chain, situation: Situation) -> Array:
     """Return the start within the limits, shape (n,).
 
     Raises:
@@ -40,7 +39,7 @@ def drawn_in(chain: Chain, situation: Situation) -> NDArray[np.float64]:
     return np.clip(start, chain.limits.lower, chain.limits.upper)
 
 
-def free_start(chain: Chain, checker: CollisionChecker, situation: Situation) -> NDArray[np.float64]:
+def free_start(chain: Chain, checker: CollisionChecker, situation: Situation) -> Array:
     """Return the start within the limits, shape (n,).
 
     Raises:
@@ -70,7 +69,7 @@ def refuse_collisions(checker: CollisionChecker, path: Path) -> None:
         )
 
 
-def finely_free(checker: CollisionChecker, positions: NDArray[np.float64]) -> bool:
+def finely_free(checker: CollisionChecker, positions: Array) -> bool:
     """Tell whether the motion through the rows, shape (k, n), is within limits and free all along."""
     within = checker.chain.within_limits(positions, slack=1e-3)
     return within and continuously_free(checker, positions)
@@ -93,12 +92,6 @@ def timed_free(
     also: Callable[[Trajectory], bool] = lambda _: True,
 ) -> Trajectory:
     """Return a path as a trajectory from rest to rest that is within limits, and free as it is executed.
-
-    Args:
-        checker: of the chain that moves.
-        path: shape (k, n).
-        settings: how fast it may be.
-        also: what else it has to keep to.
 
     Raises:
         PathInvalidError: it can't be timed so.

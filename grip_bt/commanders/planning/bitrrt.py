@@ -10,11 +10,12 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
+
+from grip_bt.base.arrays import Array, Configuration, Path
 
 from ..collision import CollisionChecker
-from .paths import EdgeCheck, Path, interpolated
-from .trees import Configuration, Tree, joined, stepped
+from .paths import EdgeCheck, interpolated
+from .trees import Tree, joined, stepped
 
 CLEARANCES = (0.08, 0.04, 0.02, 0.01)
 """A configuration costs a quarter for each of these distances [m] that isn't kept all around."""
@@ -27,7 +28,7 @@ _WARMING = 0.1
 _COOLING = 0.25
 
 
-def costs(checker: CollisionChecker, configurations: NDArray[np.float64]) -> NDArray[np.float64]:
+def costs(checker: CollisionChecker, configurations: Array) -> Array:
     """Return the cost of configurations, shape (k, n), in [0, 1]; shape (k,). Collisions aren't looked at."""
     result = np.ones(len(configurations))
     tight = np.arange(len(configurations))
@@ -53,16 +54,7 @@ def bitrrt(
     rng: np.random.Generator,
     over: Callable[[], bool],
 ) -> Path | None:
-    """Return a way that keeps clear of things where it can, shape (k, n), or None when `over` says so.
-
-    Args:
-        checker: what is avoided; start and goal are free in it.
-        edge_free: whether a straight motion is free.
-        start: shape (n,).
-        goal: shape (n,).
-        rng: of all random choices.
-        over: asked after each step.
-    """
+    """Return a way that keeps clear of things where it can, shape (k, n), or None when `over` says so."""
     limits, extend = checker.chain.limits, _Extension(checker, edge_free, rng)
     return joined(start, goal[None, :], lambda: rng.uniform(limits.lower, limits.upper), extend, over)
 

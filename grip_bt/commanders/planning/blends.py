@@ -9,10 +9,10 @@ planner blends; there in time, here in joint space and along the path, which is 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from grip_bt.base.arrays import Array, Path
 
 from ..model import Chain
-from .paths import Path
 
 RESOLUTION = 0.02
 """Joint step [rad] with which a segment is looked at for where it crosses the ball."""
@@ -30,7 +30,6 @@ class Leg:
     """One of the two segments that meet at a way point, looked at from there.
 
     Args:
-        chain: what moves.
         path: the segment's configurations, shape (k, n), the first one at the way point.
     """
 
@@ -52,7 +51,7 @@ class Leg:
         before, after = self._distances[last - 1], self._distances[last]
         return float(np.interp(radius, [before, after], self._at[last - 1 : last + 1]))
 
-    def until(self, length: float, parts: NDArray[np.float64]) -> Path:
+    def until(self, length: float, parts: Array) -> Path:
         """Return the configurations at `parts`, shape (m,), of its first `length` [rad], shape (m, n)."""
         return at_arc(self._path, parts * length)
 
@@ -63,13 +62,7 @@ def largest_radius(incoming: Leg, outgoing: Leg) -> float:
 
 
 def corner(incoming: Leg, outgoing: Leg, radius: float) -> Path:
-    """Return the rounded corner: configurations from where it leaves one segment to where it joins the next.
-
-    Args:
-        incoming: the segment that leads to the way point.
-        outgoing: the one that leads away.
-        radius: at most `largest_radius` [m].
-    """
+    """Return the rounded corner: configurations from where it leaves one segment to where it joins the next."""
     before, after = incoming.crossing(radius), outgoing.crossing(radius)
     count = int(np.clip(np.ceil((before + after) / _SPACING), 8, 40))
     s = np.linspace(0.0, 1.0, count + 1)
@@ -77,7 +70,7 @@ def corner(incoming: Leg, outgoing: Leg, radius: float) -> Path:
     return (1 - weight) * incoming.until(before, 1 - s) + weight * outgoing.until(after, s)
 
 
-def within(chain: Chain, way_point: NDArray[np.float64], rows: Path, radius: float) -> bool:
+def within(chain: Chain, way_point: Array, rows: Path, radius: float) -> bool:
     """Tell whether a corner's rows, shape (k, n), keep the grasp frame in the ball about a way point, shape (n,)."""
     centre = chain.grasp_pose(way_point).translation
     away = [np.linalg.norm(chain.grasp_pose(q).translation - centre) for q in rows]
@@ -102,12 +95,12 @@ def distinct(path: Path) -> Path:
     return np.stack([*rows, path[-1]])
 
 
-def at_arc(path: Path, where: NDArray[np.float64]) -> Path:
+def at_arc(path: Path, where: Array) -> Path:
     """Return the configurations so far along a path [rad], shape (m,) -> (m, n)."""
     at = arc(path)
     return np.stack([np.interp(where, at, column) for column in path.T], axis=1)
 
 
-def arc(path: Path) -> NDArray[np.float64]:
+def arc(path: Path) -> Array:
     """Return how far along the path [rad] its rows are, joints weighted alike, shape (k,)."""
     return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array, Configuration, Path
 from grip_bt.base.values import PathConstraint
 
 from ..collision import CollisionChecker
 from .constraints import kept, projected
-from .paths import EdgeCheck, Path, interpolated, length
-from .trees import Configuration, Tree, grown_towards, joined, stepped
+from .paths import EdgeCheck, interpolated, length
+from .trees import Tree, grown_towards, joined, stepped
 
 STEP = 0.15
 """Longest step before its projection [rad]."""
@@ -29,17 +29,7 @@ def cbirrt(
     rng: np.random.Generator,
     over: Callable[[], bool],
 ) -> Path | None:
-    """Return a short free way that keeps to a constraint, shape (k, n), or None when `over` says so.
-
-    Args:
-        checker: what is avoided; start and goal are free in it.
-        edge_free: whether a straight motion is free.
-        constraint: start and goal keep to it.
-        start: shape (n,).
-        goal: shape (n,).
-        rng: of all random choices.
-        over: asked after each step.
-    """
+    """Return a short free way that keeps to a constraint, shape (k, n), or None when `over` says so."""
     chain = checker.chain
 
     def extend(tree: Tree, index: int, towards: Configuration) -> int | None:
@@ -72,7 +62,7 @@ def _shortened(
         tree = Tree(path[i])
         end = grown_towards(tree, path[j], extend, over, close=1e-3) if j > i + 1 else None
         if end is not None:
-            piece: NDArray[np.float64] = np.concatenate([tree.branch(end)[:-1], path[j : j + 1]])
+            piece: Array = np.concatenate([tree.branch(end)[:-1], path[j : j + 1]])
             if length(piece) < length(path[i : j + 1]):
                 path = np.concatenate([path[:i], piece, path[j + 1 :]])
     return path

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.values import PathConstraint
 
 from ..model import Chain
@@ -18,15 +18,10 @@ _MARGIN = 0.05
 """Projections aim this part inside the tolerances: a point on the very edge would be left by the next rounding."""
 
 
-def excess(
-    constraint: PathConstraint, chain: Chain, q: NDArray[np.float64], shrunk: float = 0.0
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def excess(constraint: PathConstraint, chain: Chain, q: Array, shrunk: float = 0.0) -> tuple[Array, Array]:
     """Return what goes beyond the tolerances, and how that changes with the joints.
 
     Args:
-        constraint: the tolerances.
-        chain: what moves.
-        q: configuration, shape (n,).
         shrunk: part of the tolerances to take off.
 
     Returns:
@@ -53,12 +48,12 @@ def excess(
     return np.sign(value) * np.maximum(np.abs(value) - limit, 0.0), np.concatenate(rows)
 
 
-def kept(constraint: PathConstraint, chain: Chain, configurations: NDArray[np.float64], slack: float = 1e-6) -> bool:
+def kept(constraint: PathConstraint, chain: Chain, configurations: Array, slack: float = 1e-6) -> bool:
     """Tell whether all configurations, shape (k, n), keep to a constraint, up to `slack` [rad, m]."""
     return all(np.abs(excess(constraint, chain, q)[0]).max(initial=0.0) <= slack for q in configurations)
 
 
-def projected(constraint: PathConstraint, chain: Chain, q: NDArray[np.float64]) -> NDArray[np.float64] | None:
+def projected(constraint: PathConstraint, chain: Chain, q: Array) -> Array | None:
     """Return a configuration near `q`, shape (n,), that keeps to a constraint, or None when none is found.
 
     Gauss-Newton steps on the excess, as in CBiRRT (Berenson et al. 2009).

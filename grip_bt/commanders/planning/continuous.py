@@ -11,14 +11,13 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array, Mask, Path
 from grip_bt.base.values import Trajectory
 
 from ..collision import CollisionChecker
 from ..trajectory.smooth import quintic_jerks
 from ..trajectory.splines import cubics
-from .paths import Path
 
 FINE = (1e-3, 1e-4)
 """Joint steps in which a hand's shapes are looked at, not its hull [rad]. What isn't clear even at the last, by
@@ -28,7 +27,7 @@ _NEEDS = (0.03, 0.008, 0.002)
 _GROUPS = 3
 """Middles are asked about in groups of alike needs: a clearance is set for a whole group."""
 
-Curve = Callable[[NDArray[np.float64]], Path]
+Curve = Callable[[Array], Path]
 """Parameters, shape (m,) -> configurations, shape (m, n)."""
 
 
@@ -41,19 +40,18 @@ class _Pieces(NamedTuple):
         bow: how far each joint is at most off the straight way from one end of a piece to the other, shape (k, n).
     """
 
-    begin: NDArray[np.float64]
-    end: NDArray[np.float64]
-    bow: NDArray[np.float64]
+    begin: Array
+    end: Array
+    bow: Array
 
     @property
-    def middle(self) -> NDArray[np.float64]:
-        middle: NDArray[np.float64] = (self.begin + self.end) / 2
-        return middle
+    def middle(self) -> Array:
+        return (self.begin + self.end) / 2
 
-    def those(self, kept: NDArray[np.bool_]) -> _Pieces:
+    def those(self, kept: Mask) -> _Pieces:
         return _Pieces(self.begin[kept], self.end[kept], self.bow[kept])
 
-    def divided(self, counts: NDArray[np.float64]) -> _Pieces:
+    def divided(self, counts: Array) -> _Pieces:
         """Return each in so many pieces, shape (k,)."""
         whole = np.maximum(np.ceil(counts), 1).astype(int)
         piece = np.repeat(np.arange(len(whole)), whole)
@@ -69,10 +67,9 @@ def continuously_free(checker: CollisionChecker, positions: Path) -> bool:
         return checker.all_free(positions)
     rows = np.arange(len(positions), dtype=float)
 
-    def between(where: NDArray[np.float64]) -> Path:
+    def between(where: Array) -> Path:
         begin = np.minimum(where.astype(int), len(positions) - 2)
-        rows: Path = positions[begin] + (positions[begin + 1] - positions[begin]) * (where - begin)[:, None]
-        return rows
+        return positions[begin] + (positions[begin + 1] - positions[begin]) * (where - begin)[:, None]
 
     pieces = _Pieces(rows[:-1], rows[1:], np.zeros((len(rows) - 1, positions.shape[1])))
     return _undecided(checker, between, pieces) is None
@@ -106,7 +103,7 @@ def _executed(checker: CollisionChecker, trajectories: Sequence[Trajectory]) -> 
     joints = checker.chain.joints
     parts = [(each, [joints.index(name) for name in each.names]) for each in trajectories]
 
-    def curve(times: NDArray[np.float64]) -> Path:
+    def curve(times: Array) -> Path:
         rows = np.zeros((len(times), len(joints)))
         for trajectory, columns in parts:
             rows[:, columns] = trajectory.sampled(times)[0]
@@ -125,7 +122,7 @@ def _executed(checker: CollisionChecker, trajectories: Sequence[Trajectory]) -> 
     return curve, _Pieces(at[:-1], at[1:], bow)
 
 
-def _hardest(trajectory: Trajectory, at: NDArray[np.float64]) -> NDArray[np.float64]:
+def _hardest(trajectory: Trajectory, at: Array) -> Array:
     """Return accelerations that a trajectory is nowhere above between times, shape (m,): shape (m - 1, n)."""
     if len(trajectory.times) < 2 or trajectory.velocities is None:
         return np.zeros((len(at) - 1, len(trajectory.names)))
@@ -140,7 +137,7 @@ def _hardest(trajectory: Trajectory, at: NDArray[np.float64]) -> NDArray[np.floa
     begin = np.searchsorted(trajectory.times, at[:-1], side="right") - 1
     end = np.searchsorted(trajectory.times, at[1:])
     spans = np.clip(np.stack([begin, np.maximum(end, begin + 1)], axis=1), [0, 1], [len(steps) - 1, len(steps)])
-    whole: NDArray[np.float64] = np.maximum.reduceat(np.concatenate([hardest, hardest[-1:]]), spans.ravel(), axis=0)
+    whole: Array = np.maximum.reduceat(np.concatenate([hardest, hardest[-1:]]), spans.ravel(), axis=0)
     return whole[::2]
 
 
@@ -170,15 +167,14 @@ def _undecided(checker: CollisionChecker, curve: Curve, pieces: _Pieces) -> _Pie
     return pieces
 
 
-def _halves(curve: Curve, pieces: _Pieces) -> NDArray[np.float64]:
+def _halves(curve: Curve, pieces: _Pieces) -> Array:
     """Return how far each joint moves at most from the middle of each piece, shape (k, n) [rad]."""
     middle = curve(pieces.middle)
     ends = np.maximum(np.abs(curve(pieces.begin) - middle), np.abs(curve(pieces.end) - middle))
-    halves: NDArray[np.float64] = ends + pieces.bow / 4
-    return halves
+    return ends + pieces.bow / 4
 
 
-def _clear(checker: CollisionChecker, rows: Path, halves: NDArray[np.float64], hulls: bool = True) -> NDArray[np.bool_]:
+def _clear(checker: CollisionChecker, rows: Path, halves: Array, hulls: bool = True) -> Mask:
     """Tell from which rows, shape (k, n), the joints can move so far, shape (k, n), and touch nothing."""
     clear = np.zeros(len(rows), dtype=bool)
     order = np.argsort(halves @ checker.reaches)

@@ -9,8 +9,8 @@ import numpy as np
 import ompl.base as ob
 import ompl.geometric as og
 import ompl.util as ou
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array, Path
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import CanceledError, NoPlanError, TimeOutError
 from grip_bt.base.values import PathConstraint
@@ -19,7 +19,7 @@ from ..collision import CollisionChecker
 from .bitrrt import bitrrt, costs, highest_cost
 from .budget import Budget
 from .cbirrt import cbirrt
-from .paths import Path, shortened
+from .paths import shortened
 
 BITRRT = "BiTRRT"
 RESOLUTION = 0.02
@@ -62,7 +62,7 @@ class MotionCheck:
     def __init__(self, checker: CollisionChecker, resolution: float = RESOLUTION):
         self.checker, self.resolution = checker, resolution
 
-    def __call__(self, one: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
+    def __call__(self, one: Array, other: Array) -> bool:
         """Check the motion, its start excepted: its end first, then its middle, quarters, eighths and so on.
 
         Most motions that aren't free touch something for a good part of the way, so they are found out after a few.
@@ -72,7 +72,7 @@ class MotionCheck:
 
 
 @cache
-def halving(steps: int) -> NDArray[np.float64]:
+def halving(steps: int) -> Array:
     """Return the fractions 1/steps, 2/steps ... 1, those first that cut the gaps between the earlier ones in half."""
     order: list[int] = []
     stride = 1 << (steps - 1).bit_length()
@@ -90,8 +90,8 @@ def settable(planner: str) -> frozenset[str]:
 
 def plan_free(
     checker: CollisionChecker,
-    start: NDArray[np.float64],
-    goal: NDArray[np.float64],
+    start: Array,
+    goal: Array,
     planner: str,
     seed: int,
     budget: Budget,
@@ -103,8 +103,6 @@ def plan_free(
 
     Args:
         checker: what is avoided; start and goal are free in it.
-        start: shape (n,).
-        goal: shape (n,).
         planner: name of an OMPL planner.
         seed: of all random choices.
         budget: time to give up after.
@@ -138,8 +136,8 @@ def plan_free(
 def plan_constrained(
     checker: CollisionChecker,
     constraint: PathConstraint,
-    start: NDArray[np.float64],
-    goal: NDArray[np.float64],
+    start: Array,
+    goal: Array,
     seed: int,
     budget: Budget,
     canceled: Callable[[], bool],
@@ -173,7 +171,7 @@ def _found(path: Path | None, planner: str, budget: Budget, canceled: Callable[[
 def _shortened_without_cost(checker: CollisionChecker, motion_free: MotionCheck, path: Path, seed: int) -> Path:
     """Shorten a path where that comes no closer to things than where it leaves the path or joins it again."""
 
-    def no_worse(one: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
+    def no_worse(one: Array, other: Array) -> bool:
         ends = np.stack([one, other])
         return motion_free(one, other) and highest_cost(checker, ends) <= float(costs(checker, ends).max())
 
@@ -183,8 +181,8 @@ def _shortened_without_cost(checker: CollisionChecker, motion_free: MotionCheck,
 def _solved(
     checker: CollisionChecker,
     motion_free: MotionCheck,
-    start: NDArray[np.float64],
-    goal: NDArray[np.float64],
+    start: Array,
+    goal: Array,
     planner: str,
     seed: int,
     ending: _Ending,
@@ -224,13 +222,7 @@ def _usual(planner: str, dimension: int) -> dict[str, float]:
 
 
 class _Ending:
-    """When a search has to end: OMPL's condition, which it asks itself, and which every check that it makes can end.
-
-    Args:
-        over: whether it has to end.
-        planner: its name.
-        budget: its time.
-    """
+    """When a search has to end: OMPL's condition, which it asks itself, and which every check that it makes can end."""
 
     def __init__(self, over: Callable[[], bool], planner: str, budget: Budget):
         threaded, left = planner in _THREADED, max(0.01, budget.wall_left)
@@ -272,11 +264,11 @@ def _space(checker: CollisionChecker) -> ob.RealVectorStateSpace:
     return space
 
 
-def _values(state: ob.State, dimension: int) -> NDArray[np.float64]:
+def _values(state: ob.State, dimension: int) -> Array:
     return np.array([state[k] for k in range(dimension)])
 
 
-def _state(space: ob.StateSpace, q: NDArray[np.float64]) -> ob.State:
+def _state(space: ob.StateSpace, q: Array) -> ob.State:
     state = space.allocState()
     for k, value in enumerate(q):
         state[k] = float(value)

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import ConstraintBrokenError, GoalInCollisionError, NoIkError, OutOfLimitsError
 from grip_bt.base.values import JointState, Pose
@@ -23,9 +23,7 @@ _GOALS = 4
 _RESTARTS = 20
 
 
-def goals_of(
-    chain: Chain, checker: CollisionChecker, request: PlanTo, start: NDArray[np.float64]
-) -> list[NDArray[np.float64]]:
+def goals_of(chain: Chain, checker: CollisionChecker, request: PlanTo, start: Array) -> list[Array]:
     """Return free configurations that end the motion, each of shape (n,), the best ones first.
 
     Raises:
@@ -47,9 +45,7 @@ def goals_of(
     return keeping
 
 
-def _joint_goal(
-    chain: Chain, checker: CollisionChecker, goal: JointState, start: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _joint_goal(chain: Chain, checker: CollisionChecker, goal: JointState, start: Array) -> Array:
     """Return the goal's configuration; joints that it doesn't name stay where they are."""
     q = np.array(start)
     for name, position in zip(goal.names, goal.position, strict=True):
@@ -63,12 +59,10 @@ def _joint_goal(
     return q
 
 
-def _pose_goals(
-    chain: Chain, checker: CollisionChecker, request: PlanTo, start: NDArray[np.float64]
-) -> list[NDArray[np.float64]]:
+def _pose_goals(chain: Chain, checker: CollisionChecker, request: PlanTo, start: Array) -> list[Array]:
     """Return a few free configurations that reach the pose: those of hints first, then by their distance."""
     hinted = [q for q in _reaching(chain, request, start, hints_only=True) if checker.free(q)]
-    found: list[NDArray[np.float64]] = []
+    found: list[Array] = []
     pairs: tuple[tuple[str, str], ...] = ()
     for q in _reaching(chain, request, start, hints_only=False):
         contacts = checker.pairs(q)
@@ -86,9 +80,7 @@ def _pose_goals(
     raise NoIkError(f"no joint positions reach {what}", pose=poses[0])
 
 
-def _reaching(
-    chain: Chain, request: PlanTo, start: NDArray[np.float64], hints_only: bool
-) -> Iterator[NDArray[np.float64]]:
+def _reaching(chain: Chain, request: PlanTo, start: Array, hints_only: bool) -> Iterator[Array]:
     """Yield configurations that reach the poses, a few of each in turn."""
     settings = request.situation.settings
     rng, find = np.random.default_rng(settings.seed), solver(settings.kinematics)
@@ -114,7 +106,7 @@ def _poses(request: PlanTo) -> tuple[Pose, ...]:
     return poses
 
 
-def out_of_limits(chain: Chain, q: NDArray[np.float64], what: str) -> OutOfLimitsError:
+def out_of_limits(chain: Chain, q: Array, what: str) -> OutOfLimitsError:
     """Return the error about a configuration, shape (n,), that breaks position limits."""
     rows = zip(chain.joints, q, chain.limits.lower, chain.limits.upper, strict=True)
     outside = {name: (float(x), float(low), float(high)) for name, x, low, high in rows if not low <= x <= high}

@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.failures import CanceledError, NoGraspError, NoPlanError, TimeOutError
 from grip_bt.base.values import Grasp, JointState, Pose
 from grip_bt.base.values.pose import check_frame
@@ -36,7 +36,7 @@ _LONGEST = 10.0
 """CPU time after which the search for it ends the whole choice [s]."""
 
 
-def closing_point(grasp: Grasp) -> NDArray[np.float64]:
+def closing_point(grasp: Grasp) -> Array:
     """Return the middle of what is between palm and fingers, shape (3,) [m]: half its width in front of the palm."""
     return grasp.pose.position + max(grasp.width, 0.03) / 2 * grasp.pose.rotation()[:, 2]
 
@@ -93,7 +93,7 @@ class GraspSearch:
 
     def __init__(self, model: RobotModel, situation: Situation, clocks: Clocks = REAL):
         self.model, self.situation, self.clocks = model, situation, clocks
-        self.reached: tuple[NDArray[np.float64], ...] = ()
+        self.reached: tuple[Array, ...] = ()
         self._made: dict[tuple[int, str | None], CollisionChecker] = {}
 
     def chain(self, grasp: Grasp) -> Chain:
@@ -143,7 +143,7 @@ class GraspTrial:
         """Why it was refused, judged by the configuration that came furthest."""
         return self._STAGES[self._stage]
 
-    def configurations(self) -> list[NDArray[np.float64]]:
+    def configurations(self) -> list[Array]:
         """Return up to four free configurations at the grasp, the nearest to the present one first.
 
         What reached other candidates is tried first: their poses are much alike.
@@ -164,7 +164,7 @@ class GraspTrial:
                 break
         return sorted(free, key=lambda q: float(np.linalg.norm(q - start)))
 
-    def pre_configuration(self, q: NDArray[np.float64]) -> NDArray[np.float64] | None:
+    def pre_configuration(self, q: Array) -> Array | None:
         """Return the configuration at the pre-grasp from which the straight approach ends at `q`, or None.
 
         None too when the lift from `q` isn't possible.
@@ -184,7 +184,7 @@ class GraspTrial:
         holding = self._search.holding(self.chain, self._target, self._grasp.pose)
         return approach[-1] if holding.all_free(interpolated(lift, RESOLUTION)) else None
 
-    def can_go_to(self, pre: NDArray[np.float64], canceled: Callable[[], bool]) -> bool:
+    def can_go_to(self, pre: Array, canceled: Callable[[], bool]) -> bool:
         """Tell whether a free path leads from the present configuration to `pre`.
 
         The search gets little time: a path that is hard to find here is hard to find again when it is needed.

@@ -12,9 +12,9 @@ from typing import TypeVar
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from grip_bt.base.arrays import Array, Mask, Path
 from grip_bt.base.failures import NoIkError, PathInvalidError
 from grip_bt.base.values import Trajectory
 
@@ -23,7 +23,7 @@ from ..model import Chain, RobotModel
 from ..trajectory.joining import joined
 from .beginning import chain_and_checker, drawn_in, refuse_collisions, timed_free
 from .free import RESOLUTION
-from .paths import Path, interpolated
+from .paths import interpolated
 from .requests import PlanningSettings, PlanStraight
 from .straight import BrokenLineError, closer, straight_path, world_pose
 
@@ -38,7 +38,7 @@ _BEND = 0.1
 """Where the joints' direction turns by more than this [rad], lines meet at a corner."""
 
 
-Ball = tuple[NDArray[np.float64], float]
+Ball = tuple[Array, float]
 """A centre in world, shape (3,), and a radius [m]."""
 
 
@@ -54,7 +54,7 @@ class Lines:
         self._lines = [_Line(one, other) for one, other in ends]
         self._balls = balls
 
-    def kept_by(self, chain: Chain, positions: NDArray[np.float64]) -> bool:
+    def kept_by(self, chain: Chain, positions: Array) -> bool:
         """Tell whether a motion through the rows, shape (k, n), stays on the lines; half-way between rows too."""
         between = (positions[1:] + positions[:-1]) / 2
         poses = [chain.grasp_pose(q) for q in np.concatenate([positions, between])]
@@ -75,15 +75,14 @@ class _Line:
         angle = float(np.linalg.norm(turn))
         self._length, self._axis = float(self._way @ self._way), turn / angle if angle > 1e-6 else np.zeros(3)
 
-    def has(self, places: NDArray[np.float64], rotations: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def has(self, places: Array, rotations: Array) -> Mask:
         """Tell which poses are on it; places of shape (m, 3), rotations of shape (m, 3, 3), in world."""
         offsets = places - self._begin.translation
         parts = np.clip(offsets @ self._way / max(self._length, 1e-12), 0.0, 1.0)
         off = np.linalg.norm(offsets - np.outer(parts, self._way), axis=1)
         turns = Rotation.from_matrix(self._begin.rotation.T @ rotations).as_rotvec()
         aside = np.linalg.norm(turns - np.outer(turns @ self._axis, self._axis), axis=1)
-        on: NDArray[np.bool_] = (off <= OFF) & (aside <= TURNED)
-        return on
+        return (off <= OFF) & (aside <= TURNED)
 
 
 def plan_straight(model: RobotModel, request: PlanStraight) -> Trajectory:
@@ -124,7 +123,7 @@ def finer_and_finer(attempt: Callable[[int], T | None]) -> T:
     )
 
 
-def _paths(chain: Chain, start: NDArray[np.float64], goals: list[pin.SE3]) -> list[Path]:
+def _paths(chain: Chain, start: Array, goals: list[pin.SE3]) -> list[Path]:
     lines: list[Path] = []
     for k, goal in enumerate(goals):
         try:

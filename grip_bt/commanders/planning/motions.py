@@ -6,9 +6,7 @@ import time
 from collections.abc import Callable
 from functools import partial
 
-import numpy as np
-from numpy.typing import NDArray
-
+from grip_bt.base.arrays import Array, Path
 from grip_bt.base.failures import ConstraintBrokenError, ExpectedError, NoPlanError, PathInvalidError, TimeOutError
 from grip_bt.base.values import Plan, Trajectory
 
@@ -24,7 +22,6 @@ from .goals import goals_of
 from .grasps import choose_grasp
 from .lines import plan_straight
 from .onward import plan_onward
-from .paths import Path
 from .requests import (
     CheckTogether,
     ChooseGrasp,
@@ -48,8 +45,6 @@ def answer(
     """Answer a request.
 
     Args:
-        model: of the robot.
-        request: what is asked.
         canceled: asked often; True ends it.
         clocks: what tells the time that a search may take.
 
@@ -113,11 +108,7 @@ def plan_to(model: RobotModel, request: PlanTo, canceled: Callable[[], bool], cl
 
 
 def _search(
-    avoid: CollisionChecker,
-    request: PlanTo,
-    start: NDArray[np.float64],
-    goal: NDArray[np.float64],
-    canceled: Callable[[], bool],
+    avoid: CollisionChecker, request: PlanTo, start: Array, goal: Array, canceled: Callable[[], bool]
 ) -> Callable[..., Path]:
     """Return the search that fits the request, as a function of seed, budget and resolution."""
     if request.constraint is not None:

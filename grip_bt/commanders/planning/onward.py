@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.failures import NoIkError, PathInvalidError
 from grip_bt.base.values import Trajectory
 
@@ -40,7 +40,7 @@ def plan_onward(model: RobotModel, request: PlanOnward) -> Trajectory:
     twist = np.concatenate(bounded(request.linear, request.angular))
     begin = velocity_of(situation.start, chain.joints)
 
-    def wanted(q: NDArray[np.float64]) -> NDArray[np.float64]:
+    def wanted(q: Array) -> Array:
         return _joint_velocity(chain, q, twist, fastest)
 
     step = steered(chain.joints, start, begin, wanted, hardest, request.hold, sharpest)
@@ -53,13 +53,11 @@ def plan_onward(model: RobotModel, request: PlanOnward) -> Trajectory:
     return step
 
 
-def _joint_velocity(
-    chain: Chain, q: NDArray[np.float64], twist: NDArray[np.float64], fastest: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _joint_velocity(chain: Chain, q: Array, twist: Array, fastest: Array) -> Array:
     """Return the joint velocities of a twist, shape (n,), made slower as a whole where a joint is too fast."""
     jacobian = pin.computeFrameJacobian(chain.model, chain.data, q, chain.frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
     square = jacobian @ jacobian.T + DAMPING * np.eye(6)
-    rates: NDArray[np.float64] = jacobian.T @ np.linalg.solve(square, twist)
+    rates: Array = jacobian.T @ np.linalg.solve(square, twist)
     lost = float(np.linalg.norm(jacobian @ rates - twist))
     if lost > AMISS * float(np.linalg.norm(twist)):
         raise NoIkError("the arm is stretched out, or its axes lie in line: its hand can't move that way from here")

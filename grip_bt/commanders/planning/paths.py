@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-Path = NDArray[np.float64]
-EdgeCheck = Callable[[NDArray[np.float64], NDArray[np.float64]], bool]
+from grip_bt.base.arrays import Array, Path
+
+EdgeCheck = Callable[[Array, Array], bool]
 """`(one, other) -> whether the straight motion between two configurations is free`."""
 _WORTH = 0.01
 """A shortcut that makes the path shorter by less than this part isn't worth its collision check."""
@@ -62,11 +62,8 @@ def _pruned(path: Path, edge_free: EdgeCheck) -> Path:
     return path[rows]
 
 
-def _point(path: Path, at: NDArray[np.float64], row: int, where: float) -> NDArray[np.float64]:
+def _point(path: Path, at: Array, row: int, where: float) -> Array:
     if row >= len(path) - 1:
         return np.array(path[-1])
     span = at[row + 1] - at[row]
-    point: NDArray[np.float64] = path[row] + (path[row + 1] - path[row]) * (
-        (where - at[row]) / span if span > 0 else 0.0
-    )
-    return point
+    return path[row] + (path[row + 1] - path[row]) * ((where - at[row]) / span if span > 0 else 0.0)

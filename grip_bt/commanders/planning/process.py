@@ -40,8 +40,7 @@ def read_frame(stream: IO[bytes]) -> tuple[Any, ...] | None:
     body = stream.read(size)
     if len(body) < size:
         return None
-    message: tuple[Any, ...] = pickle.loads(body)
-    return message
+    return pickle.loads(body)
 
 
 class Inbox:

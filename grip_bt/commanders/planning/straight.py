@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array, Path
 from grip_bt.base.values import Pose
 from grip_bt.base.values.pose import check_frame
 
 from ..ik.damped_least_squares import solve_from
 from ..ik.target import Target
 from ..model import Chain
-from .paths import Path
 
 STEP = 0.015
 """Distance of the grasp frame between two solutions [m]."""
@@ -45,15 +44,10 @@ def world_pose(pose: Pose) -> pin.SE3:
     return pin.SE3(pose.matrix())
 
 
-def straight_path(chain: Chain, start: NDArray[np.float64], goal: pin.SE3) -> Path:
+def straight_path(chain: Chain, start: Array, goal: pin.SE3) -> Path:
     """Return configurations, shape (k, n), that move the grasp frame on a straight line from where `start` puts it.
 
     The position moves on a line, the orientation about one axis, both evenly.
-
-    Args:
-        chain: what moves.
-        start: first configuration, shape (n,).
-        goal: last pose of the grasp frame in world.
 
     Raises:
         BrokenLineError: part of the line is out of reach, or a joint jumps.
@@ -74,13 +68,7 @@ def straight_path(chain: Chain, start: NDArray[np.float64], goal: pin.SE3) -> Pa
 
 
 def closer(chain: Chain, path: Path, times: int) -> Path:
-    """Return a straight path, shape (k, n), with `times` as many steps; the rows that it has stay.
-
-    Args:
-        chain: what moves.
-        path: of `straight_path`.
-        times: 1 or more.
-    """
+    """Return a straight path, shape (k, n), with `times` as many steps; the rows that it has stay."""
     rows = [path[0]]
     for one, other in zip(path[:-1], path[1:], strict=True):
         begin, end = chain.grasp_pose(one), chain.grasp_pose(other)

@@ -12,8 +12,8 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array, Path
 from grip_bt.base.failures import (
     ConstraintBrokenError,
     ExpectedError,
@@ -34,7 +34,7 @@ from .constraints import CONSTRAINT_SLACK, kept
 from .free import RESOLUTION, plan_constrained, plan_free
 from .goals import goals_of
 from .lines import Ball, Lines, ends_of, finer_and_finer
-from .paths import Path, interpolated
+from .paths import interpolated
 from .requests import PlanThrough, PlanTo
 from .straight import BrokenLineError, closer, straight_path, world_pose
 
@@ -107,13 +107,6 @@ def rounded(
 ) -> tuple[list[Path], tuple[float, ...]]:
     """Round the corners between segments.
 
-    Args:
-        chain: what moves.
-        checker: what it avoids.
-        segments: paths, shape (k, n) each, that begin where the one before ends.
-        radii: asked at each inner way point [m].
-        constraint: what corners keep to.
-
     Returns:
         Paths at whose ends the arm comes to rest, and the radii that fitted.
     """
@@ -142,7 +135,7 @@ def _fitting(
     checker: CollisionChecker,
     incoming: Leg,
     outgoing: Leg,
-    point: NDArray[np.float64],
+    point: Array,
     asked: float,
     constraint: PathConstraint | None,
 ) -> tuple[float, Path | None]:
@@ -163,7 +156,7 @@ def _segments(
     chain: Chain,
     checker: CollisionChecker,
     request: PlanThrough,
-    start: NDArray[np.float64],
+    start: Array,
     attempt: int,
     budget: Budget,
     canceled: Callable[[], bool],
@@ -197,7 +190,7 @@ def _refuse_leaving(constraint: PathConstraint | None, chain: Chain, path: Path,
         )
 
 
-def _line(chain: Chain, start: NDArray[np.float64], point: WayPoint, where: str) -> Path:
+def _line(chain: Chain, start: Array, point: WayPoint, where: str) -> Path:
     assert isinstance(point.goal, Pose)
     try:
         return straight_path(chain, start, world_pose(point.goal))
@@ -209,10 +202,10 @@ def _line(chain: Chain, start: NDArray[np.float64], point: WayPoint, where: str)
 def _search(
     checker: CollisionChecker,
     to: PlanTo,
-    start: NDArray[np.float64],
+    start: Array,
     resolution: float,
     canceled: Callable[[], bool],
-    goal: NDArray[np.float64],
+    goal: Array,
     budget: Budget,
 ) -> Path:
     settings = to.situation.settings
@@ -231,7 +224,7 @@ def _search(
     )
 
 
-def _first(search: Callable[..., Path], goals: list[NDArray[np.float64]], budget: Budget) -> Path:
+def _first(search: Callable[..., Path], goals: list[Array], budget: Budget) -> Path:
     """Return the path to the first goal that is reached, each having its share of the time."""
     failure: ExpectedError = NoPlanError("there is no goal to plan to")
     for k, goal in enumerate(goals):

@@ -9,19 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .paths import Path
-
-Configuration = NDArray[np.float64]
+from grip_bt.base.arrays import Array, Configuration, Path
 
 
 class Tree:
-    """Configurations, each with the one that it was reached from.
-
-    Args:
-        root: shape (n,).
-    """
+    """Configurations, each with the one that it was reached from."""
 
     def __init__(self, root: Configuration):
         self._rows = np.empty((64, len(root)))
@@ -42,8 +35,7 @@ class Tree:
 
     def at(self, index: int) -> Configuration:
         """Return a configuration, shape (n,)."""
-        row: Configuration = self._rows[index]
-        return row
+        return self._rows[index]
 
     def nearest(self, q: Configuration) -> int:
         """Return the index of the configuration nearest to `q`."""
@@ -65,7 +57,7 @@ Extend = Callable[[Tree, int, Configuration], int | None]
 
 def joined(
     start: Configuration,
-    goals: NDArray[np.float64],
+    goals: Array,
     sample: Callable[[], Configuration],
     extend: Extend,
     over: Callable[[], bool],
@@ -74,7 +66,6 @@ def joined(
     """Return a way from `start` to one of the goals, shape (k, n), or None when time is over.
 
     Args:
-        start: shape (n,).
         goals: shape (m, n).
         sample: returns random configurations to grow towards.
         extend: adds one step to a tree.

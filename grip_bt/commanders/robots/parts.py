@@ -76,7 +76,6 @@ def assemble(
     """Put a hand on an arm.
 
     Args:
-        arm: the arm.
         hand: the hand; its links and joints get the prefix `hand_`.
         mount: where the hand sits on the arm's flange.
         arm_states: name -> positions of the arm's joints [rad]; `home` among them.

@@ -10,14 +10,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.values import Trajectory
 
 from .smooth import each_by_itself, smooth_stop
 from .splines import peaks
 
-Array = NDArray[np.float64]
 ACCELERATION = 2.0
 """Of a joint whose limit nobody says [rad/s^2 or m/s^2]."""
 LATER = 0.1
@@ -103,7 +102,6 @@ def paced(
     """Return how a trajectory is followed from a moment on at a rate that goes to another one as quickly as may be.
 
     Args:
-        trajectory: what is followed.
         begin: where on it [s].
         rate: at which it is followed there, 0 to 1.
         wanted: 0 to come to rest, 1 to come up to its own speed and go on to its end.
@@ -144,15 +142,7 @@ def paced(
 
 
 class _Left:
-    """What joints have left along a piece of a path.
-
-    Args:
-        trajectory: the path.
-        begin: of the piece [s].
-        end: of the piece [s].
-        limit: accelerations, shape (n,).
-        sign: 1 to go faster, -1 to go slower.
-    """
+    """What joints have left along a piece of a path."""
 
     def __init__(self, trajectory: Trajectory, begin: float, end: float, limit: Array, sign: float):
         self._begin, self._sign, self._last = begin, sign, max(1, int(np.ceil((end - begin) / _GRID)))

@@ -6,27 +6,14 @@ import numpy as np
 import toppra
 import toppra.algorithm
 import toppra.constraint
-from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.failures import PathInvalidError
 
 
-def squared_velocities(
-    grid: NDArray[np.float64],
-    knots: NDArray[np.float64],
-    path: BSpline,
-    velocity: NDArray[np.float64],
-    acceleration: NDArray[np.float64],
-) -> NDArray[np.float64]:
+def squared_velocities(grid: Array, knots: Array, path: BSpline, velocity: Array, acceleration: Array) -> Array:
     """Return the largest squared path velocities from rest to rest [1/s^2], shape (m + 1,), as `toppra` finds them.
-
-    Args:
-        grid: path positions, shape (m + 1,).
-        knots: path positions between which the path is a cubic, shape (k,).
-        path: the n joints by path position.
-        velocity: limits, shape (n,).
-        acceleration: limits, shape (n,).
 
     Raises:
         PathInvalidError: the library finds no timing.

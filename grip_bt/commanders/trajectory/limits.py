@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.failures import OutOfLimitsError
 from grip_bt.base.values import Trajectory
 
 from ..model import Limits
 from ..stillness import STILL
 
-Array = NDArray[np.float64]
 ROUNDED = 1e-3
 """Limits may be exceeded by this part, those of positions by so much [rad or m]: numbers in files are rounded."""
 _PERIOD, _MOST = 1e-3, 100_000
@@ -23,7 +22,6 @@ def refuse_beyond_limits(trajectory: Trajectory, limits: Limits) -> None:
 
     Args:
         trajectory: as `Trajectory.sampled` interpolates.
-        limits: of its joints, in its order.
 
     Raises:
         OutOfLimitsError: it breaks one; `data` has the `joints`, the `time` [s], the `value` and the `limit`.

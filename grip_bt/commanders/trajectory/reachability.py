@@ -14,7 +14,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+
+from grip_bt.base.arrays import Array
 
 _TINY = 1e-12
 
@@ -22,28 +23,15 @@ _TINY = 1e-12
 class _Lines(NamedTuple):
     """For each stage, shape (m, k): |u + slope * x| <= height, once for each joint and each end of the stage."""
 
-    slope: NDArray[np.float64]
-    height: NDArray[np.float64]
+    slope: Array
+    height: Array
 
 
-def squared_velocities(
-    grid: NDArray[np.float64],
-    first: NDArray[np.float64],
-    second: NDArray[np.float64],
-    velocity: NDArray[np.float64],
-    acceleration: NDArray[np.float64],
-) -> NDArray[np.float64]:
+def squared_velocities(grid: Array, first: Array, second: Array, velocity: Array, acceleration: Array) -> Array:
     """Return the largest squared path velocities from rest to rest [1/s^2], shape (m + 1,).
 
     Between two points of the grid the path acceleration is constant. Accelerations keep their limits at both ends of
     each stage (TOPP-RA's "interpolation" scheme), velocities at the points of the grid.
-
-    Args:
-        grid: increasing path positions, shape (m + 1,).
-        first: derivative of the joints by path position, shape (m + 1, n).
-        second: their second derivative, shape (m + 1, n).
-        velocity: limits, positive, shape (n,).
-        acceleration: limits, positive, shape (n,).
     """
     doubled = 2.0 * np.diff(grid)
     lines = _lines(doubled, first, second, acceleration)
@@ -53,12 +41,7 @@ def squared_velocities(
     return _driven(doubled, lines, highest)
 
 
-def _lines(
-    doubled: NDArray[np.float64],
-    first: NDArray[np.float64],
-    second: NDArray[np.float64],
-    acceleration: NDArray[np.float64],
-) -> _Lines:
+def _lines(doubled: Array, first: Array, second: Array, acceleration: Array) -> _Lines:
     at_end = first[1:] + doubled[:, None] * second[1:]  # there the squared velocity is x + doubled * u
     factor = np.concatenate([first[:-1], at_end], axis=1)
     factor = np.where(np.abs(factor) < _TINY, _TINY, factor)
@@ -66,7 +49,7 @@ def _lines(
     return _Lines(bend / factor, np.tile(acceleration, 2) / np.abs(factor))
 
 
-def _crossings(doubled: NDArray[np.float64], lines: _Lines) -> NDArray[np.float64]:
+def _crossings(doubled: Array, lines: _Lines) -> Array:
     """Return the largest x of each stage for which some u keeps all lines and stops short of driving backwards."""
     slope, height = lines
     one, other = np.triu_indices(slope.shape[1], 1)
@@ -74,11 +57,10 @@ def _crossings(doubled: NDArray[np.float64], lines: _Lines) -> NDArray[np.float6
     pairs = np.divide(together, apart, out=np.full_like(apart, np.inf), where=apart > 0).min(axis=1)
     steep = slope - 1.0 / doubled[:, None]
     forwards = np.divide(height, steep, out=np.full_like(height, np.inf), where=steep > 0).min(axis=1)
-    least: NDArray[np.float64] = np.minimum(pairs, forwards)
-    return least
+    return np.minimum(pairs, forwards)
 
 
-def _controllable(doubled: NDArray[np.float64], lines: _Lines, ceiling: NDArray[np.float64]) -> list[float]:
+def _controllable(doubled: Array, lines: _Lines, ceiling: Array) -> list[float]:
     """Return the largest x of each grid point, m + 1, from which the end can be reached at rest."""
     room = 1.0 - doubled[:, None] * lines.slope
     held = room > 0
@@ -92,7 +74,7 @@ def _controllable(doubled: NDArray[np.float64], lines: _Lines, ceiling: NDArray[
     return highest[::-1]
 
 
-def _driven(doubled: NDArray[np.float64], lines: _Lines, highest: list[float]) -> NDArray[np.float64]:
+def _driven(doubled: Array, lines: _Lines, highest: list[float]) -> Array:
     """Drive from rest as fast as the acceleration limits and the `highest` squared velocities allow."""
     stages = zip(doubled.tolist(), lines.slope.tolist(), lines.height.tolist(), highest[1:], strict=True)
     driven = [0.0]

@@ -12,13 +12,12 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.values import Trajectory
 
 from .splines import s_curve
 
-Array = NDArray[np.float64]
 ANY = 1e6
 """Jerk of a joint whose limit nobody says, beside others that have one [rad/s^3 or m/s^3]."""
 LATER = 0.14
@@ -47,16 +46,8 @@ def jerks_of(names: Sequence[str], limits: Mapping[str, float]) -> Array | None:
 
 
 def braking_times(velocity: Array, now: Array, acceleration: Array, jerk: Array) -> Array:
-    """Return how long each joint by itself takes to rest [s]; each shape (n,).
-
-    Args:
-        velocity: it begins with.
-        now: its acceleration then.
-        acceleration: its limits.
-        jerk: likewise.
-    """
-    found: Array = _phases(velocity, now, acceleration, jerk)[0].sum(axis=0)
-    return found
+    """Return how long each joint by itself takes to rest [s]; each shape (n,)."""
+    return _phases(velocity, now, acceleration, jerk)[0].sum(axis=0)
 
 
 def _phases(velocity: Array, now: Array, acceleration: Array, jerk: Array) -> tuple[Array, Array]:
@@ -109,19 +100,11 @@ def quintic_jerks(trajectory: Trajectory) -> Array:
     begin = even - 6 * step * (v0 - v1) - step**2 * (9 * a0 - 3 * a1)
     end = even + 6 * step * (v0 - v1) + step**2 * (9 * a1 - 3 * a0)
     middle = -even / 2 + 1.5 * step**2 * (a0 - a1)
-    found: Array = np.stack([begin, middle, end]) / step**3
-    return found
+    return np.stack([begin, middle, end]) / step**3
 
 
 def smooth_stop(trajectory: Trajectory, time: float, acceleration: Array, jerk: Array) -> Trajectory | None:
-    """Return how a motion comes to rest from a moment on, on its path; None where the path itself is beyond the limits.
-
-    Args:
-        trajectory: what is followed; its accelerations don't jump.
-        time: for how long it has been followed [s].
-        acceleration: limits of its joints, shape (n,).
-        jerk: likewise, [rad/s^3 or m/s^3].
-    """
+    """Return how a motion comes to rest on its path from a moment on; None where the path itself breaks the limits."""
     _, velocity, now = trajectory.sampled(np.array([time]))
     soonest = float(braking_times(velocity[0], now[0], acceleration, jerk).max())
     within, left = soonest + LATER, trajectory.duration - time

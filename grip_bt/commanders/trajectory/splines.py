@@ -10,11 +10,10 @@ other than by a spline through the positions, which rings about every switch of 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.values import Trajectory
 
-Array = NDArray[np.float64]
 _STEP = 0.02
 """Time between two points of a motion in joint space [s]."""
 
@@ -23,7 +22,6 @@ def smoothed(names: tuple[str, ...], rows: Array, step: float) -> Trajectory:
     """Return a trajectory from rest to rest, without acceleration at its ends, two steps longer than the rows.
 
     Args:
-        names: n joints.
         rows: positions at even times, shape (k, n); the first and the last are where it begins and ends.
         step: time between two rows [s].
     """
@@ -77,11 +75,7 @@ def averaged(rows: Array, count: int) -> Array:
 
 
 def peaks(trajectory: Trajectory) -> tuple[Array, Array, Array]:
-    """Return the largest velocity, acceleration and jerk of each joint, each shape (n,), on the cubics between points.
-
-    Args:
-        trajectory: its points have velocities.
-    """
+    """Return the largest velocity, acceleration and jerk of each joint on cubics between points, each shape (n,)."""
     _, first, second, third = cubics(trajectory)
     steps = np.diff(trajectory.times)[:, None]
     last = second + third * steps
@@ -112,5 +106,4 @@ def slowed(trajectory: Trajectory, velocity: Array, acceleration: Array, jerk: A
 
 
 def _largest(values: Array) -> Array:
-    found: Array = np.abs(values).max(axis=0, initial=0.0)
-    return found
+    return np.abs(values).max(axis=0, initial=0.0)

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.failures import PathInvalidError
 from grip_bt.base.values import Trajectory
 
@@ -42,14 +42,14 @@ class Allowed(NamedTuple):
         jerk: [rad/s^3]; None for any.
     """
 
-    velocity: NDArray[np.float64]
-    acceleration: NDArray[np.float64]
-    jerk: NDArray[np.float64] | None = None
+    velocity: Array
+    acceleration: Array
+    jerk: Array | None = None
 
 
 def timed(
     names: tuple[str, ...],
-    path: NDArray[np.float64],
+    path: Array,
     limits: Limits,
     allowed: Allowed,
     acceptable: Callable[[Trajectory], bool],
@@ -64,7 +64,6 @@ def timed(
     `acceptable`, and where it isn't, the knots are set closer.
 
     Args:
-        names: the n joints.
         path: shape (k, n) [rad].
         limits: of the joints' positions.
         allowed: what is used of the other limits.
@@ -84,7 +83,7 @@ def timed(
     raise PathInvalidError("the path can't be timed without leaving the free space", knots=len(path))
 
 
-def _apart(path: NDArray[np.float64]) -> NDArray[np.float64]:
+def _apart(path: Array) -> Array:
     """Return the path without rows that are where the one before is; one row, where nothing moves."""
     largest = np.abs(path - path[0]).max()
     if largest <= STILL:
@@ -99,7 +98,7 @@ def _apart(path: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _candidates(
-    names: tuple[str, ...], path: NDArray[np.float64], limits: Limits, allowed: Allowed, timing: Timing
+    names: tuple[str, ...], path: Array, limits: Limits, allowed: Allowed, timing: Timing
 ) -> Iterator[Trajectory]:
     slower = (1.0,) if allowed.jerk is None else _SLOWER
     for spacing in _SPACINGS:
@@ -112,7 +111,7 @@ def _candidates(
             yield slowed(smoothed(names, rows, step), *allowed)
 
 
-def _sampled(curve: BSpline, drive: _Drive, slower: float, limits: Limits) -> tuple[float, NDArray[np.float64]]:
+def _sampled(curve: BSpline, drive: _Drive, slower: float, limits: Limits) -> tuple[float, Array]:
     """Return the time between positions on the path [s], and these, shape (k, n)."""
     duration = drive.duration * slower
     count = max(2, int(np.ceil(duration / np.clip(duration / _POINTS, _SHORTEST, SAMPLING))))
@@ -121,7 +120,7 @@ def _sampled(curve: BSpline, drive: _Drive, slower: float, limits: Limits) -> tu
     return max(duration / count, _SHORTEST), rows
 
 
-def _window(rows: NDArray[np.float64], step: float, jerk: NDArray[np.float64]) -> int:
+def _window(rows: Array, step: float, jerk: Array) -> int:
     """Return of how many rows the mean is taken so that no jerk is above its limit; a power of 1.25, about."""
     count = 1
     while count <= len(rows):
@@ -133,7 +132,7 @@ def _window(rows: NDArray[np.float64], step: float, jerk: NDArray[np.float64]) -
     return count
 
 
-def _knots(path: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
+def _knots(path: Array, spacing: float) -> Array:
     """Return the path's corners and points between them, at most `spacing` [rad] apart, and no two alike."""
     rows = [path[0]]
     for corner in path[1:]:
@@ -143,7 +142,7 @@ def _knots(path: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
     return np.stack(rows)
 
 
-def _curve(knots: NDArray[np.float64]) -> tuple[NDArray[np.float64], BSpline]:
+def _curve(knots: Array) -> tuple[Array, BSpline]:
     """Return path positions of the knots, shape (k, n), by their distances, and a cubic B-spline along them.
 
     Its control points are on the straight lines between the knots. So the curve stays in what these span, within the
@@ -156,7 +155,7 @@ def _curve(knots: NDArray[np.float64]) -> tuple[NDArray[np.float64], BSpline]:
     return at, BSpline(padded, controls, 3)
 
 
-def _drive(at: NDArray[np.float64], curve: BSpline, allowed: Allowed, timing: Timing) -> _Drive:
+def _drive(at: Array, curve: BSpline, allowed: Allowed, timing: Timing) -> _Drive:
     grid = _grid(at)
     if timing == "toppra":
         from .library import squared_velocities as by_the_library  # a second to import, and seldom asked for
@@ -167,7 +166,7 @@ def _drive(at: NDArray[np.float64], curve: BSpline, allowed: Allowed, timing: Ti
     return _Drive(grid, squared)
 
 
-def _grid(at: NDArray[np.float64]) -> NDArray[np.float64]:
+def _grid(at: Array) -> Array:
     """Return increasing path positions, from those of the knots, shape (k,): the knots, and points between them.
 
     Accelerations along a cubic spline are extreme at its knots. Where they are close the path turns sharply; with a
@@ -191,17 +190,15 @@ class _Drive:
         squared: squared path velocities there, shape (m + 1,); two neighbours aren't both zero.
     """
 
-    def __init__(self, grid: NDArray[np.float64], squared: NDArray[np.float64]):
+    def __init__(self, grid: Array, squared: Array):
         self._grid, self._velocity, steps = grid, np.sqrt(squared), np.diff(grid)
         self._change = np.diff(squared) / (2.0 * steps)
         self._times = np.concatenate([[0.0], np.cumsum(2.0 * steps / (self._velocity[:-1] + self._velocity[1:]))])
         self.duration = float(self._times[-1])
 
-    def __call__(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    def __call__(self, times: Array) -> Array:
         """Return the path position at times in [0, duration], each of shape (k,)."""
         stage = np.clip(np.searchsorted(self._times, times, side="right") - 1, 0, len(self._change) - 1)
         since = times - self._times[stage]
-        where: NDArray[np.float64] = (
-            self._grid[stage] + (self._velocity[stage] + self._change[stage] * since / 2) * since
-        )
+        where: Array = self._grid[stage] + (self._velocity[stage] + self._change[stage] * since / 2) * since
         return np.clip(where, self._grid[stage], self._grid[stage + 1])
