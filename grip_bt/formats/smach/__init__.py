@@ -1,9 +1,8 @@
 """Legacy SMACH files -> tasks: a static reading that runs nothing, and a recorded execution for what it can't see."""
 
-from .advice import advice
-from .files import ImportedFile, import_file, write_import
-from .found import Problem, Span
-from .live import FromMachine, from_machine
+from .importer import ImportedFile, advice, import_file, write_import
+from .objects import FromMachine, from_machine
+from .reader.found import Problem, Span
 from .recorded import import_with_execution
 
 __all__ = [

@@ -15,10 +15,10 @@ from typing import Any
 from grip_bt.base.errors import DocumentError
 from grip_bt.base.interpreter import python_command
 
-from .files import ImportedFile, distinct, make_tasks
-from .found import Added, Found, FoundContainer, Opaque, Span
-from .interpreter import Interpreter
-from .project import Project
+from .importer import ImportedFile, distinct, make_tasks
+from .reader.found import Added, Found, FoundContainer, Opaque, Span
+from .reader.interpreter import Interpreter
+from .reader.names import Project
 
 TIMEOUT = 60.0
 """How long [s] a module may take to build its machines."""

@@ -15,7 +15,7 @@ from typing import Any
 
 from grip_bt.smach_compat import State
 
-from .found import FIXED_OUTCOMES
+from .reader.found import FIXED_OUTCOMES
 
 
 class _Kind(type):

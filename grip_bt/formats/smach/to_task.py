@@ -14,17 +14,22 @@ from grip_bt.task.validation import validate
 from grip_bt.task.validation.dataflow import DataFlow
 from grip_bt.task.validation.survey import Survey
 
-from .concurrence import Plan, RefusedError, plan_of
-from .constants import declare, led_to, steps_before
-from .copies import entered, left, wrapped
-from .declared import check, labelled, meanings, source_of
-from .found import Added, FoundContainer
-from .iteration import iteration_of
-from .keys import Keys, Variables
-from .leaves import Leaves
-from .meanings import meaning_of
-from .sharing import Sharing, copied_in
-from .unwritten import marked, nodes_of
+from .containers import (
+    Plan,
+    RefusedError,
+    check,
+    declare,
+    iteration_of,
+    labelled,
+    led_to,
+    meanings,
+    plan_of,
+    source_of,
+    steps_before,
+)
+from .leaves import Leaves, meaning_of
+from .reader.found import Added, FoundContainer
+from .userdata import Keys, Sharing, Variables, copied_in, entered, left, marked, nodes_of, wrapped
 
 Ends = Mapping[str, str]
 """Outcome of a node -> the outcome of SMACH that it stands for."""

@@ -18,10 +18,10 @@ from grip_bt.smach_compat import Container
 from grip_bt.task import Leaf, Task
 from grip_bt.task.catalog import Catalog, Manifest
 
-from .files import ImportedFile, write_import
-from .found import Found, FoundContainer, Problem
+from .importer import ImportedFile, write_import
 from .leaves import Leaves
-from .names import MODULE
+from .reader.found import Found, FoundContainer, Problem
+from .reader.names import MODULE
 from .recorded import Merge, Record
 from .recorder import Recording
 from .to_task import TaskMaker

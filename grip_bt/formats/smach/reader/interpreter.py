@@ -11,12 +11,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from .assumptions import assumed, words
 from .calls import Calls
-from .evaluation import bind
+from .evaluation import assumed, bind, words
 from .found import Found, FoundContainer, Opaque, Reference, Span
-from .names import Class, Function, Instance, Scope, UserDataOf, is_literal
-from .project import SMACH, SMACH_ROS
+from .names import SMACH, SMACH_ROS, Class, Function, Instance, Scope, UserDataOf, is_literal
 
 _DEEPEST = 25
 _LOOPS = 1000

@@ -167,3 +167,10 @@ class FoundContainer(Found):
         """How well it was read."""
         verdicts = {p.verdict for p in self.problems}
         return "failed" if "failed" in verdicts else "partial" if verdicts else "exact"
+
+
+def root_entry(found: FoundContainer) -> FoundContainer | None:
+    """Return the outermost container when generated code can get hold of it."""
+    while found.parent is not None:
+        found = found.parent
+    return found if found.entry is not None else None

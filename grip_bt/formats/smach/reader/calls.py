@@ -6,11 +6,9 @@ import ast
 from typing import Any
 
 from . import construction
-from .assumptions import GET_PARAMETER, default_given
-from .evaluation import Evaluation
+from .evaluation import GET_PARAMETER, Evaluation, default_given
 from .found import CONTAINERS, FIXED_OUTCOMES, UNKNOWN, Found, FoundContainer, Opaque, Reference, Span
-from .names import Bound, Class, Function, Instance, Scope, UnresolvedError, UserDataOf, express
-from .project import Project
+from .names import Bound, Class, Function, Instance, Project, Scope, UnresolvedError, UserDataOf, express
 
 _STATES = ("State", "CBState", *FIXED_OUTCOMES)
 

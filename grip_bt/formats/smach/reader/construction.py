@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from .assumptions import taken
+from .evaluation import taken
 from .found import CONTAINERS, FIXED_OUTCOMES, Added, Found, FoundContainer, Opaque, Reference, Span
 from .names import Function, is_literal
 
 if TYPE_CHECKING:
     from .calls import Calls
+
 
 # Positional parameters of upstream's constructors.
 PARAMETERS = {

@@ -1,0 +1,267 @@
+"""Userdata -> variables: each key of each container is a variable of the task.
+
+SMACH copies the inputs of a nested container in and its outputs out; in the task both are one variable. Userdata is
+never cleared, so the variables belong to the task and not to the containers.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from grip_bt.nodes.smach_leaf import task_name
+from grip_bt.task import FrozenDict, Leaf, StateMachine, Variable, children_of
+from grip_bt.task.model import AnyNode, Meaning
+
+from .leaves import Leaves
+from .reader.found import FoundContainer, Opaque, Reference, root_entry
+
+_LARGEST = 2**63
+
+
+@dataclass
+class Variables:
+    """The variables of a task.
+
+    Attributes:
+        values: name -> initial value, where there is one that a task can hold.
+        first: name -> an initial value that it can't hold: its source and file, or its key and the container that
+            has it in its userdata at run time.
+    """
+
+    names: dict[str, None] = field(default_factory=dict)
+    values: dict[str, Any] = field(default_factory=dict)
+    first: dict[str, tuple[ast.expr, Any]] = field(default_factory=dict)
+
+    def new(self, key: str, prefix: str) -> str:
+        """Return a new variable for a key of a container."""
+        wanted = task_name(key)
+        if wanted in self.names:
+            wanted = task_name(f"{prefix}_{key}")
+        while wanted in self.names:
+            wanted += "_"
+        self.names[wanted] = None
+        return wanted
+
+    def declared(self, maybe_unwritten: set[str]) -> dict[str, Variable | str]:
+        """Return them as a task's `data`."""
+        made: dict[str, Variable | str] = {}
+        for name in self.names:
+            if name in self.values:
+                made[name] = Variable(type="Any", value=self.values[name])
+            elif name in maybe_unwritten:
+                made[name] = Variable(type="Any", value=None)
+            else:
+                made[name] = "Any"
+        return made
+
+
+class Keys:
+    """The keys of one container, as variables."""
+
+    def __init__(self, variables: Variables, label: str, shared: Mapping[str, str] | None = None):
+        self._variables, self._label, self._names = variables, label, dict(shared or {})
+
+    def __call__(self, key: str) -> str:
+        """Return a key's variable, which is made when it is asked for the first time."""
+        if key not in self._names:
+            self._names[key] = self._variables.new(key, self._label)
+        return self._names[key]
+
+    def begin(self, found: FoundContainer) -> None:
+        """Take over the initial values of a container's userdata."""
+        for key, value in found.userdata.items():
+            name = self(key)
+            if name in self._variables.values or name in self._variables.first:
+                continue  # the parent's value comes in
+            try:
+                self._variables.values[name] = plain_literal(value)
+            except ValueError as error:
+                self._first(found, key, name, value, str(error))
+
+    def _first(self, found: FoundContainer, key: str, name: str, value: Any, shown: str) -> None:
+        expression = value.expression if isinstance(value, (Opaque, Reference)) else getattr(value, "expression", None)
+        if expression is not None:
+            self._variables.first[name] = (expression, found.span.file)
+        elif root_entry(found) is None:
+            found.problem(
+                "partial",
+                f"userdata `{key}` begins as `{shown}`, which only a run knows: give the variable `{name}` a value,"
+                " or have a state write it",
+            )
+        else:
+            self._variables.first[name] = (ast.Constant(key), found)
+
+
+def plain_literal(value: Any) -> Any:
+    """Return a value as a task can hold it; a tuple becomes a list.
+
+    Raises:
+        ValueError: a task can't hold it; the message is its source.
+    """
+    if value is None or isinstance(value, (bool, float, str)):
+        return value
+    if isinstance(value, int) and abs(value) < _LARGEST:
+        return value
+    if isinstance(value, (list, range)):
+        return [plain_literal(item) for item in value]
+    if isinstance(value, dict) and all(isinstance(key, str) for key in value):
+        return {key: plain_literal(item) for key, item in value.items()}
+    raise ValueError(value.text if isinstance(value, Opaque) else getattr(value, "cls", repr(value)))
+
+
+@dataclass
+class Sharing:
+    """Who writes which variable, and which keys of nested containers are variables of their parents.
+
+    Attributes:
+        chain: the containers around what is being made.
+        writes: (the containers around a leaf, the variables that it writes).
+        shared: (nested container, its key -> variable).
+    """
+
+    chain: list[FoundContainer] = field(default_factory=list)
+    writes: list[tuple[tuple[FoundContainer, ...], set[str]]] = field(default_factory=list)
+    shared: list[tuple[FoundContainer, Mapping[str, str]]] = field(default_factory=list)
+
+    def wrote(self, variables: set[str]) -> None:
+        """Note what a leaf of the innermost container writes."""
+        self.writes.append((tuple(self.chain), variables))
+
+    def wrote_outside(self, variables: set[str]) -> None:
+        """Note what the innermost container writes as a whole."""
+        self.writes.append((tuple(self.chain[:-1]), variables))
+
+    def check(self, initial: set[str]) -> None:
+        """Note a problem for each key whose copies make a difference.
+
+        Args:
+            initial: variables that have a value from the beginning.
+        """
+        for found, key, text, _ in self.troubles(initial):
+            found.problem("partial", f"userdata `{key}` {text}")
+
+    def copied_out(self, initial: set[str]) -> set[tuple[FoundContainer, str]]:
+        """Return the keys of containers that need a variable of their own, copied out at the end."""
+        return {(found, key) for found, key, _, out in self.troubles(initial) if out}
+
+    def troubles(self, initial: set[str]) -> Iterator[tuple[FoundContainer, str, str, bool]]:
+        """Yield container, key, what is wrong, and whether a variable of its own mends it."""
+        for found, names in self.shared:
+            reads, writes = _inside(found)
+            for key, variable in names.items():
+                trouble = self._trouble(found, key, variable, reads, writes, initial)
+                twins = sorted(k for k, v in names.items() if v == variable)
+                if not trouble and len(twins) > 1 and writes & set(twins):
+                    trouble = f"and {[k for k in twins if k != key]} are one key of the parent: SMACH keeps them apart"
+                if trouble:
+                    mends = len(twins) > 1 or (key in found.output_keys and key not in found.input_keys)
+                    yield found, key, f"{trouble}, the task has one variable, `{variable}`", mends
+
+    def _trouble(
+        self, found: FoundContainer, key: str, variable: str, reads: set[str], writes: set[str], initial: set[str]
+    ) -> str:
+        comes, goes = key in found.input_keys, key in found.output_keys
+        if comes and not goes and key in writes:
+            return f"comes in and not out, but a state writes it: SMACH drops that when the {found.kind} ends"
+        if goes and not comes:
+            others = any(found not in chain and variable in written for chain, written in self.writes)
+            if others:
+                return f"goes out and not in, and is written elsewhere too: SMACH keeps the {found.kind}'s own value"
+            if key in reads and variable in initial:
+                return f"goes out and not in, but a state reads it: SMACH shows it what the {found.kind} has written"
+        return ""
+
+
+def copied_in(found: FoundContainer) -> list[str]:
+    """Return the keys of a machine that need a variable of their own: they come in and not out, and are written."""
+    writes = _inside(found)[1]
+    return [key for key in found.input_keys if key in writes and key not in found.output_keys]
+
+
+def _inside(found: FoundContainer) -> tuple[set[str], set[str]]:
+    """Return the keys of a container that its children read and write."""
+    reads: set[str] = set()
+    writes: set[str] = set()
+    for added in found.added.values():
+        remapping = {} if found.kind == "Iterator" else added.remapping
+        reads |= {remapping.get(key, key) for key in added.state.input_keys}
+        writes |= {remapping.get(key, key) for key in added.state.output_keys}
+    if found.kind == "Iterator":
+        writes.add(str(found.settings.get("it_label", "it_data")))
+    return reads, writes
+
+
+def marked(node: AnyNode, missing: set[str]) -> AnyNode:
+    """Tell every leaf which of its inputs may be unwritten."""
+    if isinstance(node, Leaf):
+        unwritten = [port for port, variable in node.in_.items() if variable in missing and port != "position"]
+        return node.model_copy(update={"with_": FrozenDict({"unwritten": unwritten})}) if unwritten else node
+    children = {name: marked(child, missing) for name, child in children_of(node).items()}
+    return node.model_copy(update={"children": FrozenDict(children)})
+
+
+def nodes_of(node: AnyNode) -> Iterable[AnyNode]:
+    """Yield a node and all below it."""
+    yield node
+    for child in children_of(node).values():
+        yield from nodes_of(child)
+
+
+def wrapped(node: AnyNode, ends: Mapping[str, str], outcomes: Mapping[str, Meaning]) -> StateMachine:
+    """Return a machine of one state, which has room for what copies.
+
+    Args:
+        node: what is no machine.
+        ends: outcome of the node -> outcome of the machine.
+        outcomes: those of the machine.
+    """
+    name = "together"
+    while name in outcomes:
+        name += "_"
+    state = node.model_copy(update={"on": FrozenDict(dict(ends))})
+    return StateMachine(kind="state_machine", initial=name, outcomes=dict(outcomes), children={name: state})
+
+
+def entered(node: StateMachine, copied: Mapping[str, str], inner: Keys, leaves: Leaves) -> StateMachine:
+    """Put a state first that copies keys in.
+
+    Args:
+        node: the container.
+        copied: its key -> the parent's variable.
+        inner: its own variables.
+        leaves: takes the leaf.
+    """
+    name = _free("enter", {*node.children, *node.outcomes})
+    step = Leaf(
+        node=leaves.copy(list(copied)).manifest.id,
+        in_=dict(copied),
+        out={key: inner(key) for key in copied},
+        on={"done": node.initial},
+    )
+    return node.model_copy(update={"initial": name, "children": FrozenDict({name: step, **node.children})})
+
+
+def left(node: StateMachine, out: Mapping[str, str], inner: Keys, leaves: Leaves) -> StateMachine:
+    """Put a state before each outcome that copies keys out; arguments as for `entered`."""
+    taken = {*node.children, *node.outcomes}
+    names = {outcome: _free(f"leave {outcome}", taken) for outcome in node.outcomes}
+    children = {
+        label: child.model_copy(update={"on": FrozenDict({k: names.get(t, t) for k, t in child.on.items()})})
+        for label, child in node.children.items()
+    }
+    used = {target for child in children.values() for target in child.on.values()}
+    spec = leaves.copy(list(out))
+    for outcome, name in names.items():
+        if name in used:
+            bound = {"in_": {key: inner(key) for key in out}, "out": dict(out)}
+            children[name] = Leaf(node=spec.manifest.id, on={"done": outcome}, **bound)
+    return node.model_copy(update={"children": FrozenDict(children)})
+
+
+def _free(name: str, taken: set[str]) -> str:
+    while name in taken:
+        name += "_"
+    return name
