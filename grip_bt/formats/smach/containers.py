@@ -16,13 +16,16 @@ from .leaves import meaning_of
 from .reader.found import Added, FoundContainer, Opaque
 from .userdata import Keys, Variables, plain_literal
 
+MOST_ITEMS = 10_000
+"""Of a range; they stand in the task one by one."""
+
 
 class RefusedError(Exception):
     """A container has no equal among the kinds of a task; the message says why."""
 
 
 @dataclass
-class Plan:
+class ParallelRules:
     """How a Concurrence becomes a parallel.
 
     Attributes:
@@ -34,7 +37,7 @@ class Plan:
     default: str
 
 
-def plan_of(found: FoundContainer) -> Plan:
+def parallel_rules(found: FoundContainer) -> ParallelRules:
     """Return how a Concurrence becomes a parallel.
 
     Raises:
@@ -58,7 +61,7 @@ def plan_of(found: FoundContainer) -> Plan:
         if label not in (found.outcomes or ()):
             raise RefusedError(f"{label!r} of its outcome map is none of its outcomes")
     _check_writes(found)
-    return Plan(sorted(entries.items(), key=lambda entry: -len(entry[1])), default)
+    return ParallelRules(sorted(entries.items(), key=lambda entry: -len(entry[1])), default)
 
 
 def _check_writes(found: FoundContainer) -> None:
@@ -69,10 +72,6 @@ def _check_writes(found: FoundContainer) -> None:
             if there in writers and writers[there] != label:
                 raise RefusedError(f"{writers[there]!r} and {label!r} both write the userdata `{there}`")
             writers[there] = label
-
-
-MOST_ITEMS = 10_000
-"""Of a range; they stand in the task one by one."""
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,8 @@ from .reader.interpreter import Interpreter
 from .reader.names import Project
 from .to_task import TaskMaker
 
+_BY_A_RUN = ("only a run knows", "known only by a run")
+
 
 @dataclass
 class ImportedFile:
@@ -148,9 +150,6 @@ def write_import(imported: ImportedFile, tasks: Mapping[str, Path], nodes: Path)
         path.parent.mkdir(parents=True, exist_ok=True)
         replace_text(path, text)
     return list(texts)
-
-
-_BY_A_RUN = ("only a run knows", "known only by a run")
 
 
 def advice(imported: ImportedFile, executed: bool, given: Mapping[str, Mapping[str, Any]] | None = None) -> list[str]:

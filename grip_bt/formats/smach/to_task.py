@@ -15,7 +15,7 @@ from grip_bt.task.validation.dataflow import DataFlow
 from grip_bt.task.validation.survey import Survey
 
 from .containers import (
-    Plan,
+    ParallelRules,
     RefusedError,
     check,
     declare,
@@ -23,7 +23,7 @@ from .containers import (
     labelled,
     led_to,
     meanings,
-    plan_of,
+    parallel_rules,
     source_of,
     steps_before,
 )
@@ -94,7 +94,7 @@ class TaskMaker:
         check(found)
         keys.begin(found)
         if found.kind == "Concurrence":
-            return self._parallel(found, keys, plan_of(found))
+            return self._parallel(found, keys, parallel_rules(found))
         ends = {task_name(o): o for o in found.outcomes or ()}
         if found.kind == "Iterator":
             return self._iterator(found, keys, meanings(found)), ends
@@ -152,25 +152,25 @@ class TaskMaker:
             x=source_of(found),
         )
 
-    def _parallel(self, found: FoundContainer, keys: Keys, plan: Plan) -> tuple[Parallel, Ends]:
+    def _parallel(self, found: FoundContainer, keys: Keys, given: ParallelRules) -> tuple[Parallel, Ends]:
         children: dict[str, AnyNode] = {}
         ends_of: dict[str, Ends] = {}
         for label, added in found.added.items():
             children[task_name(label)], ends_of[label] = self.child(found, added, keys)
-        own, labels = labelled(found, plan.default)
-        ends = {"success": plan.default, "failure": plan.default} | {label: o for o, label in labels.items()}
+        own, labels = labelled(found, given.default)
+        ends = {"success": given.default, "failure": given.default} | {label: o for o, label in labels.items()}
         asked = "asked" + "_" * ("asked" in children)
         allowed = "preempted" in labels
         spec = self.leaves.obeyed()
         children[asked] = Leaf(node=spec.manifest.id, with_={} if allowed else {"allowed": False})
         rules = [ParallelRule(when={asked: "preempted"}, then=labels["preempted"])] if allowed else []
-        for outcome, wanted in plan.rules:
+        for outcome, wanted in given.rules:
             when = {task_name(c): [h for h, there in ends_of[c].items() if there == o] for c, o in wanted.items()}
             if all(when.values()):  # what a state never ends with never holds
                 rules.append(
                     ParallelRule(when={c: w[0] if len(w) == 1 else w for c, w in when.items()}, then=labels[outcome])
                 )
-        rules.append(ParallelRule(then=labels[plan.default]))
+        rules.append(ParallelRule(then=labels[given.default]))
         node = Parallel(
             kind="parallel", cancel="join", children=children, rules=rules, outcomes=own, x=source_of(found)
         )

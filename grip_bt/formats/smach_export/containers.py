@@ -11,28 +11,25 @@ from grip_bt.nodes.smach_asking import CONSTANT, MARK
 from grip_bt.task import model, walking
 
 from ..standalone.layout import Code, Items, call
-from .concurrence import outcome_function, outcome_map
-from .forms import form_of
-from .keys import reads, writes
-from .legacy import constants_before, is_next_item, is_obeyed, legacy_state, names_inside
-from .plan import Plan, keys_of
-from .states import legacy, tree
+from .forms import outcome_function, outcome_map, smach_form
+from .legacy import constants_before, is_next_item, is_obeyed, legacy_state, names_inside, reads, writes
+from .states import SourceBuilder, keys_of, legacy, tree
 
 Made = Items | Code
 
 
-def state(plan: Plan, part: Part, needed: Refined) -> Made:
+def state(builder: SourceBuilder, part: Part, needed: Refined) -> Made:
     """Return the expression of a node's state; containers are written before it."""
-    form = form_of(part, needed)
+    form = smach_form(part, needed)
     if form == "state":
-        return legacy(plan, part)
+        return legacy(builder, part)
     if form == "tree":
-        return tree(plan, part, needed)
-    return Code(_CONTAINERS[form](plan, part, needed))
+        return tree(builder, part, needed)
+    return Code(_CONTAINERS[form](builder, part, needed))
 
 
 def machine(
-    plan: Plan,
+    builder: SourceBuilder,
     part: Part,
     needed: Refined,
     name: str = "",
@@ -43,7 +40,7 @@ def machine(
     """Write a StateMachine and return its name.
 
     Args:
-        plan: takes it.
+        builder: takes it.
         part: a container whose children run one after the other.
         needed: (outcome, code) pairs for which its parent has an edge.
         name: what it is called.
@@ -58,48 +55,48 @@ def machine(
     constants: dict[str, dict[str, object]] = {}
     for target, given in before.values():
         constants[target] = {**given, **constants.get(target, {})}
-    states = {child.name: state(plan, child, table.refined[child.name]) for child in children}
-    name = name or plan.take(part)
+    states = {child.name: state(builder, child, table.refined[child.name]) for child in children}
+    name = name or builder.take(part)
     keys = {} if outcomes else keys_of(part)
-    plan.begin(name, call("smach.StateMachine", outcomes=outcomes or labels(part.meaning, needed), **keys), part)
+    builder.begin(name, call("smach.StateMachine", outcomes=outcomes or labels(part.meaning, needed), **keys), part)
     if then is not None:
         then()
-    counter = _counter(plan, part, name) if counts(part) else ""
-    choice = _choice(plan, part, needed, name) if chooses(part) else ""
-    plan.body.append(f"    with {name}:")
+    counter = _counter(builder, part, name) if counts(part) else ""
+    choice = _choice(builder, part, needed, name) if chooses(part) else ""
+    builder.body.append(f"    with {name}:")
     for child in children:
         row = {label: led.get(to, to) for label, to in table.rows[names[child.name]].items()}
         leads = {label: ends.get(to, to) for label, to in row.items()}
         more = {"constants": constants[child.name]} if child.name in constants else {}
-        add(plan, names[child.name], states[child.name], child, table.refined[child.name], leads, **more)
+        add(builder, names[child.name], states[child.name], child, table.refined[child.name], leads, **more)
     if counter:
         end = "failure" if isinstance(part.node, model.Retry) else "success"
         leads = {"again": names[part.children[0].name], "enough": ends.get(end, end)}
-        plan.write(call("smach.StateMachine.add", COUNT, Code(counter), transitions=leads), "", 8)
+        builder.write(call("smach.StateMachine.add", COUNT, Code(counter), transitions=leads), "", 8)
     if choice:
         leads = {f"do {child.name}": names[child.name] for child in part.children}
         leads |= {end: ends.get(end, end) for end in labels(("success", "failure"), _failures(needed))}
         if isinstance(part.node, model.Switch):  # a child without a case is never next
             leads = {end: to for end, to in leads.items() if end[:3] != "do " or end[3:] in _cased(part.node)}
-        plan.write(call("smach.StateMachine.add", COUNT, Code(choice), transitions=leads), "", 8)
+        builder.write(call("smach.StateMachine.add", COUNT, Code(choice), transitions=leads), "", 8)
     initial = led.get(table.initial, table.initial)
     if initial != names[children[0].name]:
-        plan.write(call(f"{name}.set_initial_state", [initial]), "", 4)
+        builder.write(call(f"{name}.set_initial_state", [initial]), "", 4)
     return name
 
 
-def _counter(plan: Plan, part: Part, name: str) -> str:
+def _counter(builder: SourceBuilder, part: Part, name: str) -> str:
     assert isinstance(part.node, model.Retry | model.Repeat), "only these count"
-    plan.parts.add("count")
-    counter = plan.identifiers.take(f"attempts_of_{name}")
-    plan.write(call("Count", part.node.times), counter)
-    plan.write(call(f"{name}.register_start_cb", Code(f"{counter}.begin")))
+    builder.parts.add("count")
+    counter = builder.identifiers.take(f"attempts_of_{name}")
+    builder.write(call("Count", part.node.times), counter)
+    builder.write(call(f"{name}.register_start_cb", Code(f"{counter}.begin")))
     return counter
 
 
-def _choice(plan: Plan, part: Part, needed: Refined, name: str) -> str:
+def _choice(builder: SourceBuilder, part: Part, needed: Refined, name: str) -> str:
     """Write the state that asks a rule, and return its name."""
-    plan.classes["Choose"] = None
+    builder.classes["Choose"] = None
     more: dict[str, object] = {"place": part.path}
     if failures := _failures(needed):
         more["codes"] = [f"{outcome}.{code}" for outcome, code in sorted(failures)]
@@ -114,9 +111,9 @@ def _choice(plan: Plan, part: Part, needed: Refined, name: str) -> str:
         said = {"condition": part.node.while_, "times": part.node.times}
         given = {key: value for key, value in said.items() if value not in ("", None)}
         made = call("Choose.loop", Code("run"), part.children[0].name, **given, **more)
-    choice = plan.identifiers.take(f"choice_of_{name}")
-    plan.write(made, choice)
-    plan.write(call(f"{name}.register_start_cb", Code(f"{choice}.begin")))
+    choice = builder.identifiers.take(f"choice_of_{name}")
+    builder.write(made, choice)
+    builder.write(call(f"{name}.register_start_cb", Code(f"{choice}.begin")))
     return choice
 
 
@@ -129,7 +126,7 @@ def _cased(node: model.Switch) -> set[str]:
 
 
 def add(
-    plan: Plan,
+    builder: SourceBuilder,
     label: str,
     made: Made,
     part: Part,
@@ -139,47 +136,47 @@ def add(
 ) -> None:
     """Write what adds a state to a StateMachine, or without transitions to a Concurrence."""
     given: dict[str, object] = {}
-    known = legacy_state(part) if form_of(part, refined) == "state" else None
+    known = legacy_state(part) if smach_form(part, refined) == "state" else None
     if leads is not None:
         if known is not None:  # legacy states give no failure codes, and may call their outcomes otherwise
             leads = {known.outcomes.get(o, o): to for o, to in leads.items() if "." not in o}
         given["transitions"] = dict(leads)
     if known is not None and known.remapping:
         given["remapping"] = known.remapping
-    if form_of(part, refined) == "items":
+    if smach_form(part, refined) == "items":
         if renamed := {key: variable for variable, key in _names(part).items() if key != variable}:
             given["remapping"] = renamed
-    plan.write(
+    builder.write(
         call(f"smach.{'Concurrence' if leads is None else 'StateMachine'}.add", label, made, **given, **more), "", 8
     )
 
 
-def _iterator(plan: Plan, part: Part, needed: Refined) -> str:
+def _iterator(builder: SourceBuilder, part: Part, needed: Refined) -> str:
     """Write a for_each over a variable, which is looked at when it begins."""
     assert isinstance(part.node, model.ForEach), "only these iterate over a variable"
     (child,) = part.children
     table = table_of(part, needed)
-    made = state(plan, child, table.refined[child.name])
-    name, keys = plan.take(part), {"input_keys": [], "output_keys": [], **keys_of(part)}
+    made = state(builder, child, table.refined[child.name])
+    name, keys = builder.take(part), {"input_keys": [], "output_keys": [], **keys_of(part)}
     outcomes = labels(part.meaning, needed)
-    own = _own(plan, part, "Each", "smach.Iterator")
+    own = _own(builder, part, "Each", "smach.Iterator")
     run = [Code("run")] if own == "Each" else []
-    plan.begin(name, call(own, *run, outcomes=outcomes, **keys, exhausted_outcome="success"), part)
+    builder.begin(name, call(own, *run, outcomes=outcomes, **keys, exhausted_outcome="success"), part)
     items, item = part.node.items, part.node.item
     given = f"lambda userdata, states: {name}.set_iteritems(list(userdata[{items!r}]), {item!r})"
-    plan.write(call(f"{name}.register_start_cb", Code(given)))
+    builder.write(call(f"{name}.register_start_cb", Code(given)))
     (row,) = table.rows.values()
-    _contained(plan, name, child, made, row, {COUNT}, {})
+    _contained(builder, name, child, made, row, {COUNT}, {})
     return name
 
 
-def _items(plan: Plan, part: Part, needed: Refined) -> str:
+def _items(builder: SourceBuilder, part: Part, needed: Refined) -> str:
     """Write what an import had made of an Iterator as one."""
     assert isinstance(part.node, model.StateMachine), "it is a machine of these"
     first = next(child for child in part.children if child.name == part.node.initial)
     other = next(child for child in part.children if not is_next_item(child))
     table = table_of(part, needed)
-    made = state(plan, other, table.refined[other.name])
+    made = state(builder, other, table.refined[other.name])
     assert isinstance(first.node, model.Leaf), "it hands out items"
     names = _names(part)
     given = {
@@ -189,11 +186,11 @@ def _items(plan: Plan, part: Part, needed: Refined) -> str:
         "it_label": names[first.node.out["item"]],
         "exhausted_outcome": first.node.on["exhausted"],
     }
-    name = plan.take(part)
-    plan.body.append("")
-    own = _own(plan, part, "Each", "smach.Iterator")
+    name = builder.take(part)
+    builder.body.append("")
+    own = _own(builder, part, "Each", "smach.Iterator")
     run = [Code("run")] if own == "Each" else []
-    plan.write(call(own, *run, outcomes=labels(part.meaning, needed), **given), name)
+    builder.write(call(own, *run, outcomes=labels(part.meaning, needed), **given), name)
     again = {child.name for child in part.children if is_next_item(child)}
     mapped: dict[str, str] = {}
     for step in part.children:
@@ -201,7 +198,7 @@ def _items(plan: Plan, part: Part, needed: Refined) -> str:
         if is_next_item(step) and isinstance(node, model.Leaf) and not node.with_.get("leaves_by"):
             into = [label for label, to in table.rows[other.name].items() if to == step.name]
             mapped |= {label: node.on.get("preempted", label) for label in into}
-    _contained(plan, name, other, made, table.rows[other.name], again, mapped)
+    _contained(builder, name, other, made, table.rows[other.name], again, mapped)
     return name
 
 
@@ -212,7 +209,13 @@ def _names(part: Part) -> dict[str, str]:
 
 
 def _contained(
-    plan: Plan, name: str, child: Part, made: Made, row: Mapping[str, str], again: set[str], loops_to: Mapping[str, str]
+    builder: SourceBuilder,
+    name: str,
+    child: Part,
+    made: Made,
+    row: Mapping[str, str],
+    again: set[str],
+    loops_to: Mapping[str, str],
 ) -> None:
     """Write the state of an Iterator; `loops_to`: what it ends with when it is preempted after these outcomes."""
     row = {label: to for label, to in row.items() if legacy_state(child) is None or "." not in label}
@@ -222,15 +225,15 @@ def _contained(
     ways = {**leaving, **{label: to for label, to in loops_to.items() if label in loops}}
     if mapped := {label: to for label, to in ways.items() if label != to}:
         given["final_outcome_map"] = mapped
-    plan.body.append(f"    with {name}:")
-    plan.write(call("smach.Iterator.set_contained_state", child.name, made, **given), "", 8)
+    builder.body.append(f"    with {name}:")
+    builder.write(call("smach.Iterator.set_contained_state", child.name, made, **given), "", 8)
 
 
-def _own(plan: Plan, part: Part, ours: str, theirs: str) -> str:
+def _own(builder: SourceBuilder, part: Part, ours: str, theirs: str) -> str:
     """Return SMACH's own class where all that is below are legacy states, which it was once made for; else ours."""
     if all(_is_legacy(below) for below in part.walk() if not below.children):
         return theirs
-    plan.classes[ours] = None
+    builder.classes[ours] = None
     return ours
 
 
@@ -239,29 +242,29 @@ def _is_legacy(part: Part) -> bool:
     return constant or is_next_item(part) or is_obeyed(part) or legacy_state(part) is not None
 
 
-def _concurrence(plan: Plan, part: Part, needed: Refined) -> str:
+def _concurrence(builder: SourceBuilder, part: Part, needed: Refined) -> str:
     names = state_labels(part)
     children = [child for child in part.children if not is_obeyed(child)]
-    states = {child.name: state(plan, child, ()) for child in children}
-    name, default, given = plan.take(part), "failure", dict[str, object]()
-    own, said = _own(plan, part, "Joining", "smach.Concurrence"), outcome_map(part)
+    states = {child.name: state(builder, child, ()) for child in children}
+    name, default, given = builder.take(part), "failure", dict[str, object]()
+    own, said = _own(builder, part, "Joining", "smach.Concurrence"), outcome_map(part)
     if said is not None and own == "smach.Concurrence":
         mapped, default = said
         given["outcome_map"] = {o: {names[c]: end for c, end in ends.items()} for o, ends in mapped.items()}
     else:
-        function = plan.identifiers.take(f"outcome_of_{name}")
-        plan.functions.append(outcome_function(part, function, names))
+        function = builder.identifiers.take(f"outcome_of_{name}")
+        builder.functions.append(outcome_function(part, function, names))
         given["outcome_cb"] = Code(function)
     outcomes = labels(part.meaning, needed)
     made = call(own, outcomes=outcomes, default_outcome=default, **keys_of(part), **given)
-    plan.begin(name, made, part)
-    plan.body.append(f"    with {name}:")
+    builder.begin(name, made, part)
+    builder.body.append(f"    with {name}:")
     for child in children:
-        add(plan, names[child.name], states[child.name], child, (), None)
+        add(builder, names[child.name], states[child.name], child, (), None)
     return name
 
 
-_CONTAINERS: dict[str, Callable[[Plan, Part, Refined], str]] = {
+_CONTAINERS: dict[str, Callable[[SourceBuilder, Part, Refined], str]] = {
     "machine": machine,
     "iterator": _iterator,
     "items": _items,

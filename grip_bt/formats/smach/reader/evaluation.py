@@ -16,6 +16,7 @@ from .names import Bound, Class, Function, Instance, Scope, UserDataOf, express_
 
 GET_PARAMETER = "rospy.get_param"
 _METHODS = ("items", "keys", "values", "get")
+_LARGEST = 10_000
 
 
 def default_given(arguments: list[Any], named: dict[str, Any]) -> Any:
@@ -70,7 +71,6 @@ def words(value: Opaque, default: Any) -> str:
     )
 
 
-_LARGEST = 10_000
 _BINARY: dict[type, Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,

@@ -26,6 +26,8 @@ SMACH_ROS = {
         *("ActionServerWrapper", "IntrospectionServer", "IntrospectionClient", "set_preempt_handler"),
     )
 }
+MODULE = "legacy"
+"""How generated code calls the legacy module."""
 
 
 @dataclass
@@ -74,10 +76,6 @@ class Project:
         except DocumentError:
             return False
         return True
-
-
-MODULE = "legacy"
-"""How generated code calls the legacy module."""
 
 
 class UnresolvedError(Exception):
