@@ -10,7 +10,7 @@ from grip_bt.base.evaluation import condition_of, value_of
 from grip_bt.base.expression import Expression, parse_expression
 from grip_bt.base.issue import Issue
 from grip_bt.nodes.control import Cases, Condition, Items, Passes, Rest, Rule
-from grip_bt.task import model, walking
+from grip_bt.task import model
 from grip_bt.task.model import AnyNode
 from grip_bt.task.walking import expressions_of
 
@@ -53,7 +53,7 @@ def bind_rule(part: Part, scopes: Scopes) -> Rule | None:
     path, scope, names = part.path, part.scope, [child.name for child in part.children]
     match part.node:
         case model.Switch(on_value=text, default=default):
-            return Cases(bind_value(path, "on_value", text, scope, scopes), list(walking.cases_of(part.node)), default)
+            return Cases(bind_value(path, "on_value", text, scope, scopes), list(part.node.literals()), default)
         case model.Loop(while_=text, times=times):
             holds = bind_condition(path, "while", text, scope, scopes) if text else None
             return Passes(names[0], holds, times)

@@ -16,7 +16,6 @@ from grip_bt.task.catalog import Catalog, Manifest, check_value, face_of, parse_
 from grip_bt.task.model import (
     AnyNode,
     Container,
-    ForEach,
     Foreign,
     Leaf,
     Parallel,
@@ -25,6 +24,7 @@ from grip_bt.task.model import (
     Switch,
     Task,
     Variable,
+    type_of,
 )
 from grip_bt.task.validation.known import KnownManifests
 from grip_bt.task.validation.rules.foreign import not_listed
@@ -197,20 +197,23 @@ class _Resolver:
         self.add(path, "misplaced-on", "`on:` is only for children of a state_machine; use `exits:` of the container")
 
     def variables(self, path: str, node: Container, outer: Scope) -> Mapping[str, Variable | str]:
-        """Return what a container declares, with the item of a for_each."""
-        if not isinstance(node, ForEach):
-            return node.data
-        there = {name: v if isinstance(v, str) else v.type for name, v in node.data.items()}
-        cell = outer.find(node.items)
-        if node.items not in there and cell is None:
-            self.add(path, "undeclared-variable", f"`items` names {node.items!r}, which isn't declared here or above")
-            return {**node.data, node.item: "Any"}
-        held = there.get(node.items) or (cell.type if cell is not None else "Any")
-        try:
-            item = parse_type(held).item
-        except ValueError:
-            item = None
-        return {**node.data, node.item: str(item or "Any")}
+        """Return what a container declares, with what it takes out of lists."""
+        declared: dict[str, Variable | str] = dict(node.data)
+        for key, items, item in node.taken():
+            cell = outer.find(items)
+            if items in declared:
+                held = type_of(declared[items])
+            elif cell is not None:
+                held = cell.type
+            else:
+                held = "Any"
+                self.add(path, "undeclared-variable", f"`{key}` names {items!r}, which isn't declared here or above")
+            try:
+                of_list = parse_type(held).item
+            except ValueError:
+                of_list = None
+            declared[item] = str(of_list or "Any")
+        return declared
 
     def cases(self, path: str, node: Switch) -> None:
         for name in (*node.cases, *([node.default] if node.default else [])):

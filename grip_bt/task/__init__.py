@@ -35,7 +35,7 @@ from .model import (
     Variable,
 )
 from .schema import schema
-from .walking import cases_of, children_of, expressions_of, join, outcomes_of, walk, with_refusal
+from .walking import children_of, expressions_of, join, outcomes_of, walk, with_refusal
 
 __all__ = [
     "AnyNode",
@@ -67,7 +67,6 @@ __all__ = [
     "Task",
     "Timeout",
     "Variable",
-    "cases_of",
     "children_of",
     "dumps",
     "expressions_of",

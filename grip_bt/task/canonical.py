@@ -46,7 +46,7 @@ def _arrange_node(node: Mapping, blocks: set[int], whole: bool = False) -> None:
     """Arrange a node's entries, and add to `blocks` what always stands one entry a line."""
     shape = model_of(node) or model.Leaf
     _arrange(node, shape, whole)
-    if shape not in (model.Leaf, model.Foreign, model.Subtask):
+    if not shape.model_fields.keys().isdisjoint(CHILDREN):
         blocks.add(id(node))
         blocks.update(id(node.entries[key].value) for key in CHILDREN if key in node.entries)
 

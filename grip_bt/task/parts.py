@@ -1,12 +1,10 @@
-"""The small parts of a task document: words, variables, rules of parallels."""
+"""The small parts of a task document: words and variables."""
 
 from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints
-
-from grip_bt.base.frozen import FrozenDict
+from pydantic import BaseModel, ConfigDict, StringConstraints
 
 FORMAT_VERSION = 1
 
@@ -38,21 +36,6 @@ class Variable(Shape):
     def has_value(self) -> bool:
         """Whether an initial value was given."""
         return "value" in self.model_fields_set
-
-
-class ParallelRule(Shape):
-    """A way in which a parallel ends, from how its children have ended; all of its conditions have to hold.
-
-    Without conditions it is for the rest: it holds when everybody whom the parallel waits for has ended.
-    """
-
-    when: FrozenDict[Name, str | list[str]] = FrozenDict()
-    """Child -> its outcome, or `outcome.code`, or a list of these."""
-    at_least: int | None = Field(default=None, ge=1)
-    """How many children have ended with the meaning `ends`."""
-    ends: Meaning = "success"
-    then: str
-    """The outcome of the parallel."""
 
 
 def type_of(declared: Variable | str) -> str:

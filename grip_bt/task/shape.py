@@ -17,24 +17,6 @@ from grip_bt.base.yaml.syntax import Entry, Mapping, Value, plain
 from . import model
 
 FREE = "x-"
-_KINDS: dict[str, type[BaseModel]] = {
-    "sequence": model.Sequence,
-    "fallback": model.Fallback,
-    "parallel": model.Parallel,
-    "state_machine": model.StateMachine,
-    "retry": model.Retry,
-    "repeat": model.Repeat,
-    "timeout": model.Timeout,
-    "guard": model.Guard,
-    "switch": model.Switch,
-    "for_each": model.ForEach,
-    "loop": model.Loop,
-    "cooldown": model.Cooldown,
-    "foreign": model.Foreign,
-    "subtask": model.Subtask,
-    "invert": model.Invert,
-    "force": model.Force,
-}
 CHILDREN = ("children", "child")
 DECLARING = ("inputs", "outputs", "data")
 """Keys that hold variables."""
@@ -46,29 +28,31 @@ def keys_of(shape: type[BaseModel]) -> tuple[str, ...]:
     return tuple(sorted(names, key=_ORDER.index))
 
 
-_SHAPES: tuple[type[BaseModel], ...] = (model.Task, model.Leaf, *_KINDS.values())
+_SHAPES: tuple[type[BaseModel], ...] = (model.Task, model.Leaf, *model.KINDS.values())
 _FIELDS_ONLY = frozenset({"x"}).union(n for shape in _SHAPES for n, f in shape.model_fields.items() if f.alias)
 """Names of fields that aren't keys of a file."""
-_ORDER = (
-    *("grip", "name", "kind", "node", "type", "value", "doc"),
-    *(
-        "precondition",
-        "initial",
-        "times",
-        "seconds",
-        "child_first",
-        "if",
-        "while",
-        "on_value",
-        "cases",
-        "default",
-        "items",
-        "item",
-    ),
-    *("policy", "memory", "rules", "wait_for", "cancel", "retick", "prompt", "order", "as"),
+_FIRST = ("grip", "name", "kind", "node", "type", "value", "doc", "precondition")
+_LAST = (
     *("task", "behaviour", "args", "with", "in", "out", "meaning", "outcomes", "exits", "on"),
     *("inputs", "outputs", "data", "root", "children", "child"),
 )
+
+
+def _in_order() -> tuple[str, ...]:
+    """Return all keys: the kinds' own, in the order of their models, between those of every node."""
+    found: list[str] = []
+    for kind in model.KINDS.values():
+        following = len(found)
+        for name, field in reversed(kind.model_fields.items()):
+            key = field.alias or name
+            if key in found:
+                following = found.index(key)
+            elif key not in (*_FIRST, *_LAST, "x"):
+                found.insert(following, key)
+    return (*_FIRST, *found, *_LAST)
+
+
+_ORDER = _in_order()
 
 
 _USUAL = frozenset(_ORDER)
@@ -85,12 +69,12 @@ def model_of(node: Mapping) -> type[BaseModel] | None:
     if entry is None:
         return model.Leaf
     kind = plain(entry.value)
-    return _KINDS.get(kind) if isinstance(kind, str) else None
+    return model.KINDS.get(kind) if isinstance(kind, str) else None
 
 
-def model_of_kind(kind: str) -> type[BaseModel]:
+def model_of_kind(kind: str) -> type[model.Kind]:
     """Return the model of a kind of container; KeyError when there is none."""
-    return _KINDS[kind]
+    return model.KINDS[kind]
 
 
 def child_nodes(node: Mapping) -> Iterator[tuple[str, Entry]]:

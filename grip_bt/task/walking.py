@@ -6,17 +6,15 @@ from collections.abc import Iterator, Mapping
 
 from grip_bt.base.frozen import FrozenDict
 
-from .model import AnyNode, Container, Decorator, Guard, Leaf, Loop, StateMachine, Subtask, Switch
-from .parts import Case, Meaning
+from .model import AnyNode, Container, Leaf
+from .parts import Meaning
+
+_NONE: FrozenDict[str, AnyNode] = FrozenDict()
 
 
 def children_of(node: AnyNode) -> FrozenDict[str, AnyNode]:
     """Return a node's children by name, in order; empty for a leaf."""
-    if isinstance(node, Leaf):
-        return FrozenDict()
-    if isinstance(node, Decorator):
-        return node.child
-    return node.children
+    return _NONE if isinstance(node, Leaf) else node.below
 
 
 def join(parent: str, name: str) -> str:
@@ -41,11 +39,7 @@ def walk(node: AnyNode, path: str = "/") -> Iterator[tuple[str, AnyNode]]:
 
 def outcomes_of(node: Container) -> dict[str, Meaning]:
     """Return every outcome that a container can end with, and its meaning; those of a subtask stand in its own file."""
-    if isinstance(node, StateMachine):
-        return with_refusal(node, node.outcomes)
-    if isinstance(node, Subtask):
-        return with_refusal(node, node.meaning)
-    return {"success": "success", "failure": "failure", **node.outcomes}
+    return with_refusal(node, node.all_outcomes())
 
 
 def with_refusal(node: AnyNode, outcomes: Mapping[str, Meaning]) -> dict[str, Meaning]:
@@ -61,16 +55,5 @@ def expressions_of(node: AnyNode) -> Iterator[tuple[str, str]]:
     """
     if node.precondition:
         yield "precondition", node.precondition
-    if isinstance(node, Guard):
-        yield "if", node.if_
-    elif isinstance(node, Switch):
-        yield "on_value", node.on_value
-    elif isinstance(node, Loop) and node.while_:
-        yield "while", node.while_
-
-
-def cases_of(node: Switch) -> Iterator[tuple[str, Case]]:
-    """Yield each child of a switch with each literal for which it is taken, in order."""
-    for child, said in node.cases.items():
-        for literal in said if isinstance(said, list) else [said]:
-            yield child, literal
+    if not isinstance(node, Leaf):
+        yield from node.expressions()

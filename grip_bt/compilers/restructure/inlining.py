@@ -14,7 +14,7 @@ from grip_bt.task.edit.commands import Inline
 from grip_bt.task.edit.draft import deep
 from grip_bt.task.edit.editing import Editing, slot
 from grip_bt.task.edit.steps import Assign
-from grip_bt.task.model import Childless, Subtask, Task, Variable, type_of
+from grip_bt.task.model import Childless, Leaf, Subtask, Task, Variable, type_of
 from grip_bt.task.validation.survey import Spot, Survey
 from grip_bt.task.walking import walk
 
@@ -159,8 +159,8 @@ def _has_value(declared: Variable | str) -> bool:
 def _declared(task: Task) -> Iterator[str]:
     yield from task.variables
     for _, node in walk(task.root):
-        yield from getattr(node, "data", ())
-        yield from (node.item,) if hasattr(node, "item") else ()
+        if not isinstance(node, Leaf):
+            yield from (*node.data, *(item for _, _, item in node.taken()))
 
 
 def _fresh(name: str, taken: Iterable[str]) -> str:

@@ -27,7 +27,6 @@ from grip_bt.task import (
     Subtask,
     Switch,
     Timeout,
-    cases_of,
     children_of,
     outcomes_of,
 )
@@ -172,7 +171,7 @@ def links_of(node: Container) -> list[Link]:
             for name, following in zip(names, names[1:], strict=False):
                 found[name, following, False] = [label] if label else []
         if isinstance(node, Switch):
-            for name, literal in cases_of(node):
+            for name, literal in node.literals():
                 if name in names:
                     found.setdefault(("", name, False), []).append(json.dumps(literal))
             if node.default in names:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, get_args
+from typing import Any
 
 from py_trees.behaviour import Behaviour
 
@@ -18,11 +18,7 @@ from .own import edges_of, from_document, from_face
 from .rebuild import foreign_of
 from .result import Imported, RefusedTreeError, Remark
 
-_COMPOSITES = {
-    get_args(kind.model_fields["kind"].annotation)[0]
-    for kind in get_args(model.Container)
-    if "children" in kind.model_fields
-}
+_COMPOSITES = {name for name, kind in model.KINDS.items() if "children" in kind.model_fields}
 
 
 def to_task(tree: CompiledTree | Behaviour, name: str = "") -> Imported:

@@ -8,7 +8,7 @@ from grip_bt.compilers.behaviour_state import Refined, labels
 from grip_bt.compilers.resolve import Part
 from grip_bt.compilers.transitions import COUNT, chooses, counts, state_labels, table_of
 from grip_bt.nodes.smach_asking import CONSTANT, MARK
-from grip_bt.task import model, walking
+from grip_bt.task import model
 
 from ..standalone.layout import Code, Items, call
 from .forms import outcome_function, outcome_map, smach_form
@@ -102,7 +102,7 @@ def _choice(builder: SourceBuilder, part: Part, needed: Refined, name: str) -> s
         more["codes"] = [f"{outcome}.{code}" for outcome, code in sorted(failures)]
     if isinstance(part.node, model.Switch):
         cases: dict[str, list[object]] = {}
-        for child, literal in walking.cases_of(part.node):
+        for child, literal in part.node.literals():
             cases.setdefault(child, []).append(literal)
         default = {"default": part.node.default} if part.node.default else {}
         made = call("Choose.case", Code("run"), part.node.on_value, cases, **default, **more)
@@ -122,7 +122,7 @@ def _failures(needed: Refined) -> set[tuple[str, str]]:
 
 
 def _cased(node: model.Switch) -> set[str]:
-    return {*(child for child, _ in walking.cases_of(node)), node.default}
+    return {*(child for child, _ in node.literals()), node.default}
 
 
 def add(

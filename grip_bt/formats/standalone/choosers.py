@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from grip_bt.compilers.resolve import Part
-from grip_bt.task import model, walking
+from grip_bt.task import model
 
 from .conditions import function_of, value_of
 from .layout import Code
@@ -18,7 +18,7 @@ def chooser(part: Part, children: list[str], plan: Plan) -> tuple[str, dict[str,
     match node:
         case model.Switch(on_value=text, default=default):
             cases: dict[str, list[Any]] = {}
-            for child, literal in walking.cases_of(node):
+            for child, literal in node.literals():
                 cases.setdefault(child, []).append(literal)
             value = value_of(text, part, plan)
             made = "switch", "Switch", {"value": value, "cases": cases, "default": default}

@@ -11,18 +11,10 @@ from grip_bt.base.expression import parse_expression
 from grip_bt.base.issue import Issue
 from grip_bt.task import (
     AnyNode,
-    Cooldown,
-    ForEach,
-    Foreign,
-    Guard,
-    Invert,
     Leaf,
-    Loop,
     StateMachine,
     Subtask,
-    Switch,
     Task,
-    Timeout,
     Variable,
     children_of,
     expressions_of,
@@ -71,11 +63,6 @@ Scope = Mapping[str, Declared]
 
 _NOTHING: Mapping[str, Any] = {}
 _UNASKED = frozenset({"?"})
-_OWN_CODES = {
-    **{Timeout: "time_out", Guard: "guard", Switch: "no_case", Loop: "loop_limit"},
-    **{Cooldown: "cooldown", Foreign: "foreign"},
-}
-"""Codes of failures that are a container's own."""
 
 
 class Spot:
@@ -222,10 +209,10 @@ class Survey:
             self.containers.append(spot)
             spot.outcomes = outcomes_of(node)
             scope = self._scope(spot.scope, spot.path, node.data)
-            if isinstance(node, ForEach):
-                held = scope.get(node.items)
-                item = held.type.item if held is not None and held.type is not None else None
-                scope = self._scope(scope, spot.path, {node.item: str(item or "Any")})
+            for _, items, item in node.taken():
+                held = scope.get(items)
+                of_list = held.type.item if held is not None and held.type is not None else None
+                scope = self._scope(scope, spot.path, {item: str(of_list or "Any")})
             above = join(spot.path, "")
             spot.scope = scope
             spot.children = {
@@ -263,8 +250,9 @@ class Survey:
         node = spot.node
         if isinstance(node, Leaf | Subtask):
             _bind(spot, node)
-        if isinstance(node, ForEach) and node.items in spot.scope:
-            spot.reads |= spot.scope[node.items].bit
+        for _, items, _ in () if isinstance(node, Leaf) else node.taken():
+            if items in spot.scope:
+                spot.reads |= spot.scope[items].bit
         for _, read in spot.expressions():
             for declared in read:
                 spot.reads |= declared.bit
@@ -282,10 +270,8 @@ def codes_of(spot: Spot) -> frozenset[str] | None:
         return frozenset(known) if known or (not fails and spot.manifest is not None) else None
     if isinstance(node, Subtask):
         return None  # a manifest has them, and the file's face has none
-    if isinstance(node, Invert):
-        return frozenset()  # it fails where its child succeeds, for no reason of its own
-    found = {_OWN_CODES[type(node)]} if type(node) in _OWN_CODES else set()
-    for child in spot.children.values():
+    found = set(node.codes)
+    for child in spot.children.values() if node.keeps_codes else ():
         codes = child.codes
         if codes is None:
             return None

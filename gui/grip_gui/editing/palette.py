@@ -15,19 +15,8 @@ from grip_gui.edit_messages import CatalogView, FieldFace, FieldType, KindFace, 
 
 _ELSEWHERE = {"doc", "on", "x", "data", "outcomes", "children", "child", "exits", "kind"}
 """Keys that have places of their own on the page."""
-_EXPRESSIONS = {"precondition", "if", "while", "on_value"}
-_SPECIAL: dict[str, FieldType] = {"items": "variable", "initial": "child", "default": "child", "item": "text"}
-_BLANKS: dict[str, dict[str, Any]] = {
-    "retry": {"times": 3},
-    "timeout": {"seconds": 10.0},
-    "guard": {"if": "true"},
-    "switch": {"on_value": "0", "cases": {}},
-    "for_each": {"items": "items", "item": "item"},
-    "cooldown": {"seconds": 1.0},
-    "force": {"as": "success"},
-    "foreign": {"behaviour": "py_trees.behaviours:Success"},
-    "state_machine": {"initial": "", "outcomes": {"success": "success", "failure": "failure"}},
-}
+_CHILDREN = {"initial", "default"}
+"""Keys that name a child."""
 
 
 def catalog_view(catalog: Catalog, tasks: Iterable[str] = (), trouble: str = "") -> CatalogView:
@@ -40,7 +29,7 @@ def catalog_view(catalog: Catalog, tasks: Iterable[str] = (), trouble: str = "")
     """
     return CatalogView(
         nodes=[_node(manifest) for manifest in catalog],
-        kinds=[_kind(shape) for shape in _containers()],
+        kinds=[_kind(name, kind) for name, kind in model.KINDS.items()],
         tasks=[face for file in tasks if (face := _subtask(catalog, file)) is not None],
         trouble=trouble,
     )
@@ -51,15 +40,6 @@ def _subtask(catalog: Catalog, file: str) -> NodeFace | None:
         return _node(face_of(file, catalog.tasks.read(file)))
     except SubtaskError:
         return None
-
-
-def _containers() -> list[Any]:
-    found = {_kind_of(shape): shape for shape in get_args(model.Container)}
-    return [found[kind] for kind in model.KINDS if kind in found]
-
-
-def _kind_of(shape: Any) -> str:
-    return str(get_args(shape.model_fields["kind"].annotation)[0])
 
 
 def _node(manifest: Manifest) -> NodeFace:
@@ -79,30 +59,38 @@ def _node(manifest: Manifest) -> NodeFace:
     )
 
 
-def _kind(shape: Any) -> KindFace:
-    fields = shape.model_fields
+def _kind(name: str, kind: type[model.Kind]) -> KindFace:
+    fields = kind.model_fields
     holds: Literal["none", "one", "many"] = "one" if "child" in fields else "many" if "children" in fields else "none"
     return KindFace(
-        kind=_kind_of(shape),
-        doc=(shape.__doc__ or "").strip(),
+        kind=name,
+        doc=(kind.__doc__ or "").strip(),
         children=holds,
-        fields=[_field(info.alias or name, info) for name, info in fields.items() if name not in _ELSEWHERE],
-        blank=_BLANKS.get(_kind_of(shape), {}),
+        fields=[_field(kind, name, info) for name, info in fields.items() if (info.alias or name) not in _ELSEWHERE],
+        blank=dict(kind.example),
     )
 
 
-def _field(key: str, info: FieldInfo) -> FieldFace:
-    kind, choices = _type(key, info.annotation)
+def _field(kind: type[model.Kind], name: str, info: FieldInfo) -> FieldFace:
+    type_, choices = _type(kind, name, info.annotation)
     default = None if info.is_required() or not isinstance(info.default, bool | int | float | str) else info.default
-    doc = info.description or ""
-    return FieldFace(key=key, type=kind, doc=doc, required=info.is_required(), default=default, choices=choices)
+    return FieldFace(
+        key=info.alias or name,
+        type=type_,
+        doc=info.description or "",
+        required=info.is_required(),
+        default=default,
+        choices=choices,
+    )
 
 
-def _type(key: str, annotation: Any) -> tuple[FieldType, list[str]]:
-    if key in _EXPRESSIONS:
+def _type(kind: type[model.Kind], name: str, annotation: Any) -> tuple[FieldType, list[str]]:
+    if name in ("precondition", *kind.conditions, *kind.values):
         return "expression", []
-    if key in _SPECIAL:
-        return _SPECIAL[key], []
+    if name in kind.reads:
+        return "variable", []
+    if name in _CHILDREN:
+        return "child", []
     parts = _members(annotation)
     if parts and all(get_origin(part) is Literal for part in parts):
         return "choice", [str(value) for part in parts for value in get_args(part)]

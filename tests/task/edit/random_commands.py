@@ -91,12 +91,12 @@ def _wrap(draw, task, path, node, containers):
         siblings = list(children_of(dict(walk(task.root))[above or "/"]))
         begin = siblings.index(name)
         paths = [f"{above}/{n}" if above else n for n in siblings[begin : begin + draw(st.integers(1, 3))]]
-    kind = draw(st.sampled_from(KINDS))
+    kind = draw(st.sampled_from(list(KINDS)))
     return {"paths": paths, "kind": kind, "name": draw(names), "fields": FIELDS.get(kind, {})}
 
 
 def _change_kind(draw, task, path, node, containers):
-    kind = draw(st.sampled_from(KINDS))
+    kind = draw(st.sampled_from(list(KINDS)))
     return {"path": draw(st.sampled_from(containers)), "kind": kind, "fields": FIELDS.get(kind, {})}
 
 

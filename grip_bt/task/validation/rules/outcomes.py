@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from grip_bt.base.errors import listing, nearest
 from grip_bt.base.evaluation import same_literal
-from grip_bt.task import Parallel, StateMachine, Switch, Task, cases_of
+from grip_bt.task import Parallel, StateMachine, Switch, Task
 from grip_bt.task.model import Childless
 
 from ..ends import root_target
@@ -69,7 +69,7 @@ def _cases(survey: Survey, spot: Spot, node: Switch) -> None:
                     take_hint(hint, ""),
                 )
     seen: list[tuple[str, object]] = []
-    for child, literal in cases_of(node):
+    for child, literal in node.literals():
         earlier = next((name for name, other in seen if same_literal(other, literal)), None)
         if earlier is not None:
             survey.add(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from grip_bt.base.errors import listing, nearest
-from grip_bt.task import ForEach, Leaf, Subtask, Variable
+from grip_bt.task import Leaf, Subtask, Variable
 from grip_bt.task.catalog import InputPort, OutputPort, Type, check_value, is_assignable, parse_type
 
 from ..known import Known
@@ -29,8 +29,9 @@ def check_variables(survey: Survey) -> None:
             for port, name in spot.node.out.items():
                 writes = manifest.outputs.get(port) if manifest else None
                 _binding(survey, spot, ("out", port), name, writes)
-        elif isinstance(spot.node, ForEach):
-            _items(survey, spot, spot.node)
+        else:
+            for key, items, _ in spot.node.taken():
+                _items(survey, spot, key, items)
     read, written = survey.root.reads, survey.root.writes
     for declared in survey.declared:
         if not declared.bit & read and not (declared.owner == "" and declared.name in survey.task.outputs):
@@ -54,23 +55,23 @@ def _bound_alike(spot: Spot, known: Known, node: Leaf | Subtask) -> bool:
     return True
 
 
-def _items(survey: Survey, spot: Spot, node: ForEach) -> None:
-    declared = spot.scope.get(node.items)
+def _items(survey: Survey, spot: Spot, key: str, items: str) -> None:
+    declared = spot.scope.get(items)
     if declared is None:
-        hint = nearest(node.items, spot.scope)
+        hint = nearest(items, spot.scope)
         survey.add(
             spot.path,
-            "items",
+            key,
             "undeclared-variable",
-            f"`items` names {node.items!r}, which isn't declared{hint} (there are: {listing(spot.scope)})",
-            take_hint(hint, f"declare it: `data: {{{node.items}: list[...]}}` in an enclosing container"),
+            f"`{key}` names {items!r}, which isn't declared{hint} (there are: {listing(spot.scope)})",
+            take_hint(hint, f"declare it: `data: {{{items}: list[...]}}` in an enclosing container"),
         )
     elif declared.type is not None and (declared.type.name not in ("list", "Any") or declared.type.optional):
         survey.add(
             spot.path,
-            "items",
+            key,
             "wrong-variable-type",
-            f"`items` takes a list, but {node.items!r} holds {declared.type}",
+            f"`{key}` takes a list, but {items!r} holds {declared.type}",
             f"name a variable of type `list[{declared.type}]`",
         )
 
@@ -104,16 +105,16 @@ def _instead(survey: Survey, type_: Type) -> str:
 
 def _shadowed(survey: Survey) -> None:
     for spot in survey.spots:
-        if isinstance(spot.node, _PORTED) or not (spot.node.data or isinstance(spot.node, ForEach)):
+        if isinstance(spot.node, _PORTED):
             continue
         outer = spot.parent.scope if spot.parent is not None else survey.task_scope
-        item = (spot.node.item,) if isinstance(spot.node, ForEach) else ()
-        for name in (*spot.node.data, *item):
+        keys = {item: key for key, item in zip(spot.node.puts, (item for _, _, item in spot.node.taken()), strict=True)}
+        for name in (*spot.node.data, *keys):
             if name in outer:
                 owner = outer[name].owner or "the task"
                 survey.add(
                     spot.path,
-                    "item" if name in item else ("data", name),
+                    keys.get(name, ("data", name)),
                     "shadowed-variable",
                     f"the variable {name!r} hides the one that {owner} declares",
                     "give it another name, or remove this declaration to share the outer one",

@@ -1,0 +1,354 @@
+"""What a node of a task is: its fields as a frozen model and, of a container, a pure automaton over its children.
+
+An automaton answers five questions, and each answer is a step:
+
+* `begin(state, q)`: no child runs. `state` is None when the container is entered, else what `Next` said a tick ago.
+* `ended(state, child, end, q)`: a child that was run has ended.
+* `again(state, running, q)`: a further tick, before any child is ticked; only asked of kinds that are `reactive`.
+* `settle(state, q)`: every child was ticked and nothing has ended the container; only asked of kinds that `settle`.
+* `over(state, q)` is told, once, that an activation has ended or was halted.
+
+A kind holds no state of its own and never compares data: it asks `q`. A run answers from its variables and its clock;
+an exploration (`grip_bt.task.exploration`) answers with everything in turn. So the behaviour tree, the state machine,
+the analyses and the drawings all come from the one automaton. It asks all its questions before it puts a value:
+whoever resumes a run may ask twice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from functools import reduce
+from operator import or_
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Protocol
+
+from pydantic import BaseModel, Discriminator, Field, GetCoreSchemaHandler, Tag
+from pydantic_core import CoreSchema
+
+from grip_bt.base.frozen import FrozenDict
+
+from ..parts import Case, Meaning, Name, Shape, Variable
+
+CHILD: Any = object()
+"""The reason of an end: that of the child which has ended last."""
+
+
+class Run(NamedTuple):
+    """Tick these children now, in this order; those that run and aren't among them are halted: before, with `first`."""
+
+    children: tuple[int, ...]
+    state: Any = 0
+    first: bool = False
+
+
+class Next(NamedTuple):
+    """No child is ticked any more in this tick; `begin(state)` is asked in the next one, which is asked for at once."""
+
+    state: Any
+
+
+class Stay(NamedTuple):
+    """Everything stays as it is."""
+
+    state: Any
+
+
+class End(NamedTuple):
+    """The container has ended."""
+
+    outcome: str
+    reason: Any = CHILD
+    """A `Reason`, the failure of a child, None, or `CHILD`."""
+
+
+class Reason(NamedTuple):
+    """Why a container fails by itself."""
+
+    code: str
+    text: str
+
+
+class Ended(NamedTuple):
+    """How a child has ended."""
+
+    child: str
+    outcome: str
+    meaning: str
+    code: str | None = None
+    failure: Any = None
+
+
+Step = Run | Next | Stay | End
+
+
+class Questions(Protocol):
+    """What a kind may ask.
+
+    Attributes:
+        names: of the children, in order.
+        ends: how each child has ended, None where it hasn't; kept for kinds that are `concurrent`.
+        kept: what a kind keeps from one activation to the next; None at first.
+    """
+
+    names: Sequence[str]
+    ends: Sequence[Ended | None]
+    kept: Any
+
+    def now(self) -> Any:
+        """Return the time of the run's clock."""
+
+    def deadline(self, seconds: float) -> Any:
+        """Return the time in so many seconds, and have the task ticked then."""
+
+    def passed(self, at: Any) -> bool:
+        """Tell whether a time has come."""
+
+    def up(self, count: Any) -> Any:
+        """Return one more."""
+
+    def reached(self, count: Any, limit: int) -> bool:
+        """Tell whether a count has come to its limit."""
+
+    def pick(self, count: Any, size: int) -> int:
+        """Return the count modulo `size`."""
+
+    def holds(self, key: str) -> bool:
+        """Tell whether the condition at a key is true."""
+
+    def value(self, key: str) -> Any:
+        """Return what the expression at a key evaluates to."""
+
+    def match(self, key: str, literals: Sequence[tuple[str, Case]], default: str) -> str:
+        """Return the name of the first literal that equals the value at a key, else `default`."""
+
+    def items(self, key: str) -> Any:
+        """Return the items of the list that the variable at a key holds."""
+
+    def empty(self, left: Any) -> bool:
+        """Tell whether no items are left."""
+
+    def take(self, left: Any) -> tuple[Any, Any]:
+        """Return the first item, and what is left then."""
+
+    def put(self, key: str, value: Any) -> None:
+        """Write the variable at a key."""
+
+    def exit(self, end: Ended) -> str | None:
+        """Return the outcome that an end is mapped to by `exits`, or None."""
+
+    def edge(self, end: Ended) -> str:
+        """Return where an end leads by the child's `on`: a sibling or an outcome."""
+
+    def ask(self, text: str) -> None:
+        """Request the children that still run to stop; `text` says why."""
+
+
+class BaseNode(Shape):
+    """What every node has."""
+
+    doc: str = ""
+    precondition: str = ""
+    """An expression over the variables around the node; where it is false on entry, the node fails at once."""
+    on: FrozenDict[str, str] = FrozenDict()
+    x: FrozenDict[str, Any] = Field(default=FrozenDict(), description="free data, preserved and never read")
+
+
+class Leaf(BaseNode):
+    """A node of the catalogue."""
+
+    node: str
+    """Catalogue id, such as `arm/lift`."""
+    with_: FrozenDict[str, Any] = Field(default=FrozenDict(), alias="with")
+    """Literal parameters."""
+    in_: FrozenDict[str, str] = Field(default=FrozenDict(), alias="in")
+    """Input port -> variable."""
+    out: FrozenDict[str, str] = FrozenDict()
+    """Output port -> variable."""
+    meaning: FrozenDict[str, Meaning] = FrozenDict()
+    """Outcome -> meaning, where it differs from the manifest's."""
+
+
+Shown = Literal["", "sequence", "selector", "parallel", "decorator"]
+
+
+class Kind(BaseNode):
+    """The base of every kind of container.
+
+    Attributes:
+        rank: kinds are listed in its order.
+        sign: stands for the kind in text.
+        example: the fields with which an editor inserts one.
+        codes: failure codes of its own.
+        keeps_codes: whether it fails with its children's codes too.
+        conditions: fields that are expressions and true or false.
+        values: fields that are other expressions.
+        reads: fields that name a variable which holds a list.
+        puts: fields that name a variable of the container's own, it holds an
+            item of the list at `reads`.
+        shown: which composite of py_trees its behaviour is.
+        resets: whether all children are reset on entry, as py_trees' Sequence and Parallel do.
+        concurrent: whether children run at the same time; `Questions.ends` is kept for it.
+        late_exits: whether `exits` are the kind's own to ask for; else they are taken as soon as a child has ended.
+    """
+
+    rank: ClassVar[int] = 1000
+    sign: ClassVar[str] = ""
+    example: ClassVar[Mapping[str, Any]] = {}
+    codes: ClassVar[tuple[str, ...]] = ()
+    keeps_codes: ClassVar[bool] = True
+    conditions: ClassVar[tuple[str, ...]] = ()
+    values: ClassVar[tuple[str, ...]] = ()
+    reads: ClassVar[tuple[str, ...]] = ()
+    puts: ClassVar[tuple[str, ...]] = ()
+    shown: ClassVar[Shown] = ""
+    resets: ClassVar[bool] = False
+    concurrent: ClassVar[bool] = False
+    late_exits: ClassVar[bool] = False
+
+    if TYPE_CHECKING:  # each kind has these as fields, or as constants where a document can't say them
+        kind: str
+
+        @property
+        def data(self) -> FrozenDict[Name, Variable | str]: ...  # noqa: D102
+        @property
+        def outcomes(self) -> FrozenDict[Name, Meaning]: ...  # noqa: D102
+        @property
+        def exits(self) -> FrozenDict[str, str]: ...  # noqa: D102
+
+    @classmethod
+    def kind_name(cls) -> str:
+        """Return what stands in the document as `kind`."""
+        return str(cls.model_fields["kind"].annotation.__args__[0])  # type: ignore[union-attr]
+
+    @property
+    def below(self) -> FrozenDict[Name, Node]:
+        """The children by name, in order."""
+        return FrozenDict()
+
+    @property
+    def reactive(self) -> bool:
+        """Whether it is asked again at the beginning of every tick."""
+        return False
+
+    @property
+    def settles(self) -> bool:
+        """Whether it is asked after every tick of its children."""
+        return False
+
+    @property
+    def blocking(self) -> bool:
+        """Whether blocking states can do the same: nothing is looked at while a child runs."""
+        return not self.reactive and not self.settles and bool(self.below)
+
+    @property
+    def joins(self) -> bool:
+        """Whether it runs all its children at once and ends when all have ended."""
+        return False
+
+    def begin(self, state: Any, q: Questions) -> Step:
+        """Return the first step: the first child is run."""
+        return Run((0,))
+
+    def ended(self, state: Any, child: int, end: Ended, q: Questions) -> Step:
+        """Return what follows the end of a child: the container ends with its meaning."""
+        return End(end.meaning)
+
+    def again(self, state: Any, running: tuple[int, ...], q: Questions) -> Step:
+        """Return the first step of a further tick: those who run go on."""
+        return Run(running, state)
+
+    def settle(self, state: Any, q: Questions) -> Step:
+        """Return what follows when every child was ticked: nothing changes."""
+        return Stay(state)
+
+    def over(self, state: Any, q: Questions) -> None:
+        """Note that an activation has ended or was halted."""
+
+    def all_outcomes(self) -> Mapping[str, Meaning]:
+        """Return every outcome that it can end with by itself or by an exit, and its meaning."""
+        return {"success": "success", "failure": "failure", **self.outcomes}
+
+    def expressions(self) -> Iterator[tuple[str, str]]:
+        """Yield the key and text of each expression over the variables that it sees, its own among them."""
+        for field in (*self.conditions, *self.values):
+            if getattr(self, field):
+                yield field.rstrip("_"), getattr(self, field)
+
+    def taken(self) -> Iterator[tuple[str, str, str]]:
+        """Yield each key that names a variable with a list, that variable, and the container's own for the items."""
+        for items, item in zip(self.reads, self.puts, strict=True):
+            yield items, getattr(self, items), getattr(self, item)
+
+    def words(self) -> str:
+        """Return what it does in a few words."""
+        return self.kind.replace("_", " ")
+
+    def lines(self) -> list[str]:
+        """Return further lines about it."""
+        return []
+
+
+def every_kind(base: type[Kind] = Kind) -> list[type[Kind]]:
+    """Return the classes of all kinds that were imported, in their order."""
+    found = [made for below in base.__subclasses__() for made in every_kind(below)]
+    if "kind" in vars(base).get("__annotations__", {}) and base is not Kind:
+        found.append(base)
+    return sorted(found, key=lambda made: (made.rank, made.__name__))
+
+
+def _tag(value: Any) -> str | None:
+    if isinstance(value, BaseModel):
+        return getattr(value, "kind", "leaf")
+    if isinstance(value, dict):
+        return str(value["kind"]) if "kind" in value else "leaf"
+    return None
+
+
+if TYPE_CHECKING:
+    Node = Leaf | Kind
+else:
+
+    class _AnyKind:
+        """The union of all nodes, made when a model is first used: then every kind is there."""
+
+        @staticmethod
+        def __get_pydantic_core_schema__(source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+            nodes: Any = (
+                Annotated[Leaf, Tag("leaf")],
+                *(Annotated[made, Tag(made.kind_name())] for made in every_kind()),
+            )
+            return handler.generate_schema(Annotated[reduce(or_, nodes), Discriminator(_tag)])
+
+    Node = Annotated[Any, _AnyKind]
+
+
+class Declaring(Kind):
+    """What has variables and outcomes of its own."""
+
+    data: FrozenDict[Name, Variable | str] = FrozenDict()
+    """Variables: a type, or a type with an initial value."""
+    outcomes: FrozenDict[Name, Meaning] = FrozenDict()
+
+
+class Composite(Declaring):
+    """What has any number of children."""
+
+    children: FrozenDict[Name, Node]
+    exits: FrozenDict[str, str] = FrozenDict()
+
+    @property
+    def below(self) -> FrozenDict[Name, Node]:
+        """The children by name, in order."""
+        return self.children
+
+
+class Decorator(Declaring):
+    """What has one child, and does something with its result."""
+
+    shown: ClassVar[Shown] = "decorator"
+    child: FrozenDict[Name, Node] = Field(min_length=1, max_length=1)
+    exits: FrozenDict[str, str] = FrozenDict()
+
+    @property
+    def below(self) -> FrozenDict[Name, Node]:
+        """The child by name."""
+        return self.child

@@ -1,0 +1,37 @@
+"""The child, unless it ran a short time ago."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal
+
+from pydantic import Field
+
+from .base import Decorator, End, Questions, Reason, Run, Step
+
+
+class Cooldown(Decorator):
+    """After the child has ended or was halted it isn't run for `seconds`: until then the container fails at once."""
+
+    rank: ClassVar[int] = 120
+    sign: ClassVar[str] = "◔"
+    example: ClassVar[Mapping[str, Any]] = {"seconds": 1.0}
+    codes: ClassVar[tuple[str, ...]] = ("cooldown",)
+    kind: Literal["cooldown"]
+    seconds: float = Field(gt=0)
+
+    def begin(self, state: Any, q: Questions) -> Step:
+        """Run the child where it may run again: `q.kept` says from when on."""
+        ready = q.kept
+        if ready is None or q.passed(ready):
+            return Run((0,), "ran")
+        return End("failure", Reason("cooldown", f"{q.names[0]} rests for {ready - q.now():g} s more"))
+
+    def over(self, state: Any, q: Questions) -> None:
+        """Begin to rest, when the child has run."""
+        if state == "ran":
+            q.kept = q.now() + self.seconds
+
+    def words(self) -> str:
+        """Return the time."""
+        return f"cooldown {self.seconds:g} s"

@@ -1,0 +1,29 @@
+"""One end, whatever the child's is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal
+
+from pydantic import Field
+
+from ..parts import Meaning
+from .base import Decorator, End, Ended, Questions, Step
+
+
+class Force(Decorator):
+    """Ends with `as`, whatever the child ended with."""
+
+    rank: ClassVar[int] = 160
+    sign: ClassVar[str] = "="
+    example: ClassVar[Mapping[str, Any]] = {"as": "success"}
+    kind: Literal["force"]
+    as_: Meaning = Field(alias="as")
+
+    def ended(self, state: Any, child: int, end: Ended, q: Questions) -> Step:
+        """End with `as`."""
+        return End(self.as_)
+
+    def words(self) -> str:
+        """Return the end."""
+        return f"force {self.as_}"

@@ -1,0 +1,38 @@
+"""A behaviour of py_trees that the project brings; trees hold it as it is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import StringConstraints
+
+from grip_bt.base.frozen import FrozenDict
+
+from ..parts import Meaning, Variable
+from .base import Kind
+
+
+class Foreign(Kind):
+    """Somebody's own behaviour of py_trees; it ends with `success` or `failure`, and knows no variables."""
+
+    rank: ClassVar[int] = 130
+    sign: ClassVar[str] = "⇲"
+    example: ClassVar[Mapping[str, Any]] = {"behaviour": "py_trees.behaviours:Success"}
+    codes: ClassVar[tuple[str, ...]] = ("foreign",)
+    kind: Literal["foreign"]
+    behaviour: Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_.]*:[A-Za-z_][A-Za-z0-9_.]*$")]
+    """Where it is imported from when the task is compiled: `package.module:Class`, or a function that makes one."""
+    args: FrozenDict[str, Any] = FrozenDict()
+    """Literal arguments by name."""
+    data: ClassVar[FrozenDict[str, Variable | str]] = FrozenDict()
+    outcomes: ClassVar[FrozenDict[str, Meaning]] = FrozenDict()
+    exits: ClassVar[FrozenDict[str, str]] = FrozenDict()
+
+    def words(self) -> str:
+        """Return where it comes from."""
+        return self.behaviour
+
+    def lines(self) -> list[str]:
+        """Return its arguments."""
+        return [", ".join(f"{name}={value}" for name, value in self.args.items())] if self.args else []

@@ -1,0 +1,40 @@
+"""The child while a condition holds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal
+
+from pydantic import Field
+
+from .base import Decorator, End, Questions, Reason, Run, Step
+
+
+class Guard(Decorator):
+    """Fails with the reason `guard` when `if` is false; looked at on every tick, before the child."""
+
+    rank: ClassVar[int] = 80
+    sign: ClassVar[str] = "⊨"
+    example: ClassVar[Mapping[str, Any]] = {"if": "true"}
+    codes: ClassVar[tuple[str, ...]] = ("guard",)
+    conditions: ClassVar[tuple[str, ...]] = ("if_",)
+    kind: Literal["guard"]
+    if_: str = Field(alias="if")
+    """An expression over variables."""
+
+    @property
+    def reactive(self) -> bool:
+        """Always."""
+        return True
+
+    def begin(self, state: Any, q: Questions) -> Step:
+        """Run the child where the condition holds."""
+        return Run((0,)) if q.holds("if_") else End("failure", Reason("guard", f"`{self.if_}` is false"))
+
+    def again(self, state: Any, running: tuple[int, ...], q: Questions) -> Step:
+        """Look at the condition again."""
+        return self.begin(state, q)
+
+    def words(self) -> str:
+        """Return the condition."""
+        return f"guard: {self.if_}"

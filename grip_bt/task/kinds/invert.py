@@ -1,0 +1,20 @@
+"""The child's opposite."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, Literal
+
+from .base import Decorator, End, Ended, Questions, Step
+
+
+class Invert(Decorator):
+    """Success becomes failure and failure becomes success."""
+
+    rank: ClassVar[int] = 150
+    sign: ClassVar[str] = "!"
+    keeps_codes: ClassVar[bool] = False
+    kind: Literal["invert"]
+
+    def ended(self, state: Any, child: int, end: Ended, q: Questions) -> Step:
+        """End with the opposite; where it fails there is no reason, since the child succeeded."""
+        return End("failure" if end.meaning == "success" else "success")

@@ -1,0 +1,184 @@
+"""All children at once; exits, rules and the policy decide over the ends of the children, in the document's order."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import Field, model_validator
+
+from grip_bt.base.frozen import FrozenDict
+
+from ..parts import Meaning, Name, Shape
+from .base import Composite, End, Ended, Questions, Run, Shown, Stay, Step
+
+
+class ParallelRule(Shape):
+    """A way in which a parallel ends, from how its children have ended; all of its conditions have to hold.
+
+    Without conditions it is for the rest: it holds when everybody whom the parallel waits for has ended.
+    """
+
+    when: FrozenDict[Name, str | list[str]] = FrozenDict()
+    """Child -> its outcome, or `outcome.code`, or a list of these."""
+    at_least: int | None = Field(default=None, ge=1)
+    """How many children have ended with the meaning `ends`."""
+    ends: Meaning = "success"
+    then: str
+    """The outcome of the parallel."""
+
+    def holds(self, there: Sequence[Ended], complete: bool) -> bool:
+        """Tell whether it holds for the children that have ended; `complete`: no other child is waited for."""
+        if not self.when and self.at_least is None:
+            return complete
+        labels = {end.child: {end.outcome, f"{end.outcome}.{end.code}"} for end in there}
+        for child, said in self.when.items():
+            if labels.get(child, set()).isdisjoint([said] if isinstance(said, str) else said):
+                return False
+        return sum(end.meaning == self.ends for end in there) >= (self.at_least or 0)
+
+    def words(self) -> str:
+        """Return its conditions in a few words."""
+        words = [f"{child}: {said if isinstance(said, str) else ' | '.join(said)}" for child, said in self.when.items()]
+        if self.at_least is not None:
+            words.append(f"{self.at_least} × {self.ends}")
+        return ", ".join(words) or "else"
+
+
+class Parallel(Composite):
+    """All children at once.
+
+    `all` succeeds when every child has succeeded and fails when one has failed; `any` succeeds when one has
+    succeeded and fails when every child has failed. What is decided is decided after all children were ticked. Then
+    `halt` interrupts the children that are still running, `ask` requests them to stop and waits for them, and `join`
+    waits. Where there are `rules`, the first that matches decides, and `policy` only what none of them does.
+    """
+
+    rank: ClassVar[int] = 30
+    sign: ClassVar[str] = "⇉"
+    shown: ClassVar[Shown] = "parallel"
+    resets: ClassVar[bool] = True
+    concurrent: ClassVar[bool] = True
+    late_exits: ClassVar[bool] = True
+    kind: Literal["parallel"]
+    policy: Literal["all", "any"] = "all"
+    rules: list[ParallelRule] = Field(default_factory=list)
+    wait_for: Literal["all", "any"] | Annotated[int, Field(ge=1)] | list[Name] | None = None
+    """Who has to have ended before anything is decided: all, one, so many, or these; then it is decided."""
+    cancel: Literal["halt", "ask", "join"] = "halt"
+    retick: bool = False
+    """Children that have ended are activated again on every tick, until it is decided."""
+    prompt: bool = False
+    """Decided after each child rather than after all of them: the later ones are not ticked any more."""
+    order: Literal["declared"] | None = None
+    """`declared`: children may share variables, since they are ticked in their order."""
+
+    @model_validator(mode="after")
+    def _join_waits_for_all(self) -> Parallel:
+        if self.cancel == "join" and self.wait_for not in (None, "all"):
+            raise ValueError("`cancel: join` waits for all children; remove `wait_for`, or use `cancel: ask`")
+        if self.prompt and self.cancel != "halt":
+            raise ValueError("`prompt` halts what still runs at once; remove it, or use `cancel: halt`")
+        if self.retick and (self.prompt or self.cancel != "halt"):
+            raise ValueError("`retick` goes with `cancel: halt` and without `prompt`; remove it, or these")
+        return self
+
+    @property
+    def reactive(self) -> bool:
+        """With `retick`."""
+        return self.retick
+
+    @property
+    def settles(self) -> bool:
+        """Always: it is decided after all children were ticked."""
+        return True
+
+    @property
+    def blocking(self) -> bool:
+        """Only where it waits for all children."""
+        return self.joins
+
+    @property
+    def joins(self) -> bool:
+        """Whether it waits for all children, whose order doesn't matter."""
+        return self.cancel == "join" and self.order is None and bool(self.children)
+
+    def begin(self, state: Any, q: Questions) -> Step:
+        """Run all children."""
+        return Run(tuple(range(len(q.names))), None)
+
+    def again(self, state: Any, running: tuple[int, ...], q: Questions) -> Step:
+        """Run all children again."""
+        return Run(tuple(range(len(q.names))), state)
+
+    def ended(self, state: Any, child: int, end: Ended, q: Questions) -> Step:
+        """Wait until all children were ticked, or with `prompt` decide at once."""
+        return self.settle(state, q) if self.prompt else Stay(state)
+
+    def settle(self, state: Any, q: Questions) -> Step:
+        """Decide; `state` is the end that was decided before, while others are asked to stop."""
+        everybody = None not in q.ends
+        if self.cancel == "join" and not everybody:
+            return Stay(None)
+        decided: End | None = state
+        if decided is None:
+            outcome = self._outcome(q)
+            if outcome is None:
+                return Stay(None)
+            decided = End(outcome, _reason(q, outcome))
+        if self.cancel == "ask" and not everybody:
+            q.ask(f"{decided.outcome}, when the others have stopped")
+            return Stay(decided)
+        return decided
+
+    def _outcome(self, q: Questions) -> str | None:
+        """Return what the ends decide, or None."""
+        there = [end for end in q.ends if end is not None]
+        if not self._waited({end.child for end in there}, len(q.ends)):
+            return None
+        complete = self.wait_for is not None or len(there) == len(q.ends)
+        taken = next(filter(None, map(q.exit, there)), None)
+        if taken is not None:
+            return taken
+        matching = next((rule.then for rule in self.rules if rule.holds(there, complete)), None)
+        if matching or self.rules and not complete:
+            return matching
+        return self._by_policy([end.meaning for end in there], complete)
+
+    def _by_policy(self, meanings: list[str], complete: bool) -> str | None:
+        one, every = ("failure", "success") if self.policy == "all" else ("success", "failure")
+        if not meanings and complete:
+            return "success"
+        return one if one in meanings else every if complete else None
+
+    def _waited(self, ended: set[str], size: int) -> bool:
+        match self.wait_for:
+            case _ if len(ended) == size:
+                return True
+            case None:
+                return True
+            case "all":
+                return False
+            case "any":
+                return bool(ended)
+            case int(number):
+                return len(ended) >= number
+            case names:
+                return set(names) <= ended
+
+    def words(self) -> str:
+        """Return what decides it, whom it waits for, and what becomes of the rest."""
+        waited = ", ".join(self.wait_for) if isinstance(self.wait_for, list) else self.wait_for
+        words = ["rules" if self.rules else self.policy, *([f"waits for {waited}"] if waited is not None else [])]
+        return f"parallel, {', '.join(words + [self.cancel] * (self.cancel != 'halt'))}"
+
+    def lines(self) -> list[str]:
+        """Return its rules."""
+        return [f"{rule.words()} ⇥ {rule.then}" for rule in self.rules]
+
+
+def _reason(q: Questions, outcome: str) -> Any:
+    """Return why it failed: the failure of the first child that accounts for the outcome."""
+    there = [end for end in q.ends if end is not None]
+    accounts = [e for e in there if q.exit(e) == outcome] or [e for e in there if e.meaning == "failure"]
+    return accounts[0].failure if accounts else None

@@ -1,0 +1,49 @@
+"""Another task as a node."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import Field, StringConstraints
+
+from grip_bt.base.frozen import FrozenDict
+
+from ..parts import Meaning, Variable
+from .base import Kind
+
+
+class Subtask(Kind):
+    """Another task file of the project as one node: its inputs and outputs are ports, its outcomes are the node's.
+
+    It has variables of its own: inputs are copied in on entry, outputs are copied out when it ends, never after a halt.
+    """
+
+    rank: ClassVar[int] = 140
+    sign: ClassVar[str] = "▣"
+    kind: Literal["subtask"]
+    task: Annotated[str, StringConstraints(min_length=1)]
+    """The file, relative to the project's folder, such as `tasks/fetch.yaml`."""
+    with_: FrozenDict[str, Any] = Field(default=FrozenDict(), alias="with")
+    """Input -> literal."""
+    in_: FrozenDict[str, str] = Field(default=FrozenDict(), alias="in")
+    """Input -> variable."""
+    out: FrozenDict[str, str] = FrozenDict()
+    """Output -> variable."""
+    meaning: FrozenDict[str, Meaning] = FrozenDict()
+    """Outcome -> meaning, where it differs from the file's."""
+    data: ClassVar[FrozenDict[str, Variable | str]] = FrozenDict()
+    outcomes: ClassVar[FrozenDict[str, Meaning]] = FrozenDict()
+    exits: ClassVar[FrozenDict[str, str]] = FrozenDict()
+
+    def all_outcomes(self) -> Mapping[str, Meaning]:
+        """Return those that the document gives a meaning; the others stand in the file."""
+        return self.meaning
+
+    def words(self) -> str:
+        """Return the file."""
+        return f"subtask {self.task}"
+
+    def lines(self) -> list[str]:
+        """Return its literals."""
+        return [", ".join(f"{name}={value}" for name, value in self.with_.items())] if self.with_ else []
