@@ -22,7 +22,7 @@ def test_it_has_at_most_500_words():
 @pytest.mark.parametrize("line", COMMANDS)
 def test_its_commands_are_understood(line):
     words = shlex.split(line, comments=True)
-    assert make_parser().parse_args(words[1:]).run
+    assert make_parser(words[1:]).parse_args(words[1:]).run
 
 
 def test_there_are_commands_to_check():

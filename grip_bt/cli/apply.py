@@ -6,21 +6,25 @@ import argparse
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from pydantic import ValidationError
+
+from grip_bt.app.project.catalogue import project_catalog
+from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import DocumentError, EditError
+from grip_bt.base.files import replace_text
+from grip_bt.compilers.restructure import expanded, extracted
+from grip_bt.task import read
+from grip_bt.task.catalog import Catalog
+from grip_bt.task.document import Document
+from grip_bt.task.edit import Edited, Extract, apply_to_document, command_of
 
 from .streams import put
 
-if TYPE_CHECKING:  # the verbs are listed without loading what they run
-    from grip_bt.task.catalog import Catalog
-    from grip_bt.task.document import Document
-    from grip_bt.task.edit import Edited
 
-
-def add_parser(subparsers: Any) -> None:
-    """Add the verb."""
-    parser = subparsers.add_parser("apply", help="edit a task by commands; comments and other lines stay")
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the verb's options."""
     parser.add_argument("task", metavar="TASK", help="a task file; it is changed")
     parser.add_argument(
         "command",
@@ -33,10 +37,6 @@ def add_parser(subparsers: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Apply the commands in their order, all or none."""
-    from grip_bt.app.project.catalogue import project_catalog
-    from grip_bt.base.files import replace_text
-    from grip_bt.task import read
-
     words = sys.stdin.read() if args.command == "-" else args.command
     document, catalog = read(args.task), project_catalog(args.task)
     files: dict[str, str] = {}
@@ -66,11 +66,6 @@ def _listed(words: str) -> list[Any]:
 
 
 def _applied(data: Any, document: Document, catalog: Catalog, files: dict[str, str]) -> Edited:
-    from pydantic import ValidationError
-
-    from grip_bt.compilers.restructure import expanded, extracted
-    from grip_bt.task.edit import Extract, apply_to_document, command_of
-
     try:
         command = command_of(data)
     except ValidationError as error:
@@ -85,8 +80,6 @@ def _applied(data: Any, document: Document, catalog: Catalog, files: dict[str, s
 
 
 def _write_new(task: Path, name: str, text: str) -> None:
-    from grip_bt.app.project.folder import find_project
-
     file = find_project(task).folder / name
     if file.exists():
         raise EditError("", f"{file} is there already; name another file for the part")

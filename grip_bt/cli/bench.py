@@ -8,28 +8,44 @@ import sys
 import time
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from .parser import add_no_code
+from grip_bt.app.campaign import (
+    Campaign,
+    Results,
+    Trials,
+    as_csv,
+    as_text,
+    begin,
+    check,
+    head_of,
+    read,
+    read_campaign,
+    summary,
+)
+from grip_bt.app.campaign.report import reason
+from grip_bt.app.project.folder import Project, find_project
+from grip_bt.base.errors import NotWritableError
+
+from .parser import add_no_code, whole
 from .signals import on_stop
-
-if TYPE_CHECKING:  # the verbs are listed without loading what they run
-    from grip_bt.app.campaign import Campaign, Results
-    from grip_bt.app.project.folder import Project
 
 STOPPED = 130
 
 
-def add_parser(subparsers: Any) -> None:
-    """Add the verb."""
-    parser = subparsers.add_parser(
-        "bench",
-        help="run a campaign: tasks on many seeds; compare them",
-        usage="grip bench CAMPAIGN [--workers N] [--resume] [-o FILE]\n"
-        "       grip bench report RESULTS [--json | --csv]",
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the verb's options."""
+    parser.usage = (
+        "grip bench CAMPAIGN [--workers N] [--resume] [-o FILE]\n       grip bench report RESULTS [--json | --csv]"
     )
     parser.add_argument("what", nargs="+", metavar="CAMPAIGN", help="the campaign's file; or `report` and its results")
-    parser.add_argument("--workers", type=_count, default=1, metavar="N", help="trials at a time (default: 1)")
+    parser.add_argument(
+        "--workers",
+        type=whole(1, what="a number of trials"),
+        default=1,
+        metavar="N",
+        help="trials at a time (default: 1)",
+    )
     parser.add_argument("--resume", action="store_true", help="keep the trials that are there, and run the others")
     parser.add_argument(
         "-o", "--output", type=Path, metavar="FILE", help="results (default: .grip/campaigns/NAME.jsonl of the project)"
@@ -46,7 +62,6 @@ def run(args: argparse.Namespace) -> int:
     if args.what[0] == "report":
         if len(args.what) != 2:
             args.parser.error("report needs the file of results: grip bench report .grip/campaigns/NAME.jsonl")
-        from grip_bt.app.campaign import read
 
         _print(read(Path(args.what[1])), args)
         return 0
@@ -56,9 +71,6 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _run(path: Path, args: argparse.Namespace) -> int:
-    from grip_bt.app.campaign import Trials, begin, check, head_of, read_campaign
-    from grip_bt.app.project.folder import find_project
-
     campaign = read_campaign(path)
     check(campaign)
     first = next(iter(campaign.file.variants))
@@ -92,8 +104,6 @@ def _run(path: Path, args: argparse.Namespace) -> int:
 
 
 def _own_folder(project: Project) -> Path:
-    from grip_bt.base.errors import NotWritableError
-
     try:
         return project.state_folder
     except NotWritableError as error:
@@ -112,15 +122,11 @@ def _opening(campaign: Campaign, results: Results, left: int, workers: int) -> s
 
 
 def _line(row: Mapping[str, Any], number: int, total: int) -> str:
-    from grip_bt.app.campaign.report import reason
-
     how = "success" if row["success"] else reason(row)
     return f"  {number:>{len(str(total))}}/{total}  {row['variant']}, seed {row['seed']}: {how}; {row['wall']:.1f} s"
 
 
 def _print(results: Results, args: argparse.Namespace) -> None:
-    from grip_bt.app.campaign import as_csv, as_text, summary
-
     if args.json:
         print(json.dumps(summary(results)))
     elif args.csv:
@@ -132,10 +138,3 @@ def _print(results: Results, args: argparse.Namespace) -> None:
 def _say(quiet: bool, text: str) -> None:
     if not quiet:
         print(text, file=sys.stderr, flush=True)
-
-
-def _count(text: str) -> int:
-    value = int(text)
-    if value < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} isn't a number of trials, 1 or more")
-    return value

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import Any
+
+from grip_bt.app.runs.capsule import write_capsule
+from grip_bt.app.runs.replay import find_run, journal_of
+from grip_bt.runtime import JournalReader
 
 
-def add_parser(subparsers: Any) -> None:
-    """Add the verb."""
-    parser = subparsers.add_parser("capsule", help="write a run as one HTML file that needs no server")
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the verb's options."""
     parser.add_argument("run_name", metavar="RUN", help="a run's id, its beginning, or `last`")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="where to (default: RUN.html)")
     parser.add_argument("--journal", type=Path, metavar="FILE", help="another journal than that of this project")
@@ -18,10 +20,6 @@ def add_parser(subparsers: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write the file, and say how large it is."""
-    from grip_bt.app.runs.capsule import write_capsule
-    from grip_bt.app.runs.replay import find_run, journal_of
-    from grip_bt.runtime import JournalReader
-
     with JournalReader(journal_of(None, args.journal)) as reader:
         found = find_run(reader, args.run_name)
         file = args.output or Path(f"{found}.html")

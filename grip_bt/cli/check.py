@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import argparse
 import json
-from typing import TYPE_CHECKING, Any
 
+from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.base.errors import DocumentError, GripError
+from grip_bt.base.issue import Issue
+from grip_bt.base.yaml.files import read_file
+from grip_bt.task import read_text, schema
+from grip_bt.task.validation import validate
 
-if TYPE_CHECKING:
-    from grip_bt.base.issue import Issue
 
-
-def add_parser(subparsers: Any) -> None:
-    """Add the verb."""
-    parser = subparsers.add_parser("check", help="all issues of tasks, each with its place and a fix")
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the verb's options."""
     parser.add_argument("tasks", nargs="*", metavar="TASK", help="a task file")
     parser.add_argument("--strict", action="store_true", help="1 also where there are only warnings, for CI")
     parser.add_argument("--json", action="store_true", help="print one JSON list")
@@ -25,8 +25,6 @@ def add_parser(subparsers: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Print the issues of all tasks; 1 when one of them has an error, or a warning where that is asked for."""
     if args.schema:
-        from grip_bt.task import schema
-
         print(json.dumps(schema(), indent=2))
         return 0
     if not args.tasks:
@@ -45,12 +43,6 @@ def run(args: argparse.Namespace) -> int:
 
 def _issues(path: str) -> tuple[Issue, ...]:
     """Return the issues of a file; what keeps it from being read is one too."""
-    from grip_bt.app.project.catalogue import project_catalog
-    from grip_bt.base.issue import Issue
-    from grip_bt.base.yaml.files import read_file
-    from grip_bt.task import read_text
-    from grip_bt.task.validation import validate
-
     try:
         document = read_text(read_file(path), path)
     except DocumentError as error:
@@ -63,8 +55,6 @@ def _issues(path: str) -> tuple[Issue, ...]:
 
 
 def _unreadable(error: DocumentError) -> Issue:
-    from grip_bt.base.issue import Issue
-
     message = error.message.rstrip(".")
     return Issue("", "bad-document", "error", message, "", error.line or 1, error.column or 1, error.source)
 

@@ -6,11 +6,20 @@ import argparse
 import re
 import shlex
 import sys
+import time
 from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+from grip_bt.app.project.components import components_folder, from_file, from_graph, from_type, label_of, make_component
+from grip_bt.app.project.folder import find_project
+from grip_bt.app.project.foreign_code import of_component, refuse
 from grip_bt.base.errors import GripError, listing, nearest
+from grip_bt.codegen import outdated, render, write_package
+from grip_bt.codegen.new_repository import make_repository
+from grip_bt.task.catalog.component_file import FILE_NAME, load_component
 
 from .parser import add_no_code
 
@@ -19,9 +28,8 @@ _MOST = 6
 """How many files of a package are listed."""
 
 
-def add_parser(subparsers: Any) -> None:
-    """Add the verb."""
-    parser = subparsers.add_parser("component", help="wrap external software: generate its node, list, test")
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the verb's options."""
     actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
     new = actions.add_parser("new", help="a template repository of a component that works, to be made one's own")
     new.add_argument("name", help="of the component: lower case, such as my_grasps")
@@ -57,9 +65,6 @@ def add_parser(subparsers: Any) -> None:
 
 def run_new(args: argparse.Namespace) -> int:
     """Write the repository and its node, and say how to go on."""
-    from grip_bt.app.project.components import components_folder
-    from grip_bt.codegen.new_repository import make_repository
-
     folder = args.folder or components_folder(Path()) / args.name
     written = make_repository(folder, args.name, args.lang)
     print(f"{folder}: {', '.join(str(file) for file in written)}")
@@ -75,8 +80,6 @@ def run_add(args: argparse.Namespace) -> int:
         raise GripError("say what: a folder, an interface file, a type, or --from-graph NAME")
     folders = [folder for what in args.what if (folder := _folder(what, args)) is not None]
     if args.from_graph:
-        from grip_bt.app.project.components import from_graph
-
         folders.append(_made(from_graph(args.from_graph, args.wait, args.interfaces), args))
     return check(folders) if args.check else generate(folders)
 
@@ -90,7 +93,6 @@ def _folder(what: str, args: argparse.Namespace) -> Path:
     if path.suffix[1:] not in ("srv", "action", "msg") and (path.exists() or not _names_a_type(what)):
         _check_folder(path, args.project)
         return path
-    from grip_bt.app.project.components import from_file, from_type
 
     return _made(from_file(path) if path.suffix else from_type(what), args)
 
@@ -101,9 +103,6 @@ def _check_component(folder: Path) -> None:
     Raises:
         GripError: it doesn't; it says what to give instead, or what to rename.
     """
-    from grip_bt.app.project.components import components_folder
-    from grip_bt.task.catalog.component_file import FILE_NAME, load_component
-
     if not (folder / FILE_NAME).exists():
         kinds = ("srv", "action", "msg")
         files = sorted(f.relative_to(folder).as_posix() for kind in kinds for f in folder.glob(f"{kind}/*.{kind}"))
@@ -130,9 +129,6 @@ def _check_folder(path: Path, project: Path) -> None:
     Raises:
         GripError: there is none; it names the nearest one of the project.
     """
-    from grip_bt.app.project.components import components_folder
-    from grip_bt.task.catalog.component_file import FILE_NAME
-
     if path.exists():
         return
     home = components_folder(project)
@@ -145,11 +141,6 @@ def _check_folder(path: Path, project: Path) -> None:
 
 
 def _made(wish: Any, args: argparse.Namespace) -> Path:
-    from dataclasses import replace
-
-    from grip_bt.app.project.components import components_folder, make_component
-    from grip_bt.task.catalog.component_file import load_component
-
     wish = replace(wish, name=args.name, server=args.server or wish.server)
     failures = [label for label in args.failure.split(",") if label]
     folder = make_component(wish, components_folder(args.project), args.outcomes, failures)
@@ -163,8 +154,6 @@ def _made(wish: Any, args: argparse.Namespace) -> Path:
 
 def generate(folders: Sequence[Path]) -> int:
     """Write the nodes of components."""
-    from grip_bt.codegen import write_package
-
     for folder in folders:
         changed = write_package(folder / NODE_FOLDER, rendered(folder))
         print(f"{folder / NODE_FOLDER}: {', '.join(changed) or 'up to date'}")
@@ -173,8 +162,6 @@ def generate(folders: Sequence[Path]) -> int:
 
 def check(folders: Sequence[Path]) -> int:
     """Tell which nodes aren't up to date; 1 when there are some."""
-    from grip_bt.codegen import outdated
-
     stale = False
     for folder in folders:
         for path in outdated(folder / NODE_FOLDER, rendered(folder)):
@@ -185,10 +172,6 @@ def check(folders: Sequence[Path]) -> int:
 
 def run_list(args: argparse.Namespace) -> int:
     """Print each component with its service, outcomes and whether its node is up to date; 1 when one is broken."""
-    from grip_bt.app.project.folder import find_project
-    from grip_bt.codegen import outdated
-    from grip_bt.task.catalog.component_file import load_component
-
     project = find_project(args.project)
     found = project.component_folders()
     if not found:
@@ -210,13 +193,7 @@ def run_list(args: argparse.Namespace) -> int:
 
 def run_test(args: argparse.Namespace) -> int:
     """Start the component, call it once (an action: one goal) with nothing in it, and tell the answer and its time."""
-    import time
-
-    from grip_bt.app.project.components import label_of
-    from grip_bt.app.project.folder import find_project
-    from grip_bt.app.project.foreign_code import of_component, refuse
     from grip_bt.ros.components import start_components
-    from grip_bt.task.catalog.component_file import load_component
 
     folder = args.folder.resolve()
     component = load_component(folder)
@@ -241,12 +218,8 @@ def rendered(folder: Path) -> dict[str, str]:
     Raises:
         DocumentError, ContractError: see `grip_bt.codegen.render`.
     """
-    from functools import partial
-
-    from grip_bt.codegen import render
     from grip_bt.ros.interfaces import read_interface
     from grip_bt.ros.interfaces.source import fields_within, interface_file
-    from grip_bt.task.catalog.component_file import load_component
 
     component, packages = load_component(folder), folder / "interfaces"
     own = interface_file(packages, component.interface)

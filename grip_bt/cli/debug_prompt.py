@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import threading
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
@@ -78,7 +79,6 @@ class Prompt:
             self._say(HELP if text in ("h", "help", "?") else f"{text!r} isn't a command:\n{HELP}")
 
     def _set(self, text: str) -> None:
-        from .run import breakpoint_of
 
         point = breakpoint_of(text)
         self._send({"command": "break", "if": point.pop("condition"), **point})
@@ -141,3 +141,13 @@ _PLAIN = {
     "q": "stop",
     "stop": "stop",
 }
+
+
+def breakpoint_of(text: str) -> dict[str, Any]:
+    """Return `NODE`, `NODE:OUTCOME`, either with ` if EXPRESSION`, as what `Debugger.set` takes."""
+    place, _, condition = text.partition(" if ")
+    node, _, outcome = place.strip().partition(":")
+    if not node:
+        raise argparse.ArgumentTypeError(f"{text!r} isn't NODE, NODE:OUTCOME or NODE if EXPRESSION")
+    when = outcome if outcome in ("before", "after") else ""
+    return {"node": node, "when": when, "outcome": None if when else outcome or None, "condition": condition.strip()}

@@ -7,22 +7,23 @@ import json
 import signal
 import sys
 import time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 from grip_bt.app.project.examples import DEMOS, Demo, find_demo
+from grip_bt.app.runs.execute import Session, open_session
+from grip_bt.app.runs.verdict import Attempt, AttemptRecorder, Verdict, attempt_line, object_table
+from grip_bt.compilers.probe import parts_of
+from grip_bt.runtime import RunResult
+from grip_bt.runtime.control import result_facts
+from grip_bt.task import walk
 
 from .run import add_run_options, exit_status, options_of, sentence
 from .signals import on_hang_up, on_stop
 
-if TYPE_CHECKING:  # the verbs are listed without loading what they run
-    from grip_bt.app.runs.execute import Session
-    from grip_bt.app.runs.verdict import Attempt, AttemptRecorder
-    from grip_bt.runtime import RunResult
 
-
-def add_parser(subparsers: Any) -> None:
-    """Add the verb."""
-    parser = subparsers.add_parser("demo", help="run a packaged demonstration in simulation")
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the verb's options."""
     parser.add_argument("name", nargs="?", default="reactive", help=f"which one (there are: {', '.join(DEMOS)})")
     add_run_options(parser)
     parser.add_argument("--json", action="store_true", help="print the summary as one JSON object")
@@ -34,16 +35,11 @@ def add_parser(subparsers: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run the demonstration; 0 only when the referee agrees that everything was done."""
-    from grip_bt.app.runs.execute import open_session
-    from grip_bt.app.runs.verdict import Verdict, object_table
-    from grip_bt.runtime.control import result_facts
-    from grip_bt.task import walk
-
     demo = find_demo(args.name)
     if args.gui:
         return _show(demo, args)
     began = time.monotonic()
-    say = _nothing if args.json else print
+    say: Callable[[str], None] = (lambda text: None) if args.json else print
     form = "state machine" if args.target == "sm" else "behaviour tree"
     say(f"GRIP demo {demo.name!r} as a {form}, seed {args.seed}\n{demo.doc}\n")
     with open_session(demo.task, options_of(args), progress=lambda p, d: say(f"  {p:<11} {d}")) as session:
@@ -68,10 +64,7 @@ def run(args: argparse.Namespace) -> int:
     return exit_status(end)
 
 
-def _recorder(demo: Demo, session: Session, say: Any) -> AttemptRecorder:
-    from grip_bt.app.runs.verdict import AttemptRecorder, attempt_line
-    from grip_bt.compilers.probe import parts_of
-
+def _recorder(demo: Demo, session: Session, say: Callable[[str], None]) -> AttemptRecorder:
     referee = session.resources.referee
     clock = session.runner.context.clock
     return AttemptRecorder(
@@ -111,7 +104,3 @@ def _show(demo: Demo, args: argparse.Namespace) -> int:
         port=args.port,
         open_browser=not args.no_browser and sys.stdout.isatty(),
     )
-
-
-def _nothing(text: str) -> None:
-    """Say nothing."""

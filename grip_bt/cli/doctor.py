@@ -5,25 +5,20 @@ from __future__ import annotations
 import argparse
 import json
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
 
-if TYPE_CHECKING:  # the verbs are listed without loading what they run
-    from grip_bt.app.project.doctor import Finding
+from grip_bt.app.project.doctor import Finding, examine
 
 _MARK = {"ok": "ok  ", "missing": "MISS", "broken": "FAIL"}
 
 
-def add_parser(subparsers: Any) -> None:
-    """Add the verb."""
-    parser = subparsers.add_parser("doctor", help="what this machine can do, and how to mend what it can't")
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the verb's options."""
     parser.add_argument("--json", action="store_true", help="print one JSON list")
     parser.set_defaults(run=run)
 
 
 def run(args: argparse.Namespace) -> int:
     """Print the findings; 1 when something that the demo needs is missing."""
-    from grip_bt.app.project.doctor import examine
-
     findings = examine()
     if args.json:
         print(json.dumps([asdict(f) for f in findings], indent=2))

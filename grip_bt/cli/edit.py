@@ -5,17 +5,15 @@ from __future__ import annotations
 import argparse
 import signal
 from pathlib import Path
-from typing import Any
 
-from grip_bt.base.errors import DocumentError, MissingPartError
+from grip_bt.base.errors import DocumentError
 
 from .parser import add_no_code
 from .signals import on_hang_up
 
 
-def add_parser(subparsers: Any) -> None:
-    """Add the verb."""
-    parser = subparsers.add_parser("edit", help="show a project's tasks in a browser, run them, and replay runs")
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the verb's options."""
     parser.add_argument(
         "path", nargs="?", default=".", type=Path, help="a project folder or a task file (default: here)"
     )
@@ -27,10 +25,8 @@ def add_parser(subparsers: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Serve until Ctrl-C."""
-    try:
-        from grip_gui import serve
-    except ImportError as error:
-        raise MissingPartError(f"the editor ({error.name})", "pip install 'grip-bt[gui]'") from error
+    from grip_gui import serve  # here, since `grip edit --help` needs no extra
+
     if not args.path.exists():
         raise DocumentError("nothing is there; give a project folder or a task file", str(args.path))
     on_hang_up(lambda: signal.raise_signal(signal.SIGINT))  # the server obeys that

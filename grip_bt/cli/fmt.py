@@ -5,16 +5,16 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
-from typing import Any
 
 from grip_bt.base.files import replace_text
+from grip_bt.base.yaml.files import read_file
+from grip_bt.task import fmt
 
 from .streams import put
 
 
-def add_parser(subparsers: Any) -> None:
-    """Add the verb."""
-    parser = subparsers.add_parser("fmt", help="bring task files into their canonical form; comments stay")
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the verb's options."""
     parser.add_argument("tasks", nargs="+", metavar="TASK", help="a task file; - reads stdin and writes stdout")
     parser.add_argument("--check", action="store_true", help="change nothing; 1 when a file isn't canonical")
     parser.set_defaults(run=run)
@@ -38,8 +38,5 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _both(path: str) -> tuple[str, str]:
-    from grip_bt.base.yaml.files import read_file
-    from grip_bt.task import fmt
-
     before = sys.stdin.read() if path == "-" else read_file(path)
     return before, fmt(before, "<stdin>" if path == "-" else path)

@@ -6,22 +6,21 @@ import argparse
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from grip_bt.app.project.folder import find_project
+from grip_bt.app.project.foreign_code import refuse
 from grip_bt.base.errors import GripError
+from grip_bt.base.yaml.files import read_file
+from grip_bt.base.yaml.syntax import parse, plain
+from grip_bt.formats.smach import ImportedFile, advice, import_file, import_with_execution, write_import
 
 from . import import_btcpp, import_grip, import_pytrees
 from .parser import add_no_code
 
-if TYPE_CHECKING:
-    from grip_bt.formats.smach import ImportedFile
 
-
-def add_parser(subparsers: Any) -> None:
-    """Add the verb."""
-    parser = subparsers.add_parser(
-        "import", help="tasks from elsewhere: SMACH machines, py_trees and BehaviorTree.CPP trees, the first GRIP"
-    )
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the verb's options."""
     parser.add_argument(
         "path",
         type=Path,
@@ -60,16 +59,12 @@ def add_parser(subparsers: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Import from one source."""
     if args.execute:
-        from grip_bt.app.project.foreign_code import refuse
-
         refuse([f"--execute: imports and runs {args.path}"])
     return IMPORTERS[args.source](args)
 
 
 def import_smach(args: argparse.Namespace) -> int:
     """Report on every container; 1 when one of them wasn't imported."""
-    from grip_bt.formats.smach import advice, import_file, import_with_execution
-
     if args.arguments is not None and not args.execute:
         args.usage_error("--arguments are for --execute")
     files = _files(args.path)
@@ -103,8 +98,6 @@ def _files(path: Path) -> list[Path]:
 def _arguments(path: Path | None) -> dict[str, dict[str, Any]]:
     if path is None:
         return {}
-    from grip_bt.base.yaml.files import read_file
-    from grip_bt.base.yaml.syntax import parse, plain
 
     given = plain(parse(read_file(path), str(path)))
     if not isinstance(given, dict) or not all(isinstance(each, dict) for each in given.values()):
@@ -128,9 +121,6 @@ def _report(imported: ImportedFile) -> None:
 
 
 def _write(imports: list[ImportedFile], args: argparse.Namespace) -> None:
-    from grip_bt.app.project.folder import find_project
-    from grip_bt.formats.smach import write_import
-
     every = [(imported, name) for imported in imports for name in imported.tasks]
     chosen = [(i, name) for i, name in every if args.machine in (None, name)]
     names = ", ".join(name for _, name in every) or "none"

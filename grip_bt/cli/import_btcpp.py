@@ -5,16 +5,18 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from grip_bt.app.project.catalogue import project_catalog
+from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import GripError
 from grip_bt.base.files import replace_text
+from grip_bt.base.yaml.files import read_file
+from grip_bt.formats.btcpp import ImportedFile, from_xml
+from grip_bt.task import model, walking
+from grip_bt.task.catalog import Manifest
+from grip_bt.task.catalog.manifest_text import manifest_text
 
 from .import_pytrees import write_task
-
-if TYPE_CHECKING:
-    from grip_bt.formats.btcpp import ImportedFile
-    from grip_bt.task.catalog import Manifest
 
 HEADER = """\
 # Made by `grip import --from btcpp` from {origin}, once; it is yours to edit.
@@ -25,11 +27,6 @@ HEADER = """\
 
 def run(args: argparse.Namespace) -> int:
     """Import one tree; its task goes to a file or to stdout, what to know about it to stderr."""
-    from grip_bt.app.project.catalogue import project_catalog
-    from grip_bt.app.project.folder import find_project
-    from grip_bt.base.yaml.files import read_file
-    from grip_bt.formats.btcpp import from_xml
-
     if args.execute or args.arguments is not None:
         args.usage_error("--execute and --arguments are for Python code; an XML file is only read")
     text = read_file(args.path)
@@ -50,8 +47,6 @@ def run(args: argparse.Namespace) -> int:
 
 def _report(imported: ImportedFile, origin: str) -> str:
     """Return what became of a file, in words."""
-    from grip_bt.task import model, walking
-
     nodes = [node for _, node in walking.walk(imported.task.root)]
     known = sorted({n.node for n in nodes if isinstance(n, model.Leaf)} - {m.id for m in imported.manifests})
     lines = [
@@ -65,9 +60,6 @@ def _report(imported: ImportedFile, origin: str) -> str:
 
 def _provide(manifests: tuple[Manifest, ...], output: Path | None, origin: str) -> None:
     """Write a manifest for each node type, in a folder of its own among the project's nodes."""
-    from grip_bt.app.project.folder import find_project
-    from grip_bt.task.catalog.manifest_text import manifest_text
-
     names = ", ".join(manifest.id for manifest in manifests)
     if output is None:
         print(f"the catalogue doesn't have {names}; with -o, manifests for them are written too", file=sys.stderr)

@@ -5,18 +5,17 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from grip_bt.app.project.catalogue import catalogue_of
+from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import GripError
-
-if TYPE_CHECKING:
-    from grip_bt.formats.first_grip import GripImport
+from grip_bt.formats.first_grip import GripImport, import_grip, write_files
+from grip_bt.task.document import read_text
+from grip_bt.task.validation import validate
 
 
 def run(args: argparse.Namespace) -> int:
     """Report on what becomes of it, and write the project; 1 when a task has errors that somebody has to mend."""
-    from grip_bt.formats.first_grip import import_grip
-
     if args.execute or args.arguments is not None or args.machine is not None:
         args.usage_error("--execute, --arguments and --machine are for other sources: nothing of the first GRIP is run")
     if not args.path.exists():
@@ -32,12 +31,6 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _write(imported: GripImport, folder: Path) -> int:
-    from grip_bt.app.project.catalogue import catalogue_of
-    from grip_bt.app.project.folder import find_project
-    from grip_bt.formats.first_grip import write_files
-    from grip_bt.task.document import read_text
-    from grip_bt.task.validation import validate
-
     texts = dict(imported.texts)
     if "grip.yaml" not in texts and not (folder / "grip.yaml").exists():
         texts["grip.yaml"] = "grip: 1\n"

@@ -5,12 +5,12 @@ from __future__ import annotations
 import argparse
 import json
 from pathlib import Path
-from typing import Any
+
+from grip_bt.ros.interfaces import build_interfaces
 
 
-def add_parser(subparsers: Any) -> None:
-    """Add the verb."""
-    parser = subparsers.add_parser("interfaces", help="build ROS interface packages")
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the verb's options."""
     actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
     build = actions.add_parser("build", help="build the .msg, .srv and .action packages in a folder, once per content")
     build.add_argument("folder", type=Path, help="an interface package, or a folder with some")
@@ -22,8 +22,6 @@ def add_parser(subparsers: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Build and tell where each package is."""
-    from grip_bt.ros.interfaces import build_interfaces
-
     built = build_interfaces(args.folder, args.cache, args.overlay)
     if args.json:
         rows = [{"package": b.package, "prefix": str(b.prefix), "seconds": round(b.seconds, 2)} for b in built]

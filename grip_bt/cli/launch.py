@@ -9,23 +9,25 @@ import signal
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
+from grip_bt.app.project.config import FILE_NAME
+from grip_bt.app.project.folder import Project, find_project
+from grip_bt.app.project.foreign_code import refuse
+from grip_bt.app.project.launching import launch_file_of, project_members
 from grip_bt.base.errors import GripError
+from grip_bt.ros.launch import read_arguments
+from grip_bt.ros.launch.follow import Follower
+from grip_bt.ros.launch.group import Member, ProcessGroup
+from grip_bt.ros.launch.model import LaunchEvent
+from grip_bt.ros.launch.run import is_launch_file, members_of_file
 
 from .parser import add_no_code
-
-if TYPE_CHECKING:
-    from grip_bt.app.project.folder import Project
-    from grip_bt.ros.launch.group import Member
-    from grip_bt.ros.launch.model import LaunchEvent
 
 FAILED, STOPPED = 4, 130
 
 
-def add_parser(subparsers: Any) -> None:
-    """Add the verb."""
-    parser = subparsers.add_parser("launch", help="run and watch over a launch file or a project's processes")
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the verb's options."""
     parser.add_argument(
         "what",
         nargs="*",
@@ -45,8 +47,6 @@ def add_parser(subparsers: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run until all have ended, a required one has failed, or we are told to stop."""
-    from grip_bt.app.project.foreign_code import refuse
-
     if args.write is not None:
         return _write(args)
     if args.show_args:
@@ -62,8 +62,6 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _show_arguments(what: Sequence[str]) -> int:
-    from grip_bt.ros.launch import read_arguments
-
     if len(what) != 1:
         raise GripError("--show-args: name one launch file")
     arguments = read_arguments(Path(what[0]))
@@ -77,19 +75,12 @@ def _show_arguments(what: Sequence[str]) -> int:
 
 
 def _nothing_to_launch(place: Path) -> str:
-    from grip_bt.app.project.config import FILE_NAME
-    from grip_bt.app.project.folder import find_project
-
     file = find_project(place).folder / FILE_NAME
     said = "declares no processes; " if file.is_file() else "isn't there; name a project by --project, "
     return f"{file} {said}name a launch file, or add `processes:`"
 
 
 def _members(args: argparse.Namespace) -> tuple[Project, list[Member], list[LaunchEvent]]:
-    from grip_bt.app.project.folder import find_project
-    from grip_bt.app.project.launching import project_members
-    from grip_bt.ros.launch.run import is_launch_file, members_of_file
-
     project = find_project(args.project)
     if args.what and is_launch_file(args.what[0]):
         return project, *members_of_file(Path(args.what[0]), _arguments(args.what[1:]), own_reader=args.own)
@@ -117,9 +108,6 @@ def _print_members(members: Sequence[Member], as_json: bool) -> None:
 
 
 def _write(args: argparse.Namespace) -> int:
-    from grip_bt.app.project.folder import find_project
-    from grip_bt.app.project.launching import launch_file_of
-
     project = find_project(args.project)
     args.write.write_text(launch_file_of(project), encoding="utf-8")
     print(f"{args.write}: run it by `ros2 launch {args.write}` or `grip launch {args.write}`")
@@ -127,9 +115,6 @@ def _write(args: argparse.Namespace) -> int:
 
 
 def _supervise(members: Sequence[Member], events: Sequence[LaunchEvent], logs: Path, follow: bool) -> int:
-    from grip_bt.ros.launch.follow import Follower
-    from grip_bt.ros.launch.group import ProcessGroup
-
     stopped: list[int] = []
     group = ProcessGroup(members, logs, told=_tell, events=events)
 

@@ -7,6 +7,10 @@ import threading
 from pathlib import Path
 from typing import Any
 
+from grip_bt.app.project.folder import find_project
+from grip_bt.ros.bus import Bus
+from grip_bt.ros.managers import MessageServer
+
 from . import messages_client as client
 from .signals import on_stop
 
@@ -14,11 +18,8 @@ ARCHIVE = "messages.sqlite"
 _VALUE = "YAML, as in a project's files or field by field; - for the standard input"
 
 
-def add_parser(subparsers: Any) -> None:
-    """Add the verb."""
-    parser = subparsers.add_parser(
-        "messages", help="named joint states, poses, grasps ...: serve, list, show, add, watch, reset"
-    )
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the verb's options."""
     actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
     serve = actions.add_parser("serve", help="serve a project's messages until stopped")
     serve.add_argument("--project", type=Path, default=Path(), help="project folder (default: here)")
@@ -84,10 +85,6 @@ def _add_form(parser: argparse.ArgumentParser) -> None:
 
 def run_serve(args: argparse.Namespace) -> int:
     """Serve until SIGINT or SIGTERM."""
-    from grip_bt.app.project.folder import find_project
-    from grip_bt.ros.bus import Bus
-    from grip_bt.ros.managers import MessageServer
-
     over = threading.Event()
     on_stop(over.set)
     project = find_project(args.project)

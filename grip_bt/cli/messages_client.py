@@ -9,14 +9,18 @@ import sys
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, suppress
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from grip_bt.app.wiring.parts import told_when_slow
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import NoEntryError, ServerLostError, ServerTimeOutError
-
-if TYPE_CHECKING:
-    from grip_bt.base.operation import Operation
-    from grip_bt.ros.managers import RosMessages
+from grip_bt.base.message_store.written import plain_of, text_of
+from grip_bt.base.operation import Operation
+from grip_bt.base.yaml.files import read_file
+from grip_bt.ros.bus import Bus
+from grip_bt.ros.managers import RosMessages
+from grip_bt.ros.managers.text import entry_rows, plain_of_entry, text_of_message, value_from_text
+from grip_bt.ros.types import type_name
 
 WAIT = 15.0
 """How long a server may take to answer [s]."""
@@ -26,8 +30,6 @@ SILENT = 2.0
 
 def run_list(args: argparse.Namespace) -> int:
     """Print one line for each message."""
-    from grip_bt.ros.managers.text import entry_rows
-
     with _server() as server:
         if args.store:
             _done(server.names(args.store))  # tells which stores there are
@@ -49,10 +51,6 @@ def run_list(args: argparse.Namespace) -> int:
 
 def run_show(args: argparse.Namespace) -> int:
     """Print one message, or take the oldest of a queue."""
-    from grip_bt.base.message_store.written import plain_of, text_of
-    from grip_bt.ros.managers.text import text_of_message
-    from grip_bt.ros.types import type_name
-
     with _server() as server:
         entry = _done(server.message(args.store, args.name))
     if args.json:
@@ -112,8 +110,6 @@ def run_watch(args: argparse.Namespace) -> int:
 
 
 def _change(store: str, kind: str, name: str, value: Any, as_json: bool) -> str:
-    from grip_bt.ros.managers.text import plain_of_entry
-
     if as_json:
         message = None if value is None else plain_of_entry(store, value)
         return json.dumps({"store": store, "change": kind, "name": name, "message": message})
@@ -127,9 +123,6 @@ def _value(server: RosMessages, args: argparse.Namespace) -> Any:
     Raises:
         GripError: it says none, or more than one.
     """
-    from grip_bt.base.yaml.files import read_file
-    from grip_bt.ros.managers.text import value_from_text
-
     given = [way for way in (args.value, args.file, args.topic) if way is not None]
     if len(given) != 1:
         several = "one way only" if given else "the value is missing"
@@ -176,9 +169,6 @@ def _server() -> Iterator[RosMessages]:
     Raises:
         ServerLostError: there is none; it says how to start one.
     """
-    from grip_bt.ros.bus import Bus
-    from grip_bt.ros.managers import RosMessages
-
     with Bus("grip_messages_client") as bus:
         with told_of_building():
             messages = RosMessages(bus)
@@ -191,8 +181,6 @@ def _server() -> Iterator[RosMessages]:
 
 def told_of_building() -> AbstractContextManager[None]:
     """Say that the interfaces are being built, where that takes its time: once on a machine."""
-    from grip_bt.app.wiring.parts import told_when_slow
-
     words = "grip: building the interfaces of messages, once; this takes a while ..."
     return told_when_slow(lambda _, said: print(said, file=sys.stderr, flush=True), "messages", lambda: words, SILENT)
 

@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import argparse
 import shlex
-from typing import Any
+
+from grip_bt.app.project.folder import make_project
 
 
-def add_parser(subparsers: Any) -> None:
-    """Add the verb."""
-    parser = subparsers.add_parser("new", help="make a project folder with a first task that runs")
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the verb's options."""
     parser.add_argument("folder", metavar="DIR", help="a folder that isn't there yet, or is empty")
     parser.set_defaults(run=run)
 
 
 def run(args: argparse.Namespace) -> int:
     """Make the project and say how to go on."""
-    from grip_bt.app.project.folder import make_project
-
     written = make_project(args.folder)
     print(f"{args.folder}: {', '.join(str(file) for file in written)}")
     folder = shlex.quote(args.folder)

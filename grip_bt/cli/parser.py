@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import argparse
+import math
 import re
-from typing import NoReturn
+from collections.abc import Callable
+from typing import NoReturn, TypeVar
 
 from grip_bt.base.errors import nearest
 
+_T = TypeVar("_T")
+Reader = Callable[[str], _T]
 _CHOICE = re.compile(r"invalid choice: '([^']*)' \(choose from (.*)\)$")
 
 
@@ -18,6 +22,35 @@ def add_no_code(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="refuse, with a list, where code that isn't GRIP's would be imported or started",
     )
+
+
+def number(above: float | None = None, least: float = 0, what: str = "a number", advice: str = "") -> Reader[float]:
+    """Return what reads the number of an option: finite, and above `above`, or else `least` or more."""
+    allowed = f"{what}, {least:g} or more" if above is None else f"{what} above {above:g}"
+
+    def read(word: str) -> float:
+        try:
+            value = float(word)
+        except ValueError:
+            value = math.nan  # neither equal to, nor above, nor below anything
+        if not (least <= value if above is None else above < value) or value == math.inf:
+            raise argparse.ArgumentTypeError(f"{word!r} isn't {allowed}{advice}")
+        return value
+
+    return read
+
+
+def whole(least: int, most: int | None = None, what: str = "a whole number") -> Reader[int]:
+    """Return what reads the whole number of an option, from `least` to `most`."""
+    allowed = f"{what}, {least} or more" if most is None else f"{what} from {least} to {most}"
+
+    def read(word: str) -> int:
+        digits = word.isascii() and word.isdigit() and (most is None or len(word) <= len(str(most)))
+        if not digits or int(word) < least or (most is not None and int(word) > most):
+            raise argparse.ArgumentTypeError(f"{word!r} isn't {allowed}")
+        return int(word)
+
+    return read
 
 
 class Parser(argparse.ArgumentParser):

@@ -8,23 +8,22 @@ import sys
 from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
-from grip_bt.base.errors import MissingPartError, UnknownNameError
+from grip_bt.app.project.folder import find_project
+from grip_bt.app.runs.replay import Until, events_of, find_run, journal_of, line_of, moment_lines, replay
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.runtime import Event, JournalReader, Moment
 
-if TYPE_CHECKING:
-    from grip_bt.app.runs.replay import Until
-    from grip_bt.runtime import Event, JournalReader, Moment
+from .parser import number
 
 
-def add_parser(subparsers: Any) -> None:
-    """Add the verb."""
-    parser = subparsers.add_parser("replay", help="show a run again, event by event, or one that is under way")
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the verb's options."""
     parser.add_argument("run_name", metavar="RUN", help="a run's id, its beginning, or `last`")
     parser.add_argument("--journal", type=Path, metavar="FILE", help="another journal than that of this project")
     parser.add_argument(
         "--speed",
-        type=_speed,
+        type=number(),
         metavar="X",
         help="seconds of the run in a second (default: 1 in a terminal; else as fast as it goes, which is 0)",
     )
@@ -38,9 +37,6 @@ def add_parser(subparsers: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Show the events."""
-    from grip_bt.app.runs.replay import Until, events_of, find_run, journal_of, line_of, moment_lines, replay
-    from grip_bt.runtime import JournalReader
-
     file = journal_of(None, args.journal)
     with JournalReader(file) as reader:
         found = find_run(reader, args.run_name)
@@ -95,18 +91,7 @@ def _wait_for_enter() -> None:
 
 
 def _open_page(journal: Path, run: str, open_browser: bool) -> int:
-    try:
-        from grip_gui import serve
-    except ImportError as error:
-        raise MissingPartError(f"the page ({error.name})", "pip install 'grip-bt[gui]'") from error
-    from grip_bt.app.project.folder import find_project
+    from grip_gui import serve  # here, since runs are replayed without the page too
 
     folder = journal.resolve().parent.parent if journal.parent.name == ".grip" else find_project(Path()).folder
     return serve(folder, show_run=run, journal=journal, open_browser=open_browser)
-
-
-def _speed(text: str) -> float:
-    value = float(text)
-    if not value >= 0:
-        raise argparse.ArgumentTypeError(f"{text!r} isn't a number, 0 or more")
-    return value

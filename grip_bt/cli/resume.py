@@ -9,13 +9,30 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from grip_bt.app.project.catalogue import catalogue_of
+from grip_bt.app.runs.execute import RunOptions, check_task
+from grip_bt.app.runs.mocks import apply_mocks
+from grip_bt.app.runs.replay import find_run, journal_of
+from grip_bt.app.runs.resume import (
+    GoOn,
+    Question,
+    agree,
+    place_in,
+    questions,
+    read_results,
+    recorded_options,
+    resumable,
+    see_off,
+    undamaged,
+)
+from grip_bt.app.runs.saved_state import MESSAGES, unreadable
 from grip_bt.base.errors import ResumeError
+from grip_bt.compilers.resolve import resolve
+from grip_bt.runtime import JournalReader
 
-if TYPE_CHECKING:
-    from grip_bt.app.runs.execute import RunOptions
-    from grip_bt.app.runs.resume import Question
+from .parser import whole
 
 
 class Given(argparse.Action):
@@ -46,7 +63,11 @@ def add_resume_options(parser: argparse.ArgumentParser) -> None:
         help="how a leaf ends next, in place of its work, such as attempt/grasp=failure.no_ik",
     )
     group.add_argument(
-        "--times", type=_count, default=1, metavar="N", help="with --fork: N runs, with seeds that go up"
+        "--times",
+        type=whole(1, what="a number of runs"),
+        default=1,
+        metavar="N",
+        help="with --fork: N runs, with seeds that go up",
     )
     group.add_argument("--yes", action="store_true", help="agree to what would be asked")
     parser.add_argument(
@@ -91,25 +112,6 @@ def prepare(args: argparse.Namespace, options: RunOptions, given: frozenset[str]
         UnknownNameError: there is no such run, place, node or outcome.
         ResumeError: it can't be gone on with; it says what can be done.
     """
-    from grip_bt.app.project.catalogue import catalogue_of
-    from grip_bt.app.runs.execute import check_task
-    from grip_bt.app.runs.mocks import apply_mocks
-    from grip_bt.app.runs.replay import find_run, journal_of
-    from grip_bt.app.runs.resume import (
-        GoOn,
-        agree,
-        place_in,
-        questions,
-        read_results,
-        recorded_options,
-        resumable,
-        see_off,
-        undamaged,
-    )
-    from grip_bt.app.runs.saved_state import MESSAGES, unreadable
-    from grip_bt.compilers.resolve import resolve
-    from grip_bt.runtime import JournalReader
-
     file = journal_of(args.task, args.journal)
     with JournalReader(file) as reader:
         record = reader.run(find_run(reader, args.resume or args.fork))
@@ -204,10 +206,3 @@ def _ask(question: Question) -> bool:
 
 def _say(text: str) -> None:
     print(f"  {text}", file=sys.stderr, flush=True)
-
-
-def _count(text: str) -> int:
-    value = int(text)
-    if value < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} isn't a number of runs, 1 or more")
-    return value

@@ -6,13 +6,12 @@ import argparse
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
-from grip_bt.base.errors import GripError, MissingPartError
-
-if TYPE_CHECKING:
-    from grip_bt.commanders.description.findings import Finding
-    from grip_bt.commanders.description.load import Inspected
+from grip_bt.base.errors import GripError
+from grip_bt.commanders.description.facts import facts, told
+from grip_bt.commanders.description.findings import Finding
+from grip_bt.commanders.description.load import Inspected
+from grip_bt.commanders.robots import ROBOTS
 
 WHAT = (
     "a ready-made robot, a .urdf, .xacro or .xml (MJCF) file, a .yaml file with what `robot:` may hold, a MoveIt "
@@ -20,9 +19,8 @@ WHAT = (
 )
 
 
-def add_parser(subparsers: Any) -> None:
-    """Add the verb."""
-    parser = subparsers.add_parser("robot", help="check a robot's files, show what a robot has, list ready-made ones")
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the verb's options."""
     verbs = parser.add_subparsers(title="what to do", metavar="WHAT", required=True)
     check = verbs.add_parser("check", help="everything that is wrong with robots' files; exit status 1 for errors")
     show = verbs.add_parser(
@@ -61,8 +59,6 @@ def run_check(args: argparse.Namespace) -> int:
 
 def run_show(args: argparse.Namespace) -> int:
     """Print what the robot has; 1 when it can't be used."""
-    from grip_bt.commanders.description.facts import facts, told
-
     inspected = _inspected(args)
     if inspected.description is None:
         for finding in inspected.findings:
@@ -75,19 +71,15 @@ def run_show(args: argparse.Namespace) -> int:
 
 def run_list(args: argparse.Namespace) -> int:
     """Print the names of the ready-made robots."""
-    from grip_bt.commanders.robots import ROBOTS
-
     print(json.dumps(list(ROBOTS)) if args.json else "\n".join(ROBOTS))
     return 0
 
 
 def _inspected(args: argparse.Namespace) -> Inspected:
     """Return the robot; whatever keeps it from being read is a finding too."""
-    try:
-        from grip_bt.commanders.description.load import inspect_robot
-        from grip_bt.commanders.description.sources import config_of
-    except ImportError as error:
-        raise MissingPartError(f"motion ({error})", "pip install 'grip-bt[motion]'") from None
+    from grip_bt.commanders.description.load import inspect_robot  # here, since `robot list` needs no extra
+    from grip_bt.commanders.description.sources import config_of
+
     more = {
         "srdf": str(Path(args.srdf).resolve()) if args.srdf else None,
         "arguments": _pairs(args, "arg"),
@@ -102,8 +94,6 @@ def _inspected(args: argparse.Namespace) -> Inspected:
 
 def _of_model(inspected: Inspected) -> list[Finding]:
     """Return what only shows when the kinematics and the shapes are made, such as a mesh that can't be read."""
-    from grip_bt.commanders.description.findings import Finding
-
     if inspected.description is None:
         return []
     from grip_bt.commanders.model import RobotModel

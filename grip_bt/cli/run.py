@@ -4,31 +4,35 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 import sys
 import threading
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from .parser import add_no_code
+from grip_bt.app.runs.execute import MOST_SEED, RunOptions, open_session
+from grip_bt.app.runs.mocks import read_mocks
+from grip_bt.app.runs.supervisor import Supervisor
+from grip_bt.app.runs.tables import failures
+from grip_bt.app.runs.verdict import Verdict, words
+from grip_bt.app.wiring.parts import silent
+from grip_bt.runtime import JournalReader, RunResult, serve_control
+from grip_bt.runtime.control import result_facts
+
+from .debug_prompt import Prompt, breakpoint_of
+from .parser import add_no_code, number, whole
 from .resume import Given, add_resume_options, check_usage, fork_often, prepare
 from .signals import on_stop
-
-if TYPE_CHECKING:  # the verbs are listed without loading what they run
-    from grip_bt.app.runs.execute import RunOptions
-    from grip_bt.app.runs.supervisor import Supervisor
-    from grip_bt.runtime import RunResult
+from .streams import progress
 
 EXIT_STATUS = {"success": 0, "failure": 3, "error": 4, "died": 4, "stopped": 130}
 INVALID = 1
 WATCHDOG = 10.0
 
 
-def add_parser(subparsers: Any) -> None:
-    """Add the verb."""
-    parser = subparsers.add_parser("run", help="run a task")
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the verb's options."""
     parser.add_argument(
         "task", type=Path, nargs="?", help="the task file; with --resume or --fork, where the run's is now"
     )
@@ -37,11 +41,11 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--journal", type=Path, metavar="FILE", help="where to write (default: the project's own)")
     parser.add_argument("--json", action="store_true", help="print the result as one JSON object")
     parser.add_argument(
-        "--rate", type=_positive, action=Given, metavar="HZ", help="tick so often a second (default: on wakes)"
+        "--rate", type=number(above=0), action=Given, metavar="HZ", help="tick so often a second (default: on wakes)"
     )
     parser.add_argument(
         "--watchdog",
-        type=_not_negative,
+        type=number(what="a number of seconds"),
         action=Given,
         default=WATCHDOG,
         metavar="S",
@@ -83,48 +87,29 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         help="simulated, parts that do as asked, or the controllers of a real robot",
     )
     parser.add_argument(
-        "--seed", type=_seed, default=0, action=Given, metavar="N", help="of the simulated world (default: 0)"
+        "--seed",
+        type=whole(0, MOST_SEED),
+        default=0,
+        action=Given,
+        metavar="N",
+        help="of the simulated world (default: 0)",
     )
     parser.add_argument(
         "--pace",
-        type=_pace,
+        type=number(above=0, advice="; leave it out for as fast as the simulation goes"),
         action=Given,
         metavar="X",
         help="simulated seconds a second (default: as fast as it goes)",
     )
 
 
-def _seed(word: str) -> int:
-    from grip_bt.app.campaign.file import MOST_SEED  # here, since the help needs none of it
-
-    if not (word.isascii() and word.isdigit() and len(word) <= len(str(MOST_SEED)) and int(word) <= MOST_SEED):
-        raise argparse.ArgumentTypeError(f"{word!r} isn't a whole number from 0 to {MOST_SEED}")
-    return int(word)
-
-
-def _pace(word: str) -> float:
-    try:
-        pace = float(word)
-    except ValueError:
-        pace = math.nan
-    if not 0 < pace < math.inf:
-        raise argparse.ArgumentTypeError(
-            f"{word!r} isn't a number above 0; leave it out for as fast as the simulation goes"
-        )
-    return pace
-
-
 def options_of(args: argparse.Namespace) -> RunOptions:
     """Return the options that a command line gave."""
-    from grip_bt.app.runs.execute import RunOptions
-
     return RunOptions(target=args.target, robot=args.robot, seed=args.seed, pace=args.pace)
 
 
 def run(args: argparse.Namespace) -> int:
     """Run the task; the exit status tells how it ended."""
-    from grip_bt.app.runs.mocks import read_mocks
-
     check_usage(args, args.parser.error)
     debug = args.debug or (bool(args.breaks) and not args.control)
     options = replace(
@@ -150,13 +135,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _run_here(args: argparse.Namespace, options: RunOptions) -> int:
-    from grip_bt.app.runs.execute import open_session
-    from grip_bt.app.runs.verdict import Verdict
-    from grip_bt.runtime import serve_control
-    from grip_bt.runtime.control import result_facts
-
     end: dict[str, Any] = {}
-    with open_session(args.task, options, progress=_silent if args.json and not args.control else progress) as session:
+    with open_session(args.task, options, progress=silent if args.json and not args.control else progress) as session:
         on_stop(session.runner.stop)
         verdict = Verdict(session)
 
@@ -179,8 +159,6 @@ def exit_status(end: Mapping[str, Any]) -> int:
 
 def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> tuple[int, Mapping[str, Any]]:
     """Run in a child process; pass on what goes either way. Return the exit status, and the event `ended`."""
-    from grip_bt.app.runs.supervisor import Supervisor
-
     run_id: list[str] = []
     started: list[Mapping[str, Any]] = []
     prompt: Any = None
@@ -200,8 +178,6 @@ def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> tu
     given = {**asdict(options), "journal": str(options.journal) if options.journal else None}
     supervisor = Supervisor(str(args.task), given, told, options.watchdog, own_input=not (args.control or debug))
     if debug:
-        from .debug_prompt import Prompt
-
         prompt = Prompt(supervisor.send, lambda text: print(text, flush=True), patient=not sys.stdin.isatty())
     supervisor.start()
     on_stop(supervisor.stop)
@@ -222,9 +198,6 @@ def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> tu
 
 def _tell_failures(started: Mapping[str, Any], said: str) -> None:
     """Print why leaves failed, also where the task has recovered from it; not what was said already."""
-    from grip_bt.app.runs.tables import failures
-    from grip_bt.runtime import JournalReader
-
     with JournalReader(started["journal"]) as reader:
         found = failures(reader.events(started["run"]))
     if sum(count for count, _ in found.values()) > 1 or not said:
@@ -278,28 +251,7 @@ def _tell(end: Mapping[str, Any], as_json: bool) -> None:
         named = f"run {end['run']}" if end.get("run") else "no run was begun"
         print(f"{sentence(end)}; {took}{ticks}{named}")
         if "truth" in end:
-            from grip_bt.app.runs.verdict import words
-
             print(f"the referee: {words(end['truth'])}")
-
-
-def _silent(part: str, detail: str) -> None:
-    """Say nothing."""
-
-
-def progress(part: str, detail: str) -> None:
-    """Say that a part starts, or came up: it may take a while."""
-    print(f"  {part:<11} {detail}", file=sys.stderr, flush=True)
-
-
-def breakpoint_of(text: str) -> dict[str, Any]:
-    """Return `NODE`, `NODE:OUTCOME`, either with ` if EXPRESSION`, as what `Debugger.set` takes."""
-    place, _, condition = text.partition(" if ")
-    node, _, outcome = place.strip().partition(":")
-    if not node:
-        raise argparse.ArgumentTypeError(f"{text!r} isn't NODE, NODE:OUTCOME or NODE if EXPRESSION")
-    when = outcome if outcome in ("before", "after") else ""
-    return {"node": node, "when": when, "outcome": None if when else outcome or None, "condition": condition.strip()}
 
 
 def _assignment(text: str) -> tuple[str, Any]:
@@ -310,25 +262,3 @@ def _assignment(text: str) -> tuple[str, Any]:
         return name, json.loads(value)
     except ValueError:
         return name, value
-
-
-def _not_negative(text: str) -> float:
-    value = _number(text)
-    if not 0 <= value < math.inf:
-        raise argparse.ArgumentTypeError(f"{text!r} isn't a number of seconds, 0 or more")
-    return value
-
-
-def _positive(text: str) -> float:
-    value = _number(text)
-    if not 0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f"{text!r} isn't a number more than 0")
-    return value
-
-
-def _number(text: str) -> float:
-    """Return a number; what is none isn't equal to, more or less than anything."""
-    try:
-        return float(text)
-    except ValueError:
-        return math.nan

@@ -7,17 +7,22 @@ import json
 import time
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import NoReturn
 
+from pydantic import ByteSize, TypeAdapter, ValidationError
+
+from grip_bt.app.project.folder import find_project
+from grip_bt.app.runs.execute import make_room
+from grip_bt.app.runs.export import export_run
+from grip_bt.app.runs.replay import find_run
+from grip_bt.app.runs.tables import coverage, timings
 from grip_bt.base.errors import UnknownNameError
+from grip_bt.runtime import JournalReader
+from grip_bt.runtime.journal import JournalError
 
-if TYPE_CHECKING:
-    from grip_bt.runtime import JournalReader
 
-
-def add_parser(subparsers: Any) -> None:
-    """Add the verb."""
-    parser = subparsers.add_parser("runs", help="list the runs of a project, or export one of them")
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the verb's options."""
     parser.add_argument("what", nargs="?", default=".", help="the project or a file in it; or a run's id, or `last`")
     parser.add_argument("--journal", type=Path, metavar="FILE", help="another journal")
     parser.add_argument("--json", action="store_true", help="print JSON")
@@ -40,10 +45,6 @@ def add_parser(subparsers: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Print a line per run, or do what is asked with one run."""
-    from grip_bt.app.project.folder import find_project
-    from grip_bt.app.runs.replay import find_run
-    from grip_bt.runtime import JournalReader
-
     if args.prune is not None:
         return _prune(args)
     if (args.to is None) != (args.output is None):
@@ -86,17 +87,10 @@ def _one(reader: JournalReader, args: argparse.Namespace, run: str) -> None:
 
 def _no_journal(file: Path) -> NoReturn:
     """Refuse a journal that was named and isn't there."""
-    from grip_bt.runtime.journal import JournalError
-
     raise JournalError(f"{file}: there is no such journal; name a file that runs were written to")
 
 
 def _prune(args: argparse.Namespace) -> int:
-    from pydantic import ByteSize, TypeAdapter, ValidationError
-
-    from grip_bt.app.project.folder import find_project
-    from grip_bt.app.runs.execute import make_room
-
     project = find_project(Path(args.what))
     try:
         limit = TypeAdapter(ByteSize).validate_python(args.prune) if args.prune else project.file.journal_limit
@@ -119,8 +113,6 @@ def _prune(args: argparse.Namespace) -> int:
 
 
 def _export(reader: JournalReader, run: str, file: Path, to: str) -> None:
-    from grip_bt.app.runs.export import export_run
-
     count = export_run(reader, run, file, to)
     print(f"{file}: {count} events of run {run}")
 
@@ -136,8 +128,6 @@ def _data(reader: JournalReader, run: str, as_json: bool) -> None:
 
 
 def _timing(reader: JournalReader, run: str, as_json: bool) -> None:
-    from grip_bt.app.runs.tables import timings
-
     rows = timings(reader.events(run))
     if as_json:
         print(json.dumps([asdict(row) for row in rows]))
@@ -150,8 +140,6 @@ def _timing(reader: JournalReader, run: str, as_json: bool) -> None:
 
 
 def _coverage(reader: JournalReader, task: Path, as_json: bool) -> None:
-    from grip_bt.app.runs.tables import coverage
-
     found = coverage(reader, str(task))
     seen, there = found.counts
     if as_json:

@@ -16,42 +16,47 @@ from . import streams
 from .extras import missing_extra
 from .parser import Parser
 
-VERBS = (
-    "demo",
-    "new",
-    "check",
-    "fmt",
-    "apply",
-    "run",
-    "convert",
-    "import_",
-    "component",
-    "interfaces",
-    "launch",
-    "sim",
-    "messages",
-    "edit",
-    "runs",
-    "bench",
-    "replay",
-    "capsule",
-    "robot",
-    "teach",
-    "doctor",
-)
+VERBS = {
+    "demo": "run a packaged demonstration in simulation",
+    "new": "make a project folder with a first task that runs",
+    "check": "all issues of tasks, each with its place and a fix",
+    "fmt": "bring task files into their canonical form; comments stay",
+    "apply": "edit a task by commands; comments and other lines stay",
+    "run": "run a task",
+    "convert": "a task as a picture, or in another form",
+    "import": "tasks from elsewhere: SMACH machines, py_trees and BehaviorTree.CPP trees, the first GRIP",
+    "component": "wrap external software: generate its node, list, test",
+    "interfaces": "build ROS interface packages",
+    "launch": "run and watch over a launch file or a project's processes",
+    "sim": "the simulator as a ROS 2 robot: joints, controllers, cameras",
+    "messages": "named joint states, poses, grasps ...: serve, list, show, add, watch, reset",
+    "edit": "show a project's tasks in a browser, run them, and replay runs",
+    "runs": "list the runs of a project, or export one of them",
+    "bench": "run a campaign: tasks on many seeds; compare them",
+    "replay": "show a run again, event by event, or one that is under way",
+    "capsule": "write a run as one HTML file that needs no server",
+    "robot": "check a robot's files, show what a robot has, list ready-made ones",
+    "teach": "remember where an arm or a hand is now, under a name",
+    "doctor": "what this machine can do, and how to mend what it can't",
+}
+"""What each does, for the list of them; the module of the same name is loaded when the verb is named."""
+MODULES = {"import": "import_"}
 INVALID, NODE_ERROR = 1, 4
 
 
-def make_parser() -> argparse.ArgumentParser:
-    """Return the command's parser with all verbs."""
+def make_parser(words: Sequence[str] = ()) -> argparse.ArgumentParser:
+    """Return the command's parser with all verbs, and the options of the one that a command line names."""
     parser = Parser(
         prog="grip",
         description="Draw, run and measure robot grasping tasks: one graph, behaviour tree or state machine.",
     )
     parser.add_argument("--version", action="version", version=f"grip {__version__}")
     subparsers = parser.add_subparsers(title="verbs", metavar="VERB", required=True)
-    for verb in VERBS:
-        import_module(f"grip_bt.cli.{verb}").add_parser(subparsers)
+    named = next((word for word in words if not word.startswith("-")), None)
+    for verb, doc in VERBS.items():
+        options = subparsers.add_parser(verb, help=doc)
+        if verb == named:
+            import_module(f"grip_bt.cli.{MODULES.get(verb, verb)}").add_options(options)
     return parser
 
 
@@ -89,7 +94,8 @@ def run_verb(arguments: Sequence[str] | None) -> int:
 
 def _done(arguments: Sequence[str] | None) -> int:
     try:
-        args = make_parser().parse_args(arguments)
+        words = sys.argv[1:] if arguments is None else arguments
+        args = make_parser(words).parse_args(words)
     except SystemExit:
         sys.stdout.flush()  # the help, which argparse has printed
         raise

@@ -5,25 +5,26 @@ from __future__ import annotations
 import argparse
 import threading
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
+from grip_bt.app.project.folder import find_project
+from grip_bt.app.wiring.ros_simulation import Served, serve_world
 from grip_bt.base.errors import GripError
 
-if TYPE_CHECKING:
-    from grip_bt.app.wiring.ros_simulation import Served
+from .parser import number
+from .signals import on_stop
+from .streams import progress
 
 STOPPED, SIMULATOR_ENDED = 0, 4
 
 
-def add_parser(subparsers: Any) -> None:
-    """Add the verb."""
-    parser = subparsers.add_parser("sim", help="the simulator as a ROS 2 robot: joints, controllers, cameras")
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the verb's options."""
     parser.add_argument("world", nargs="?", default="table", help="which world (default: table)")
     parser.add_argument("--project", type=Path, default=Path(), metavar="DIR", help="whose robot (default: here)")
     parser.add_argument("--seed", type=int, default=0, help="of the world (default: 0)")
-    parser.add_argument("--pace", type=_positive, default=1.0, metavar="X", help="simulated seconds a second")
+    parser.add_argument("--pace", type=number(above=0), default=1.0, metavar="X", help="simulated seconds a second")
     parser.add_argument(
-        "--camera-rate", type=_positive, default=2.0, metavar="HZ", help="frames a second, while somebody listens"
+        "--camera-rate", type=number(above=0), default=2.0, metavar="HZ", help="frames a second, while somebody listens"
     )
     parser.add_argument(
         "--room", type=Path, metavar="FILE", help="write what stands in the world, as a .scene file for planners"
@@ -33,12 +34,6 @@ def add_parser(subparsers: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Serve the world until Ctrl-C; then say where its objects are."""
-    from grip_bt.app.project.folder import find_project
-    from grip_bt.app.wiring.ros_simulation import serve_world
-
-    from .run import progress
-    from .signals import on_stop
-
     over = threading.Event()
     on_stop(over.set)
     project = find_project(args.project)
@@ -71,10 +66,3 @@ def _settings(served: Served, room: Path | None) -> str:
         mount = ", ".join(f"{key}: {value}" for key, value in served.mounts[name].items())
         lines.append(f"      mount: {{{mount}}}")
     return "\n".join([*lines, ""])
-
-
-def _positive(text: str) -> float:
-    value = float(text)
-    if not 0 < value < 1e6:
-        raise argparse.ArgumentTypeError(f"{text!r} isn't a number more than 0")
-    return value

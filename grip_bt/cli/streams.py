@@ -42,3 +42,8 @@ def give_up() -> None:
 def _has_all(stream: TextIO) -> bool:
     """Return whether a stream's character set has every character."""
     return (stream.encoding or "").lower().replace("-", "").replace("_", "").startswith("utf")
+
+
+def progress(part: str, detail: str) -> None:
+    """Say that a part starts, or came up: it may take a while."""
+    print(f"  {part:<11} {detail}", file=sys.stderr, flush=True)

@@ -5,19 +5,20 @@ from __future__ import annotations
 import argparse
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from grip_bt.app.project.faults import TAUGHT
+from grip_bt.app.project.folder import find_project
+from grip_bt.app.wiring.open import open_resources
+from grip_bt.app.wiring.parts import Resources
 from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
 from grip_bt.base.failures import ExpectedError
-
-if TYPE_CHECKING:
-    from grip_bt.app.wiring.parts import Resources
-    from grip_bt.base.values import JointState, Pose
+from grip_bt.base.values import JointState, Pose
+from grip_bt.commanders.taught import Taught
 
 
-def add_parser(subparsers: Any) -> None:
-    """Add the verb."""
-    parser = subparsers.add_parser("teach", help="remember where an arm or a hand is now, under a name")
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the verb's options."""
     parser.add_argument("name", nargs="?", help="a word; without it, what was taught is listed")
     parser.add_argument("--project", default=".", help="a project folder, or a file in it (default: this folder)")
     part = parser.add_mutually_exclusive_group()
@@ -31,10 +32,6 @@ def add_parser(subparsers: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Teach, or list."""
-    from grip_bt.app.project.faults import TAUGHT
-    from grip_bt.app.project.folder import find_project
-    from grip_bt.app.wiring.open import open_resources
-
     project = find_project(args.project)
     if args.name is None:
         return _list(project.folder / TAUGHT, args.json)
@@ -70,8 +67,6 @@ def _one(kind: str, parts: Any, name: str) -> Any:
 
 
 def _list(file: Path, as_json: bool) -> int:
-    from grip_bt.commanders.taught import Taught
-
     taught = Taught(file)
     entries = [(part, name, value) for part in taught.parts() for name, value in taught.of(part).items()]
     if as_json:
@@ -84,8 +79,6 @@ def _list(file: Path, as_json: bool) -> int:
 
 
 def _plain(value: JointState | Pose) -> dict[str, Any]:
-    from grip_bt.base.values import JointState
-
     if isinstance(value, JointState):
         return {"state": value.as_mapping()}
     return {
@@ -94,8 +87,6 @@ def _plain(value: JointState | Pose) -> dict[str, Any]:
 
 
 def _line(part: str, name: str, value: JointState | Pose) -> str:
-    from grip_bt.base.values import JointState
-
     if isinstance(value, JointState):
         return f"{part}/{name}: " + ", ".join(f"{joint} {angle:.4f}" for joint, angle in value.as_mapping().items())
     return f"{part}/{name}: {value!r}"

@@ -67,7 +67,7 @@ def processes(mark: str) -> dict[int, str]:
 
 def part_of(command: str) -> str:
     """Return which process of a run a command line is."""
-    known = {"run_process": "child", "grip_sim": "simulator", "planning": "planner", "grip_bt.cli run": "parent"}
+    known = {"runs.process": "child", "grip_sim": "simulator", "planning": "planner", "grip_bt.cli run": "parent"}
     return next((name for words, name in known.items() if words in command), "other")
 
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-from grip_bt.app.runs import run_process
+from grip_bt.app.runs import process as run_process
 from grip_bt.app.runs.supervisor import Supervisor
 from grip_bt.base.errors import GripError
 from grip_bt.runtime import JournalReader

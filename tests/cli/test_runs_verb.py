@@ -109,8 +109,8 @@ def test_a_recording_that_cant_be_written_is_told(to, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("option", "value", "said"),
     [
-        ("--rate", "fast", "'fast' isn't a number more than 0"),
-        ("--rate", "inf", "'inf' isn't a number more than 0"),
+        ("--rate", "fast", "'fast' isn't a number above 0"),
+        ("--rate", "inf", "'inf' isn't a number above 0"),
         ("--watchdog", "x", "'x' isn't a number of seconds, 0 or more"),
         ("--watchdog", "-1", "'-1' isn't a number of seconds, 0 or more"),
     ],

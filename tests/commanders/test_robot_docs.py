@@ -41,7 +41,8 @@ def test_the_project_with_two_arms_can_be_loaded_as_it_stands(tmp_path):
 
 @pytest.mark.parametrize("line", [x for x in TEXT.split("```sh\n")[1].split("```")[0].splitlines() if x])
 def test_the_commands_are_commands(line):
-    assert make_parser().parse_args(line.split()[1:]).run is not None
+    words = line.split()[1:]
+    assert make_parser(words).parse_args(words).run is not None
 
 
 def test_every_ready_made_robot_and_every_code_is_listed():

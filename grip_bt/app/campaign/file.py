@@ -14,7 +14,9 @@ from grip_bt.app.runs.mocks import Script
 from grip_bt.base.errors import CampaignError
 from grip_bt.base.yaml.settings_file import read_model
 
-MOST_SEED, MOST_SEEDS = 2**32 - 1, 100_000
+from ..runs.execute import MOST_SEED
+
+MOST_SEEDS = 100_000
 Seed = Annotated[int, Field(ge=0, le=MOST_SEED)]
 Key = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]
 

@@ -33,6 +33,7 @@ from .resume import GoOn, begin_again, options_text, policy_of
 from .saved_state import BroughtBack, changes, kept_parts
 
 Target = Literal["bt", "sm"]
+MOST_SEED = 2**32 - 1
 
 
 @dataclass(frozen=True)

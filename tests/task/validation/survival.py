@@ -14,7 +14,7 @@ from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.issue import Report
-from grip_bt.cli.convert import CONVERTERS
+from grip_bt.cli.convert import FORMS, converted
 from grip_bt.cli.shell import run_verb
 from grip_bt.task import Document, fmt, read_text
 from grip_bt.task.validation import validate
@@ -65,14 +65,14 @@ def looked_at(document: Document, file: Path, catalog: Any) -> Report:
     """Check, format and convert to everything; what raises but a GripError goes through."""
     report = validate(document.task, catalog, document)
     assert fmt(fmt(document.text)) == fmt(document.text)
-    for to in CONVERTERS:
+    for to in FORMS:
         for view in ("tree", "flow") if to in ("svg", "dot", "mermaid") else ("tree",):
             for approximate in (False, True) if to == "sm" else (False,):
                 args = SimpleNamespace(
                     to=to, view=view, strict=False, approximate=approximate, task=str(file), output="-"
                 )
                 with contextlib.suppress(GripError), contextlib.redirect_stderr(io.StringIO()):
-                    CONVERTERS[to](document, catalog, args)  # type: ignore[arg-type]
+                    converted(document, catalog, args)  # type: ignore[arg-type]
     return report
 
 
