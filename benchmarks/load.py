@@ -4,15 +4,14 @@
 
 CPU time [ms] in a warm process, the best of several rounds. `all` is the sum of read, validate and compile; `pyyaml` is
 `yaml.load(text, yaml.CSafeLoader)` of the same text and in the same rounds, to compare with where the machine is busy.
-`places` is what is parsed beyond that when somebody asks where something stands (a validation issue, an edit);
-`libyaml` reads texts that aren't tidy, `patiently` is the parser that odd and wrong texts fall back to.
+`yaml` is the part of reading that makes the syntax tree, the rest is making the models.
 """
 
 import time
 
 import yaml
 
-from grip_bt.base.yaml.syntax import _patiently, parse
+from grip_bt.base.yaml.tree import parse
 from grip_bt.compilers import to_tree
 from grip_bt.nodes import Leaf
 from grip_bt.runtime import RunContext
@@ -20,9 +19,6 @@ from grip_bt.task import read_text
 from grip_bt.task.catalog import Catalog, Manifest
 from grip_bt.task.catalog.manifest import InputPort, OutputPort, Parameter
 from grip_bt.task.edit import Rename, Set, apply, apply_to_document
-from grip_bt.task.model import Task
-from grip_bt.task.quick import _by_libyaml, quick_data
-from grip_bt.task.shape import task_of
 from grip_bt.task.validation import validate
 
 ROUNDS = 9
@@ -77,10 +73,6 @@ def best(function, *arguments):
     return 1e3 * time_, result
 
 
-def models_of(text):
-    return task_of(quick_data(text))
-
-
 def first_tick(task):
     tree = to_tree(task, CATALOG, leaf_factory=lambda path, node, face: Quick(path, path, face, {}, {}))
     tree.prepare(RunContext())
@@ -90,28 +82,24 @@ def first_tick(task):
 def main():
     print(
         f"{'nodes':>6} {'kB':>5} {'read':>6} {'= yaml':>7} {'+ models':>9} {'validate':>9} {'compile':>8} {'all':>6}"
-        f" {'pyyaml':>7} {'ratio':>6} {'libyaml':>8} {'places':>7}"
+        f" {'pyyaml':>7} {'ratio':>6}"
     )
     for nodes in (100, 1000, 4000):
         text = text_of(nodes)
-        yaml_, _ = best(quick_data, text)
-        models, task = best(models_of, text)
+        yaml_, _ = best(parse, text)
         read, document = best(read_text, text)
-        assert isinstance(task, Task)
         checking, report = best(validate, document.task, CATALOG)
         assert not report.issues, report.issues[:3]
         compiling, _ = best(first_tick, document.task)
         plain, _ = best(lambda text: yaml.load(text, yaml.CSafeLoader), text)
-        untidy, _ = best(_by_libyaml, text)
-        places, _ = best(parse, text)
         whole = read + checking + compiling
         print(
-            f"{nodes:6} {len(text) / 1e3:5.0f} {read:6.1f} {yaml_:7.1f} {models - yaml_:9.1f} {checking:9.1f} "
-            f"{compiling:8.1f} {whole:6.1f} {plain:7.1f} {whole / plain:6.2f} {untidy:8.1f} {places:7.1f}"
+            f"{nodes:6} {len(text) / 1e3:5.0f} {read:6.1f} {yaml_:7.1f} {read - yaml_:9.1f} {checking:9.1f} "
+            f"{compiling:8.1f} {whole:6.1f} {plain:7.1f} {whole / plain:6.2f}"
         )
     text = text_of(1000)
     document = read_text(text)
-    print(f"\n1000 nodes: patiently {best(_patiently, text, '')[0]:.0f}")
+    print()
     for command in (
         Set(path="group_50/step_50_4", key=("doc",), value="Other."),
         Rename(path="group_50", name="other"),

@@ -8,7 +8,7 @@ import json
 from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.issue import Issue
-from grip_bt.base.yaml.files import read_file
+from grip_bt.base.yaml.tree import read_file
 from grip_bt.task import read_text, schema
 from grip_bt.task.validation import validate
 

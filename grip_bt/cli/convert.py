@@ -10,7 +10,7 @@ from pathlib import Path
 from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.base.errors import GripError
 from grip_bt.base.files import replace_text
-from grip_bt.base.yaml.files import read_file
+from grip_bt.base.yaml.tree import read_file
 from grip_bt.compilers import restructure
 from grip_bt.task import fmt, read_text
 from grip_bt.task.catalog import Catalog

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from grip_bt.base.files import replace_text
-from grip_bt.base.yaml.files import read_file
+from grip_bt.base.yaml.tree import read_file
 from grip_bt.task import fmt
 
 from .streams import put

@@ -11,8 +11,7 @@ from typing import Any
 from grip_bt.app.project.folder import find_project
 from grip_bt.app.project.foreign_code import refuse
 from grip_bt.base.errors import GripError
-from grip_bt.base.yaml.files import read_file
-from grip_bt.base.yaml.syntax import parse, plain
+from grip_bt.base.yaml.tree import parse, read_file, to_data
 from grip_bt.formats.smach import ImportedFile, advice, import_file, import_with_execution, write_import
 
 from . import import_btcpp, import_grip, import_pytrees
@@ -99,7 +98,7 @@ def _arguments(path: Path | None) -> dict[str, dict[str, Any]]:
     if path is None:
         return {}
 
-    given = plain(parse(read_file(path), str(path)))
+    given = to_data(parse(read_file(path), str(path)))
     if not isinstance(given, dict) or not all(isinstance(each, dict) for each in given.values()):
         raise GripError(f"{path}: write class or function -> parameter -> value, such as `Meet: {{times: 3}}`")
     return given

@@ -10,7 +10,7 @@ from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import GripError
 from grip_bt.base.files import replace_text
-from grip_bt.base.yaml.files import read_file
+from grip_bt.base.yaml.tree import read_file
 from grip_bt.formats.btcpp import ImportedFile, from_xml
 from grip_bt.task import model, walking
 from grip_bt.task.catalog import Manifest

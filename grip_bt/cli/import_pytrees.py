@@ -9,7 +9,7 @@ from pathlib import Path
 from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.base.errors import GripError
 from grip_bt.base.files import replace_text
-from grip_bt.base.yaml.files import read_file
+from grip_bt.base.yaml.tree import read_file
 from grip_bt.formats.pytrees import Imported
 from grip_bt.formats.pytrees.executed import import_from_code
 from grip_bt.formats.pytrees_xml import from_xml

@@ -16,7 +16,7 @@ from grip_bt.base.errors import GripError
 from grip_bt.base.failures import NoEntryError, ServerLostError, ServerTimeOutError
 from grip_bt.base.message_store.written import plain_of, text_of
 from grip_bt.base.operation import Operation
-from grip_bt.base.yaml.files import read_file
+from grip_bt.base.yaml.tree import read_file
 from grip_bt.ros.bus import Bus
 from grip_bt.ros.managers import RosMessages
 from grip_bt.ros.managers.text import entry_rows, plain_of_entry, text_of_message, value_from_text

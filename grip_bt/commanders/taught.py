@@ -109,18 +109,16 @@ class Taught:
 def _read(file: Path) -> dict[str, dict[str, _Entry]]:
     from pydantic import ValidationError
 
-    from grip_bt.base.yaml.faults import document_error, fault_of
-    from grip_bt.base.yaml.files import read_file
-    from grip_bt.base.yaml.syntax import Mapping as Entries
-    from grip_bt.base.yaml.syntax import parse, plain
+    from grip_bt.base.yaml.models import diagnostic_of, document_error
+    from grip_bt.base.yaml.tree import YamlMapping, parse, read_file, to_data
 
     tree = parse(read_file(file), str(file))
-    if not isinstance(tree, Entries):
+    if not isinstance(tree, YamlMapping):
         raise document_error([("a mapping of names to what was taught is expected", tree.line, tree.column)], str(file))
     try:
-        return _File.model_validate(plain(tree)).root
+        return _File.model_validate(to_data(tree)).root
     except ValidationError as error:
-        raise document_error([fault_of(tree, e) for e in error.errors()], str(file)) from None
+        raise document_error([diagnostic_of(tree, e) for e in error.errors()], str(file)) from None
 
 
 def _value(entry: _Entry, where: str, file: Path) -> JointState | Pose:

@@ -11,7 +11,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from grip_bt.base.yaml.syntax import Entry, Mapping, Scalar, Value, entries_of, plain, tree_of
+from grip_bt.base.yaml.tree import YamlEntry, YamlMapping, YamlScalar, YamlValue, entries_of, from_data, to_data
 from grip_bt.base.yaml.writer import write
 
 from . import model, walking
@@ -24,12 +24,12 @@ def dumps(task: model.Task) -> str:
     Raises:
         TypeError: a literal is of a type that a task file can't hold.
     """
-    tree = tree_of(_task_data(task))
-    assert isinstance(tree, Mapping)
+    tree = from_data(_task_data(task))
+    assert isinstance(tree, YamlMapping)
     return write_canonical(tree)
 
 
-def write_canonical(tree: Mapping, header: list[str] | None = None) -> str:
+def write_canonical(tree: YamlMapping, header: list[str] | None = None) -> str:
     """Return the canonical text of the syntax tree of a readable task."""
     blocks = {id(tree)}
     _arrange(tree, model.Task)
@@ -38,11 +38,11 @@ def write_canonical(tree: Mapping, header: list[str] | None = None) -> str:
     return write(tree, lambda value: id(value) in blocks and _filled(value), header)
 
 
-def _filled(value: Value) -> bool:
-    return isinstance(value, Mapping) and bool(value.entries)
+def _filled(value: YamlValue) -> bool:
+    return isinstance(value, YamlMapping) and bool(value.entries)
 
 
-def _arrange_node(node: Mapping, blocks: set[int], whole: bool = False) -> None:
+def _arrange_node(node: YamlMapping, blocks: set[int], whole: bool = False) -> None:
     """Arrange a node's entries, and add to `blocks` what always stands one entry a line."""
     shape = model_of(node) or model.Leaf
     _arrange(node, shape, whole)
@@ -51,17 +51,17 @@ def _arrange_node(node: Mapping, blocks: set[int], whole: bool = False) -> None:
         blocks.update(id(node.entries[key].value) for key in CHILDREN if key in node.entries)
 
 
-def _below(root: Value) -> Iterator[Mapping]:
+def _below(root: YamlValue) -> Iterator[YamlMapping]:
     """Yield a node and the nodes below it."""
     stack = [root]
     while stack:
         node = stack.pop()
-        if isinstance(node, Mapping):
+        if isinstance(node, YamlMapping):
             yield node
             stack.extend(child.value for _, child in child_nodes(node))
 
 
-def _arrange(node: Mapping, shape: type[BaseModel], whole: bool = False) -> None:
+def _arrange(node: YamlMapping, shape: type[BaseModel], whole: bool = False) -> None:
     """Order a node's or the task's entries and drop those that only repeat a default, unless `whole`."""
     order = keys_of(shape)
     last = len(order) - sum(key in order for key in ("root", *CHILDREN))
@@ -74,20 +74,20 @@ def _arrange(node: Mapping, shape: type[BaseModel], whole: bool = False) -> None
     entries = sorted(node.entries.values(), key=lambda e: rank.get(e.key, last - 0.5))
     node.entries = {e.key: e for e in entries if whole or not _says_nothing(e, defaults)}
     seconds = node.entries.get("seconds")
-    if seconds is not None and isinstance(seconds.value, Scalar):
+    if seconds is not None and isinstance(seconds.value, YamlScalar):
         seconds.value.value = _shortest(seconds.value.value)
 
 
-def _says_nothing(entry: Entry, defaults: dict[str, Any]) -> bool:
+def _says_nothing(entry: YamlEntry, defaults: dict[str, Any]) -> bool:
     if entry.key not in defaults or entry.comments.any() or _has_comments(entry.value):
         return False
-    value, default = plain(entry.value), defaults[entry.key]
+    value, default = to_data(entry.value), defaults[entry.key]
     if isinstance(value, dict):
         return isinstance(default, dict) and list(value.items()) == list(default.items())
     return type(value) is type(default) and bool(value == default)
 
 
-def _has_comments(value: Value) -> bool:
+def _has_comments(value: YamlValue) -> bool:
     return bool(getattr(value, "closing", ())) or any(
         e.comments.any() or _has_comments(e.value) for e in entries_of(value)
     )
@@ -161,11 +161,11 @@ def lines_of(key: str, value: Any, node: bool, beside: str = "") -> list[str]:
         node: whether the value is a node.
         beside: a comment for the end of its first line.
     """
-    entry = Entry(key, tree_of(value))
+    entry = YamlEntry(key, from_data(value))
     entry.comments.beside = beside
     blocks: set[int] = set()
-    if node and isinstance(entry.value, Mapping):
+    if node and isinstance(entry.value, YamlMapping):
         for inner in _below(entry.value):
             _arrange_node(inner, blocks, whole=True)
-    text = write(Mapping({key: entry}), lambda part: id(part) in blocks and _filled(part))
+    text = write(YamlMapping({key: entry}), lambda part: id(part) in blocks and _filled(part))
     return text.removesuffix("\n").split("\n")

@@ -10,7 +10,7 @@ from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from grip_bt.base.yaml.syntax import Comments, Entry, Listing, Mapping, Scalar, entries_of
+from grip_bt.base.yaml.tree import Comments, YamlEntry, YamlList, YamlMapping, YamlScalar, entries_of
 
 
 @dataclass(frozen=True)
@@ -26,12 +26,12 @@ class _Comment:
 class _Place:
     """An entry, the collection that it is in, and the innermost one in braces or brackets around it."""
 
-    entry: Entry
-    parent: Mapping | Listing
-    flow: Mapping | Listing | None
+    entry: YamlEntry
+    parent: YamlMapping | YamlList
+    flow: YamlMapping | YamlList | None
 
 
-def attach_comments(tree: Mapping, text: str) -> list[str]:
+def attach_comments(tree: YamlMapping, text: str) -> list[str]:
     """Tie the comments and blank lines of `text` to the entries of its syntax tree.
 
     Returns:
@@ -39,7 +39,7 @@ def attach_comments(tree: Mapping, text: str) -> list[str]:
     """
     places: list[_Place] = []
     spans: list[tuple[int, int]] = []
-    flows: list[Entry] = []
+    flows: list[YamlEntry] = []
     _collect(tree, places, spans, flows)
     _attach_blank_lines(places, text)
     header: list[str] = []
@@ -65,10 +65,10 @@ def attach_comments(tree: Mapping, text: str) -> list[str]:
 
 
 def _collect(
-    tree: Mapping,
+    tree: YamlMapping,
     places: list[_Place],
     spans: list[tuple[int, int]],
-    flows: list[Entry],
+    flows: list[YamlEntry],
 ) -> None:
     """List entries, spans of scalars and keys, and entries in braces or brackets, in document order."""
     stack = [_Place(e, tree, tree if tree.flow else None) for e in reversed(entries_of(tree))]
@@ -78,7 +78,7 @@ def _collect(
         places.append(place)
         spans.append((entry.start, entry.key_end))
         value = entry.value
-        if isinstance(value, Scalar):
+        if isinstance(value, YamlScalar):
             spans.append(value.span)
             continue
         if value.flow:
@@ -87,11 +87,11 @@ def _collect(
         stack.extend(_Place(e, value, flow) for e in reversed(entries_of(value)))
 
 
-def _block_scalars(tree: Mapping) -> Iterator[Scalar]:
+def _block_scalars(tree: YamlMapping) -> Iterator[YamlScalar]:
     stack = entries_of(tree)
     while stack:
         value = stack.pop().value
-        if isinstance(value, Scalar) and value.block:
+        if isinstance(value, YamlScalar) and value.block:
             yield value
         stack.extend(entries_of(value))
 
@@ -137,12 +137,12 @@ def _blank_above(text: str, line_start: int) -> bool:
     return line_start > 0 and not text[text.rfind("\n", 0, end) + 1 : end].strip()
 
 
-def _enclosing(flows: list[Entry], at: int) -> Entry | None:
+def _enclosing(flows: list[YamlEntry], at: int) -> YamlEntry | None:
     inside = [f for f in flows if f.value.span[0] < at < f.value.span[1]]
     return inside[-1] if inside else None
 
 
-def _attach_in_flow(flow: Entry, comment: _Comment) -> None:
+def _attach_in_flow(flow: YamlEntry, comment: _Comment) -> None:
     entries = entries_of(flow.value)
     earlier = [e for e in entries if e.start < comment.start]
     later = entries[len(earlier) :]
@@ -150,7 +150,7 @@ def _attach_in_flow(flow: Entry, comment: _Comment) -> None:
         _put_beside(earlier[-1].comments, comment.text)
     elif later:
         later[0].comments.before.append(comment.text)
-    elif earlier and not isinstance(flow.value, Scalar):
+    elif earlier and not isinstance(flow.value, YamlScalar):
         flow.value.closing.append(comment.text)
     else:
         _put_beside(flow.comments, comment.text)

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
+import gc
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 
-from grip_bt.base.yaml.files import read_file
-from grip_bt.base.yaml.syntax import Entry, Mapping, Value, parse
+from grip_bt.base.errors import DocumentError
+from grip_bt.base.yaml.tree import YamlEntry, YamlMapping, YamlScalar, YamlValue, parse, read_file
 
-from .allocation import many_made
-from .migration import migrated, version_of
 from .model import FORMAT_VERSION, Task
-from .quick import quick_data
-from .shape import CHILDREN, read_task, task_of
+from .shape import CHILDREN, read_task
 
 
 @dataclass(frozen=True)
@@ -22,23 +19,15 @@ class Document:
 
     Attributes:
         task: the task.
+        tree: the text's syntax, with places.
         text: the file's text.
         source: the file's name as it was given, for messages.
-        written_as: the version of the format that the file has; `text` is in the one that is read.
     """
 
     task: Task
+    tree: YamlMapping
     text: str
     source: str = ""
-    written_as: int = FORMAT_VERSION
-
-    @cached_property
-    def tree(self) -> Mapping:
-        """The text's syntax, with places; parsed when somebody asks."""
-        with many_made(self.text):
-            tree = parse(self.text, self.source)
-        assert isinstance(tree, Mapping)
-        return tree
 
     def position(self, path: str, key: str | tuple[str | int, ...] | None = None) -> tuple[int, int] | None:
         """Return the 1-based line and column of a node, or of a key within it.
@@ -62,27 +51,27 @@ class Document:
             line, column, value = inner.line, inner.column, inner.value
         return line, column
 
-    def _entry(self, path: str) -> Entry | None:
+    def _entry(self, path: str) -> YamlEntry | None:
         if path == "":
-            return Entry("", self.tree, self.tree.line, self.tree.column)
-        entry: Entry | None = self.tree.entries["root"]
+            return YamlEntry("", self.tree, self.tree.line, self.tree.column)
+        entry: YamlEntry | None = self.tree.entries["root"]
         for name in path.split("/") if path != "/" else ():
             entry = _child(entry, name)
         return entry
 
 
-def _child(entry: Entry | None, name: str) -> Entry | None:
-    if entry is None or not isinstance(entry.value, Mapping):
+def _child(entry: YamlEntry | None, name: str) -> YamlEntry | None:
+    if entry is None or not isinstance(entry.value, YamlMapping):
         return None
     for key in CHILDREN:
         children = entry.value.entries.get(key)
-        if children is not None and isinstance(children.value, Mapping):
+        if children is not None and isinstance(children.value, YamlMapping):
             return children.value.entries.get(name)
     return None
 
 
-def _inner(value: Value, step: str | int) -> Entry | None:
-    if isinstance(value, Mapping):
+def _inner(value: YamlValue, step: str | int) -> YamlEntry | None:
+    if isinstance(value, YamlMapping):
         return value.entries.get(str(step))
     entries = getattr(value, "entries", [])
     return entries[step] if isinstance(step, int) and 0 <= step < len(entries) else None
@@ -105,17 +94,41 @@ def read_text(text: str, source: str = "") -> Document:
     Raises:
         DocumentError: it isn't a task.
     """
-    with many_made(text):
-        data = quick_data(text)
-        task = None if data is None else task_of(data)
-        if task is None:
-            # odd or wrong: with places, so that a fault is said where it is
-            tree = parse(text, source)
-            new = migrated(text, tree, source)
-            if new != text:
-                return Document(read_task(parse(new, source), source), new, source, version_of(tree) or 0)
-            task = read_task(tree, source)
-        return Document(task, text, source)
+    # What is made here lives on and holds no cycles: looking for garbage meanwhile would double a large file's time.
+    collects = gc.isenabled()
+    gc.disable()
+    try:
+        tree = parse(text, source)
+        _check_version(tree, source)
+        task = read_task(tree, source)
+        assert isinstance(tree, YamlMapping), "as a task is one"
+        return Document(task, tree, text, source)
+    finally:
+        if collects:
+            gc.enable()
+
+
+def version_of(tree: YamlValue) -> int | None:
+    """Return the version that a file says it has; None where it says none."""
+    entry = tree.entries.get("grip") if isinstance(tree, YamlMapping) else None
+    value = entry.value.value if entry is not None and isinstance(entry.value, YamlScalar) else None
+    return value if type(value) is int else None
+
+
+def _check_version(tree: YamlValue, source: str) -> None:
+    """Refuse a file of another format than ours.
+
+    Whoever changes the format raises `FORMAT_VERSION` and reads the version before it here.
+    """
+    version = version_of(tree)
+    if version is None or version == FORMAT_VERSION or not isinstance(tree, YamlMapping):
+        return
+    message = f"format {version} isn't supported; this version of GRIP reads `grip: {FORMAT_VERSION}`"
+    if version > FORMAT_VERSION:
+        newer = f"format {version} is newer than this version of GRIP reads ({FORMAT_VERSION})"
+        message = f"{newer}; run `pip install -U grip-bt`"
+    value = tree.entries["grip"].value
+    raise DocumentError(message, source, value.line, value.column)
 
 
 def load(path: Path | str) -> Task:

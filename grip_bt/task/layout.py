@@ -14,9 +14,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from grip_bt.base.yaml.files import read_file
-from grip_bt.base.yaml.syntax import Mapping as Tree
-from grip_bt.base.yaml.syntax import parse, plain, tree_of
+from grip_bt.base.yaml.tree import YamlMapping, from_data, parse, read_file, to_data
 from grip_bt.base.yaml.writer import write
 
 from .edit.steps import Step, path_after
@@ -98,7 +96,7 @@ def read_layout(text: str, source: str = "") -> Layout:
     """
     if not text.strip():
         return Layout()
-    data = plain(parse(text, source))
+    data = to_data(parse(text, source))
     if not isinstance(data, dict):
         return Layout()
     pinned = {view: _spots(data[view]) for view in VIEWS if isinstance(data.get(view), dict)}
@@ -120,8 +118,8 @@ def write_layout(layout: Layout) -> str:
     data |= {key: layout.unknown[key] for key in sorted(layout.unknown)}
     if not data:
         return ""
-    tree = tree_of(data)
-    assert isinstance(tree, Tree)
+    tree = from_data(data)
+    assert isinstance(tree, YamlMapping)
     blocks = {id(entry.value) for key, entry in tree.entries.items() if key in (*VIEWS, "folded")}
     return write(tree, lambda value: id(value) in blocks)
 

@@ -11,8 +11,8 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from grip_bt.base.errors import DocumentError, listing, nearest
-from grip_bt.base.yaml.faults import Fault, document_error, fault_of
-from grip_bt.base.yaml.syntax import Entry, Mapping, Value, plain
+from grip_bt.base.yaml.models import Diagnostic, diagnostic_of, document_error
+from grip_bt.base.yaml.tree import YamlEntry, YamlMapping, YamlValue, to_data
 
 from . import model
 
@@ -63,12 +63,12 @@ def key_rank(key: str) -> float:
     return _ORDER.index(key) if key in _ORDER else _ORDER.index("root") - 0.5
 
 
-def model_of(node: Mapping) -> type[BaseModel] | None:
+def model_of(node: YamlMapping) -> type[BaseModel] | None:
     """Return the model of a node, None when its `kind` is unknown."""
     entry = node.entries.get("kind")
     if entry is None:
         return model.Leaf
-    kind = plain(entry.value)
+    kind = to_data(entry.value)
     return model.KINDS.get(kind) if isinstance(kind, str) else None
 
 
@@ -77,76 +77,68 @@ def model_of_kind(kind: str) -> type[model.Kind]:
     return model.KINDS[kind]
 
 
-def child_nodes(node: Mapping) -> Iterator[tuple[str, Entry]]:
+def child_nodes(node: YamlMapping) -> Iterator[tuple[str, YamlEntry]]:
     """Yield the entries of a node's children whose values are mappings, by name."""
     for key in CHILDREN:
         entry = node.entries.get(key)
-        if entry is not None and isinstance(entry.value, Mapping):
+        if entry is not None and isinstance(entry.value, YamlMapping):
             for name, child in entry.value.entries.items():
-                if isinstance(child.value, Mapping):
+                if isinstance(child.value, YamlMapping):
                     yield name, child
 
 
-def read_task(tree: Value, source: str) -> model.Task:
+def read_task(tree: YamlValue, source: str) -> model.Task:
     """Turn a syntax tree into a task.
 
     Raises:
         DocumentError: with the first fault and its place; the message lists the others.
     """
-    if not isinstance(tree, Mapping):
+    if not isinstance(tree, YamlMapping):
         raise DocumentError("a task is a mapping that begins with `grip: 1`", source, tree.line, tree.column)
     faults = list(_key_faults(tree))
     if faults:
         raise document_error(faults, source)
-    data = with_free_keys(plain(tree))
+    data = with_free_keys(to_data(tree))
     try:
         return model.Task.model_validate(data, strict=True)
     except ValidationError as error:
-        raise document_error([fault_of(tree, e) for e in error.errors()], source) from None
-
-
-def task_of(data: dict[str, Any]) -> model.Task | None:
-    """Turn a file's data, which this changes, into a task; None when it isn't one and `read_task` has to say why."""
-    try:
-        return model.Task.model_validate(with_free_keys(data), strict=True)
-    except (ValidationError, NotAKeyError):
-        return None
+        raise document_error([diagnostic_of(tree, e) for e in error.errors()], source) from None
 
 
 class NotAKeyError(Exception):
     """A field's own name stands where a file has its alias."""
 
 
-def _nodes(tree: Mapping) -> Iterator[Mapping]:
+def _nodes(tree: YamlMapping) -> Iterator[YamlMapping]:
     root = tree.entries.get("root")
-    stack = [root.value] if root is not None and isinstance(root.value, Mapping) else []
+    stack = [root.value] if root is not None and isinstance(root.value, YamlMapping) else []
     while stack:
         node = stack.pop()
         yield node
         stack.extend(child.value for _, child in child_nodes(node))  # type: ignore[misc]
 
 
-def _key_faults(tree: Mapping) -> Iterator[Fault]:
+def _key_faults(tree: YamlMapping) -> Iterator[Diagnostic]:
     yield from _unknown_keys(tree, model.Task, "a task")
     yield from _wrong_variables(tree)
     for node in _nodes(tree):
         shape = model_of(node)
         if shape is None:
             entry = node.entries["kind"]
-            kind = plain(entry.value)
+            kind = to_data(entry.value)
             leaf = isinstance(kind, str) and "/" in kind  # as ids of the catalogue have, and no container has
             hint = f"; a leaf is written `node: {kind}`" if leaf else nearest(str(kind), model.KINDS)
             allowed = listing(model.KINDS)
             yield (f"unknown kind {kind!r}{hint} (there are: {allowed})", entry.value.line, entry.value.column)
             continue
-        name = "a leaf" if shape is model.Leaf else f"a {plain(node.entries['kind'].value)}"
+        name = "a leaf" if shape is model.Leaf else f"a {to_data(node.entries['kind'].value)}"
         if shape is model.Leaf and "node" not in node.entries:
             yield ("a node needs `node:` (a leaf) or `kind:` (a container)", node.line, node.column)
         yield from _unknown_keys(node, shape, name)
         yield from _wrong_variables(node)
 
 
-def _unknown_keys(node: Mapping, shape: type[BaseModel], name: str, free: bool = True) -> Iterator[Fault]:
+def _unknown_keys(node: YamlMapping, shape: type[BaseModel], name: str, free: bool = True) -> Iterator[Diagnostic]:
     allowed = keys_of(shape)
     for key, entry in node.entries.items():
         if key not in allowed and not (free and key.startswith(FREE)):
@@ -159,12 +151,12 @@ def _unknown_keys(node: Mapping, shape: type[BaseModel], name: str, free: bool =
             )
 
 
-def _wrong_variables(node: Mapping) -> Iterator[Fault]:
+def _wrong_variables(node: YamlMapping) -> Iterator[Diagnostic]:
     found = [node.entries[key].value for key in DECLARING if key in node.entries]
-    for name, entry in ((n, e) for value in found if isinstance(value, Mapping) for n, e in value.entries.items()):
-        if isinstance(entry.value, Mapping):
+    for name, entry in ((n, e) for value in found if isinstance(value, YamlMapping) for n, e in value.entries.items()):
+        if isinstance(entry.value, YamlMapping):
             yield from _unknown_keys(entry.value, model.Variable, f"the variable {name!r}", free=False)
-        elif not isinstance(plain(entry.value), str):
+        elif not isinstance(to_data(entry.value), str):
             yield (
                 f"the variable {name!r} is a type, or {{type: ..., value: ...}}",
                 entry.value.line,

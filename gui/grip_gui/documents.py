@@ -5,7 +5,7 @@ from __future__ import annotations
 from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.base.errors import DocumentError, GripError, SubtaskError, UnknownNameError
 from grip_bt.base.issue import Issue
-from grip_bt.base.yaml.files import read_file
+from grip_bt.base.yaml.tree import read_file
 from grip_bt.task.catalog import Catalog, face_of
 from grip_bt.task.document import Document, read_text
 from grip_bt.task.validation import validate

@@ -41,8 +41,6 @@ from grip_gui.editing.parts import carry_out, takes_catalogue
 from grip_gui.editing.views import check_expression, comment_view, document_view, parts_view, places_view, problems_view
 
 T = TypeVar("T")
-QUIET = 0.3
-"""After an edit, so long passes [s] before the server gets ready for the next: it would slow down one that follows."""
 
 
 def make_edit_router(desk: EditDesk, notify: Callable[[], None]) -> APIRouter:
@@ -108,7 +106,6 @@ def _add_questions(api: APIRouter, desk: EditDesk) -> None:
 
 def _add_wishes(api: APIRouter, desk: EditDesk, notify: Callable[[], None]) -> None:
     shown = Shown(desk.folder)
-    prepare_later = _preparing(desk)
 
     async def change(path: str, work: Callable[[Sheet], object], since: int | None, status: int = 200) -> Response:
         def changed() -> str:
@@ -119,7 +116,6 @@ def _add_wishes(api: APIRouter, desk: EditDesk, notify: Callable[[], None]) -> N
 
         body = await asyncio.to_thread(changed)
         notify()
-        prepare_later(path)
         return Response(body, status, media_type="application/json")
 
     @api.get("/document")
@@ -166,23 +162,6 @@ def _add_wishes(api: APIRouter, desk: EditDesk, notify: Callable[[], None]) -> N
     async def new(wish: NewTask, since: int | None = None) -> Response:
         await asyncio.to_thread(desk.create, wish.path, wish.text)
         return await change(wish.path, lambda _: None, since, 201)
-
-
-def _preparing(desk: EditDesk) -> Callable[[str], None]:
-    """Return what gets a file ready for its next edit once none has come for a while; of several, after the last."""
-    waiting: dict[str, asyncio.Task[None]] = {}
-
-    async def prepare(path: str) -> None:
-        await asyncio.sleep(QUIET)
-        await asyncio.to_thread(desk.get_ready, path)
-
-    def later(path: str) -> None:
-        earlier = waiting.get(path)
-        if earlier is not None:
-            earlier.cancel()
-        waiting[path] = asyncio.create_task(prepare(path))
-
-    return later
 
 
 def _step(sheet: Sheet, wish: StepWish) -> None:

@@ -16,7 +16,7 @@ from pydantic import ValidationError
 
 from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import GripError
-from grip_bt.base.yaml.syntax import parse, plain
+from grip_bt.base.yaml.tree import parse, to_data
 from grip_gui.editing.files import TextFile
 from grip_gui.live import RosWindow
 from grip_gui.live.motion import last_state, motion_of
@@ -186,4 +186,4 @@ def _add_space(api: APIRouter, folder: ProjectFolder) -> None:
 def _write(folder: ProjectFolder, path: str, name: str, text: str) -> None:
     file = TextFile(folder.settings_file(path), path)
     before = file.read() if file.path.exists() else kind_of(path).blank
-    file.write(set_value(before, [name], plain(parse(text))))
+    file.write(set_value(before, [name], to_data(parse(text))))

@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, StringConstraints, Validation
 
 from grip_bt.app.runs.mocks import Script
 from grip_bt.base.errors import CampaignError
-from grip_bt.base.yaml.settings_file import read_model
+from grip_bt.base.yaml.models import read_model
 
 from ..runs.execute import MOST_SEED
 

@@ -16,8 +16,7 @@ from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.evaluation import condition_of
 from grip_bt.base.expression import parse_expression
 from grip_bt.base.yaml import syntax
-from grip_bt.base.yaml.faults import document_error, fault_of
-from grip_bt.base.yaml.settings_file import check_model
+from grip_bt.base.yaml.models import check_model, diagnostic_of, document_error
 from grip_bt.codegen.component_text import OutcomesNeededError, component_text, parse_outcomes, suggested_name
 from grip_bt.codegen.contract import check_contract
 from grip_bt.task.catalog.component_file import FILE_NAME, ComponentFile
@@ -133,7 +132,7 @@ def make_component(wish: Wish, folder: Path, outcomes: str | None, failures: Col
             raise document_error(faults, FILE_NAME)
         check_contract(component, wish.interface, partial(fields_within, wish.package and wish.package.parent))
     except ValidationError as error:
-        raise GripError(fault_of(_NOTHING, error.errors()[0])[0]) from None
+        raise GripError(diagnostic_of(_NOTHING, error.errors()[0])[0]) from None
     home.mkdir(parents=True, exist_ok=True)
     for package in _with_needed(wish.package):
         if not (home / "interfaces" / package.name).exists():

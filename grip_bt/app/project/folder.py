@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from grip_bt.base.errors import NotWritableError, ProjectExistsError
-from grip_bt.base.yaml.settings_file import read_model
+from grip_bt.base.yaml.models import read_model
 from grip_bt.commanders.description.config import RobotConfig
 
 from .config import FILE_NAME, ProjectFile

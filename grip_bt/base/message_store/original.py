@@ -21,9 +21,7 @@ import numpy as np
 
 from grip_bt.base.errors import DocumentError, nearest
 from grip_bt.base.values import JointState, Pose, Trajectory
-from grip_bt.base.yaml.files import read_file
-from grip_bt.base.yaml.syntax import Entry, Listing, Scalar, Value, parse
-from grip_bt.base.yaml.syntax import Mapping as Node
+from grip_bt.base.yaml.tree import YamlEntry, YamlList, YamlMapping, YamlScalar, YamlValue, parse, read_file
 
 _POSE_KEYS = ("position", "orientation")
 
@@ -31,7 +29,7 @@ _POSE_KEYS = ("position", "orientation")
 @dataclass(frozen=True)
 class _File:
     source: str
-    root: Node
+    root: YamlMapping
 
     def error(self, value: Any, reason: str) -> DocumentError:
         return DocumentError(reason, self.source, value.line, value.column)
@@ -94,40 +92,40 @@ def _open(path: Path | str) -> _File:
     source = str(path)
     text = read_file(path)
     if not any(line.strip() and not line.strip().startswith("#") for line in text.splitlines()):
-        return _File(source, Node())  # a file that waits for its first entry
+        return _File(source, YamlMapping())  # a file that waits for its first entry
     tree = parse(text, source)
-    if not isinstance(tree, Node):
+    if not isinstance(tree, YamlMapping):
         raise DocumentError("a mapping from names to values is expected", source, tree.line, tree.column)
     return _File(source, tree)
 
 
-def _mapping(file: _File, entry: Entry, name: str) -> Node:
-    if not isinstance(entry.value, Node):
+def _mapping(file: _File, entry: YamlEntry, name: str) -> YamlMapping:
+    if not isinstance(entry.value, YamlMapping):
         raise file.error(entry, f"{name}: a mapping is expected")
     return entry.value
 
 
-def _text(file: _File, entry: Entry) -> str:
-    if not isinstance(entry.value, Scalar) or not isinstance(entry.value.value, str) or not entry.value.value:
+def _text(file: _File, entry: YamlEntry) -> str:
+    if not isinstance(entry.value, YamlScalar) or not isinstance(entry.value.value, str) or not entry.value.value:
         raise file.error(entry, f"{entry.key}: the name of a frame is expected")
     return entry.value.value
 
 
-def _numbers(file: _File, entry: Entry, what: str) -> dict[str, float]:
+def _numbers(file: _File, entry: YamlEntry, what: str) -> dict[str, float]:
     parts = _mapping(file, entry, entry.key).entries
     if not parts:
         raise file.error(entry, f"{entry.key}: {what} are expected, such as {{joint_1: 0.5}}")
     return {key: _number(file, part) for key, part in parts.items()}
 
 
-def _number(file: _File, entry: Entry) -> float:
-    value = entry.value.value if isinstance(entry.value, Scalar) else None
+def _number(file: _File, entry: YamlEntry) -> float:
+    value = entry.value.value if isinstance(entry.value, YamlScalar) else None
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
         raise file.error(entry, f"{entry.key}: a number is expected, not {value!r}")
     return float(value)
 
 
-def _pose(file: _File, parts: Mapping[str, Entry], frame: str, name: str, at: Entry) -> Pose:
+def _pose(file: _File, parts: Mapping[str, YamlEntry], frame: str, name: str, at: YamlEntry) -> Pose:
     unknown = [key for key in parts if key not in _POSE_KEYS]
     if unknown:
         hint, allowed = nearest(unknown[0], _POSE_KEYS), ", ".join(("reference_frame", *_POSE_KEYS))
@@ -169,7 +167,7 @@ def _of_angles(roll: float, pitch: float, yaw: float) -> np.ndarray:
 _POINT = ("name", "interpolate_time", "pause_time")
 
 
-def _trajectory(file: _File, name: str, entry: Entry, states: Mapping[str, JointState]) -> Trajectory:
+def _trajectory(file: _File, name: str, entry: YamlEntry, states: Mapping[str, JointState]) -> Trajectory:
     points = list(_points(file, name, entry.value, entry, states))
     names = tuple(sorted(points[0][0].names))
     times: list[float] = []
@@ -191,16 +189,16 @@ def _trajectory(file: _File, name: str, entry: Entry, states: Mapping[str, Joint
 
 
 def _points(
-    file: _File, name: str, value: Value, at: Entry, states: Mapping[str, JointState]
-) -> Iterator[tuple[JointState, float, float, Entry]]:
-    if not isinstance(value, Listing) or not value.entries:
+    file: _File, name: str, value: YamlValue, at: YamlEntry, states: Mapping[str, JointState]
+) -> Iterator[tuple[JointState, float, float, YamlEntry]]:
+    if not isinstance(value, YamlList) or not value.entries:
         raise file.error(at, f"{name}: a list of way-points {{{', '.join(_POINT)}}} is expected")
     for item in value.entries:
         parts = _mapping(file, item, name).entries
         if set(parts) != set(_POINT):
             raise file.error(item, f"{name}: a way-point has exactly {', '.join(_POINT)}")
         said = parts["name"].value
-        wanted = str(said.value) if isinstance(said, Scalar) else ""
+        wanted = str(said.value) if isinstance(said, YamlScalar) else ""
         if wanted not in states:
             hint = nearest(wanted, states)
             raise file.error(parts["name"], f"{name}: there is no joint state {wanted!r}{hint}")

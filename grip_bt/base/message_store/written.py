@@ -16,7 +16,7 @@ from ruamel.yaml import YAML
 
 from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.values import JointState, Pose
-from grip_bt.base.yaml.syntax import parse, plain
+from grip_bt.base.yaml.tree import parse, to_data
 
 from .original import read_joint_states, read_poses, read_trajectories
 
@@ -63,7 +63,7 @@ def value_of(store: str, name: str, text: str, states: Mapping[str, JointState] 
     Raises:
         DocumentError: it says something else, with the place.
     """
-    data = plain(parse(text, name))
+    data = to_data(parse(text, name))
     if store == "trajectories" and isinstance(data, list):
         return _read(lambda file: read_trajectories(file, states or {}), name, text)
     if not isinstance(data, dict) or not data:

@@ -10,16 +10,16 @@ import re
 from collections.abc import Callable, Iterator
 
 from .scalars import is_plain, quoted, write_scalar
-from .syntax import Entry, Listing, Mapping, Scalar, Value, entries_of
+from .tree import YamlEntry, YamlList, YamlMapping, YamlScalar, YamlValue, entries_of
 
 WIDTH = 100
 _FOLDABLE = re.compile(r"[^\s#&*!|>'\"%@`?:,\[\]{}-]\S*( \S+)+")
 _LITERAL_LINE = re.compile("[ -~\xa0-\u2027\u202a-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]*")
 
-AlwaysBlock = Callable[[Value], bool]
+AlwaysBlock = Callable[[YamlValue], bool]
 
 
-def write(tree: Mapping, always_block: AlwaysBlock, header: list[str] | None = None) -> str:
+def write(tree: YamlMapping, always_block: AlwaysBlock, header: list[str] | None = None) -> str:
     """Return the text of a mapping.
 
     Args:
@@ -31,7 +31,7 @@ def write(tree: Mapping, always_block: AlwaysBlock, header: list[str] | None = N
     return "\n".join(lines) + "\n"
 
 
-def _block(value: Mapping | Listing, indent: int, always_block: AlwaysBlock) -> Iterator[str]:
+def _block(value: YamlMapping | YamlList, indent: int, always_block: AlwaysBlock) -> Iterator[str]:
     space = " " * indent
     for number, entry in enumerate(entries_of(value)):
         before = entry.comments.before
@@ -42,26 +42,26 @@ def _block(value: Mapping | Listing, indent: int, always_block: AlwaysBlock) -> 
     yield from (space + c if c else "" for c in value.closing)
 
 
-def _entry(parent: Mapping | Listing, entry: Entry, indent: int, always_block: AlwaysBlock) -> list[str]:
+def _entry(parent: YamlMapping | YamlList, entry: YamlEntry, indent: int, always_block: AlwaysBlock) -> list[str]:
     space = " " * indent
-    lead = f"{write_scalar(entry.key, flow=True)}:" if isinstance(parent, Mapping) else "-"
+    lead = f"{write_scalar(entry.key, flow=True)}:" if isinstance(parent, YamlMapping) else "-"
     beside = f"  {entry.comments.beside}" if entry.comments.beside else ""
     value = entry.value
-    if isinstance(value, Scalar):
+    if isinstance(value, YamlScalar):
         first, *rest = _text(value.value, indent, len(lead) + 1)
         return [f"{space}{lead} {first}{beside}", *rest]
     flow = None if always_block(value) else in_braces(value)
     if flow is not None and (indent + len(lead) + 1 + len(flow) <= WIDTH or not entries_of(value)):
         return [f"{space}{lead} {flow}{beside}"]
     inner = list(_block(value, indent + 2, always_block))
-    if isinstance(parent, Listing) and not beside and not inner[0].lstrip().startswith("#"):
+    if isinstance(parent, YamlList) and not beside and not inner[0].lstrip().startswith("#"):
         return [f"{space}- {inner[0].lstrip()}", *inner[1:]]
     return [f"{space}{lead}{beside}", *inner]
 
 
-def in_braces(value: Value) -> str | None:
+def in_braces(value: YamlValue) -> str | None:
     """Return a value on one line, in braces or brackets; None when it carries comments or can't stand there."""
-    if isinstance(value, Scalar):
+    if isinstance(value, YamlScalar):
         return write_scalar(value.value, flow=True)
     if value.closing:
         return None
@@ -70,10 +70,10 @@ def in_braces(value: Value) -> str | None:
         inner = None if entry.comments.any() else in_braces(entry.value)
         if inner is None:
             return None
-        key = f"{write_scalar(entry.key, flow=True)}: " if isinstance(value, Mapping) else ""
+        key = f"{write_scalar(entry.key, flow=True)}: " if isinstance(value, YamlMapping) else ""
         parts.append(key + inner)
     joined = ", ".join(parts)
-    return f"{{{joined}}}" if isinstance(value, Mapping) else f"[{joined}]"
+    return f"{{{joined}}}" if isinstance(value, YamlMapping) else f"[{joined}]"
 
 
 def _text(value: object, indent: int, used: int) -> list[str]:

@@ -5,10 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from grip_bt.base.errors import DocumentError, UnknownNameError
-from grip_bt.base.yaml.faults import document_error
-from grip_bt.base.yaml.files import read_file
-from grip_bt.base.yaml.settings_file import check_model, read_model
-from grip_bt.base.yaml.syntax import Mapping, parse, plain
+from grip_bt.base.yaml.models import check_model, document_error, read_model
+from grip_bt.base.yaml.tree import YamlMapping, parse, read_file, to_data
 
 from .config import RobotConfig
 from .reading import note
@@ -59,10 +57,10 @@ def config_of(word: str, folder: Path) -> tuple[RobotConfig, Path]:
 
 def _of_project(path: Path) -> RobotConfig:
     tree = parse(read_file(path), str(path))
-    entry = tree.entries.get("robot") if isinstance(tree, Mapping) else None
+    entry = tree.entries.get("robot") if isinstance(tree, YamlMapping) else None
     if entry is None:
         raise DocumentError("the project names no `robot:`", str(path))
-    if isinstance(word := plain(entry.value), str):
+    if isinstance(word := to_data(entry.value), str):
         return RobotConfig(ready=word)
     config, faults = check_model(entry.value, RobotConfig)
     if config is None:

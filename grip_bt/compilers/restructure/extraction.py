@@ -9,7 +9,7 @@ from typing import Any
 from grip_bt.base.errors import EditError
 from grip_bt.base.frozen import FrozenDict
 from grip_bt.base.yaml.scalars import write_scalar
-from grip_bt.base.yaml.syntax import Mapping, parse
+from grip_bt.base.yaml.tree import YamlMapping, parse
 from grip_bt.task import read_text
 from grip_bt.task.canonical import dumps, lines_of
 from grip_bt.task.catalog import Catalog
@@ -142,7 +142,7 @@ def _text(document: Document, edit: Patch, part: Task, inputs: dict[str, str], o
     head = f"grip: 1\nname: {write_scalar(part.name, False)}\n"
     source = taken.source or "\n".join(lines_of(taken.key, taken.value, True)) + "\n"
     tree = parse(source)
-    assert isinstance(tree, Mapping), "an entry is a mapping of one key"
+    assert isinstance(tree, YamlMapping), "an entry is a mapping of one key"
     entry = next(iter(tree.entries.values()))
     made = read_text(head + source[: entry.start] + "root" + source[entry.key_end :])
     for key in _AROUND:

@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from grip_bt.base.errors import DocumentError
-from grip_bt.base.yaml.files import read_file
-from grip_bt.base.yaml.syntax import parse, plain
+from grip_bt.base.yaml.tree import parse, read_file, to_data
 
 from .original import Note
 from .settings import Key, Refused
@@ -88,7 +87,7 @@ def _take(found: Configuration, text: str, file: Path, key: str) -> None:
 
 def _yaml(found: Configuration, path: Path) -> None:
     try:
-        data = plain(parse(read_file(path), str(path)))
+        data = to_data(parse(read_file(path), str(path)))
     except DocumentError as error:
         found.notes.append(Note("missing", path.name, str(error)))
         return

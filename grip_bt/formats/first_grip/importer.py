@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from grip_bt.base.errors import DocumentError, GripError
-from grip_bt.base.yaml.files import read_file
-from grip_bt.base.yaml.syntax import parse, plain
+from grip_bt.base.yaml.tree import parse, read_file, to_data
 from grip_bt.task import FrozenDict, Task, dumps
 from grip_bt.task.catalog.manifest import InputPort, Manifest, OutputPort, Parameter
 from grip_bt.task.catalog.manifest_text import manifest_text
@@ -100,7 +99,7 @@ def _settings_file(file: Path, found: Configuration, tasks: list[tuple[Path, Ori
 def _task_data(file: Path) -> Mapping[str, Any] | None:
     """Return a task in the older text form; None where the file is something else."""
     try:
-        data = plain(parse(read_file(file), str(file)))
+        data = to_data(parse(read_file(file), str(file)))
     except DocumentError:
         return None
     return data if isinstance(data, dict) and isinstance(data.get("states"), list) else None

@@ -8,8 +8,7 @@ from pathlib import Path
 from xml.parsers import expat
 
 from grip_bt.base.errors import DocumentError
-from grip_bt.base.yaml.files import read_file
-from grip_bt.base.yaml.syntax import Listing, Mapping, Scalar, Value, parse, plain
+from grip_bt.base.yaml.tree import YamlList, YamlMapping, YamlScalar, YamlValue, parse, read_file, to_data
 
 from .errors import LaunchError
 from .mistakes import form, given_as
@@ -94,7 +93,7 @@ def _from_xml(text: str, source: str) -> Element:
 
 def _from_yaml(text: str, source: str) -> Element:
     tree = parse(text, source)
-    if not isinstance(tree, Mapping) or list(tree.entries) != ["launch"]:
+    if not isinstance(tree, YamlMapping) or list(tree.entries) != ["launch"]:
         raise LaunchError(
             source,
             1,
@@ -105,45 +104,45 @@ def _from_yaml(text: str, source: str) -> Element:
     return root
 
 
-def _listed(value: Value, source: str) -> Iterator[Element]:
-    if not isinstance(value, Listing):
+def _listed(value: YamlValue, source: str) -> Iterator[Element]:
+    if not isinstance(value, YamlList):
         raise LaunchError(
             source, value.line, "a list of `- tag: {...}` is expected, such as `- node: {pkg: P, exec: X}`"
         )
     for item in value.entries:
         inner = item.value
-        if not isinstance(inner, Mapping) or len(inner.entries) != 1:
+        if not isinstance(inner, YamlMapping) or len(inner.entries) != 1:
             reason = "each item is one `tag: {...}`, such as `- node: {pkg: P, exec: X}`"
             raise LaunchError(source, item.line, f"{reason}; what belongs to it is indented further")
         ((tag, entry),) = inner.entries.items()
         yield _tagged(tag, entry.value, entry.line, source)
 
 
-def _tagged(tag: str, value: Value, line: int, source: str) -> Element:
+def _tagged(tag: str, value: YamlValue, line: int, source: str) -> Element:
     element = Element(tag, {}, line=line)
-    if isinstance(value, Listing) and tag in _ON_GROUPS:  # a group is a list of what is in it
+    if isinstance(value, YamlList) and tag in _ON_GROUPS:  # a group is a list of what is in it
         element.children = list(_listed(value, source))
-    elif isinstance(value, Mapping):
+    elif isinstance(value, YamlMapping):
         for key, entry in value.entries.items():
             _add(element, key, entry.value, entry.line, source)
     else:
         how = form(tag, yaml=True)
-        without = " without dashes" if isinstance(value, Listing) else ""
+        without = " without dashes" if isinstance(value, YamlList) else ""
         raise LaunchError(source, line, f"`{tag}` holds a mapping{without}{f', such as {how}' if how else ''}")
     return element
 
 
-def _add(element: Element, key: str, value: Value, line: int, source: str) -> None:
+def _add(element: Element, key: str, value: YamlValue, line: int, source: str) -> None:
     """Add one key of a mapping: an attribute, or sub-elements where it holds a list."""
-    if isinstance(value, Scalar):
+    if isinstance(value, YamlScalar):
         element.attributes[key] = text_of(value.value)
-    elif isinstance(value, Listing) and key == "children":
+    elif isinstance(value, YamlList) and key == "children":
         element.children += _listed(value, source)
-    elif isinstance(value, Listing) and key in _MANY:
+    elif isinstance(value, YamlList) and key in _MANY:
         for item in value.entries:
             element.children.append(_tagged(key, item.value, item.line, source))
-    elif isinstance(value, Listing) and key in _LISTS and all(isinstance(i.value, Scalar) for i in value.entries):
-        element.attributes[key] = "[" + ", ".join(text_of(word) for word in plain(value)) + "]"
+    elif isinstance(value, YamlList) and key in _LISTS and all(isinstance(i.value, YamlScalar) for i in value.entries):
+        element.attributes[key] = "[" + ", ".join(text_of(word) for word in to_data(value)) + "]"
     else:
         raise LaunchError(
             source, line, f"`{element.tag}`: `{key}` can't be given like this{given_as(element.tag, key)}"

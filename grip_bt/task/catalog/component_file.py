@@ -15,7 +15,7 @@ from pydantic import Field, StringConstraints, field_validator, model_validator
 from grip_bt.base.errors import ExpressionError
 from grip_bt.base.expression import parse_expression
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.base.yaml.settings_file import read_model
+from grip_bt.base.yaml.models import read_model
 from grip_bt.task.model import Meaning
 
 from .component_parts import Part, PortType, Start, Timeouts

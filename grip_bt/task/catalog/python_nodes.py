@@ -17,7 +17,7 @@ from pydantic import ValidationError
 from grip_bt.base.errors import DocumentError, listing, nearest
 from grip_bt.base.frozen import FrozenDict
 from grip_bt.base.types import check_value, parse_type
-from grip_bt.base.yaml.files import read_file
+from grip_bt.base.yaml.tree import read_file
 
 from .manifest import InputPort, Manifest, OutputPort, Parameter
 from .module_source import imported

@@ -8,9 +8,8 @@ from pydantic import BaseModel, ValidationError
 
 from grip_bt.base.errors import DocumentError, listing, nearest
 from grip_bt.base.types import parse_type
-from grip_bt.base.yaml.faults import Fault, document_error, fault_of
-from grip_bt.base.yaml.files import read_file
-from grip_bt.base.yaml.syntax import Listing, Mapping, Value, parse, plain
+from grip_bt.base.yaml.models import Diagnostic, diagnostic_of, document_error
+from grip_bt.base.yaml.tree import YamlList, YamlMapping, YamlValue, parse, read_file, to_data
 
 from .manifest import InputPort, Manifest, OutputPort, Parameter
 
@@ -27,8 +26,8 @@ def read_manifests(path: Path | str) -> list[Manifest]:
         DocumentError: a manifest is wrong, with the place of the first fault and a list of the others.
     """
     source = str(path)
-    tree = parse(read_file(path), source, lists=True)
-    if isinstance(tree, Listing):
+    tree = parse(read_file(path), source)
+    if isinstance(tree, YamlList):
         trees = [entry.value for entry in tree.entries]
     else:
         trees = [tree]
@@ -47,8 +46,8 @@ def find_manifests(folder: Path | str) -> list[Manifest]:
     return [manifest for file in files for manifest in read_manifests(file)]
 
 
-def _read(tree: Value, source: str) -> Manifest:
-    if not isinstance(tree, Mapping):
+def _read(tree: YamlValue, source: str) -> Manifest:
+    if not isinstance(tree, YamlMapping):
         raise DocumentError(
             "a manifest is a mapping with `id:`, `doc:` and `implementation:`",
             source,
@@ -59,24 +58,24 @@ def _read(tree: Value, source: str) -> Manifest:
     if faults:
         raise document_error(faults, source)
     try:
-        manifest = Manifest.model_validate(plain(tree))
+        manifest = Manifest.model_validate(to_data(tree))
     except ValidationError as error:
-        raise document_error([fault_of(tree, e) for e in error.errors()], source) from None
+        raise document_error([diagnostic_of(tree, e) for e in error.errors()], source) from None
     faults = list(_wrong_outcomes(tree, manifest))
     if faults:
         raise document_error(faults, source)
     return manifest
 
 
-def _unknown_keys(tree: Mapping) -> list[Fault]:
+def _unknown_keys(tree: YamlMapping) -> list[Diagnostic]:
     checked = [(tree, tuple(Manifest.model_fields), "a manifest")]
     for key, shape in _PORTS.items():
         ports = tree.entries.get(key)
-        if ports is not None and isinstance(ports.value, Mapping):
+        if ports is not None and isinstance(ports.value, YamlMapping):
             checked.extend(
                 (port.value, tuple(shape.model_fields), f"{key}/{name}")
                 for name, port in ports.value.entries.items()
-                if isinstance(port.value, Mapping)
+                if isinstance(port.value, YamlMapping)
             )
     return [
         (
@@ -90,22 +89,24 @@ def _unknown_keys(tree: Mapping) -> list[Fault]:
     ]
 
 
-def _wrong_types(tree: Mapping) -> list[Fault]:
+def _wrong_types(tree: YamlMapping) -> list[Diagnostic]:
     faults = []
     for key in _PORTS:
         ports = tree.entries.get(key)
-        for name, port in ports.value.entries.items() if ports is not None and isinstance(ports.value, Mapping) else ():
-            entry = port.value.entries.get("type") if isinstance(port.value, Mapping) else None
-            if entry is None or not isinstance(plain(entry.value), str):
+        for name, port in (
+            ports.value.entries.items() if ports is not None and isinstance(ports.value, YamlMapping) else ()
+        ):
+            entry = port.value.entries.get("type") if isinstance(port.value, YamlMapping) else None
+            if entry is None or not isinstance(to_data(entry.value), str):
                 continue  # the model says so
             try:
-                parse_type(plain(entry.value))
+                parse_type(to_data(entry.value))
             except ValueError as error:
                 faults.append((f"{key}/{name}: {error}", entry.value.line, entry.value.column))
     return faults
 
 
-def _wrong_outcomes(tree: Mapping, manifest: Manifest) -> list[Fault]:
+def _wrong_outcomes(tree: YamlMapping, manifest: Manifest) -> list[Diagnostic]:
     faults = []
     for name, port in manifest.outputs.items():
         for outcome in port.on:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from grip_bt.base.yaml.syntax import Mapping
+from grip_bt.base.yaml.tree import YamlMapping
 
 from ..document import Document
 from .commands import Comment
@@ -25,7 +25,7 @@ def comment_of(document: Document, path: str) -> str:
     inside = document.tree
     for step in above:
         inner = inside.entries[step].value
-        if not isinstance(inner, Mapping):
+        if not isinstance(inner, YamlMapping):
             return ""
         inside = inner
     return found_at(document.text, inside, key).text if is_tidy(document.text, inside) else ""

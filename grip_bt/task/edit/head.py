@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from difflib import SequenceMatcher
 
-from grip_bt.base.yaml.syntax import Mapping
+from grip_bt.base.yaml.tree import YamlMapping
 
 from .regions import is_tidy, line_end, line_start
 from .remarks import found_at, lines_of_comment, said
@@ -44,7 +44,7 @@ class Head:
         return tuple(said(line.strip()) for line in self.spelled)
 
 
-def head_at(text: str, tree: Mapping) -> Head:
+def head_at(text: str, tree: YamlMapping) -> Head:
     """Return where the comment at the top of a file stands, given its syntax."""
     end = _end(text, tree)
     at = len(_MARK) if text.startswith(_MARK) else 0
@@ -66,7 +66,7 @@ def head_at(text: str, tree: Mapping) -> Head:
     return Head(lines[0][0], last + len(line), tuple(line for _, line in lines), after)
 
 
-def _end(text: str, tree: Mapping) -> int:
+def _end(text: str, tree: YamlMapping) -> int:
     """Return the offset before which everything is the file's and no entry's."""
     entries = list(tree.entries)
     if entries[:1] == ["root"] and is_tidy(text, tree):

@@ -6,7 +6,7 @@ below it the comments that are indented deeper than its key.
 
 from __future__ import annotations
 
-from grip_bt.base.yaml.syntax import Entry, Listing, Mapping, Scalar, Value, entries_of
+from grip_bt.base.yaml.tree import YamlEntry, YamlList, YamlMapping, YamlScalar, YamlValue, entries_of
 
 ODD = "this text is spelled in a way that can't be changed in place; bring it into form with `grip fmt`, then edit"
 """What is said where a text is refused."""
@@ -23,21 +23,21 @@ def line_end(text: str, at: int) -> int:
     return len(text) if end < 0 else end + 1
 
 
-def is_tidy(text: str, mapping: Value) -> bool:
+def is_tidy(text: str, mapping: YamlValue) -> bool:
     """Tell whether a mapping has entries, each of which begins a line of its own."""
-    if not isinstance(mapping, Mapping) or mapping.flow or not mapping.entries:
+    if not isinstance(mapping, YamlMapping) or mapping.flow or not mapping.entries:
         return False
     return all(not text[line_start(text, e.start) : e.start].strip(" ") for e in mapping.entries.values())
 
 
-def content_end(text: str, entry: Entry) -> int:
+def content_end(text: str, entry: YamlEntry) -> int:
     """Return the offset after the last character of an entry's value."""
-    value: Value = entry.value
-    while isinstance(value, Mapping | Listing) and not value.flow:
+    value: YamlValue = entry.value
+    while isinstance(value, YamlMapping | YamlList) and not value.flow:
         entry = entries_of(value)[-1]
         value = entry.value
     begin, end = value.span
-    if not isinstance(value, Scalar):
+    if not isinstance(value, YamlScalar):
         return end
     if begin == end:
         colon = text.find(":", entry.key_end)
@@ -48,7 +48,7 @@ def content_end(text: str, entry: Entry) -> int:
     return end
 
 
-def region_end(text: str, entry: Entry) -> int:
+def region_end(text: str, entry: YamlEntry) -> int:
     """Return the offset after the last line that belongs to an entry of a tidy mapping."""
     at = found = line_end(text, content_end(text, entry))
     while at < len(text):
@@ -62,7 +62,7 @@ def region_end(text: str, entry: Entry) -> int:
     return found
 
 
-def region_start(text: str, mapping: Mapping, index: int, top: bool) -> int:
+def region_start(text: str, mapping: YamlMapping, index: int, top: bool) -> int:
     """Return the offset of the first line that belongs to an entry of a tidy mapping.
 
     Args:

@@ -10,7 +10,7 @@ import re
 from dataclasses import dataclass
 
 from grip_bt.base.errors import EditError
-from grip_bt.base.yaml.syntax import Entry, Mapping
+from grip_bt.base.yaml.tree import YamlEntry, YamlMapping
 
 from .regions import content_end, line_end, line_start, region_end
 
@@ -62,7 +62,7 @@ def lines_of_comment(path: str, text: str) -> list[str]:
     return [f"# {line}".rstrip() for line in lines]
 
 
-def found_at(text: str, inside: Mapping, key: str) -> Found:
+def found_at(text: str, inside: YamlMapping, key: str) -> Found:
     """Return where the comment of an entry of a tidy mapping stands."""
     keys = list(inside.entries)
     index, entry = keys.index(key), inside.entries[key]
@@ -80,8 +80,8 @@ def found_at(text: str, inside: Mapping, key: str) -> Found:
     return Found(begin, end, tuple(above), beside, aside)
 
 
-def _beside(text: str, entry: Entry) -> tuple[int, int] | None:
-    if isinstance(entry.value, Mapping) and not entry.value.flow:
+def _beside(text: str, entry: YamlEntry) -> tuple[int, int] | None:
+    if isinstance(entry.value, YamlMapping) and not entry.value.flow:
         at = text.index(":", entry.key_end) + 1
     else:
         at = content_end(text, entry)

@@ -11,7 +11,17 @@ from typing import Any
 
 from grip_bt.base.errors import EditError
 from grip_bt.base.yaml.scalars import write_scalar
-from grip_bt.base.yaml.syntax import Entry, Listing, Mapping, Scalar, Value, entries_of, parse, plain, tree_of
+from grip_bt.base.yaml.tree import (
+    YamlEntry,
+    YamlList,
+    YamlMapping,
+    YamlScalar,
+    YamlValue,
+    entries_of,
+    from_data,
+    parse,
+    to_data,
+)
 from grip_bt.base.yaml.writer import in_braces
 
 from ..canonical import lines_of
@@ -34,13 +44,13 @@ class Text:
         EditError: its lines end in a way that can't be kept.
     """
 
-    def __init__(self, text: str, tree: Mapping | None = None):
+    def __init__(self, text: str, tree: YamlMapping | None = None):
         if "\r" in text.replace("\r\n", ""):
             raise EditError("", ODD)
         self.text = text
         self.splices: list[Splice] = []
         self._newline = "\r\n" if "\r\n" in text else "\n"
-        self._tree: Mapping | None = tree
+        self._tree: YamlMapping | None = tree
         self._lent = tree is not None
         self._pending: dict[int, tuple[int, str]] = {}
 
@@ -60,7 +70,7 @@ class Text:
         if isinstance(step, Drop):
             self._make_room(step.at)
             return self._drop(step.at, step.key)
-        value = plain(self._entry(step.at, step.key).value)
+        value = to_data(self._entry(step.at, step.key).value)
         self._make_tidy(step.at)
         source = self._drop(step.at, step.key)
         self._put(step.to, step.key, value, step.index, source)
@@ -69,11 +79,11 @@ class Text:
     # --- finding ---------------------------------------------------------------------------------------------------
 
     @property
-    def tree(self) -> Mapping:
+    def tree(self) -> YamlMapping:
         """The syntax of the text as it is, but for replacements that `flush` hasn't done yet."""
         if self._tree is None:
             tree = parse(self.text)
-            assert isinstance(tree, Mapping)
+            assert isinstance(tree, YamlMapping)
             self._tree, self._lent = tree, False
         return self._tree
 
@@ -81,22 +91,22 @@ class Text:
         """Make the entries on the way to a place our own, so that a syntax that was lent stays as it is."""
         if not self._lent:
             return
-        value: Value = _copied(self.tree)
-        assert isinstance(value, Mapping)
+        value: YamlValue = _copied(self.tree)
+        assert isinstance(value, YamlMapping)
         self._tree = value
         for key in at:
             entry = _inner(value, key)
             if entry is None:
                 raise EditError("/".join(at), ODD)
             mine = replace(entry, value=_copied(entry.value))
-            if isinstance(value, Mapping):
+            if isinstance(value, YamlMapping):
                 value.entries[key] = mine
-            elif isinstance(value, Listing):
+            elif isinstance(value, YamlList):
                 value.entries[int(key)] = mine
             value = mine.value
 
-    def _value(self, at: Place) -> Value:
-        value: Value = self.tree
+    def _value(self, at: Place) -> YamlValue:
+        value: YamlValue = self.tree
         for depth, key in enumerate(at):
             entry = _inner(value, key)
             if entry is None:
@@ -104,13 +114,13 @@ class Text:
             value = entry.value
         return value
 
-    def _mapping(self, at: Place) -> Mapping:
+    def _mapping(self, at: Place) -> YamlMapping:
         value = self._value(at)
-        if not isinstance(value, Mapping):
+        if not isinstance(value, YamlMapping):
             raise EditError("/".join(at), ODD)
         return value
 
-    def _entry(self, at: Place, key: str) -> Entry:
+    def _entry(self, at: Place, key: str) -> YamlEntry:
         entry = _inner(self._value(at), key)
         if entry is None:
             raise EditError("/".join((*at, key)), ODD)
@@ -147,7 +157,7 @@ class Text:
         entry = self._entry(step.at, step.key)
         value = entry.value
         begin, end = value.span
-        simple = isinstance(value, Scalar) and begin != end and "\n" not in self.text[begin:end]
+        simple = isinstance(value, YamlScalar) and begin != end and "\n" not in self.text[begin:end]
         if simple and step.source is None and not isinstance(step.value, dict | list | tuple):
             in_flow = any(getattr(self._value(step.at[:depth]), "flow", False) for depth in range(len(step.at) + 1))
             new = lines_of("k", step.value, False) if not in_flow else [f"k: {write_scalar(step.value, flow=True)}"]
@@ -156,16 +166,16 @@ class Text:
                 self._pending[begin] = (end, new[0].removeprefix("k: "))
                 self._own((*step.at, step.key))
                 value = self._entry(step.at, step.key).value
-                assert isinstance(value, Scalar)
+                assert isinstance(value, YamlScalar)
                 value.value = step.value
                 return taken
         self.flush()
         return self._replace(step)
 
-    def _taken(self, at: Place, entry: Entry) -> str:
+    def _taken(self, at: Place, entry: YamlEntry) -> str:
         """Return the lines of an entry, without what is above it."""
         if not is_tidy(self.text, self._value(at)):
-            return "\n".join(lines_of(entry.key, plain(entry.value), False)) + "\n"
+            return "\n".join(lines_of(entry.key, to_data(entry.value), False)) + "\n"
         begin = line_start(self.text, entry.start)
         return self._lines(dedented(self.text[begin : region_end(self.text, entry)], entry.column))
 
@@ -174,7 +184,7 @@ class Text:
         inside = self._mapping(step.at)
         taken = self._taken(step.at, entry)
         if inside.flow:
-            inline = in_braces(tree_of(step.value))
+            inline = in_braces(from_data(step.value))
             begin, end = entry.value.span
             if inline is not None and begin != end and fits(self.text, inside, len(inline) - (end - begin)):
                 self._splice(begin, end, inline)
@@ -188,7 +198,7 @@ class Text:
             # comments below the value that it closes stay; one beside it stays beside it
             last = content_end(self.text, entry)
             beside = self.text[last : line_end(self.text, last)].strip()
-            if not isinstance(entry.value, Scalar) and not entry.value.flow:
+            if not isinstance(entry.value, YamlScalar) and not entry.value.flow:
                 end = line_end(self.text, last)
                 beside = ""
             elif beside:
@@ -232,7 +242,7 @@ class Text:
         keys = list(inside.entries)
         if inside.flow:
             self._splice(*without(inside, entry))
-            return "\n".join(lines_of(entry.key, plain(entry.value), False)) + "\n"
+            return "\n".join(lines_of(entry.key, to_data(entry.value), False)) + "\n"
         if not is_tidy(self.text, inside):
             raise EditError("/".join(at), ODD)
         begin = region_start(self.text, inside, keys.index(key), at == ())
@@ -317,17 +327,17 @@ class Text:
                 return
 
 
-def _copied(value: Value) -> Value:
+def _copied(value: YamlValue) -> YamlValue:
     """Return a value with entries of its own; what these hold is shared."""
-    if isinstance(value, Mapping):
+    if isinstance(value, YamlMapping):
         return replace(value, entries=dict(value.entries))
-    if isinstance(value, Listing):
+    if isinstance(value, YamlList):
         return replace(value, entries=list(value.entries))
     return replace(value)
 
 
-def _inner(value: Value, key: str) -> Entry | None:
-    if isinstance(value, Mapping):
+def _inner(value: YamlValue, key: str) -> YamlEntry | None:
+    if isinstance(value, YamlMapping):
         return value.entries.get(key)
     entries = entries_of(value)
     return entries[int(key)] if key.isdecimal() and int(key) < len(entries) else None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from grip_bt.base.issue import Report, ordered
 from grip_bt.task import Task
-from grip_bt.task.allocation import many_made
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.document import Document
 
@@ -39,8 +38,7 @@ def validate(task: Task, catalog: Catalog, document: Document | None = None) -> 
     Returns:
         All issues, in the order of the text.
     """
-    with many_made(document.text if document else ""):
-        return ordered(_checked(task, catalog, document, None).issues)
+    return ordered(_checked(task, catalog, document, None).issues)
 
 
 def survey_of(task: Task, catalog: Catalog) -> Survey:

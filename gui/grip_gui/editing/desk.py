@@ -34,12 +34,6 @@ class EditDesk:
         """Return the revision of each open file."""
         return {path: sheet.revision for path, sheet in list(self._sheets.items())}
 
-    def get_ready(self, path: str) -> None:
-        """Do what the next edit of an open file would have to do first; nobody is kept waiting for it."""
-        sheet = self._sheets.get(path)
-        if sheet is not None:
-            sheet.get_ready()
-
     @contextmanager
     def reading(self, path: str) -> Iterator[Sheet]:
         """Hold a task file, opened where it isn't yet, while something is read from it.

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from grip_bt.base.errors import DocumentError
 from grip_bt.base.files import replace_bytes
-from grip_bt.base.yaml.files import read_file
+from grip_bt.base.yaml.tree import read_file
 
 _BOM = b"\xef\xbb\xbf"
 

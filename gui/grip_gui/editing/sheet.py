@@ -82,11 +82,6 @@ class Sheet:
             self._put_text(left.text, RECOVERED)
             self.file.known = left.known
 
-    def get_ready(self) -> None:
-        """Parse what the next edit asks for; it takes as long as an edit, so it is done while nobody waits."""
-        if self.history is not None:
-            _ = self.history.document.tree
-
     def keep_unsaved(self) -> None:
         """Keep a copy of what isn't saved, or forget the copy of what is."""
         if self.text == self._saved and not self.file.change():

@@ -21,7 +21,7 @@ from grip_bt.base.failures import ExpectedError
 from grip_bt.base.message_store import MessageLibrary
 from grip_bt.base.message_store.written import fields_of
 from grip_bt.base.values import JointState, Pose
-from grip_bt.base.yaml.syntax import parse, plain
+from grip_bt.base.yaml.tree import parse, to_data
 from grip_bt.ros.components import start_components
 from grip_bt.runtime import JournalReader
 from grip_bt.task.catalog.component_file import ComponentFile, load_component
@@ -83,7 +83,7 @@ def typed(text: str, type_name: str, port: str) -> Any:
     Raises:
         DocumentError: it isn't YAML, or no value of the type.
     """
-    data = plain(parse(text, port))
+    data = to_data(parse(text, port))
     if not isinstance(data, dict):
         return data
     try:

@@ -7,8 +7,8 @@ from typing import Any, Literal
 
 from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import DocumentError, GripError
-from grip_bt.base.yaml.faults import Fault, find
-from grip_bt.base.yaml.syntax import Value, parse, plain
+from grip_bt.base.yaml.models import Diagnostic, find
+from grip_bt.base.yaml.tree import YamlValue, parse, to_data
 from grip_gui.editing import ChangedOnDiskError
 from grip_gui.editing.files import TextFile
 from grip_gui.messages import Problem
@@ -106,7 +106,7 @@ class SetupDesk:
         except DocumentError as error:
             options = options_of(kind.name, None, self.folder.folder)
             return None, options, [_problem((error.message, error.line or 1, error.column or 1))]
-        data = plain(tree)
+        data = to_data(tree)
         options = options_of(kind.name, data, self.folder.folder)
         faults = wrong_options(tree, data, options)
         # The reader of trajectories stops at the first name that isn't there, and says less of it.
@@ -125,7 +125,9 @@ class SetupDesk:
             return {p.parent.name: p.parent for p in sorted(self.folder.folder.glob("components/*/component.yaml"))}
 
 
-def _problem(fault: Fault, tree: Value | None = None, severity: Literal["error", "warning"] = "error") -> Problem:
+def _problem(
+    fault: Diagnostic, tree: YamlValue | None = None, severity: Literal["error", "warning"] = "error"
+) -> Problem:
     message, line, column = fault
     key = keys_at(tree, line, column) if tree is not None else []
     return Problem(code="settings", severity=severity, message=message, line=line, column=column, key=key)

@@ -12,9 +12,8 @@ from pydantic import ValidationError
 
 from grip_bt.app.project.components import Wish, components_folder, from_file, from_type, make_component
 from grip_bt.base.errors import ContractError, DocumentError, GripError
-from grip_bt.base.yaml.faults import fault_of
-from grip_bt.base.yaml.settings_file import check_model
-from grip_bt.base.yaml.syntax import Mapping, parse
+from grip_bt.base.yaml.models import check_model, diagnostic_of
+from grip_bt.base.yaml.tree import YamlMapping, parse
 from grip_bt.codegen.component_text import component_text, parse_outcomes, suggested_name
 from grip_bt.codegen.contract import INPUT, OUTCOME, RETURNED, check_contract, suggested_outcomes
 from grip_bt.ros.interfaces import read_interface
@@ -26,7 +25,7 @@ from grip_gui.setup_messages import FieldView, InterfaceView, InterfaceWish
 _TYPE = re.compile(r"^(?P<package>[a-z][a-z0-9_]*)/(?P<kind>srv|action|msg)/(?P<name>[A-Z][A-Za-z0-9]*)$")
 _OTHER = re.compile(r"^\s*([a-z][a-z0-9_]*)/[A-Z]", re.MULTILINE)
 """A field of another package's type."""
-_NOTHING = Mapping({}, 1, 1)
+_NOTHING = YamlMapping({}, 1, 1)
 _PACKAGE = """\
 <?xml version="1.0"?>
 <package format="3">
@@ -98,7 +97,7 @@ def _view(folder: ProjectFolder, wish: InterfaceWish, interface: InterfaceSpec) 
     except ContractError as error:
         problems = list(error.problems)
     except ValidationError as error:
-        problems = [fault_of(_NOTHING, e)[0] for e in error.errors()]
+        problems = [diagnostic_of(_NOTHING, e)[0] for e in error.errors()]
     except GripError as error:
         problems = [str(error).removeprefix("--")]  # the command line's option is this page's field
     problems = [*_unknown_types(folder, interface), *problems]

@@ -14,9 +14,8 @@ from pydantic import BaseModel
 from grip_bt.app.project.config import ProjectFile
 from grip_bt.base.errors import DocumentError
 from grip_bt.base.message_store.original import read_joint_states, read_poses, read_trajectories
-from grip_bt.base.yaml.faults import Fault
-from grip_bt.base.yaml.settings_file import check_model
-from grip_bt.base.yaml.syntax import Value
+from grip_bt.base.yaml.models import Diagnostic, check_model
+from grip_bt.base.yaml.tree import YamlValue
 from grip_bt.task.catalog.component_file import ComponentFile
 from grip_gui.project import OutsideProjectError, ProjectFolder
 from grip_gui.setup_messages import SetupEntry, Template
@@ -59,18 +58,18 @@ class Kind:
     doc: str
     shape: Mapping[str, Any]
     blank: str
-    check: Callable[[Path, str, Value], list[Fault]]
+    check: Callable[[Path, str, YamlValue], list[Diagnostic]]
     templates: Sequence[Template] = ()
 
 
-def _by_model(model: type[BaseModel]) -> Callable[[Path, str, Value], list[Fault]]:
+def _by_model(model: type[BaseModel]) -> Callable[[Path, str, YamlValue], list[Diagnostic]]:
     return lambda _file, _text, tree: check_model(tree, model)[1]
 
 
-def _by_reader(read: Callable[[Path], object]) -> Callable[[Path, str, Value], list[Fault]]:
+def _by_reader(read: Callable[[Path], object]) -> Callable[[Path, str, YamlValue], list[Diagnostic]]:
     """Check by the room that reads such files, on a copy beside copies of the files that it refers to."""
 
-    def check(file: Path, text: str, _tree: Value) -> list[Fault]:
+    def check(file: Path, text: str, _tree: YamlValue) -> list[Diagnostic]:
         with TemporaryDirectory() as folder:
             for other in (JOINT_STATES, POSES):
                 beside = file.with_name(Path(other).name)

@@ -8,8 +8,8 @@ from typing import Any, get_args
 
 from grip_bt.app.project.faults import WORLDS
 from grip_bt.base.errors import GripError, listing, nearest
-from grip_bt.base.yaml.faults import Fault, find
-from grip_bt.base.yaml.syntax import Value, parse, plain
+from grip_bt.base.yaml.models import Diagnostic, find
+from grip_bt.base.yaml.tree import YamlValue, parse, to_data
 from grip_bt.task.catalog.component_parts import Unit
 from grip_bt.task.catalog.sensor_config import MESSAGES
 
@@ -57,7 +57,7 @@ def options_of(kind: str, data: Any, folder: Path) -> dict[str, list[str]]:
     return {}
 
 
-def wrong_options(tree: Value, data: Any, options: Mapping[str, Sequence[str]]) -> list[Fault]:
+def wrong_options(tree: YamlValue, data: Any, options: Mapping[str, Sequence[str]]) -> list[Diagnostic]:
     """Return the values that none of the options are."""
     faults = []
     for pattern in CLOSED & options.keys():
@@ -72,7 +72,7 @@ def wrong_options(tree: Value, data: Any, options: Mapping[str, Sequence[str]]) 
     return faults
 
 
-def doubtful_names(kind: str, tree: Value, data: Any, folder: Path) -> list[Fault]:
+def doubtful_names(kind: str, tree: YamlValue, data: Any, folder: Path) -> list[Diagnostic]:
     """Return the names in files of messages that the project's robot doesn't have; something else may have them."""
     known = robot_facts(folder)
     if kind == "joint_states":
@@ -167,7 +167,7 @@ def names_in(file: Path) -> list[str]:
 
 def _data(file: Path) -> Any:
     try:
-        return plain(parse(file.read_text(encoding="utf-8")))
+        return to_data(parse(file.read_text(encoding="utf-8")))
     except (OSError, ValueError, GripError):  # another file's faults are told where it is open
         return None
 

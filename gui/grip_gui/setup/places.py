@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from grip_bt.base.yaml.syntax import Value, entries_of
+from grip_bt.base.yaml.tree import YamlValue, entries_of
 
 
-def keys_at(tree: Value, line: int, column: int) -> list[str]:
+def keys_at(tree: YamlValue, line: int, column: int) -> list[str]:
     """Return the keys on the way to the innermost entry that begins at a place; empty where none does.
 
     Args:
@@ -14,7 +14,7 @@ def keys_at(tree: Value, line: int, column: int) -> list[str]:
         column: 1-based.
     """
     found: list[str] = []
-    todo: list[tuple[Value, list[str]]] = [(tree, [])]
+    todo: list[tuple[YamlValue, list[str]]] = [(tree, [])]
     while todo:
         value, above = todo.pop()
         for number, entry in enumerate(entries_of(value)):

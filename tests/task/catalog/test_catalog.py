@@ -142,7 +142,7 @@ def test_a_later_manifest_replaces_but_two_at_once_are_an_error():
             "did you mean 'success'",
         ),
         ("- 3\n", (1, 3), "a manifest is a mapping"),
-        ("[1", (1, 3), "not valid YAML"),
+        ("[1", (2, 1), "not valid YAML"),
     ],
 )
 def test_a_wrong_manifest_is_refused_at_its_place(text, place, words, tmp_path):

@@ -14,7 +14,7 @@ import pytest
 
 from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.base.expression import parse_expression
-from grip_bt.base.yaml.syntax import parse, plain
+from grip_bt.base.yaml.tree import parse, to_data
 from grip_bt.task import read_text
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.validation import validate
@@ -174,8 +174,8 @@ def catalog() -> Catalog:
 def tasks() -> Iterator[tuple[str, dict[str, Any]]]:
     """Yield the tasks that are shipped, and one with every kind that names something."""
     for file in sorted((ROOT / "tasks").glob("*.yaml")):
-        yield file.stem, plain(parse(file.read_text(), str(file)))  # type: ignore[misc]
-    yield "all_kinds", plain(parse(OWN, "own"))  # type: ignore[misc]
+        yield file.stem, to_data(parse(file.read_text(), str(file)))  # type: ignore[misc]
+    yield "all_kinds", to_data(parse(OWN, "own"))  # type: ignore[misc]
 
 
 TASKS = dict(tasks())

@@ -1,22 +1,97 @@
-"""What is wrong with a file's data, said with line and column."""
+"""A YAML file whose shape is a pydantic model: read safely, with line and column of all that is wrong with its data."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from types import UnionType
+from typing import TypeVar, Union, get_args, get_origin
 
-from grip_bt.base.errors import DocumentError
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
 
-from .syntax import Entry, Mapping, Value
+from grip_bt.base.errors import DocumentError, listing, nearest
 
-Fault = tuple[str, int, int]
+from .tree import YamlEntry, YamlMapping, YamlValue, parse, read_file, to_data
+
+Diagnostic = tuple[str, int, int]
 """Message, line, column; both 1-based."""
 _KEYS_OF_NODES = ("children", "child")
 _PASSED_OVER = {*_KEYS_OF_NODES, "Variable", "str", "leaf"}
+M = TypeVar("M", bound=BaseModel)
 
 
-def fault_of(tree: Mapping, error: Any) -> Fault:
+def read_model(path: Path | str, model: type[M]) -> M:
+    """Read a file as `model`.
+
+    Raises:
+        DocumentError: it can't be read or doesn't fit; with line and column, and the nearest allowed key.
+    """
+    source = str(path)
+    begins = f"it holds {listing(model.model_fields)}"
+    found, faults = check_model(parse(read_file(path), source, begins=begins), model)
+    if found is None:
+        raise document_error(faults, source)
+    return found
+
+
+def check_model(tree: YamlValue, model: type[M]) -> tuple[M | None, list[Diagnostic]]:
+    """Return what was parsed as `model`, or None and all that keeps it from being one, each with its place."""
+    if not isinstance(tree, YamlMapping):
+        return None, [(f"a mapping with {listing(model.model_fields)}", tree.line, tree.column)]
+    faults = list(_unknown_keys(tree, model, "the file"))
+    try:
+        found = model.model_validate(to_data(tree))
+    except ValidationError as error:
+        errors = error.errors()
+        mistyped = {e["loc"][0] for e in errors if e["type"] == "extra_forbidden" and e["loc"]} if faults else set()
+        return None, faults + [
+            diagnostic_of(tree, e) for e in errors if not _is_told(e["loc"], e["type"], mistyped, tree)
+        ]
+    return (None, faults) if faults else (found, [])
+
+
+def _is_told(where: tuple[int | str, ...], kind: str, mistyped: set[int | str], tree: YamlMapping) -> bool:
+    """Tell whether an error comes of an unknown key, which is told elsewhere: itself, or another form of its field."""
+    if not where or where[0] not in mistyped:
+        return False
+    value = tree.entries[str(where[0])].value if str(where[0]) in tree.entries else None
+    of_form = len(where) == 2 and not (isinstance(value, YamlMapping) and str(where[1]) in value.entries)
+    return kind == "extra_forbidden" or (of_form and kind.endswith("_type"))
+
+
+def _unknown_keys(tree: YamlValue, model: type[BaseModel], name: str) -> Iterator[Diagnostic]:
+    if not isinstance(tree, YamlMapping):
+        return
+    allowed = {field.alias or key: field for key, field in model.model_fields.items()}
+    for key, entry in tree.entries.items():
+        if key not in allowed:
+            message = f"unknown key {key!r} in {name}{nearest(key, allowed)} (there are: {listing(allowed)})"
+            yield message, entry.line, entry.column
+            continue
+        for inner, value in _models_below(allowed[key].annotation, entry.value, key):
+            yield from _unknown_keys(value, inner[1], inner[0])
+
+
+def _models_below(
+    annotation: object, value: YamlValue, name: str
+) -> Iterator[tuple[tuple[str, type[BaseModel]], YamlValue]]:
+    """Yield the models that a field holds, itself or as the values of a dict, with their part of the file."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield (name, annotation), value
+        return
+    if get_origin(annotation) in (Union, UnionType):
+        for member in get_args(annotation):
+            yield from _models_below(member, value, name)
+        return
+    models = [a for a in get_args(annotation) if isinstance(a, type) and issubclass(a, BaseModel)]
+    if models and isinstance(value, YamlMapping):
+        for key, entry in value.entries.items():
+            yield (f"{name}/{key}", models[0]), entry.value
+
+
+def diagnostic_of(tree: YamlMapping, error: ErrorDetails) -> Diagnostic:
     """Return one of pydantic's errors, from data that stands in `tree`, in words and with its place."""
     path = [step for step in error["loc"] if step != "[key]"]
     line, column = find(tree, path)
@@ -77,18 +152,18 @@ def _ros_name(text: object) -> str:
     return "".join(f"/{'_' * word[0].isdigit()}{word}" for word in words) or "/camera/points"
 
 
-def _amount(error: Any) -> str:
+def _amount(error: ErrorDetails) -> str:
     limits = error["ctx"]
     if "max_length" in limits:
         return f"at most {limits['max_length']}"
     return f"at least {limits['min_length']}"
 
 
-def _readable(path: Iterable[Any]) -> list[str]:
+def _readable(path: Iterable[str | int]) -> list[str]:
     return [str(step) for step in path if step not in _PASSED_OVER]
 
 
-def find(tree: Value, path: Iterable[Any]) -> tuple[int, int]:
+def find(tree: YamlValue, path: Iterable[str | int]) -> tuple[int, int]:
     """Return line and column of what stands at a path of keys and indices, or of the nearest place above it.
 
     Steps that aren't keys (pydantic names the branches of a union) are passed over.
@@ -96,8 +171,8 @@ def find(tree: Value, path: Iterable[Any]) -> tuple[int, int]:
     line, column = tree.line, tree.column
     value = tree
     for step in path:
-        entry: Entry | None = None
-        if isinstance(value, Mapping):
+        entry: YamlEntry | None = None
+        if isinstance(value, YamlMapping):
             entry = value.entries.get(str(step))
         elif isinstance(step, int) and not hasattr(value, "value") and step < len(value.entries):
             entry = value.entries[step]
@@ -106,7 +181,7 @@ def find(tree: Value, path: Iterable[Any]) -> tuple[int, int]:
     return line, column
 
 
-def document_error(faults: list[Fault], source: str) -> DocumentError:
+def document_error(faults: Iterable[Diagnostic], source: str) -> DocumentError:
     """Return the error for several faults: placed at the first one, with the others in its message."""
     faults = sorted(set(faults), key=lambda fault: fault[1:])
     message, line, column = faults[0]
