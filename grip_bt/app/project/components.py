@@ -15,8 +15,8 @@ from pydantic import ValidationError
 from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.evaluation import condition_of
 from grip_bt.base.expression import parse_expression
-from grip_bt.base.yaml import syntax
 from grip_bt.base.yaml.models import check_model, diagnostic_of, document_error
+from grip_bt.base.yaml.tree import YamlMapping, parse
 from grip_bt.codegen.component_text import OutcomesNeededError, component_text, parse_outcomes, suggested_name
 from grip_bt.codegen.contract import check_contract
 from grip_bt.task.catalog.component_file import FILE_NAME, ComponentFile
@@ -24,7 +24,7 @@ from grip_bt.task.catalog.interface_spec import InterfaceSpec
 
 from .folder import find_project
 
-_NOTHING = syntax.Mapping({}, 1, 1)
+_NOTHING = YamlMapping({}, 1, 1)
 
 
 @dataclass(frozen=True)
@@ -127,7 +127,7 @@ def make_component(wish: Wish, folder: Path, outcomes: str | None, failures: Col
     chosen = {"received": "true"} if outcomes is None else parse_outcomes(outcomes)
     try:
         text = component_text(wish.interface, name, server, chosen, failures)
-        component, faults = check_model(syntax.parse(text), ComponentFile)
+        component, faults = check_model(parse(text), ComponentFile)
         if component is None:
             raise document_error(faults, FILE_NAME)
         check_contract(component, wish.interface, partial(fields_within, wish.package and wish.package.parent))
