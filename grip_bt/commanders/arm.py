@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -47,45 +47,52 @@ END_TOLERANCE = 0.05
 _REMEMBERED = 8
 
 
+@dataclass(frozen=True)
+class ArmSetup:
+    """What is known of an arm before it is started.
+
+    Attributes:
+        name: the arm's name in the project.
+        group: the robot's group of joints.
+        hand: name of the hand at the arm's end, as the scene knows it; empty for none.
+        settings: planner, solver, speed and so on.
+        states: named states of the arm besides those of its group.
+        taught: what was taught before, and where more of it is kept.
+    """
+
+    name: str
+    group: str = "arm"
+    hand: str = ""
+    settings: PlanningSettings = field(default_factory=PlanningSettings)
+    states: Mapping[str, JointState] = field(default_factory=dict)
+    taught: Taught = field(default_factory=Taught)
+
+
 class ArmCommander:
     """Implements `ports.Arm`.
 
     Args:
-        name: the arm's name in the project.
+        setup: which arm, and how it plans.
         model: the robot; used for where the hand is, never for planning.
         planner: makes the plans, without blocking.
-        executor: moves the joints of `group`.
+        executor: moves the joints of the arm's group.
         scene: what plans avoid.
-        hand: name of the hand at the arm's end, as the scene knows it.
-        hand_state: returns the measured state of the hand's joints: they are obstacles too.
-        settings: planner, solver, speed and so on.
-        group: the robot's group of joints.
-        taught: what was taught before; nothing when None.
-        others: returns the measured states of the robot's other arms and hands: obstacles, too.
-        states: named states of the arm besides those of its group.
+        others: returns the measured states of the arm's hand and of the robot's other parts: obstacles, too.
     """
 
     def __init__(
         self,
-        name: str,
+        setup: ArmSetup,
         model: RobotModel,
         planner: PlanningService,
         executor: Executor,
         scene: PlanningScene,
-        hand: str,
-        hand_state: Callable[[], JointState],
-        settings: PlanningSettings | None = None,
-        group: str = "arm",
-        taught: Taught | None = None,
         others: Callable[[], Sequence[JointState]] = tuple,
-        states: Mapping[str, JointState] | None = None,
     ):
-        self._name, self._model, self._planner, self._executor = name, model, planner, executor
-        self._scene, self._hand, self._hand_state = scene, hand, hand_state
-        self._settings = settings or PlanningSettings()
-        self._group = group
-        self._taught = taught if taught is not None else Taught()
-        self._others, self._more_states = others, dict(states or {})
+        self._name, self._group, self._hand, self._settings = setup.name, setup.group, setup.hand, setup.settings
+        self._more_states, self._taught = setup.states, setup.taught
+        self._model, self._planner, self._executor = model, planner, executor
+        self._scene, self._others = scene, others
         self._stream = Stream(executor, self._plan_step)
         self._lock = threading.Lock()
         self._reached_by: list[tuple[Pose, JointState]] = []
@@ -218,10 +225,10 @@ class ArmCommander:
         return states[goal]
 
     def _situation(self, given: JointState | None = None) -> Situation:
-        arm, hand = self._executor.state(), self._hand_state()
+        arm = self._executor.state()
         if given is not None:
             arm = replace(arm, position=given.ordered(arm.names))
-        parts = (arm, hand, *self._others())
+        parts = (arm, *self._others())
         names = tuple(name for part in parts for name in part.names)
         start = JointState(names, np.concatenate([part.position for part in parts]), time=arm.time)
         return Situation(self._group, start, self._scene.snapshot(), self._hand, self._settings)

@@ -14,7 +14,7 @@ from grip_bt.base.failures import (
 )
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, Plan, Pose, Trajectory
-from grip_bt.commanders.arm import ArmCommander
+from grip_bt.commanders.arm import ArmCommander, ArmSetup
 from grip_bt.commanders.fake import FakeExecutor
 from grip_bt.commanders.planning.motions import answer
 from grip_bt.commanders.planning.requests import PlanningSettings, PlanTo
@@ -42,14 +42,12 @@ class Rig:
         self.scene = room(self.model, hand=lambda: self.arm.grasp_pose())
         self.planner = PlansHere(self.model)
         self.arm = ArmCommander(
-            "right",
+            ArmSetup("right", hand="right_hand", settings=PlanningSettings(time_limit=600.0)),
             self.model,
             self.planner,
             self.executor,
             self.scene,
-            "right_hand",
-            lambda: self.posture,
-            PlanningSettings(time_limit=600.0),
+            lambda: [self.posture],
         )
 
 
@@ -108,9 +106,8 @@ def test_each_plan_sees_the_scene_and_the_hand_as_they_are_when_it_is_asked(rig)
 def test_planning_settings_reach_the_planner():
     rig = Rig()
     settings = PlanningSettings(planner="KPIECE1", speed=0.2, seed=4, time_limit=600.0)
-    arm = ArmCommander(
-        "a", rig.model, rig.planner, rig.executor, rig.scene, "right_hand", lambda: rig.posture, settings
-    )
+    setup = ArmSetup("a", hand="right_hand", settings=settings)
+    arm = ArmCommander(setup, rig.model, rig.planner, rig.executor, rig.scene, lambda: [rig.posture])
     plan = arm.plan(JointState(("panda_joint1",), [0.4])).result()
     fast = rig.arm.plan(JointState(("panda_joint1",), [0.4])).result()
     assert plan.planner == "KPIECE1"

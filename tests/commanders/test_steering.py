@@ -8,7 +8,7 @@ from grip_bt.base.failures import ExpectedError, NoIkError, OutOfLimitsError, Pa
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Steerable
 from grip_bt.base.values import Pose, Trajectory
-from grip_bt.commanders.arm import ArmCommander
+from grip_bt.commanders.arm import ArmCommander, ArmSetup
 from grip_bt.commanders.collision import recent_checker
 from grip_bt.commanders.fake import FakeExecutor, OnClock
 from grip_bt.commanders.jogging import approaching
@@ -50,14 +50,12 @@ class Rig:
         self.scene = room(self.model, hand=lambda: self.arm.grasp_pose())
         self.planner, posture = Later(self.model), named(self.model, "hand", "open")
         self.arm = ArmCommander(
-            "right",
+            ArmSetup("right", hand="right_hand", settings=PlanningSettings(speed=speed, time_limit=600.0)),
             self.model,
             self.planner,
             self.executor,
             self.scene,
-            "right_hand",
-            lambda: posture,
-            PlanningSettings(speed=speed, time_limit=600.0),
+            lambda: [posture],
         )
 
     def steer(self, seconds, ask):

@@ -9,7 +9,7 @@ from robot_files import SRDF, urdf
 from grip_bt.base.failures import OutOfLimitsError, PathInvalidError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, Plan, Pose, Trajectory
-from grip_bt.commanders.arm import ArmCommander
+from grip_bt.commanders.arm import ArmCommander, ArmSetup
 from grip_bt.commanders.collision import CollisionChecker
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.load import load_robot
@@ -185,16 +185,12 @@ def arms(model, carriers):
     executors = {side: FakeExecutor(at(model, side), OnClock(clock)) for side in SIDES}
     made = {
         side: ArmCommander(
-            side,
+            ArmSetup(side, f"{side}_manipulator", f"{side}_hand", PlanningSettings(time_limit=600.0)),
             model,
             planner,
             executors[side],
             Scene(),
-            f"{side}_hand",
-            lambda: JointState((), ()),
-            PlanningSettings(time_limit=600.0),
-            group=f"{side}_manipulator",
-            others=lambda other=other: [executors[other].state()],
+            lambda other=other: [executors[other].state()],
         )
         for side, other in zip(SIDES, reversed(SIDES), strict=True)
     }

@@ -92,7 +92,7 @@ def fake_arm() -> Iterator[ArmRig]:
 @contextmanager
 def commanded_arm() -> Iterator[ArmRig]:
     """The real commander, planning in its process, on a fake executor."""
-    from grip_bt.commanders.arm import ArmCommander
+    from grip_bt.commanders.arm import ArmCommander, ArmSetup
     from grip_bt.commanders.model import RobotModel
     from grip_bt.commanders.scene import PlanningScene
     from grip_bt.commanders.worker import PlanningProcess
@@ -104,7 +104,8 @@ def commanded_arm() -> Iterator[ArmRig]:
     scene = PlanningScene({"hand": lambda: model.grasp_pose(executor.state())})
     scene.set_box("table", (0.7, 1.2, 0.1), Pose([0.65, 0, -0.05]))
     with PlanningProcess(model.description) as planner:
-        arm = ArmCommander("right", model, Patient(planner), executor, scene, "hand", lambda: opened, PATIENT)
+        setup = ArmSetup("right", hand="hand", settings=PATIENT)
+        arm = ArmCommander(setup, model, Patient(planner), executor, scene, lambda: [opened])
         away = JointState(home.names, home.position + [0.5, 0, 0.3, 0, 0, 0.2, 0])
         yield ArmRig(arm, clock.advance, away, np.array([0.0, 0.02, -0.1]), exact=True)
 

@@ -91,7 +91,7 @@ def _by_move_group(ros_move_group: tuple[Any, Any]) -> Any:
 
 
 def _arm_rig(executor: Any, planner: Any, name: str = "RRTConnect") -> ArmRig:
-    from grip_bt.commanders.arm import ArmCommander
+    from grip_bt.commanders.arm import ArmCommander, ArmSetup
     from grip_bt.commanders.scene import PlanningScene
 
     _bring_home(executor)
@@ -99,9 +99,8 @@ def _arm_rig(executor: Any, planner: Any, name: str = "RRTConnect") -> ArmRig:
     scene = PlanningScene({"hand": lambda: model().grasp_pose(executor.state())})
     scene.set_box("table", (0.7, 1.2, 0.1), Pose([0.65, 0, -0.05]))
     service = Patient(planner())
-    arm = ArmCommander(
-        "right", model(), service, executor, scene, "hand", lambda: opened, replace(PATIENT, planner=name)
-    )
+    setup = ArmSetup("right", hand="hand", settings=replace(PATIENT, planner=name))
+    arm = ArmCommander(setup, model(), service, executor, scene, lambda: [opened])
     away = JointState(home.names, home.position + [0.5, 0, 0.3, 0, 0, 0.2, 0])
     return ArmRig(arm, time.sleep, away, np.array([0.0, 0.02, -0.1]))
 

@@ -124,7 +124,7 @@ def commanded_simulated_hand() -> Iterator[HandRig]:
 @contextmanager
 def commanded_simulated_arm() -> Iterator[ArmRig]:
     """The real commander, planning in its process, on simulated joints."""
-    from grip_bt.commanders.arm import ArmCommander
+    from grip_bt.commanders.arm import ArmCommander, ArmSetup
     from grip_bt.commanders.model import RobotModel
     from grip_bt.commanders.scene import PlanningScene
 
@@ -133,7 +133,14 @@ def commanded_simulated_arm() -> Iterator[ArmRig]:
         executor, hand = simulation.executor("arm"), simulation.hand("hand")
         boxes = {box.name: (box.size, Pose(box.centre)) for box in spec.boxes()}
         scene = PlanningScene({"hand": lambda: model.grasp_pose(executor.state())}, boxes)
-        arm = ArmCommander("right", model, Patient(_planner()), executor, scene, "hand", hand.state, PATIENT)
+        arm = ArmCommander(
+            ArmSetup("right", hand="hand", settings=PATIENT),
+            model,
+            Patient(_planner()),
+            executor,
+            scene,
+            lambda: [hand.state()],
+        )
         home = executor.state()
         away = JointState(home.names, home.position + [0.5, 0, 0.3, 0, 0, 0.2, 0])
         yield ArmRig(arm, simulation.settle, away, np.array([0.0, 0.02, -0.1]))

@@ -121,7 +121,7 @@ def test_simulated_time_is_the_clock_topics(bus):
 
 
 def test_a_run_that_waits_for_simulated_time_in_vain_is_told_what_is_published(bus, monkeypatch):
-    from grip_bt.app.wiring import ros_parts
+    from grip_bt.app.wiring import ros as ros_parts
     from grip_bt.app.wiring.parts import Resources
 
     monkeypatch.setattr(ros_parts, "TIME_STARTS", 0.2)

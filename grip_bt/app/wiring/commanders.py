@@ -50,7 +50,7 @@ def open_commanders(
     Raises:
         UnknownNameError: the project names a group or a hand that isn't there.
     """
-    from grip_bt.commanders.arm import ArmCommander
+    from grip_bt.commanders.arm import ArmCommander, ArmSetup
     from grip_bt.commanders.hand import HandCommander
     from grip_bt.commanders.model import RobotModel
     from grip_bt.commanders.robot_links import joints_of_fingers, limits_of_joints, links_of_groups
@@ -104,18 +104,19 @@ def open_commanders(
     )
     resources.arms = {
         arm: ArmCommander(
-            arm,
+            ArmSetup(
+                arm,
+                file.arms[arm].group,
+                hand,
+                settings_of(file.arms[arm], description, seed),
+                common_states(file.arms[arm], file.arms, description),
+                taught,
+            ),
             model,
             planner,
             executors[arm],
             scene,
-            hand,
-            ports[hand].state if hand else _no_joints,
-            settings_of(file.arms[arm], description, seed),
-            file.arms[arm].group,
-            taught,
-            partial(_elsewhere, states, (arm, hand)),
-            common_states(file.arms[arm], file.arms, description),
+            partial(_others, states, arm, hand),
         )
         for arm, hand in hand_of.items()
     }
@@ -183,12 +184,12 @@ def _reached(
     return fingertip_posture(model, places, posture, group, frame=frame or model.grasp_frame_of(arm_group))
 
 
-def _elsewhere(states: Mapping[str, Callable[[], JointState]], own: tuple[str, str]) -> list[JointState]:
-    """Return the measured states of all arms and hands that have no joint in common with an arm and its hand."""
-    taken = {joint for name in own if name for joint in states[name]().names}
-    found = []
+def _others(states: Mapping[str, Callable[[], JointState]], arm: str, hand: str) -> list[JointState]:
+    """Return the measured states of an arm's hand, and of all parts that have no joint in common with the two."""
+    found = [states[hand]()] if hand else []
+    taken = {joint for state in (states[arm](), *found) for joint in state.names}
     for name, measure in states.items():
-        state = measure() if name not in own else None
+        state = measure() if name not in (arm, hand) else None
         if state is not None and not taken & set(state.names):
             taken |= set(state.names)
             found.append(state)
@@ -206,7 +207,3 @@ def _hand_of(name: str, arm: ArmConfig, hands: Mapping[str, object]) -> str:
 def _states_of(description: RobotDescription, group: str) -> Mapping[str, JointState]:
     description.group(group)
     return description.named_states.get(group, {})
-
-
-def _no_joints() -> JointState:
-    return JointState((), ())
