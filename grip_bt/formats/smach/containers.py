@@ -13,7 +13,7 @@ from grip_bt.task import FrozenDict, Leaf
 from grip_bt.task.model import AnyNode, Meaning
 
 from .leaves import meaning_of
-from .reader.found import Added, FoundContainer, Opaque
+from .reader.found import Child, ContainerInfo, Unresolved
 from .userdata import Keys, Variables, plain_literal
 
 MOST_ITEMS = 10_000
@@ -37,7 +37,7 @@ class ParallelRules:
     default: str
 
 
-def parallel_rules(found: FoundContainer) -> ParallelRules:
+def parallel_rules(found: ContainerInfo) -> ParallelRules:
     """Return how a Concurrence becomes a parallel.
 
     Raises:
@@ -49,12 +49,12 @@ def parallel_rules(found: FoundContainer) -> ParallelRules:
             raise RefusedError(f"its `{name}` decides in its own way when it ends or how")
     default, mapped = settings.get("default_outcome"), settings.get("outcome_map") or {}
     if not isinstance(default, str) or not isinstance(mapped, dict):
-        raise RefusedError("its default outcome or outcome map is known only by a run")
+        raise RefusedError("its default outcome or outcome map is known only at run time")
     if default not in (found.outcomes or ()):
         raise RefusedError(f"its default outcome {default!r} is none of its outcomes")
     entries = {k: dict(v) for k, v in mapped.items() if isinstance(v, dict) and v}
     if len(entries) != len(mapped):
-        raise RefusedError("an entry of its outcome map is empty, or known only by a run")
+        raise RefusedError("an entry of its outcome map is empty, or known only at run time")
     for label, wanted in entries.items():
         if unknown := sorted(set(wanted) - set(found.added)):
             raise RefusedError(f"its outcome map names {unknown}, which it doesn't hold")
@@ -64,7 +64,7 @@ def parallel_rules(found: FoundContainer) -> ParallelRules:
     return ParallelRules(sorted(entries.items(), key=lambda entry: -len(entry[1])), default)
 
 
-def _check_writes(found: FoundContainer) -> None:
+def _check_writes(found: ContainerInfo) -> None:
     writers: dict[str, str] = {}
     for label, added in found.added.items():
         for key in added.state.output_keys:
@@ -105,7 +105,7 @@ class Iteration:
         return list(result.items())
 
 
-def iteration_of(found: FoundContainer) -> Iteration:
+def iteration_of(found: ContainerInfo) -> Iteration:
     """Return what an Iterator does.
 
     Raises:
@@ -118,14 +118,14 @@ def iteration_of(found: FoundContainer) -> Iteration:
     try:
         items = plain_literal(_given(settings.get("it", [])))
     except ValueError as error:
-        raise RefusedError(f"its items are `{error}`, which only a run knows") from None
+        raise RefusedError(f"its items are `{error}`, known only at run time") from None
     label, exhausted = settings.get("it_label", "it_data"), settings.get("exhausted_outcome", "exhausted")
     loop, leave = settings.get("loop_outcomes") or [], settings.get("break_outcomes") or []
     mapped = settings.get("final_outcome_map") or {}
     known = added.state.outcomes or []
     words = (*loop, *leave, *mapped, *mapped.values(), label, exhausted)
     if not isinstance(items, list) or not all(isinstance(word, str) for word in words):
-        raise RefusedError("its items, outcomes or outcome map are known only by a run")
+        raise RefusedError("its items, outcomes or outcome map are known only at run time")
     # upstream's rule: with a break list, the rest loops; without, whatever isn't in the loop list breaks
     loops = frozenset(o for o in known if (o not in leave if leave else o in loop))
     final = {o: mapped.get(o, o) for o in known if o not in loops}
@@ -137,7 +137,7 @@ def iteration_of(found: FoundContainer) -> Iteration:
 
 def _given(items: Any) -> Any:
     """Return items; those of a function that only returns a literal, or a range between literals, are that."""
-    if isinstance(items, Opaque) and isinstance(items.expression, ast.Lambda):
+    if isinstance(items, Unresolved) and isinstance(items.expression, ast.Lambda):
         body = items.expression.body
         try:
             return _range(body) if isinstance(body, ast.Call) else ast.literal_eval(body)
@@ -165,7 +165,7 @@ def _range(call: ast.Call) -> list[int]:
     return list(items)
 
 
-def check(found: FoundContainer) -> None:
+def check(found: ContainerInfo) -> None:
     """Refuse what no machine can be made of.
 
     Raises:
@@ -185,7 +185,7 @@ def check(found: FoundContainer) -> None:
         raise RefusedError(f"its initial state {found.initial!r} isn't there")
 
 
-def meanings(found: FoundContainer) -> dict[str, Meaning]:
+def meanings(found: ContainerInfo) -> dict[str, Meaning]:
     """Return outcome, as a task spells it -> what it means.
 
     Raises:
@@ -197,7 +197,7 @@ def meanings(found: FoundContainer) -> dict[str, Meaning]:
     return means
 
 
-def labelled(found: FoundContainer, default: str) -> tuple[dict[str, Meaning], dict[str, str]]:
+def labelled(found: ContainerInfo, default: str) -> tuple[dict[str, Meaning], dict[str, str]]:
     """Return the outcomes that a parallel declares, and what each outcome is called: one `success`, one `failure`."""
     meanings(found)
     outcomes = list(dict.fromkeys((default, *(found.outcomes or ()))))
@@ -209,12 +209,12 @@ def labelled(found: FoundContainer, default: str) -> tuple[dict[str, Meaning], d
     return {name: meaning_of(o) for o, name in own.items()}, {**labels, **own}
 
 
-def source_of(found: FoundContainer) -> dict[str, Any]:
+def source_of(found: ContainerInfo) -> dict[str, Any]:
     """Return the marks of a container: where it comes from, and what it was."""
     return {"x-source": str(found.span), MARK: found.kind}
 
 
-def constants_of(found: FoundContainer, added: Added) -> dict[str, Any]:
+def constants_of(found: ContainerInfo, added: Child) -> dict[str, Any]:
     """Return the constants of a state that a task can hold; what it can't is noted."""
     result: dict[str, Any] = {}
     for key, value in added.constants.items():
@@ -223,21 +223,21 @@ def constants_of(found: FoundContainer, added: Added) -> dict[str, Any]:
         except ValueError as error:
             found.problem(
                 "partial",
-                f"the constant `{key}` of {added.label!r} is `{error}`, which only a run knows: "
+                f"the constant `{key}` of {added.label!r} is `{error}`, known only at run time: "
                 "give its variable a value, or have a state write it",
                 added.span,
             )
     return result
 
 
-def declare(found: FoundContainer, keys: Keys, variables: Variables) -> None:
+def declare(found: ContainerInfo, keys: Keys, variables: Variables) -> None:
     """Make those constants initial values that every reader is given alike and nobody writes."""
     for key, value in _plain(found):
         variables.values[keys(key)] = value
 
 
 def steps_before(
-    found: FoundContainer, keys: Keys, names: Mapping[str, str], taken: set[str]
+    found: ContainerInfo, keys: Keys, names: Mapping[str, str], taken: set[str]
 ) -> tuple[dict[str, AnyNode], dict[str, str]]:
     """Return the states that set constants, and label -> the state at which it begins.
 
@@ -274,7 +274,7 @@ def led_to(node: AnyNode, entries: Mapping[str, str], names: Mapping[str, str]) 
     return node.model_copy(update={"on": FrozenDict({o: begins.get(to, to) for o, to in node.on.items()})})
 
 
-def _plain(found: FoundContainer) -> Iterator[tuple[str, Any]]:
+def _plain(found: ContainerInfo) -> Iterator[tuple[str, Any]]:
     """Yield constants whose moment nobody can tell: all who read the key have the same one, and it stays inside."""
     given = {label: constants_of(found, added) for label, added in found.added.items()}
     for key in dict.fromkeys(key for constants in given.values() for key in constants):
@@ -288,7 +288,7 @@ def _plain(found: FoundContainer) -> Iterator[tuple[str, Any]]:
         yield key, values[0]
 
 
-def _is_written(found: FoundContainer, key: str) -> bool:
+def _is_written(found: ContainerInfo, key: str) -> bool:
     return any(
         added.remapping.get(k, k) == key
         for added in found.added.values()
@@ -296,7 +296,7 @@ def _is_written(found: FoundContainer, key: str) -> bool:
     )
 
 
-def _readers(found: FoundContainer, key: str) -> list[str]:
+def _readers(found: ContainerInfo, key: str) -> list[str]:
     return [
         label
         for label, added in found.added.items()

@@ -14,12 +14,12 @@ from grip_bt.nodes.smach_leaf import task_name
 from grip_bt.task import Task, dumps
 
 from .leaves import MARK, Leaves
-from .reader.found import FoundContainer, Span
+from .reader.found import ContainerInfo, Span
 from .reader.interpreter import Interpreter
 from .reader.names import Project
 from .to_task import TaskMaker
 
-_BY_A_RUN = ("only a run knows", "known only by a run")
+_AT_RUN_TIME = "known only at run time"
 
 
 @dataclass
@@ -36,7 +36,7 @@ class ImportedFile:
     """
 
     file: Path
-    containers: list[FoundContainer] = field(default_factory=list)
+    containers: list[ContainerInfo] = field(default_factory=list)
     tasks: dict[str, Task] = field(default_factory=dict)
     leaves: Leaves | None = None
     converted: bool = False
@@ -72,7 +72,7 @@ def import_file(file: Path, root: Path | None = None) -> ImportedFile:
     return make_tasks(result, found)
 
 
-def make_tasks(result: ImportedFile, found: list[FoundContainer]) -> ImportedFile:
+def make_tasks(result: ImportedFile, found: list[ContainerInfo]) -> ImportedFile:
     """Make a task of each outermost container."""
     result.leaves = Leaves(result.file)
     result.containers = found
@@ -97,10 +97,10 @@ def mentions_smach(tree: ast.Module) -> bool:
     return any(isinstance(node, (ast.Import, ast.ImportFrom)) for node in ast.walk(tree))
 
 
-def distinct(containers: list[FoundContainer], file: Path) -> list[FoundContainer]:
+def distinct(containers: list[ContainerInfo], file: Path) -> list[ContainerInfo]:
     """Return the containers of a file, one for each place and each machine that holds it."""
     mine = [c for c in containers if _outermost(c).span.file == file]
-    seen: dict[tuple[int, int, int | None], FoundContainer] = {}
+    seen: dict[tuple[int, int, int | None], ContainerInfo] = {}
     for container in mine:
         key = (container.span.line, container.span.column, id(container.parent) if container.parent else None)
         seen.setdefault(key, container)
@@ -110,13 +110,13 @@ def distinct(containers: list[FoundContainer], file: Path) -> list[FoundContaine
     return sorted(kept, key=lambda c: (c.span.line, c.span.column))
 
 
-def _outermost(container: FoundContainer) -> FoundContainer:
+def _outermost(container: ContainerInfo) -> ContainerInfo:
     while container.parent is not None:
         container = container.parent
     return container
 
 
-def _name(container: FoundContainer, result: ImportedFile) -> str:
+def _name(container: ContainerInfo, result: ImportedFile) -> str:
     entry = container.entry
     wanted = entry.attr if isinstance(entry, ast.Attribute) else ""
     if not wanted:
@@ -161,10 +161,13 @@ def advice(imported: ImportedFile, executed: bool, given: Mapping[str, Mapping[s
         given: the arguments that it was run with.
     """
     open_ = [c for c in imported.containers if c.verdict != "exact"]
-    unknown = [c for c in open_ if any(words in p.text for p in c.problems for words in _BY_A_RUN)]
+    unknown = [c for c in open_ if any(_AT_RUN_TIME in p.text for p in c.problems)]
     lines = []
     if unknown and not executed:
-        lines.append("what only a run knows: import it again with --execute, which runs the file, if you trust it")
+        lines.append(
+            "some values are known only at run time; if you trust the file, import it again with --execute,"
+            " which runs it"
+        )
     needs = _arguments(imported, unknown, given or {})
     for name, parameters in needs.items():
         said = ", ".join(f"{parameter}: ..." for parameter in parameters)
@@ -179,7 +182,7 @@ def advice(imported: ImportedFile, executed: bool, given: Mapping[str, Mapping[s
 
 
 def _arguments(
-    imported: ImportedFile, unknown: list[FoundContainer], given: Mapping[str, Mapping[str, Any]]
+    imported: ImportedFile, unknown: list[ContainerInfo], given: Mapping[str, Mapping[str, Any]]
 ) -> dict[str, list[str]]:
     """Return class or function around a container -> parameters that have no default and weren't given."""
     tree = Project(imported.file.parent).source(imported.file).tree

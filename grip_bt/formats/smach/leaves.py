@@ -17,7 +17,7 @@ from grip_bt.task.catalog import Manifest
 from grip_bt.task.catalog.manifest import InputPort, OutputPort, Parameter
 from grip_bt.task.catalog.manifest_text import manifest_text
 
-from .reader.found import Found, FoundContainer, root_entry
+from .reader.found import ContainerInfo, StateInfo, root_entry
 from .reader.names import MODULE
 
 _SUCCESS = frozenset(
@@ -74,7 +74,7 @@ class Leaves:
         self.modules: dict[Path, str] = {file: MODULE}
 
     def add(
-        self, found: Found, label: str, outcomes: list[str], keys: tuple[list[str], list[str]], first: First
+        self, found: StateInfo, label: str, outcomes: list[str], keys: tuple[list[str], list[str]], first: First
     ) -> LeafSpec:
         """Return the leaf of a state; states that are made alike share one.
 
@@ -162,14 +162,14 @@ class Leaves:
             candidate, number = f"{name}_{number}", number + 1
         return candidate
 
-    def source(self, found: Found) -> str:
+    def source(self, found: StateInfo) -> str:
         """Return the source that gives a legacy object; empty where nothing does."""
-        filled = isinstance(found, FoundContainer) and found.cls == found.kind  # its children are added later
+        filled = isinstance(found, ContainerInfo) and found.cls == found.kind  # its children are added later
         if found.expression is not None and not filled:
             return self.unparsed(found.expression, found.file or found.span.file)
         return self.live(found)
 
-    def live(self, found: Found) -> str:
+    def live(self, found: StateInfo) -> str:
         """Return the source that takes an object from the container that the legacy module builds."""
         labels: list[str] = []
         inner: Any = found
@@ -177,7 +177,7 @@ class Leaves:
         while outer is not None:
             labels.append(next((name for name, added in outer.added.items() if added.state is inner), ""))
             inner, outer = outer, outer.parent
-        root = root_entry(inner) if isinstance(inner, FoundContainer) else None
+        root = root_entry(inner) if isinstance(inner, ContainerInfo) else None
         if root is None or root.entry is None or "" in labels:
             return ""
         entry = self.unparsed(root.entry, root.entry_file or root.span.file)
@@ -245,6 +245,6 @@ def _class(spec: LeafSpec) -> list[str]:
     return [*lines, f"        raise NotImplementedError({f'{spec.where}: {spec.why}; return the state here'!r})"]
 
 
-def _doc(found: Found) -> str:
+def _doc(found: StateInfo) -> str:
     base = f", a {found.kind}," if found.kind and found.kind != found.cls else ""
     return f"{found.cls}{base} of {found.span.file.name}:{found.span.line}".replace(",  of", " of")

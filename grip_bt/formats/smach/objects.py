@@ -20,9 +20,9 @@ from grip_bt.task.catalog import Catalog, Manifest
 
 from .importer import ImportedFile, write_import
 from .leaves import Leaves
-from .reader.found import Found, FoundContainer, Problem
+from .reader.found import ContainerInfo, Problem, StateInfo
 from .reader.names import MODULE
-from .recorded import Merge, Record
+from .recorded import Record, RecordingMerge
 from .recorder import Recording
 from .to_task import TaskMaker
 
@@ -93,11 +93,11 @@ def from_machine(
             " Concurrence or Iterator (of `smach` after smach_compat.install()), or what to_machine returned"
         )
     name = task_name(name or (source.__name__ if source is not None else "machine"))
-    leaves = _LiveLeaves(Path(f"{name}.py"))
+    leaves = _ObjectLeaves(Path(f"{name}.py"))
     found = _read(machine, leaves.file)
     found.entry = ast.Name(MODULE, ast.Load())  # its userdata can be had
     leaves.objects = dict(_pairs(found, machine))
-    task = _LiveMaker(found, name, leaves).make()
+    task = _ObjectTaskMaker(found, name, leaves).make()
     if task is None:
         reasons = "".join(f"\n  {problem.text}" for problem in _problems(found))
         raise RefusedLiveMachineError(f"{name}: the machine can't become a task:{reasons}")
@@ -106,7 +106,7 @@ def from_machine(
     return FromMachine(task, nodes, leaves.factory(), tuple(_problems(found)), imported)
 
 
-def _read(machine: Container, file: Path) -> FoundContainer:
+def _read(machine: Container, file: Path) -> ContainerInfo:
     """Return what a machine is made of."""
     recording = Recording(file, None, {})  # type: ignore[arg-type]  # it finds no packages
     containers = list(_containers(machine))
@@ -115,7 +115,7 @@ def _read(machine: Container, file: Path) -> FoundContainer:
     for said in facts:
         if not said["consistent"]:
             raise RefusedLiveMachineError(f"the machine is inconsistent: {said['reason']}")
-    return Merge([], Record(facts), file)._container(0, None)
+    return RecordingMerge([], Record(facts), file)._container(0, None)
 
 
 def _containers(container: Container) -> Iterator[Container]:
@@ -125,21 +125,21 @@ def _containers(container: Container) -> Iterator[Container]:
             yield from _containers(child)
 
 
-def _pairs(found: FoundContainer, live: Any) -> Iterator[tuple[Found, Any]]:
+def _pairs(found: ContainerInfo, live: Any) -> Iterator[tuple[StateInfo, Any]]:
     """Yield what was read of each object, and the object."""
     yield found, live
     for label, child in live.get_children().items():
         state = found.added[str(label)].state
-        if isinstance(state, FoundContainer):
+        if isinstance(state, ContainerInfo):
             yield from _pairs(state, child)
         else:
             yield state, child
 
 
-def _problems(found: FoundContainer) -> Iterator[Problem]:
+def _problems(found: ContainerInfo) -> Iterator[Problem]:
     yield from found.problems
     for added in found.added.values():
-        if isinstance(added.state, FoundContainer):
+        if isinstance(added.state, ContainerInfo):
             yield from _problems(added.state)
 
 
@@ -161,16 +161,16 @@ def _importable(machine: Container, name: str, source: Callable[[], Any]) -> Imp
     return result
 
 
-class _LiveLeaves(Leaves):
+class _ObjectLeaves(Leaves):
     """Leaves whose states are objects of this process."""
 
     def __init__(self, file: Path):
         super().__init__(file)
-        self.objects: dict[Found, Any] = {}
+        self.objects: dict[StateInfo, Any] = {}
         self.sources: dict[str, Any] = {}
         self.firsts: dict[str, tuple[Any, str]] = {}
 
-    def source(self, found: Found) -> str:
+    def source(self, found: StateInfo) -> str:
         """Return a name for an object."""
         name = f"live_{list(self.objects).index(found)}"
         self.sources[name] = self.objects[found]
@@ -194,15 +194,15 @@ class _LiveLeaves(Leaves):
         return make
 
 
-class _LiveMaker(TaskMaker):
+class _ObjectTaskMaker(TaskMaker):
     """Makes the task of objects: what YAML can't hold of their userdata is taken from there."""
 
-    leaves: _LiveLeaves
+    leaves: _ObjectLeaves
     may_be_one_leaf = False
 
     def _first(self, variable: str) -> str:
         expression, where = self.variables.first[variable]
-        assert isinstance(where, FoundContainer), "nothing but userdata of containers is known"
+        assert isinstance(where, ContainerInfo), "nothing but userdata of containers is known"
         assert isinstance(expression, ast.Constant), "a key of it"
         text = f"first_{variable}"
         self.leaves.firsts[text] = (self.leaves.objects[where], str(expression.value))

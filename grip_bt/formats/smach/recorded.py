@@ -16,7 +16,7 @@ from grip_bt.base.errors import DocumentError
 from grip_bt.base.interpreter import python_command
 
 from .importer import ImportedFile, distinct, make_tasks
-from .reader.found import Added, Found, FoundContainer, Opaque, Span
+from .reader.found import Child, ContainerInfo, Span, StateInfo, Unresolved
 from .reader.interpreter import Interpreter
 from .reader.names import Project
 
@@ -30,12 +30,12 @@ class Record:
 
     Attributes:
         containers: as `recorder` writes them.
-        stand_ins: packages that weren't there.
+        placeholders: packages that weren't there.
         words: what it wrote to stderr: exceptions of the module's code among it.
     """
 
     containers: list[dict[str, Any]] = field(default_factory=list)
-    stand_ins: list[str] = field(default_factory=list)
+    placeholders: list[str] = field(default_factory=list)
     words: str = ""
 
 
@@ -57,7 +57,7 @@ def record(file: Path, root: Path, given: Mapping[str, Mapping[str, Any]], timeo
         words += f"stopped after {timeout:g} s"
     whole = [line for line in output.split("\n")[:-1] if line.startswith("{")]
     facts = json.loads(whole[-1]) if whole else {}
-    return Record(facts.get("containers", []), facts.get("stand_ins", []), words)
+    return Record(facts.get("containers", []), facts.get("placeholders", []), words)
 
 
 def import_with_execution(
@@ -66,7 +66,7 @@ def import_with_execution(
     """Read a legacy file, run it in a process of its own with a recording smach, and merge what both say.
 
     A container that was read exactly stays as it was read. One that wasn't takes its structure from the run; where
-    packages had stand-ins it stays `partial`, since another run may build another machine.
+    packages had placeholders it stays `partial`, since another run may build another machine.
 
     Args:
         file: the file. Its code is run: only for files that are trusted.
@@ -89,38 +89,38 @@ def import_with_execution(
     if not found and "smach" not in source.text:
         return result  # nothing to see, so nothing is run
     run = record(file, folder, given or {})
-    return make_tasks(result, Merge(found, run, file, given).merged())
+    return make_tasks(result, RecordingMerge(found, run, file, given).merged())
 
 
-class Merge:
+class RecordingMerge:
     """Containers that were read, and containers that were recorded."""
 
     def __init__(
-        self, read: list[FoundContainer], run: Record, file: Path, given: Mapping[str, Mapping[str, Any]] | None = None
+        self, read: list[ContainerInfo], run: Record, file: Path, given: Mapping[str, Mapping[str, Any]] | None = None
     ):
         self.read, self.run, self.file, self.given = read, run, file, given or {}
-        self.made: dict[int, FoundContainer] = {}
+        self.made: dict[int, ContainerInfo] = {}
 
-    def merged(self) -> list[FoundContainer]:
+    def merged(self) -> list[ContainerInfo]:
         """Return the containers of the file."""
         inner = {c["state"]["container"] for each in self.run.containers for c in each["children"]}
         result, used = [], set()
         for number, facts in enumerate(self.run.containers):
             if number in inner or not facts["consistent"] or not facts["children"]:
                 continue
-            twin = self._twin(facts)
-            if (twin is None and facts["file"] != str(self.file) and facts["file"]) or id(twin) in used:
+            counterpart = self._counterpart(facts)
+            if (counterpart is None and facts["file"] != str(self.file) and facts["file"]) or id(counterpart) in used:
                 continue
-            used.add(id(twin) if twin is not None else number)
-            if twin is None or self._better(twin):
-                result.append((self._container(number, twin), twin))
+            used.add(id(counterpart) if counterpart is not None else number)
+            if counterpart is None or self._prefer_recorded(counterpart):
+                result.append((self._container(number, counterpart), counterpart))
             else:
-                self._compare(facts, twin)
-        gone = {id(each) for _, twin in result if twin is not None for each in _all(twin)}
+                self._compare(facts, counterpart)
+        gone = {id(each) for _, counterpart in result if counterpart is not None for each in _all(counterpart)}
         kept = [c for c in self.read if id(c) not in gone]
         return sorted([*kept, *(c for new, _ in result for c in _all(new))], key=lambda c: c.span.line)
 
-    def _twin(self, facts: dict[str, Any]) -> FoundContainer | None:
+    def _counterpart(self, facts: dict[str, Any]) -> ContainerInfo | None:
         """Return the container that was read where this one was made."""
         for each in self.read:
             here = str(each.span.file) == facts["file"] and each.span.line <= facts["line"] <= each.span.end_line
@@ -128,67 +128,74 @@ class Merge:
                 return each
         return None
 
-    def _compare(self, facts: dict[str, Any], twin: FoundContainer) -> None:
-        """Say where the run has built other states than the text seemed to, unless a stand-in may be why."""
-        built, read = [child["label"] for child in facts["children"]], list(twin.added)
-        if built != read and not self.run.stand_ins:
+    def _compare(self, facts: dict[str, Any], counterpart: ContainerInfo) -> None:
+        """Say where the run has built other states than the text seemed to, unless a placeholder may be why."""
+        built, read = [child["label"] for child in facts["children"]], list(counterpart.added)
+        if built != read and not self.run.placeholders:
             text = f"the run adds the states {built}, the text seems to add {read}"
-            twin.problem("partial", text)
-        if twin.verdict == "partial" and self.run.stand_ins:
-            names = ", ".join(self.run.stand_ins)
-            twin.problem("partial", f"it was run with stand-ins for {names}, so that what was read stays")
+            counterpart.problem("partial", text)
+        if counterpart.verdict == "partial" and self.run.placeholders:
+            names = ", ".join(self.run.placeholders)
+            counterpart.problem(
+                "partial",
+                f"not installed and replaced by placeholders: {names}; what was read from the source is kept",
+            )
 
-    def _better(self, twin: FoundContainer) -> bool:
-        """Whether the run knows more: what was read failed, or nothing of the run was a stand-in."""
-        verdicts = {c.verdict for c in _all(twin)}
-        return "failed" in verdicts or ("partial" in verdicts and not self.run.stand_ins)
+    def _prefer_recorded(self, counterpart: ContainerInfo) -> bool:
+        """Whether the run knows more: what was read failed, or nothing of the run was a placeholder."""
+        verdicts = {c.verdict for c in _all(counterpart)}
+        return "failed" in verdicts or ("partial" in verdicts and not self.run.placeholders)
 
-    def _container(self, number: int, twin: FoundContainer | None) -> FoundContainer:
+    def _container(self, number: int, counterpart: ContainerInfo | None) -> ContainerInfo:
         facts = self.run.containers[number]
         line = facts["line"] or 1
-        span = twin.span if twin is not None else Span(self.file, line, 1, line)
-        made = FoundContainer(facts["kind"], facts["cls"], span)
+        span = counterpart.span if counterpart is not None else Span(self.file, line, 1, line)
+        made = ContainerInfo(facts["kind"], facts["cls"], span)
         self.made[number] = made
         made.outcomes, made.input_keys = facts["outcomes"], facts["input_keys"]
         made.output_keys, made.initial = facts["output_keys"], facts["initial"]
         made.settings = _settings(facts["settings"])
         made.userdata = _values(facts["userdata"])
-        if twin is not None:
-            made.expression, made.file, made.why = twin.expression, twin.file, twin.why
-            made.entry, made.entry_is_call, made.entry_file = twin.entry, twin.entry_is_call, twin.entry_file
+        if counterpart is not None:
+            made.expression, made.file, made.why = counterpart.expression, counterpart.file, counterpart.why
+            made.entry, made.entry_is_call, made.entry_file = (
+                counterpart.entry,
+                counterpart.entry_is_call,
+                counterpart.entry_file,
+            )
         if made.entry is None and facts["entry"] and "." not in facts["entry"]:
             made.entry = ast.Attribute(ast.Name("legacy", ast.Load()), facts["entry"], ast.Load())
             made.entry_is_call, made.entry_file = True, self.file
             made.entry_arguments = dict(self.given.get(facts["entry"], {}))
-        if self.run.stand_ins:
-            names = ", ".join(sorted(self.run.stand_ins))
+        if self.run.placeholders:
+            names = ", ".join(sorted(self.run.placeholders))
             made.problem(
-                "partial", f"as one run built it, with stand-ins for {names}; compare the states with the text"
+                "partial", f"as one run built it, with placeholders for {names}; compare the states with the source"
             )
         for child in facts["children"]:
-            added = made.added[child["label"]] = self._added(made, child, twin)
+            added = made.added[child["label"]] = self._added(made, child, counterpart)
             added.constants = _values(facts["constants"].get(child["label"], {}))
         return made
 
-    def _added(self, outer: FoundContainer, child: dict[str, Any], twin: FoundContainer | None) -> Added:
+    def _added(self, outer: ContainerInfo, child: dict[str, Any], counterpart: ContainerInfo | None) -> Child:
         label, facts = child["label"], child["state"]
-        read = twin.added.get(label) if twin is not None else None
+        read = counterpart.added.get(label) if counterpart is not None else None
         if facts["container"] is not None and facts["container"] not in self.made:
-            inner = read.state if read is not None and isinstance(read.state, FoundContainer) else None
-            state: Found = self._container(facts["container"], inner or self._twin(facts))
+            inner = read.state if read is not None and isinstance(read.state, ContainerInfo) else None
+            state: StateInfo = self._container(facts["container"], inner or self._counterpart(facts))
         else:
             state = self._state(facts, outer, read.state if read is not None else None)
         state.parent = outer
         span = read.span if read is not None else state.span
-        return Added(label, state, child["transitions"], child["remapping"], span)
+        return Child(label, state, child["transitions"], child["remapping"], span)
 
-    def _state(self, facts: dict[str, Any], outer: FoundContainer, read: Found | None) -> Found:
+    def _state(self, facts: dict[str, Any], outer: ContainerInfo, read: StateInfo | None) -> StateInfo:
         line = facts["line"] or outer.span.line
         span = read.span if read is not None else Span(outer.span.file, line, 1, line)
-        made = Found(facts["kind"], facts["cls"], span)
+        made = StateInfo(facts["kind"], facts["cls"], span)
         made.outcomes = facts["outcomes"]
         made.input_keys, made.output_keys = facts["input_keys"], facts["output_keys"]
-        made.why = f"how {facts['cls']} is made is known only by the run"
+        made.why = f"how {facts['cls']} is made is known only at run time"
         if read is not None:
             made.expression, made.file, made.why = read.expression, read.file, read.why
         if not facts["kind"]:
@@ -197,19 +204,19 @@ class Merge:
 
 
 def _values(facts: dict[str, Any]) -> dict[str, Any]:
-    return {k: v.get("value", Opaque(v.get("opaque", ""))) for k, v in facts.items()}
+    return {k: v.get("value", Unresolved(v.get("opaque", ""))) for k, v in facts.items()}
 
 
 def _settings(facts: dict[str, Any]) -> dict[str, Any]:
     settings = dict(facts)
     for name in ("outcome_cb", "child_termination_cb"):
         if name in settings:
-            settings[name] = Opaque(name) if settings[name] else None
+            settings[name] = Unresolved(name) if settings[name] else None
     if "it" in settings:
-        settings["it"] = settings["it"].get("value", Opaque(settings["it"].get("opaque", "")))
+        settings["it"] = settings["it"].get("value", Unresolved(settings["it"].get("opaque", "")))
     return settings
 
 
-def _all(container: FoundContainer) -> list[FoundContainer]:
-    inner = [added.state for added in container.added.values() if isinstance(added.state, FoundContainer)]
+def _all(container: ContainerInfo) -> list[ContainerInfo]:
+    inner = [added.state for added in container.added.values() if isinstance(added.state, ContainerInfo)]
     return [container, *(each for one in inner for each in _all(one))]

@@ -23,7 +23,7 @@ from typing import Any, NoReturn
 from grip_bt import smach_compat
 from grip_bt.nodes.smach_source import load_legacy, read_source
 
-from .stand_ins import Finder, StandIn
+from .placeholders import Finder, Placeholder
 
 _CONTAINERS = (
     smach_compat.StateMachine,
@@ -53,8 +53,8 @@ class Recording:
     Attributes:
         objects: states and containers, in the order in which they were made; held, so that identities stay.
         places: identity -> (file, line) of the code that made it.
-        stands: identities of states that take the place of stand-ins.
-        entries: identity -> the class or function of the module that gives it without a stand-in among its arguments.
+        stands: identities of states that take the place of placeholders.
+        entries: identity -> the class or function of the module that gives it, called without placeholders.
     """
 
     def __init__(self, file: Path, finder: Finder, given: dict[str, dict[str, Any]]):
@@ -81,7 +81,7 @@ class Recording:
 
     def _adding(self, add: Callable[..., Any]) -> Callable[..., Any]:
         def adding(label: str, state: Any, *arguments: Any, **named: Any) -> Any:
-            if isinstance(state, StandIn):  # nothing is known of it: it ends as its transitions say
+            if isinstance(state, Placeholder):  # nothing is known of it: it ends as its transitions say
                 transitions = named.get("transitions", arguments[0] if arguments else None) or {}
                 kind, state = type(state).__name__, smach_compat.State(list(transitions))
                 state.stands_for = kind
@@ -95,7 +95,7 @@ class Recording:
         containers = [o for o in self.objects if isinstance(o, _CONTAINERS)]
         numbers = {id(o): i for i, o in enumerate(containers)}
         facts = {
-            "stand_ins": self.finder.packages,
+            "placeholders": self.finder.packages,
             "containers": [self._container(c, numbers) for c in containers],
         }
         sys.__stdout__.write(json.dumps(facts) + "\n")  # type: ignore[union-attr]
@@ -219,7 +219,7 @@ def _builds(code: CodeType, builders: set[str]) -> bool:
 
 
 def _call(function: Callable[..., Any], name: str, recording: Recording, *first: Any) -> Any:
-    """Call with what was given, defaults, and stand-ins; what it raises is told and forgotten."""
+    """Call with what was given, defaults, and placeholders; what it raises is told and forgotten."""
     given = recording.given.get(name, {})
     arguments: dict[str, Any] = {}
     try:
@@ -229,9 +229,9 @@ def _call(function: Callable[..., Any], name: str, recording: Recording, *first:
             if parameter.name in given:
                 arguments[parameter.name] = given[parameter.name]
             elif parameter.default is parameter.empty:
-                arguments[parameter.name] = StandIn()
+                arguments[parameter.name] = Placeholder()
         result = function(*first, **arguments)
-        if isinstance(result, _CONTAINERS) and not any(isinstance(a, StandIn) for a in arguments.values()):
+        if isinstance(result, _CONTAINERS) and not any(isinstance(a, Placeholder) for a in arguments.values()):
             recording.entries[id(result)] = name
         return result
     except BaseException as error:  # noqa: BLE001 - legacy code may do anything, sys.exit among it
@@ -274,7 +274,7 @@ def main(arguments: list[str]) -> None:
     file = Path(arguments[0]).resolve()
     given = json.loads(arguments[1]) if len(arguments) > 1 else {}
     sys.stdout = sys.stderr  # what the module prints isn't ours
-    smach_compat.install(ros=False)  # states of smach_ros have stand-ins: recording never talks to ROS
+    smach_compat.install(ros=False)  # states of smach_ros have placeholders: recording never talks to ROS
     quiet = lambda text: None  # noqa: E731
     smach_compat.set_loggers(quiet, quiet, quiet, quiet)
     finder = Finder()

@@ -28,8 +28,18 @@ from .containers import (
     steps_before,
 )
 from .leaves import Leaves, meaning_of
-from .reader.found import Added, FoundContainer
-from .userdata import Keys, Sharing, Variables, copied_in, entered, left, marked, nodes_of, wrapped
+from .reader.found import Child, ContainerInfo
+from .userdata import (
+    Keys,
+    Variables,
+    VariableSharing,
+    as_machine,
+    copied_in,
+    copy_in_first,
+    copy_out_last,
+    mark_unwritten,
+    nodes_of,
+)
 
 Ends = Mapping[str, str]
 """Outcome of a node -> the outcome of SMACH that it stands for."""
@@ -44,10 +54,10 @@ class TaskMaker:
 
     may_be_one_leaf = True
 
-    def __init__(self, root: FoundContainer, name: str, leaves: Leaves):
+    def __init__(self, root: ContainerInfo, name: str, leaves: Leaves):
         self.root, self.name, self.leaves = root, name, leaves
-        self.variables, self.sharing = Variables(), Sharing()
-        self.own: set[tuple[FoundContainer, str]] = set()
+        self.variables, self.sharing = Variables(), VariableSharing()
+        self.own: set[tuple[ContainerInfo, str]] = set()
 
     def make(self) -> Task | None:
         """Return the task; None when the container can't be imported, with the reason among its problems."""
@@ -56,7 +66,7 @@ class TaskMaker:
             node, ends = self._root()
             while more := self.sharing.copied_out(self._initial()) - self.own:
                 self.own |= more  # again, now that it is known which keys have to be copied
-                self.variables, self.sharing, self.leaves.specs = Variables(), Sharing(), dict(specs)
+                self.variables, self.sharing, self.leaves.specs = Variables(), VariableSharing(), dict(specs)
                 node, ends = self._root()
         except RefusedError as error:
             one_leaf = self.may_be_one_leaf and self.root.outcomes and self.leaves.source(self.root)
@@ -64,9 +74,9 @@ class TaskMaker:
                 if self.root.verdict != "failed":
                     self.root.problem("failed", str(error))
                 return None
-            self.root.problem("partial", f"it is one leaf, which runs it as it is: {error}")
-            self.variables, self.sharing, self.leaves.specs = Variables(), Sharing(), specs
-            whole = Added(self.name, self.root, {}, {}, self.root.span)
+            self.root.problem("partial", f"imported as one leaf that runs the original container: {error}")
+            self.variables, self.sharing, self.leaves.specs = Variables(), VariableSharing(), specs
+            whole = Child(self.name, self.root, {}, {}, self.root.span)
             node, ends = self._leaf(self.root, whole, Keys(self.variables, self.name), {})
         self.sharing.check(self._initial())
         outcomes = {task_name(o): meaning_of(o) for o in self.root.outcomes or ()}
@@ -85,7 +95,7 @@ class TaskMaker:
 
     # --- nodes ---
 
-    def container(self, found: FoundContainer, keys: Keys) -> tuple[Any, Ends]:
+    def container(self, found: ContainerInfo, keys: Keys) -> tuple[Any, Ends]:
         """Return a container as a node, and what its outcomes stand for.
 
         Raises:
@@ -116,7 +126,7 @@ class TaskMaker:
         )
         return machine, ends
 
-    def _iterator(self, found: FoundContainer, keys: Keys, means: Mapping[str, Meaning]) -> StateMachine:
+    def _iterator(self, found: ContainerInfo, keys: Keys, means: Mapping[str, Meaning]) -> StateMachine:
         plan = iteration_of(found)
         spec = self.leaves.next_item()
         added = next(iter(found.added.values()))
@@ -152,7 +162,7 @@ class TaskMaker:
             x=source_of(found),
         )
 
-    def _parallel(self, found: FoundContainer, keys: Keys, given: ParallelRules) -> tuple[Parallel, Ends]:
+    def _parallel(self, found: ContainerInfo, keys: Keys, given: ParallelRules) -> tuple[Parallel, Ends]:
         children: dict[str, AnyNode] = {}
         ends_of: dict[str, Ends] = {}
         for label, added in found.added.items():
@@ -176,13 +186,13 @@ class TaskMaker:
         )
         return node, ends
 
-    def child(self, found: FoundContainer, added: Added, keys: Keys, raw: bool = False) -> tuple[AnyNode, Ends]:
+    def child(self, found: ContainerInfo, added: Child, keys: Keys, raw: bool = False) -> tuple[AnyNode, Ends]:
         """Return one child as a node."""
         state = added.state
-        for each in state.problems if not isinstance(state, FoundContainer) else ():
+        for each in state.problems if not isinstance(state, ContainerInfo) else ():
             found.problem(each.verdict, each.text, each.span)
         remapping = {} if raw else added.remapping
-        if not isinstance(state, FoundContainer):
+        if not isinstance(state, ContainerInfo):
             return self._leaf(found, added, keys, remapping)
         shared = {k: keys(remapping.get(k, k)) for k in (*state.input_keys, *state.output_keys)}
         own = {k for k, name in shared.items() if (state, k) in self.own and name not in self.variables.first}
@@ -198,18 +208,18 @@ class TaskMaker:
             node, ends = self.container(state, inner)
             self.sharing.shared.append((state, shared))
             if (copied or out) and not isinstance(node, StateMachine):
-                node = wrapped(node, {here: task_name(there) for here, there in ends.items()}, meanings(state))
+                node = as_machine(node, {here: task_name(there) for here, there in ends.items()}, meanings(state))
                 ends = {task_name(o): o for o in state.outcomes or ()}
             if out:
                 self.sharing.wrote_outside(set(out.values()))
-                node = left(node, out, inner, self.leaves)
-            return (entered(node, copied, inner, self.leaves) if copied else node), ends
+                node = copy_out_last(node, out, inner, self.leaves)
+            return (copy_in_first(node, copied, inner, self.leaves) if copied else node), ends
         except RefusedError as error:
             self.sharing.writes = writes
             self.variables.names, self.leaves.specs = before
             runs = bool(self.leaves.source(state))
             state.problems = [p for p in state.problems if p.verdict != "failed"] if runs else state.problems
-            as_leaf = "it is one leaf, which runs it as it is" if runs else "it isn't in the task"
+            as_leaf = "imported as one leaf that runs the original container" if runs else "left out of the task"
             state.problem("partial" if runs else "failed", f"{as_leaf}: {error}")
         finally:
             self.sharing.chain.pop()
@@ -217,8 +227,8 @@ class TaskMaker:
 
     def _leaf(
         self,
-        found: FoundContainer,
-        added: Added,
+        found: ContainerInfo,
+        added: Child,
         keys: Keys,
         remapping: Mapping[str, str],
     ) -> tuple[Leaf, Ends]:
@@ -245,7 +255,7 @@ class TaskMaker:
 
     def _first(self, variable: str) -> str:
         expression, where = self.variables.first[variable]
-        if isinstance(where, FoundContainer):
+        if isinstance(where, ContainerInfo):
             assert isinstance(expression, ast.Constant), "a key of that container"
             live = self.leaves.live(where)
             return f"{live}.userdata[{expression.value!r}]" if live else ""
@@ -253,7 +263,7 @@ class TaskMaker:
 
     # --- edges ---
 
-    def outcomes(self, added: Added) -> list[str]:
+    def outcomes(self, added: Child) -> list[str]:
         """Return a state's outcomes; where nothing is known of them, those that lead somewhere."""
         state = added.state
         if state.outcomes:
@@ -268,7 +278,7 @@ class TaskMaker:
             )
         return list(dict.fromkeys(known))
 
-    def _target(self, found: FoundContainer, added: Added, outcome: str, names: Mapping[str, str]) -> str:
+    def _target(self, found: ContainerInfo, added: Child, outcome: str, names: Mapping[str, str]) -> str:
         target = added.transitions.get(outcome)
         if target is not None and target in names:
             return names[target]
@@ -277,7 +287,7 @@ class TaskMaker:
             raise RefusedError(f"{outcome!r} of {added.label!r} leads to {target!r}, which isn't there")
         return task_name(target)
 
-    def _labels(self, found: FoundContainer) -> dict[str, str]:
+    def _labels(self, found: ContainerInfo) -> dict[str, str]:
         """Return the states' names; one that is also an outcome gets another, since SMACH prefers the state."""
         used = {task_name(o) for o in found.outcomes or ()}
         names: dict[str, str] = {}
@@ -295,7 +305,7 @@ class TaskMaker:
         catalog = Catalog.builtin().with_manifests(spec.manifest for spec in self.leaves.specs.values())
         task = self._task(node, outcomes, set())
         missing = set(DataFlow(Survey(task, catalog, None)).missing.values()) | set(self.variables.first)
-        task = self._task(marked(node, missing), outcomes, missing)
+        task = self._task(mark_unwritten(node, missing), outcomes, missing)
         for issue in validate(task, catalog).issues:
             if issue.severity == "error":
                 self.root.problem("partial", f"`grip check`: {issue.path}: {issue.message}")

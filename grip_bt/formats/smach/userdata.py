@@ -16,7 +16,7 @@ from grip_bt.task import FrozenDict, Leaf, StateMachine, Variable, children_of
 from grip_bt.task.model import AnyNode, Meaning
 
 from .leaves import Leaves
-from .reader.found import FoundContainer, Opaque, Reference, root_entry
+from .reader.found import ContainerInfo, Reference, Unresolved, root_entry
 
 _LARGEST = 2**63
 
@@ -70,7 +70,7 @@ class Keys:
             self._names[key] = self._variables.new(key, self._label)
         return self._names[key]
 
-    def begin(self, found: FoundContainer) -> None:
+    def begin(self, found: ContainerInfo) -> None:
         """Take over the initial values of a container's userdata."""
         for key, value in found.userdata.items():
             name = self(key)
@@ -81,14 +81,16 @@ class Keys:
             except ValueError as error:
                 self._first(found, key, name, value, str(error))
 
-    def _first(self, found: FoundContainer, key: str, name: str, value: Any, shown: str) -> None:
-        expression = value.expression if isinstance(value, (Opaque, Reference)) else getattr(value, "expression", None)
+    def _first(self, found: ContainerInfo, key: str, name: str, value: Any, shown: str) -> None:
+        expression = (
+            value.expression if isinstance(value, (Unresolved, Reference)) else getattr(value, "expression", None)
+        )
         if expression is not None:
             self._variables.first[name] = (expression, found.span.file)
         elif root_entry(found) is None:
             found.problem(
                 "partial",
-                f"userdata `{key}` begins as `{shown}`, which only a run knows: give the variable `{name}` a value,"
+                f"userdata `{key}` begins as `{shown}`, known only at run time: give the variable `{name}` a value,"
                 " or have a state write it",
             )
         else:
@@ -109,11 +111,11 @@ def plain_literal(value: Any) -> Any:
         return [plain_literal(item) for item in value]
     if isinstance(value, dict) and all(isinstance(key, str) for key in value):
         return {key: plain_literal(item) for key, item in value.items()}
-    raise ValueError(value.text if isinstance(value, Opaque) else getattr(value, "cls", repr(value)))
+    raise ValueError(value.text if isinstance(value, Unresolved) else getattr(value, "cls", repr(value)))
 
 
 @dataclass
-class Sharing:
+class VariableSharing:
     """Who writes which variable, and which keys of nested containers are variables of their parents.
 
     Attributes:
@@ -122,9 +124,9 @@ class Sharing:
         shared: (nested container, its key -> variable).
     """
 
-    chain: list[FoundContainer] = field(default_factory=list)
-    writes: list[tuple[tuple[FoundContainer, ...], set[str]]] = field(default_factory=list)
-    shared: list[tuple[FoundContainer, Mapping[str, str]]] = field(default_factory=list)
+    chain: list[ContainerInfo] = field(default_factory=list)
+    writes: list[tuple[tuple[ContainerInfo, ...], set[str]]] = field(default_factory=list)
+    shared: list[tuple[ContainerInfo, Mapping[str, str]]] = field(default_factory=list)
 
     def wrote(self, variables: set[str]) -> None:
         """Note what a leaf of the innermost container writes."""
@@ -140,48 +142,48 @@ class Sharing:
         Args:
             initial: variables that have a value from the beginning.
         """
-        for found, key, text, _ in self.troubles(initial):
+        for found, key, text, _ in self.conflicts(initial):
             found.problem("partial", f"userdata `{key}` {text}")
 
-    def copied_out(self, initial: set[str]) -> set[tuple[FoundContainer, str]]:
+    def copied_out(self, initial: set[str]) -> set[tuple[ContainerInfo, str]]:
         """Return the keys of containers that need a variable of their own, copied out at the end."""
-        return {(found, key) for found, key, _, out in self.troubles(initial) if out}
+        return {(found, key) for found, key, _, out in self.conflicts(initial) if out}
 
-    def troubles(self, initial: set[str]) -> Iterator[tuple[FoundContainer, str, str, bool]]:
-        """Yield container, key, what is wrong, and whether a variable of its own mends it."""
+    def conflicts(self, initial: set[str]) -> Iterator[tuple[ContainerInfo, str, str, bool]]:
+        """Yield container, key, what is wrong, and whether a variable of its own needs_copy it."""
         for found, names in self.shared:
             reads, writes = _inside(found)
             for key, variable in names.items():
-                trouble = self._trouble(found, key, variable, reads, writes, initial)
+                conflict = self._conflict(found, key, variable, reads, writes, initial)
                 twins = sorted(k for k, v in names.items() if v == variable)
-                if not trouble and len(twins) > 1 and writes & set(twins):
-                    trouble = f"and {[k for k in twins if k != key]} are one key of the parent: SMACH keeps them apart"
-                if trouble:
-                    mends = len(twins) > 1 or (key in found.output_keys and key not in found.input_keys)
-                    yield found, key, f"{trouble}, the task has one variable, `{variable}`", mends
+                if not conflict and len(twins) > 1 and writes & set(twins):
+                    conflict = f"and {[k for k in twins if k != key]} are one key of the parent: SMACH keeps them apart"
+                if conflict:
+                    needs_copy = len(twins) > 1 or (key in found.output_keys and key not in found.input_keys)
+                    yield found, key, f"{conflict}; the task has one shared variable, `{variable}`", needs_copy
 
-    def _trouble(
-        self, found: FoundContainer, key: str, variable: str, reads: set[str], writes: set[str], initial: set[str]
+    def _conflict(
+        self, found: ContainerInfo, key: str, variable: str, reads: set[str], writes: set[str], initial: set[str]
     ) -> str:
         comes, goes = key in found.input_keys, key in found.output_keys
         if comes and not goes and key in writes:
-            return f"comes in and not out, but a state writes it: SMACH drops that when the {found.kind} ends"
+            return f"is an input but no output, and a state writes it: SMACH discards that when the {found.kind} ends"
         if goes and not comes:
             others = any(found not in chain and variable in written for chain, written in self.writes)
             if others:
-                return f"goes out and not in, and is written elsewhere too: SMACH keeps the {found.kind}'s own value"
+                return f"is an output but no input, and is written elsewhere: SMACH keeps the {found.kind}'s own value"
             if key in reads and variable in initial:
-                return f"goes out and not in, but a state reads it: SMACH shows it what the {found.kind} has written"
+                return f"is an output but no input, and a state reads it: SMACH shows what the {found.kind} has written"
         return ""
 
 
-def copied_in(found: FoundContainer) -> list[str]:
+def copied_in(found: ContainerInfo) -> list[str]:
     """Return the keys of a machine that need a variable of their own: they come in and not out, and are written."""
     writes = _inside(found)[1]
     return [key for key in found.input_keys if key in writes and key not in found.output_keys]
 
 
-def _inside(found: FoundContainer) -> tuple[set[str], set[str]]:
+def _inside(found: ContainerInfo) -> tuple[set[str], set[str]]:
     """Return the keys of a container that its children read and write."""
     reads: set[str] = set()
     writes: set[str] = set()
@@ -194,12 +196,12 @@ def _inside(found: FoundContainer) -> tuple[set[str], set[str]]:
     return reads, writes
 
 
-def marked(node: AnyNode, missing: set[str]) -> AnyNode:
+def mark_unwritten(node: AnyNode, missing: set[str]) -> AnyNode:
     """Tell every leaf which of its inputs may be unwritten."""
     if isinstance(node, Leaf):
         unwritten = [port for port, variable in node.in_.items() if variable in missing and port != "position"]
         return node.model_copy(update={"with_": FrozenDict({"unwritten": unwritten})}) if unwritten else node
-    children = {name: marked(child, missing) for name, child in children_of(node).items()}
+    children = {name: mark_unwritten(child, missing) for name, child in children_of(node).items()}
     return node.model_copy(update={"children": FrozenDict(children)})
 
 
@@ -210,7 +212,7 @@ def nodes_of(node: AnyNode) -> Iterable[AnyNode]:
         yield from nodes_of(child)
 
 
-def wrapped(node: AnyNode, ends: Mapping[str, str], outcomes: Mapping[str, Meaning]) -> StateMachine:
+def as_machine(node: AnyNode, ends: Mapping[str, str], outcomes: Mapping[str, Meaning]) -> StateMachine:
     """Return a machine of one state, which has room for what copies.
 
     Args:
@@ -225,7 +227,7 @@ def wrapped(node: AnyNode, ends: Mapping[str, str], outcomes: Mapping[str, Meani
     return StateMachine(kind="state_machine", initial=name, outcomes=dict(outcomes), children={name: state})
 
 
-def entered(node: StateMachine, copied: Mapping[str, str], inner: Keys, leaves: Leaves) -> StateMachine:
+def copy_in_first(node: StateMachine, copied: Mapping[str, str], inner: Keys, leaves: Leaves) -> StateMachine:
     """Put a state first that copies keys in.
 
     Args:
@@ -244,7 +246,7 @@ def entered(node: StateMachine, copied: Mapping[str, str], inner: Keys, leaves: 
     return node.model_copy(update={"initial": name, "children": FrozenDict({name: step, **node.children})})
 
 
-def left(node: StateMachine, out: Mapping[str, str], inner: Keys, leaves: Leaves) -> StateMachine:
+def copy_out_last(node: StateMachine, out: Mapping[str, str], inner: Keys, leaves: Leaves) -> StateMachine:
     """Put a state before each outcome that copies keys out; arguments as for `entered`."""
     taken = {*node.children, *node.outcomes}
     names = {outcome: _free(f"leave {outcome}", taken) for outcome in node.outcomes}

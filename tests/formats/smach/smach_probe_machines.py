@@ -347,5 +347,5 @@ ELSEWHERE = {
     "unregistered outcomes and keys that SMACH lets pass: a task refuses them by name": (52, 63, 64, 81),
     "wrapping and order of keys seen through a remapping that names one key twice": (14,),
     "functions in userdata, and objects that a nested machine hands on wrapped": (6, 39),
-    "covered by the corpus: Iterators over what only a run knows, and callbacks, run as they are": (66, 67, 75, 73),
+    "covered by the corpus: Iterators known only at run time, and callbacks, run as they are": (66, 67, 75, 73),
 }

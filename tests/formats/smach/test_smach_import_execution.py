@@ -85,7 +85,7 @@ def test_a_constant_that_a_task_cannot_hold_is_told_and_not_flattened(tmp_path):
     file.write_text(CONSTANTS.replace("VALUE", "Speed(speed)"))
     imported = import_with_execution(file)
     assert verdicts(imported) == ["partial"]
-    assert "the constant `speed` of 'A' is `Speed`, which only a run knows: give its variable a value" in texts(
+    assert "the constant `speed` of 'A' is `Speed`, known only at run time: give its variable a value" in texts(
         imported
     )
 
@@ -98,11 +98,11 @@ def test_without_arguments_that_it_needs_a_machine_stays_failed_with_its_reason(
 
 def test_a_default_that_was_assumed_stays_where_the_run_had_no_parameters_either():
     imported = import_with_execution(EXECUTED / "vendor_base.py")
-    assert "it was run with stand-ins for rospy, tf2_ros, vendor_robot, so that what was read stays" in texts(imported)
-    assert "`'FIND_' + frame.upper()` is taken as 'FIND_BASE_LINK'" in texts(imported)
+    assert "placeholders: rospy, tf2_ros, vendor_robot; what was read from the source is kept" in texts(imported)
+    assert "assumes `'FIND_' + frame.upper()` = 'FIND_BASE_LINK'" in texts(imported)
 
 
-def test_missing_packages_get_stand_ins_and_the_machine_says_so(tmp_path):
+def test_missing_packages_get_placeholders_and_the_machine_says_so(tmp_path):
     file = tmp_path / "vendor_base.py"
     file.write_text(
         (EXECUTED / "vendor_base.py")
@@ -111,7 +111,7 @@ def test_missing_packages_get_stand_ins_and_the_machine_says_so(tmp_path):
     )
     imported = import_with_execution(file)
     assert verdicts(imported) == ["partial"]
-    assert "with stand-ins for rospy, tf2_ros, vendor_robot" in texts(imported)
+    assert "with placeholders for rospy, tf2_ros, vendor_robot" in texts(imported)
     (container,) = imported.containers
     assert list(container.added) == ["FIND_BASE_LINK", "TAKE"]
     assert container.added["TAKE"].state.outcomes == ["taken", "failed"]

@@ -151,7 +151,7 @@ def test_what_has_no_equal_is_one_leaf_or_refused_with_words(tmp_path):
     with outer:
         smach.StateMachine.add("BOTH", inner, {"over": "over"})
     made = grip_bt.from_machine(outer)
-    assert "it is one leaf, which runs it as it is: its `outcome_cb` decides" in made.problems[0].text
+    assert "imported as one leaf that runs the original container: its `outcome_cb` decides" in made.problems[0].text
     with pytest.raises(GripError, match="can't become a task:\n  its `outcome_cb` decides"):
         grip_bt.from_machine(inner)
     with pytest.raises(GripError, match="a dict is no container of grip_bt.smach_compat"):

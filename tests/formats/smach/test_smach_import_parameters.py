@@ -55,10 +55,10 @@ def test_loops_labels_and_edges_go_by_the_defaults_and_say_so(tmp_path):
         "HOME": "done",
     }
     for text in (
-        "state 'BATH' is added in a loop: `enumerate(rooms)` is taken as [(0, 'bath'), (1, 'attic')], by the default",
-        "a label: `last.upper()` is taken as 'HOME'",
-        "the transitions of 'ATTIC': `after` is taken as 'HOME'",
-        "with other parameters of ROS, which only a run knows, the machine is another",
+        "state 'BATH' is added in a loop: assumes `enumerate(rooms)` = [(0, 'bath'), (1, 'attic')], its default",
+        "a label: assumes `last.upper()` = 'HOME'",
+        "the transitions of 'ATTIC': assumes `after` = 'HOME'",
+        "other ROS parameters, known only at run time, would give another machine",
     ):
         assert text in told(imported)
 
@@ -80,7 +80,7 @@ def test_the_command_succeeds_and_says_how_to_import_it_with_the_real_ones(tmp_p
     assert main(["import", str(file), "--from", "smach"]) == 0
     out = capsys.readouterr().out
     assert "legacy_rooms.py: 1 partial" in out
-    assert "to do: what only a run knows: import it again with --execute" in out
+    assert "to do: some values are known only at run time; if you trust the file, import it again with --execute" in out
 
 
 @pytest.mark.parametrize(
@@ -90,7 +90,7 @@ def test_outcomes_that_have_a_default_are_those(tmp_path, outcomes):
     text = f"def build():\n    return smach.StateMachine(outcomes={outcomes})\n"
     _, imported = read(tmp_path, text)
     assert imported.containers[0].outcomes == (["there", "lost"] if "ends" in outcomes else ["t", "l"])
-    assert "the outcomes of StateMachine: `" in told(imported)
+    assert "the outcomes of StateMachine: assumes `" in told(imported)
 
 
 def test_what_only_goes_to_a_state_is_asked_for_in_the_run_and_nothing_is_assumed(tmp_path):
@@ -125,7 +125,7 @@ def build():
     _, imported = read(tmp_path, text)
     made = [c for c in imported.containers if c.verdict == "failed" and c.outcomes == ["done", "lost"]]
     assert (len(made), len(imported.containers)) == (1, 2)
-    assert "of a state is known only by a run" in told(imported)
+    assert "of a state is known only at run time" in told(imported)
 
 
 COUNTING = """
@@ -169,4 +169,4 @@ def test_an_iterator_over_a_range_of_python_2_is_read(tmp_path):
 @pytest.mark.parametrize("items", ["range(n)", "range(0, 5, 0)", "range(99999)", "range(1.5)", "sorted([2, 1])"])
 def test_an_iterator_over_what_only_a_run_knows_is_left(tmp_path, items):
     _, imported = read(tmp_path, COUNTING.replace("ITEMS", items))
-    assert f"its items are `lambda: {items}`, which only a run knows" in told(imported)
+    assert f"its items are `lambda: {items}`, known only at run time" in told(imported)

@@ -7,7 +7,7 @@ from typing import Any
 
 from . import construction
 from .evaluation import GET_PARAMETER, Evaluation, default_given
-from .found import CONTAINERS, FIXED_OUTCOMES, UNKNOWN, Found, FoundContainer, Opaque, Reference, Span
+from .found import CONTAINERS, FIXED_OUTCOMES, MISSING, ContainerInfo, Reference, Span, StateInfo, Unresolved
 from .names import Bound, Class, Function, Instance, Project, Scope, UnresolvedError, UserDataOf, express
 
 _STATES = ("State", "CBState", *FIXED_OUTCOMES)
@@ -28,8 +28,8 @@ class Calls(Evaluation):
 
     def __init__(self, project: Project):
         self.project = project
-        self.containers: list[FoundContainer] = []
-        self.open: list[FoundContainer] = []
+        self.containers: list[ContainerInfo] = []
+        self.open: list[ContainerInfo] = []
         self.conditions: list[tuple[str, bool]] = []
         self.running: list[Function] = []
         self.base = 0
@@ -108,7 +108,7 @@ class Calls(Evaluation):
         self, cls: Class, arguments: list[Any], named: dict[str, Any], node: ast.Call, scope: Scope, span: Span
     ) -> Any:
         kind = self.kind_of(cls)
-        external = [b for b in self.lineage(cls) if isinstance(b, Opaque) or _of_a_package(b)]
+        external = [b for b in self.lineage(cls) if isinstance(b, Unresolved) or _of_a_package(b)]
         if not kind and not external:
             made = Instance(cls)
             init = self.member(cls, "__init__")
@@ -121,7 +121,7 @@ class Calls(Evaluation):
 
     def instantiate(
         self, cls: Class, arguments: list[Any], named: dict[str, Any], kind: str | None, span: Span
-    ) -> Found:
+    ) -> StateInfo:
         """Make an object of a class of the project whose base is a state or a container."""
         kind = self.kind_of(cls) if kind is None else kind
         cls.made += 1
@@ -130,7 +130,7 @@ class Calls(Evaluation):
         init = self.member(cls, "__init__")
         if isinstance(init, Function):
             self.apply(init, [found, *arguments], named)
-            if isinstance(found, FoundContainer):
+            if isinstance(found, ContainerInfo):
                 self._entry_of_class(found, cls, init)
         elif kind:
             construction.initialise(self, found, kind, arguments, named)
@@ -138,24 +138,24 @@ class Calls(Evaluation):
             construction.initialise(self, found, kind, [], {})
         return found
 
-    def _entry_of_class(self, found: FoundContainer, cls: Class, init: Function) -> None:
+    def _entry_of_class(self, found: ContainerInfo, cls: Class, init: Function) -> None:
         spec = init.node.args
         if cls.scope.is_module and len(spec.args) - 1 - len(spec.defaults) <= 0 and found.entry is None:
             found.entry = ast.Attribute(ast.Name("legacy", ast.Load()), cls.name, ast.Load())
             found.entry_is_call, found.entry_file = True, cls.scope.file
 
-    def _new(self, kind: str, cls: str, span: Span) -> Found:
+    def _new(self, kind: str, cls: str, span: Span) -> StateInfo:
         if kind not in CONTAINERS:
-            return Found(kind, cls, span)
-        made = FoundContainer(kind, cls, span)
+            return StateInfo(kind, cls, span)
+        made = ContainerInfo(kind, cls, span)
         self.containers.append(made)
         return made
 
-    def _express(self, found: Found, node: ast.Call, scope: Scope) -> None:
+    def _express(self, found: StateInfo, node: ast.Call, scope: Scope) -> None:
         try:
             found.expression, found.file = express(node, scope), scope.file
         except UnresolvedError as error:
-            found.why = f"`{ast.unparse(node)}` needs `{error}`, which only a run knows"
+            found.why = f"`{ast.unparse(node)}` needs `{error}`, known only at run time"
 
     def _reference(
         self, callee: Reference, arguments: list[Any], named: dict[str, Any], node: ast.Call, scope: Scope, span: Span
@@ -171,16 +171,16 @@ class Calls(Evaluation):
                 self._express(found, node, scope)
                 return found
             if last == "UserData" and not arguments:
-                return UserDataOf(FoundContainer("UserData", "UserData", span))  # of no container yet
+                return UserDataOf(ContainerInfo("UserData", "UserData", span))  # of no container yet
             owner = callee.name.split(".")[-2] if callee.name.count(".") > 1 else ""
-            if last == "__init__" and arguments and isinstance(arguments[0], Found):
+            if last == "__init__" and arguments and isinstance(arguments[0], StateInfo):
                 construction.initialise(self, arguments[0], owner, arguments[1:], named)
                 return None
             if owner in CONTAINERS:
                 return construction.call(self, owner, last, None, arguments, named, span)
         if callee.name == GET_PARAMETER and self.assuming:
             default = default_given(arguments, named)
-            return NotImplemented if default is UNKNOWN else default
+            return NotImplemented if default is MISSING else default
         return self.library(callee.name, arguments, named)
 
     # --- methods ---
@@ -191,13 +191,13 @@ class Calls(Evaluation):
             return self._base_method(target, name, arguments, named, span)
         if isinstance(target, Class):
             return construction.call(self, self.kind_of(target), name, None, arguments, named, span)
-        if isinstance(target, (Found, Instance)):
+        if isinstance(target, (StateInfo, Instance)):
             cls = target.cls if isinstance(target, Instance) else target.home
             method = self.member(cls, name) if isinstance(cls, Class) else None
             if isinstance(method, Function):
                 decorators = {ast.unparse(d) for d in getattr(method.node, "decorator_list", ())}
                 return self.apply(method, arguments if "staticmethod" in decorators else [target, *arguments], named)
-            if isinstance(target, Found):
+            if isinstance(target, StateInfo):
                 return construction.call(self, target.kind, name, target, arguments, named, span)
             return NotImplemented
         return self.pure(target, name, arguments, named)
@@ -206,7 +206,7 @@ class Calls(Evaluation):
         base, me = pair
         if isinstance(base, Function):
             return self.apply(base, [me, *arguments], named)
-        if not isinstance(me, Found):
+        if not isinstance(me, StateInfo):
             return NotImplemented
         kind = self.kind_of(base)
         if name == "__init__":
@@ -215,14 +215,14 @@ class Calls(Evaluation):
             return None
         return construction.call(self, kind, name, me, arguments, named, span)
 
-    def doubtful(self, container: FoundContainer, what: str, span: Span) -> None:
-        """Note that what happens to a container hangs on what only a run knows."""
+    def doubtful(self, container: ContainerInfo, what: str, span: Span) -> None:
+        """Note that what happens to a container hangs on what is known only at run time."""
         for text, failed in self.conditions:
             container.problem("failed" if failed else "partial", f"{what} {text}", span)
 
-    def set_userdata(self, container: Found, key: str, value: Any, span: Span) -> None:
+    def set_userdata(self, container: StateInfo, key: str, value: Any, span: Span) -> None:
         """Note an initial value."""
-        if isinstance(container, FoundContainer):
+        if isinstance(container, ContainerInfo):
             container.userdata[key] = value
             self.doubtful(container, f"userdata `{key}` is set", span)
 

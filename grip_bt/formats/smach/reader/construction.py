@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from .evaluation import taken
-from .found import CONTAINERS, FIXED_OUTCOMES, Added, Found, FoundContainer, Opaque, Reference, Span
+from .evaluation import use_default
+from .found import CONTAINERS, FIXED_OUTCOMES, Child, ContainerInfo, Reference, Span, StateInfo, Unresolved
 from .names import Function, is_literal
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ _KEYS = {
 }
 
 
-def initialise(reader: Calls, found: Found, kind: str, arguments: list[Any], named: dict[str, Any]) -> None:
+def initialise(reader: Calls, found: StateInfo, kind: str, arguments: list[Any], named: dict[str, Any]) -> None:
     """Do what the constructor of a class of smach does."""
     found.initialised = True
     given = dict(zip(PARAMETERS.get(kind, ()), arguments, strict=False)) | named
@@ -54,7 +54,7 @@ def initialise(reader: Calls, found: Found, kind: str, arguments: list[Any], nam
         if name in given:
             _interface(found, name, given[name])
     _ros_keys(found, kind, given)
-    if isinstance(found, FoundContainer):
+    if isinstance(found, ContainerInfo):
         found.settings = given
         if kind == "Iterator" and found.outcomes is not None:
             exhausted = given.get("exhausted_outcome", "exhausted")
@@ -67,21 +67,21 @@ def initialise(reader: Calls, found: Found, kind: str, arguments: list[Any], nam
             setattr(found, name, list(dict.fromkeys(words)))
 
 
-def _words(found: Found, name: str, value: Any) -> list[str] | None:
-    """Return the words of a list; None, with a note, where only a run knows them."""
-    value = taken(value, lambda told: found.problem("partial", f"the {name} of {found.cls}: {told}"))
+def _words(found: StateInfo, name: str, value: Any) -> list[str] | None:
+    """Return the words of a list; None, with a note, where they are known only at run time."""
+    value = use_default(value, lambda told: found.problem("partial", f"the {name} of {found.cls}: {told}"))
     if isinstance(value, str):
         value = list(value)  # upstream takes a text for its characters
     if isinstance(value, (list, tuple, set)) and all(isinstance(w, str) for w in value):
         return list(value)
     if value is None and name != "outcomes":
         return []
-    text = value.text if isinstance(value, Opaque) else str(value)
-    found.problem("partial", f"the {name} of {found.cls} are `{text}`, which only a run knows")
+    text = value.text if isinstance(value, Unresolved) else str(value)
+    found.problem("partial", f"the {name} of {found.cls} are `{text}`, known only at run time")
     return None
 
 
-def _interface(found: Found, name: str, callback: Any) -> None:
+def _interface(found: StateInfo, name: str, callback: Any) -> None:
     """Add what `cb_interface` declares on a callback."""
     held = callback.interface if isinstance(callback, Function) else None
     if held is None:
@@ -93,7 +93,7 @@ def _interface(found: Found, name: str, callback: Any) -> None:
     _add_words(found.output_keys, words["output_keys"])
 
 
-def _ros_keys(found: Found, kind: str, given: dict[str, Any]) -> None:
+def _ros_keys(found: StateInfo, kind: str, given: dict[str, Any]) -> None:
     """Add the keys that ROS states read goals and requests from, and write results and responses to."""
     sides = (("goal", "request", found.input_keys), ("result", "response", found.output_keys))
     for action, service, keys in sides if kind in ("SimpleActionState", "ServiceState") else ():
@@ -108,7 +108,7 @@ def _add_words(there: list[str], more: list[str]) -> None:
 
 
 def call(
-    reader: Calls, kind: str, name: str, me: Found | None, arguments: list[Any], named: dict[str, Any], span: Span
+    reader: Calls, kind: str, name: str, me: StateInfo | None, arguments: list[Any], named: dict[str, Any], span: Span
 ) -> Any:
     """Do what a method of a state or container does."""
     if name in _ADD and kind in CONTAINERS:
@@ -125,7 +125,7 @@ def call(
         return None
     if name in ("get_registered_outcomes", "get_registered_input_keys", "get_registered_output_keys"):
         return tuple(getattr(me, name.removeprefix("get_registered_")) or ())
-    if not isinstance(me, FoundContainer):
+    if not isinstance(me, ContainerInfo):
         return NotImplemented
     if name == "opened":
         return me
@@ -147,20 +147,20 @@ def call(
     return None
 
 
-def _add(reader: Calls, kind: str, name: str, me: Found | None, given: dict[str, Any], span: Span) -> Any:
+def _add(reader: Calls, kind: str, name: str, me: StateInfo | None, given: dict[str, Any], span: Span) -> Any:
     container = reader.open[-1] if reader.open else me
     state = given.get("state")
-    if not isinstance(container, FoundContainer):
+    if not isinstance(container, ContainerInfo):
         return state  # added to a container that is passed from elsewhere: whoever passes it is read
-    label = taken(given.get("label"), lambda told: container.problem("partial", f"a label: {told}", span))
+    label = use_default(given.get("label"), lambda told: container.problem("partial", f"a label: {told}", span))
     found = _state_of(state, span)
     if not isinstance(label, str):
-        text = label.text if isinstance(label, Opaque) else str(label)
-        container.problem("failed", f"the label `{text}` of a state is known only by a run", span)
+        text = label.text if isinstance(label, Unresolved) else str(label)
+        container.problem("failed", f"the label `{text}` of a state is known only at run time", span)
         return state
     if label in container.added:
         if container.added[label].state is not found and container.kind != "Concurrence":
-            container.problem("partial", f"{label!r} is added twice; the first one is taken", span)
+            container.problem("partial", f"{label!r} is added twice; the first one counts", span)
             return state
     reader.doubtful(container, f"state {label!r} is added", span)
     if found.parent is None:
@@ -169,7 +169,7 @@ def _add(reader: Calls, kind: str, name: str, me: Found | None, given: dict[str,
         found.expression, found.why = None, f"one object of {found.cls} is added in two places"
     if name == "set_contained_state":
         container.settings.update(given)
-    added = Added(
+    added = Child(
         label,
         found,
         _mapping(container, f"the transitions of {label!r}", given.get("transitions"), span),
@@ -189,7 +189,7 @@ def _add(reader: Calls, kind: str, name: str, me: Found | None, given: dict[str,
     return state
 
 
-def _connect(container: FoundContainer, added: Added) -> None:
+def _connect(container: ContainerInfo, added: Child) -> None:
     """Let the connector outcomes of the state before lead here."""
     if not container.added:
         return
@@ -199,48 +199,48 @@ def _connect(container: FoundContainer, added: Added) -> None:
             before.transitions[outcome] = added.label
 
 
-def _state_of(value: Any, span: Span) -> Found:
-    if isinstance(value, Found):
+def _state_of(value: Any, span: Span) -> StateInfo:
+    if isinstance(value, StateInfo):
         return value
     if isinstance(value, Reference):
-        return Found("", value.name.split(".")[-1], span, value.expression)
-    text = value.text if isinstance(value, Opaque) else "?"
-    expression = value.expression if isinstance(value, Opaque) else None
+        return StateInfo("", value.name.split(".")[-1], span, value.expression)
+    text = value.text if isinstance(value, Unresolved) else "?"
+    expression = value.expression if isinstance(value, Unresolved) else None
     name = text.split("(")[0].split(".")[-1]
     cls = name if name.isidentifier() else "State"
-    made = Found("", cls, span, expression, span.file, f"`{text}` is known only by a run")
+    made = StateInfo("", cls, span, expression, span.file, f"`{text}` is known only at run time")
     made.problem("partial", f"nothing is known of `{text}`; its outcomes are taken from its transitions")
     return made
 
 
-def _constants(container: FoundContainer, label: str, value: Any, span: Span) -> dict[str, Any]:
+def _constants(container: ContainerInfo, label: str, value: Any, span: Span) -> dict[str, Any]:
     if not value:
         return {}
     if isinstance(value, dict) and all(isinstance(key, str) for key in value):
         return dict(value)
     container.problem(
-        "partial", f"which constants {label!r} has is known only by a run; set them in the userdata", span
+        "partial", f"which constants {label!r} has is known only at run time; set them in the userdata", span
     )
     return {}
 
 
-def _mapping(container: FoundContainer, what: str, value: Any, span: Span) -> dict[str, Any]:
+def _mapping(container: ContainerInfo, what: str, value: Any, span: Span) -> dict[str, Any]:
     if value is None or value == []:
         return {}
 
     def note(told: str) -> None:
         container.problem("partial", f"{what}: {told}", span)
 
-    value = taken(value, note)
+    value = use_default(value, note)
     if isinstance(value, dict):
-        value = {taken(key, note): taken(target, note) for key, target in value.items()}
+        value = {use_default(key, note): use_default(target, note) for key, target in value.items()}
         if all(isinstance(k, str) and (v is None or isinstance(v, str)) for k, v in value.items()):
             return dict(value)
         for key, target in value.items():
             if not (isinstance(key, str) and (target is None or isinstance(target, str))):
-                shown = [x.text if isinstance(x, Opaque) else repr(x) for x in (key, target)]
-                container.problem("failed", f"{what}: `{shown[0]}: {shown[1]}` is known only by a run", span)
+                shown = [x.text if isinstance(x, Unresolved) else repr(x) for x in (key, target)]
+                container.problem("failed", f"{what}: `{shown[0]}: {shown[1]}` is known only at run time", span)
         return {k: v for k, v in value.items() if is_literal(k) and is_literal(v)}
-    text = value.text if isinstance(value, Opaque) else repr(value)
-    container.problem("failed", f"{what} are `{text}`, which only a run knows", span)
+    text = value.text if isinstance(value, Unresolved) else repr(value)
+    container.problem("failed", f"{what} are `{text}`, known only at run time", span)
     return {}

@@ -11,7 +11,7 @@ import reprlib
 from collections.abc import Callable, Collection, Iterable
 from typing import Any
 
-from .found import CONTAINERS, UNKNOWN, Found, FoundContainer, Opaque, Reference
+from .found import CONTAINERS, MISSING, ContainerInfo, Reference, StateInfo, Unresolved
 from .names import Bound, Class, Function, Instance, Scope, UserDataOf, express_or_none, is_literal
 
 GET_PARAMETER = "rospy.get_param"
@@ -20,8 +20,8 @@ _LARGEST = 10_000
 
 
 def default_given(arguments: list[Any], named: dict[str, Any]) -> Any:
-    """Return the default in a call of `get_param`; `UNKNOWN` where it has none."""
-    return arguments[1] if len(arguments) > 1 else named.get("default", UNKNOWN)
+    """Return the default in a call of `get_param`; `MISSING` where it has none."""
+    return arguments[1] if len(arguments) > 1 else named.get("default", MISSING)
 
 
 def repeatable(node: ast.expr, functions: Collection[str], methods: Collection[str]) -> bool:
@@ -44,30 +44,30 @@ def repeatable(node: ast.expr, functions: Collection[str], methods: Collection[s
     return True
 
 
-def assumed(value: Any) -> Any:
-    """Return the default of what only a run knows, where the text gives one; else the value itself."""
-    known = isinstance(value, Opaque) and value.default is not UNKNOWN
+def default_of(value: Any) -> Any:
+    """Return the default of what is known only at run time, where the text gives one; else the value itself."""
+    known = isinstance(value, Unresolved) and value.default is not MISSING
     return copy.deepcopy(value.default) if known else value
 
 
-def taken(value: Any, note: Callable[[str], None]) -> Any:
+def use_default(value: Any, note: Callable[[str], None]) -> Any:
     """Return a value, or the default that is taken for it, and note that.
 
     Args:
         value: what was read.
         note: is given the words, where a default is taken.
     """
-    found = assumed(value)
+    found = default_of(value)
     if found is not value:
-        note(words(value, found))
+        note(assumption_text(value, found))
     return found
 
 
-def words(value: Opaque, default: Any) -> str:
+def assumption_text(value: Unresolved, default: Any) -> str:
     """Return what is told where a default is taken."""
     return (
-        f"`{value.text}` is taken as {reprlib.repr(default)}, by the default in the text; with other parameters of ROS,"
-        " which only a run knows, the machine is another"
+        f"assumes `{value.text}` = {reprlib.repr(default)}, its default in the source; other ROS parameters, known only"
+        " at run time, would give another machine"
     )
 
 
@@ -135,7 +135,7 @@ class Evaluation:
         raise NotImplementedError
 
     def value(self, node: ast.expr | None, scope: Scope) -> Any:
-        """Return what an expression gives: a Python value, something found, or `Opaque`."""
+        """Return what an expression gives: a Python value, something found, or `Unresolved`."""
         if node is None:
             return None
         method = getattr(self, f"_{type(node).__name__.lower()}", None)
@@ -146,23 +146,23 @@ class Evaluation:
                 result = None  # the run would raise, or knows more
                 return self.opaque(node, scope)
             if result is not NotImplemented:
-                return assumed(result) if self.assuming else result
+                return default_of(result) if self.assuming else result
         return self.opaque(node, scope)
 
-    def opaque(self, node: ast.expr, scope: Scope) -> Opaque:
-        """Return the expression as what only a run knows."""
-        return Opaque(ast.unparse(node), express_or_none(node, scope), self._default(node, scope))
+    def opaque(self, node: ast.expr, scope: Scope) -> Unresolved:
+        """Return the expression as what is known only at run time."""
+        return Unresolved(ast.unparse(node), express_or_none(node, scope), self._default(node, scope))
 
     def _default(self, node: ast.expr, scope: Scope) -> Any:
         """Return what an expression gives where nobody has set the parameters that it asks for."""
         if self.assuming or not repeatable(node, _FUNCTIONS, _PURE[str]):
-            return UNKNOWN
+            return MISSING
         self.assuming = True
         try:
             value = self.value(node, scope)
         finally:
             self.assuming = False
-        return value if is_literal(value) else UNKNOWN
+        return value if is_literal(value) else MISSING
 
     def _constant(self, node: ast.Constant, scope: Scope) -> Any:
         return node.value
@@ -190,11 +190,11 @@ class Evaluation:
                 yield self.value(node, scope)
 
     def known(self, node: ast.expr, scope: Scope) -> Any:
-        """Return a sequence's items; raise ValueError where only a run knows them."""
+        """Return a sequence's items; raise ValueError where they are known only at run time."""
         return self.items(self.value(node, scope), node)
 
     def items(self, value: Any, node: ast.expr) -> list[Any]:
-        """Return the items of what `node` gives; raise ValueError where only a run knows them."""
+        """Return the items of what `node` gives; raise ValueError where they are known only at run time."""
         if isinstance(value, range) and len(value) > _LARGEST:
             raise ValueError("too many items to follow")
         if isinstance(value, (list, tuple, range, str, set, dict)) or type(value).__name__.startswith("dict_"):
@@ -250,7 +250,7 @@ class Evaluation:
         left = self.value(node.left, scope)
         for op, right_node in zip(node.ops, node.comparators, strict=True):
             right = self.value(right_node, scope)
-            if right is None and isinstance(left, (Found, Instance, Class, Function)):
+            if right is None and isinstance(left, (StateInfo, Instance, Class, Function)):
                 return isinstance(op, (ast.IsNot, ast.NotEq))
             if not (is_literal(left) and is_literal(right)):
                 return NotImplemented
@@ -280,7 +280,7 @@ class Evaluation:
         """Return the attribute that `node` names of a value."""
         if isinstance(value, UserDataOf):
             return getattr(value.target, "userdata", {}).get(node.attr, NotImplemented)
-        if isinstance(value, (Found, Instance)):
+        if isinstance(value, (StateInfo, Instance)):
             return self.attribute(value, node, scope)
         if isinstance(value, Class):
             found = self.member(value, node.attr)
@@ -291,9 +291,9 @@ class Evaluation:
             return Bound(value, node.attr)
         return NotImplemented
 
-    def attribute(self, value: Found | Instance, node: ast.Attribute, scope: Scope) -> Any:
+    def attribute(self, value: StateInfo | Instance, node: ast.Attribute, scope: Scope) -> Any:
         """Return an attribute of an object that the file makes."""
-        if node.attr == "userdata" and isinstance(value, FoundContainer):
+        if node.attr == "userdata" and isinstance(value, ContainerInfo):
             return UserDataOf(value)
         if node.attr in value.attributes:
             return value.attributes[node.attr]
@@ -301,7 +301,7 @@ class Evaluation:
         held = self.member(cls, node.attr) if isinstance(cls, Class) else None
         if held is not None and not isinstance(held, Function):
             return held
-        if held is not None or isinstance(value, Found):
+        if held is not None or isinstance(value, StateInfo):
             return Bound(value, node.attr)
         return NotImplemented
 
@@ -347,7 +347,7 @@ class Evaluation:
             bind(first.target, item, inner)
             tests = [self.value(test, inner) for test in first.ifs]
             if not all(is_literal(test) for test in tests):
-                raise ValueError("a test that only a run knows")
+                raise ValueError("a test that is known only at run time")
             if all(tests):
                 yield from self._rounds(rest, inner) if rest else (inner,)
 
@@ -380,7 +380,7 @@ def bind(target: ast.expr, value: Any, scope: Scope) -> None:
     elif isinstance(target, (ast.Tuple, ast.List)):
         known = isinstance(value, (tuple, list)) and len(value) == len(target.elts)
         for i, each in enumerate(target.elts):
-            bind(each, value[i] if known else Opaque(ast.unparse(each)), scope)
+            bind(each, value[i] if known else Unresolved(ast.unparse(each)), scope)
 
 
 def _limited(items: Iterable[Any]) -> list[Any]:

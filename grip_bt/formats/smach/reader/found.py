@@ -19,7 +19,7 @@ FIXED_OUTCOMES = {
 }
 
 
-UNKNOWN = object()
+MISSING = object()
 """What stands for a value that isn't there; None is one."""
 
 
@@ -55,19 +55,19 @@ class Problem:
 
 
 @dataclass(frozen=True)
-class Opaque:
-    """A value that only a run knows.
+class Unresolved:
+    """A value that is known only at run time.
 
     Attributes:
         text: its source, for people.
         expression: source that gives it in the module's namespace; None where nothing does.
-        default: what it is where nobody has set the parameters of ROS that it comes from; `UNKNOWN` where the text
+        default: what it is where nobody has set the parameters of ROS that it comes from; `MISSING` where the text
             doesn't say.
     """
 
     text: str
     expression: ast.expr | None = None
-    default: Any = field(default=UNKNOWN, compare=False)
+    default: Any = field(default=MISSING, compare=False)
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class Reference:
 
 
 @dataclass(eq=False)
-class Found:
+class StateInfo:
     """An object of a State class, or a container.
 
     Attributes:
@@ -108,7 +108,7 @@ class Found:
     problems: list[Problem] = field(default_factory=list)
     initialised: bool = False
     home: Any = None
-    parent: FoundContainer | None = None
+    parent: ContainerInfo | None = None
 
     def problem(self, verdict: Literal["partial", "failed"], text: str, span: Span | None = None) -> None:
         """Note what can't be read."""
@@ -118,7 +118,7 @@ class Found:
 
 
 @dataclass
-class Added:
+class Child:
     """One child of a container, as it was added.
 
     Attributes:
@@ -128,7 +128,7 @@ class Added:
     """
 
     label: str
-    state: Found
+    state: StateInfo
     transitions: dict[str, str | None]
     remapping: dict[str, str]
     span: Span
@@ -137,7 +137,7 @@ class Added:
 
 
 @dataclass(eq=False)
-class FoundContainer(Found):
+class ContainerInfo(StateInfo):
     """A container.
 
     Attributes:
@@ -152,7 +152,7 @@ class FoundContainer(Found):
         executed_in: functions that execute it, so that calling them would run the machine.
     """
 
-    added: dict[str, Added] = field(default_factory=dict)
+    added: dict[str, Child] = field(default_factory=dict)
     initial: str | None = None
     settings: dict[str, Any] = field(default_factory=dict)
     userdata: dict[str, Any] = field(default_factory=dict)
@@ -169,7 +169,7 @@ class FoundContainer(Found):
         return "failed" if "failed" in verdicts else "partial" if verdicts else "exact"
 
 
-def root_entry(found: FoundContainer) -> FoundContainer | None:
+def root_entry(found: ContainerInfo) -> ContainerInfo | None:
     """Return the outermost container when generated code can get hold of it."""
     while found.parent is not None:
         found = found.parent

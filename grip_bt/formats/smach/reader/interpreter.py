@@ -1,7 +1,8 @@
 """Reads a legacy file statement by statement, as far as its construction code says without being run.
 
 Module code, `__main__` blocks, constructors and functions are followed with what is surely known; a branch or loop
-whose condition only a run knows is followed too, and the containers that it changes say so. Nothing is executed.
+whose condition is known only at run time is followed too, and the containers that it changes say so. Nothing is
+executed.
 """
 
 from __future__ import annotations
@@ -12,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from .calls import Calls
-from .evaluation import assumed, bind, words
-from .found import Found, FoundContainer, Opaque, Reference, Span
+from .evaluation import assumption_text, bind, default_of
+from .found import ContainerInfo, Reference, Span, StateInfo, Unresolved
 from .names import SMACH, SMACH_ROS, Class, Function, Instance, Scope, UserDataOf, is_literal
 
 _DEEPEST = 25
@@ -54,7 +55,7 @@ class Interpreter(Calls):
             source = self.project.source(file)
             scope = Scope(file=file, is_module=True)
             scope.names["__name__"] = file.stem
-            scope.names["__file__"] = Opaque("__file__")
+            scope.names["__file__"] = Unresolved("__file__")
             self.project.scopes[file] = scope
             opened, self.open = self.open, []
             self.body(source.tree.body, scope)
@@ -98,7 +99,7 @@ class Interpreter(Calls):
     def _entries(self, scope: Scope) -> None:
         """Note which containers are there once the module is imported."""
         for name, value in scope.names.items():
-            if isinstance(value, FoundContainer) and value.entry is None and value.parent is None:
+            if isinstance(value, ContainerInfo) and value.entry is None and value.parent is None:
                 value.entry = ast.Attribute(ast.Name("legacy", ast.Load()), name, ast.Load())
 
     # --- statements ---
@@ -173,10 +174,10 @@ class Interpreter(Calls):
         if node.value is not None:
             self.assign(node.target, self.value(node.value, scope), node.value, scope)
 
-    def _take_userdata(self, owner: FoundContainer, value: Any, source: ast.expr, span: Span) -> None:
+    def _take_userdata(self, owner: ContainerInfo, value: Any, source: ast.expr, span: Span) -> None:
         """Note a container's store; one that is another container's too is one that the task hasn't."""
         store = value.target if isinstance(value, UserDataOf) else None
-        if isinstance(store, FoundContainer) and store.kind == "UserData" and store.parent is None:
+        if isinstance(store, ContainerInfo) and store.kind == "UserData" and store.parent is None:
             store.parent, owner.userdata = owner, store.userdata  # what is set later is set in both
             owner.problems += store.problems
         else:
@@ -194,19 +195,19 @@ class Interpreter(Calls):
             key = target.attr if isinstance(target, ast.Attribute) else self.value(target.slice, scope)
             if isinstance(owner, UserDataOf) and isinstance(key, str):
                 self.set_userdata(owner.target, key, value, self.span(target, scope))
-            elif isinstance(owner, (Found, Instance)) and isinstance(key, str):
+            elif isinstance(owner, (StateInfo, Instance)) and isinstance(key, str):
                 owner.attributes[key] = value
-                if key == "userdata" and isinstance(owner, FoundContainer):
+                if key == "userdata" and isinstance(owner, ContainerInfo):
                     self._take_userdata(owner, value, source, self.span(target, scope))
-                if isinstance(owner, Found) and owner.expression is not None:
+                if isinstance(owner, StateInfo) and owner.expression is not None:
                     owner.expression, owner.why = None, f"`{key}` of {owner.cls} is set after it is made"
             elif isinstance(owner, dict) and is_literal(key):
                 owner[key] = value
-        elif isinstance(target, ast.Name) and isinstance(value, Opaque) and not scope.is_module:
-            scope.names[target.id] = Opaque(target.id, value.expression, value.default)
+        elif isinstance(target, ast.Name) and isinstance(value, Unresolved) and not scope.is_module:
+            scope.names[target.id] = Unresolved(target.id, value.expression, value.default)
         else:
             bind(target, value, scope)
-            plain = isinstance(value, Found) and not isinstance(value, FoundContainer)
+            plain = isinstance(value, StateInfo) and not isinstance(value, ContainerInfo)
             if plain and isinstance(target, ast.Name) and scope.is_module and not self.conditions:
                 value.expression = ast.Attribute(ast.Name("legacy", ast.Load()), target.id, ast.Load())
                 value.file = scope.file
@@ -215,7 +216,7 @@ class Interpreter(Calls):
         count = 0
         for item in node.items:
             value = self.value(item.context_expr, scope)
-            if isinstance(value, FoundContainer):
+            if isinstance(value, ContainerInfo):
                 self.open.append(value)
                 count += 1
                 if isinstance(item.optional_vars, ast.Name):
@@ -229,28 +230,28 @@ class Interpreter(Calls):
         if _is_main(node.test):
             return
         test = self.value(node.test, scope)
-        if is_literal(test) or isinstance(test, (Found, Class, Function, Instance)):
+        if is_literal(test) or isinstance(test, (StateInfo, Class, Function, Instance)):
             self.body(node.body if test else node.orelse, scope)
             return
         text = ast.unparse(node.test)
         for branch, when in ((node.body, f"only if `{text}`"), (node.orelse, f"unless `{text}`")):
-            with self.under(f"{when}, which only a run knows"):
+            with self.under(f"{when}, known only at run time"):
                 self.body(branch, scope)
 
     def _do_for(self, node: ast.For, scope: Scope) -> None:
         found = self.value(node.iter, scope)
-        given = assumed(found)
+        given = default_of(found)
         try:
             items = self.items(given, node.iter)[:_LOOPS]
         except (ValueError, TypeError, LookupError, AttributeError):
-            bind(node.target, Opaque(ast.unparse(node.target)), scope)
-            with self.under(f"in a loop over `{ast.unparse(node.iter)}`, which only a run knows", failed=True):
+            bind(node.target, Unresolved(ast.unparse(node.target)), scope)
+            with self.under(f"in a loop over `{ast.unparse(node.iter)}`, known only at run time", failed=True):
                 self._round(node.body, scope)
             return
         if given is found:
             self._rounds_of(node, items, scope)
         else:
-            with self.under(f"in a loop: {words(found, given)}"):
+            with self.under(f"in a loop: {assumption_text(found, given)}"):
                 self._rounds_of(node, items, scope)
 
     def _rounds_of(self, node: ast.For, items: list[Any], scope: Scope) -> None:
@@ -296,7 +297,7 @@ class Interpreter(Calls):
         value = self.value(node.value, scope)
         if len(self.conditions) == self.base:
             raise _Return(value)
-        if isinstance(value, Found):
+        if isinstance(value, StateInfo):
             scope.names.setdefault("<return>", value)
 
     @contextmanager
@@ -315,7 +316,7 @@ class Interpreter(Calls):
     def apply(self, function: Function, arguments: list[Any], named: dict[str, Any]) -> Any:
         """Follow a function's body and return what it returns."""
         if self.steps > MOST_STEPS or len(self.running) >= _DEEPEST or function in self.running:
-            return Opaque(f"{function.name}(...)")
+            return Unresolved(f"{function.name}(...)")
         function.called = True
         scope = Scope(outer=function.scope, file=function.scope.file)
         self._parameters(function, arguments, dict(named), scope)
@@ -344,7 +345,7 @@ class Interpreter(Calls):
         node = function.node
         required = len(node.args.args) - len(node.args.defaults)
         plain = function.scope.is_module and function.owner is None and required <= 0
-        if isinstance(result, FoundContainer) and result.entry is None and plain and not self.conditions:
+        if isinstance(result, ContainerInfo) and result.entry is None and plain and not self.conditions:
             if function not in result.executed_in:
                 result.entry = ast.Attribute(ast.Name("legacy", ast.Load()), function.name, ast.Load())
                 result.entry_is_call, result.entry_file = True, function.scope.file
@@ -361,9 +362,9 @@ class Interpreter(Calls):
             elif name in defaults:
                 scope.names[name] = self.value(defaults[name], function.scope)
             else:
-                scope.names[name] = Opaque(name)
+                scope.names[name] = Unresolved(name)
         for argument, default in zip(spec.kwonlyargs, spec.kw_defaults, strict=True):
-            missing = Opaque(argument.arg) if default is None else self.value(default, function.scope)
+            missing = Unresolved(argument.arg) if default is None else self.value(default, function.scope)
             scope.names[argument.arg] = named.pop(argument.arg, missing)
         if spec.vararg:
             scope.names[spec.vararg.arg] = tuple(arguments[len(names) :])

@@ -12,7 +12,7 @@ from typing import Any
 from grip_bt.base.errors import DocumentError
 from grip_bt.nodes.smach_source import Source, read_source
 
-from .found import Found, Opaque, Reference
+from .found import Reference, StateInfo, Unresolved
 
 SMACH = {
     **{name: f"smach.{name}" for name in ("State", "CBState", "StateMachine", "Sequence", "Concurrence", "Iterator")},
@@ -79,7 +79,7 @@ class Project:
 
 
 class UnresolvedError(Exception):
-    """Source uses a name that only a run knows."""
+    """Source uses a name that is known only at run time."""
 
 
 @dataclass(eq=False)
@@ -162,7 +162,7 @@ class Instance:
 class UserDataOf:
     """The userdata of a container."""
 
-    target: Found
+    target: StateInfo
 
 
 def is_literal(value: Any, depth: int = 0) -> bool:
@@ -185,7 +185,7 @@ def express(node: ast.expr, scope: Scope) -> ast.expr:
     """Return source that means the same in generated code, where the module is called `legacy`.
 
     Raises:
-        UnresolvedError: it uses what only a run knows.
+        UnresolvedError: it uses what is known only at run time.
     """
     made: ast.expr = _Expressed(scope).visit(copy.deepcopy(node))
     return made
@@ -221,7 +221,7 @@ class _Expressed(ast.NodeTransformer):
     def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
         if isinstance(node.value, ast.Name):
             found = self.scope.find(node.value.id)
-            if found is not None and isinstance(found[0], (Found, Instance)):
+            if found is not None and isinstance(found[0], (StateInfo, Instance)):
                 held = found[0].attributes.get(node.attr, UnresolvedError)
                 if is_literal(held):
                     return literal_source(held)
@@ -243,9 +243,9 @@ class _Expressed(ast.NodeTransformer):
             return ast.Attribute(ast.Name(MODULE, ast.Load()), name, ast.Load())
         if is_literal(value):
             return literal_source(value)
-        if isinstance(value, Found):  # made here, used there: only the machine that is built has both
+        if isinstance(value, StateInfo):  # made here, used there: only the machine that is built has both
             value.expression, value.why = None, f"the object of {value.cls} is used by another"
-        if isinstance(value, (Opaque, Reference)) and value.expression is not None and not _makes(value.expression):
+        if isinstance(value, (Unresolved, Reference)) and value.expression is not None and not _makes(value.expression):
             return value.expression
         raise UnresolvedError(name)
 

@@ -19,33 +19,33 @@ from .reader.found import FIXED_OUTCOMES
 
 
 class _Kind(type):
-    """Makes every attribute of a stand-in class a stand-in too."""
+    """Makes every attribute of a placeholder class a placeholder too."""
 
     def __getattr__(cls, name: str) -> Any:
         if name.startswith("__"):
             raise AttributeError(name)
-        return stand_in(name)
+        return placeholder_class(name)
 
 
-class StandIn(metaclass=_Kind):
+class Placeholder(metaclass=_Kind):
     """Accepts every call, attribute and operation."""
 
     def __init__(self, *arguments: Any, **named: Any):
         """Take anything."""
 
     def __call__(self, *arguments: Any, **named: Any) -> Any:
-        """Return a stand-in; as a decorator, what is decorated."""
+        """Return a placeholder; as a decorator, what is decorated."""
         if len(arguments) == 1 and not named and isinstance(arguments[0], (FunctionType, type)):
             return arguments[0]
-        return StandIn()
+        return Placeholder()
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):
             raise AttributeError(name)
-        return StandIn()
+        return Placeholder()
 
     def __getitem__(self, key: Any) -> Any:
-        return StandIn()
+        return Placeholder()
 
     def __setitem__(self, key: Any, value: Any) -> None:
         pass
@@ -97,13 +97,13 @@ class StandIn(metaclass=_Kind):
     __lt__ = __le__ = __gt__ = __ge__ = _no
 
 
-def stand_in(name: str) -> type:
-    """Return a new stand-in class; it may be called, and derived from."""
-    return _Kind(name, (StandIn,), {"__module__": "stand_in"})
+def placeholder_class(name: str) -> type:
+    """Return a new placeholder class; it may be called, and derived from."""
+    return _Kind(name, (Placeholder,), {"__module__": "stand_in"})
 
 
 class _Module(ModuleType):
-    """A module of which every name is a stand-in."""
+    """A module of which every name is a placeholder."""
 
     __path__: list[str] = []
 
@@ -112,7 +112,7 @@ class _Module(ModuleType):
             return sorted(_unknown_names(sys._getframe(1)))
         if name.startswith("__"):
             raise AttributeError(name)
-        made = stand_in(name)
+        made = placeholder_class(name)
         setattr(self, name, made)
         return made
 
@@ -135,7 +135,7 @@ def _unknown_names(frame: Any) -> set[str]:
 
 
 class Finder(MetaPathFinder, Loader):
-    """Comes last: what no other finder has is a stand-in.
+    """Comes last: what no other finder has is a placeholder.
 
     Attributes:
         packages: the packages that it stood in for.
@@ -155,7 +155,7 @@ class Finder(MetaPathFinder, Loader):
         return ModuleSpec(fullname, self, is_package=True)
 
     def create_module(self, spec: ModuleSpec) -> ModuleType:
-        """Make the stand-in."""
+        """Make the placeholder."""
         module = _Module(spec.name)
         if spec.name == "rospy":
             module.get_param = _get_param  # type: ignore[attr-defined]
@@ -170,7 +170,7 @@ class Finder(MetaPathFinder, Loader):
 
 
 def _get_param(name: str, default: Any = None) -> Any:
-    return StandIn() if default is None else default
+    return Placeholder() if default is None else default
 
 
 def _ros_state(kind: str) -> type:
