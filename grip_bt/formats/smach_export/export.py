@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
 from grip_bt.base.python_literals import py
 from grip_bt.compilers.behaviour_state import Refined
 from grip_bt.compilers.resolve import Part, resolve
@@ -18,30 +20,6 @@ from .containers import add, machine, state
 from .forms import smach_form
 from .states import SourceBuilder, initial, set_key
 
-_COUNT = '''class Count(smach.State):
-    """Counts the attempts of its machine: `again`, or `enough` after so many."""
-
-    def __init__(self, times):
-        smach.State.__init__(self, outcomes=["again", "enough"])
-        self.times, self.done = times, 0
-
-    def begin(self, userdata, states):
-        """Begin to count; called when the machine is entered."""
-        self.done = 0
-
-    def execute(self, userdata):
-        """Count one attempt."""
-        self.done += 1
-        return "enough" if self.done >= self.times else "again"
-'''
-_BEGIN_ANEW = '''def begin_anew(userdata, states, values, unset):
-    """Give a container's own variables their first values again; called when it is entered."""
-    for key, value in values.items():
-        userdata[key] = copy.deepcopy(value)
-    for key in unset:
-        userdata._data.pop(key, None)
-'''
-
 
 def assemble(builder: SourceBuilder, folder: Path) -> str:
     """Return the whole file.
@@ -52,15 +30,39 @@ def assemble(builder: SourceBuilder, folder: Path) -> str:
     """
     trees = bool(builder.nodes or builder.trees or builder.classes)
     plain = not trees and all(_importable(file) for file in builder.modules)
-    sections = [_docstring(builder, trees, plain), _imports(builder, folder, trees, plain)]
-    if "count" in builder.parts:
-        sections.append("\n\n" + _COUNT.rstrip("\n"))
-    if "begin_anew" in builder.parts:
-        sections.append("\n\n" + _BEGIN_ANEW.rstrip("\n"))
-    sections += ["\n\n" + function for function in builder.functions]
-    sections.append("\n\n" + _build(builder, trees))
-    sections.append("\n\n" + _main(builder, trees, plain))
-    return "\n".join(sections) + "\n"
+    places = {file: Path(os.path.relpath(file, folder)) for file in builder.modules}
+    return (
+        _environment()
+        .get_template("machine.py.j2")
+        .render(
+            doc=_docstring(builder, trees, plain),
+            trees=trees,
+            plain=plain,
+            ticked=builder.nodes or builder.trees,
+            parts=builder.parts,
+            classes=builder.classes,
+            nodes=_listed(list(builder.nodes)),
+            modules=builder.modules,
+            places={file: f"HERE / {py(place.as_posix())}" for file, place in places.items()},
+            folders=list(dict.fromkeys(_folder(place.parent.as_posix()) for place in places.values())),
+            functions=builder.functions,
+            run="run" if trees else "",
+            built=builder.built,
+            body="\n".join(builder.body[1:] if builder.body[0] == "" and not builder.built else builder.body),
+            inputs=list(builder.resolved.task.inputs),
+        )
+    )
+
+
+def _environment() -> Environment:
+    return Environment(
+        loader=PackageLoader(__package__),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        autoescape=False,  # what is made is Python; values enter it as literals alone
+    )
 
 
 def _docstring(builder: SourceBuilder, trees: bool, plain: bool) -> str:
@@ -69,8 +71,7 @@ def _docstring(builder: SourceBuilder, trees: bool, plain: bool) -> str:
     if task.doc.strip():
         said += ["", *_wrapped(task.doc)]
     said += ["", *_wrapped(_about(builder, trees, plain))]
-    text = "\n".join(said).replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
-    return f'"""{text}\n"""\n'
+    return "\n".join(said).replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
 
 
 def _about(builder: SourceBuilder, trees: bool, plain: bool) -> str:
@@ -97,36 +98,8 @@ def _wrapped(text: str) -> list[str]:
     return [line.removeprefix("# ") for line in comment(text).split("\n")]
 
 
-def _imports(builder: SourceBuilder, folder: Path, trees: bool, plain: bool) -> str:
-    standard = ["import copy"] if "begin_anew" in builder.parts else []
-    if builder.modules:
-        standard += (["import sys"] if plain else []) + ["from pathlib import Path"]
-    own = ["from grip_bt import BehaviourTree"] if builder.nodes or builder.trees else []
-    own.append("import smach" if plain else "from grip_bt import smach_compat as smach")
-    if builder.modules and not plain:
-        own.append("from grip_bt.nodes.smach_source import load_legacy")
-    if builder.classes:
-        own.append(f"from grip_bt.runtime import {', '.join(sorted(builder.classes))}")
-    lines = [*standard, *([""] if standard else []), *own]
-    if trees:
-        lines += ["", f"NODES = {_listed(list(builder.nodes))}"]
-    if builder.modules:
-        lines += ["", "HERE = Path(__file__).resolve().parent", *_legacy(builder, folder, plain)]
-    return "\n".join(lines)
-
-
-def _legacy(builder: SourceBuilder, folder: Path, plain: bool) -> list[str]:
-    places = {file: Path(os.path.relpath(file, folder)) for file in builder.modules}
-    if not plain:
-        return [
-            f"{builder.modules[file]} = load_legacy(HERE / {py(place.as_posix())})" for file, place in places.items()
-        ]
-    folders = dict.fromkeys(place.parent.as_posix() for place in places.values())
-    lines = [f"sys.path.append(str({'HERE' if each == '.' else f'HERE / {py(each)}'}))" for each in folders]
-    for file in builder.modules:
-        alias = "" if builder.modules[file] == file.stem else f" as {builder.modules[file]}"
-        lines.append(f"import {file.stem}{alias}  # noqa: E402")
-    return ["", *lines]
+def _folder(place: str) -> str:
+    return "HERE" if place == "." else f"HERE / {py(place)}"
 
 
 def _importable(file: Path) -> bool:
@@ -136,39 +109,6 @@ def _importable(file: Path) -> bool:
     except (OSError, SyntaxError, ValueError):
         return False
     return file.stem.isidentifier()
-
-
-def _build(builder: SourceBuilder, trees: bool) -> str:
-    lines = [f"def build({'run' if trees else ''}):"]
-    lines.append('    """Return the machine; build another one for another run."""')
-    lines += [f"    {name} = {source}" for source, name in builder.built.items()]
-    body = builder.body[1:] if builder.body[0] == "" and not builder.built else builder.body
-    return "\n".join([*lines, *body, "    return task"])
-
-
-def _main(builder: SourceBuilder, trees: bool, plain: bool) -> str:
-    """Return what the file does as a program; inputs are its arguments."""
-    inputs = list(builder.resolved.task.inputs)
-    loaded = ["    from grip_bt import tree_run"] if trees else []
-    if inputs:
-        own_sys = [] if builder.modules and plain else ["    import sys"]
-        loaded = [*own_sys, "    from ast import literal_eval", *([""] if trees else []), *loaded]
-    lines = ['if __name__ == "__main__":', *loaded, *([""] if loaded else [])]
-    depth = "    "
-    if trees:
-        lines.append("    with tree_run(__file__, NODES) as run:")
-        depth += "    "
-    made = f"build({'run' if trees else ''})"
-    if not inputs:
-        return "\n".join([*lines, f"{depth}print({made}.execute())"])
-    body = [
-        f"machine = {made}",
-        f"for given in sys.argv[1:]:  # {inputs[0]}=VALUE, a Python literal",
-        '    name, _, value = given.partition("=")',
-        "    machine.userdata[name] = literal_eval(value)",
-        "print(machine.execute())",
-    ]
-    return "\n".join([*lines, *(depth + line for line in body)])
 
 
 def _listed(names: list[str]) -> str:

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 from .evaluation import use_default
 from .found import CONTAINERS, FIXED_OUTCOMES, Child, ContainerInfo, Reference, Span, StateInfo, Unresolved
 from .names import Function, is_literal
-
-if TYPE_CHECKING:
-    from .calls import Calls
-
 
 # Positional parameters of upstream's constructors.
 PARAMETERS = {
@@ -39,7 +35,19 @@ _KEYS = {
 }
 
 
-def initialise(reader: Calls, found: StateInfo, kind: str, arguments: list[Any], named: dict[str, Any]) -> None:
+class Reading(Protocol):
+    """What a reader knows of the moment at which something is done to a container; see `calls.Calls`."""
+
+    open: list[ContainerInfo]
+    running: list[Function]
+    conditions: list[tuple[str, bool]]
+    in_main: bool
+
+    def doubtful(self, container: ContainerInfo, what: str, span: Span) -> None:
+        """Note that what happens to a container hangs on what is known only at run time."""
+
+
+def initialise(reader: Reading, found: StateInfo, kind: str, arguments: list[Any], named: dict[str, Any]) -> None:
     """Do what the constructor of a class of smach does."""
     found.initialised = True
     given = dict(zip(PARAMETERS.get(kind, ()), arguments, strict=False)) | named
@@ -108,7 +116,7 @@ def _add_words(there: list[str], more: list[str]) -> None:
 
 
 def call(
-    reader: Calls, kind: str, name: str, me: StateInfo | None, arguments: list[Any], named: dict[str, Any], span: Span
+    reader: Reading, kind: str, name: str, me: StateInfo | None, arguments: list[Any], named: dict[str, Any], span: Span
 ) -> Any:
     """Do what a method of a state or container does."""
     if name in _ADD and kind in CONTAINERS:
@@ -147,7 +155,7 @@ def call(
     return None
 
 
-def _add(reader: Calls, kind: str, name: str, me: StateInfo | None, given: dict[str, Any], span: Span) -> Any:
+def _add(reader: Reading, kind: str, name: str, me: StateInfo | None, given: dict[str, Any], span: Span) -> Any:
     container = reader.open[-1] if reader.open else me
     state = given.get("state")
     if not isinstance(container, ContainerInfo):
