@@ -16,8 +16,7 @@ from grip_bt.runtime.value_codec import encode
 if TYPE_CHECKING:
     from grip_bt.base.ports import Scene
 
-    from ..wiring.fake import FakeState
-    from ..wiring.parts import Resources
+    from ..wiring.parts import FakeState, Resources
 
 SCENE, MESSAGES, WORLD, FAKES = "scene", "messages", "world", "fakes"
 CHANGED_BY = {
