@@ -7,7 +7,6 @@ from collections.abc import Collection, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.base.errors import DocumentError, UnknownNameError
@@ -22,8 +21,7 @@ from .fake import fake_components, fake_ros
 from .parts import FakeState, Opening, Resources, RobotBackend, RobotKind, load_part
 from .progress import Progress, silent
 
-if TYPE_CHECKING:
-    pass
+pass
 
 
 BACKENDS = {
