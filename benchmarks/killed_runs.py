@@ -24,10 +24,10 @@ from pathlib import Path
 import numpy as np
 
 from grip_bt.base.interpreter import python_command
-from grip_bt.ros.bus import Bus
+from grip_bt.ros.client.bus import Bus
+from grip_bt.ros.client.topic import Received
 from grip_bt.ros.domain import free_domain
 from grip_bt.ros.process import child_environment
-from grip_bt.ros.topic import Received
 
 ROUNDS, SEED = int((sys.argv[1:] or ["30"])[0]), int((sys.argv[2:] or ["0"])[0])
 REST, MOVES, STILL, LONG = 0.02, 0.1, 0.5, 20.0

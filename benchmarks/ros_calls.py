@@ -190,7 +190,7 @@ def idle() -> None:
     """Fifty components that are connected and have nothing to do."""
     from rclpy.executors import SingleThreadedExecutor  # noqa: F401 - loaded before the time is taken
 
-    from grip_bt.ros.bus import Bus
+    from grip_bt.ros.client.bus import Bus
 
     script = (
         "import sys, rclpy\nfrom rclpy.node import Node\nfrom std_srvs.srv import Trigger\nrclpy.init()\n"
@@ -220,7 +220,7 @@ def lost(overlay: Path) -> None:
     """Servers that aren't ours and are killed with a goal under way."""
     from trial_interfaces.action import Work
 
-    from grip_bt.ros.bus import Bus
+    from grip_bt.ros.client.bus import Bus
 
     taken = []
     with Bus("watcher", domain_id=DOMAIN) as bus:
@@ -241,7 +241,7 @@ def lost(overlay: Path) -> None:
 def main() -> None:
     from grip_bt.cli.component import generate
     from grip_bt.ros.interfaces import build_interfaces
-    from grip_bt.ros.overlay import activate
+    from grip_bt.ros.interfaces.ament import activate
 
     print(f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
     os.environ["ROS_DOMAIN_ID"] = str(DOMAIN)

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from grip_bt.base.values import PointCloud
-from grip_bt.ros.bus import Bus
+from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.convert import from_message, to_message
 from grip_bt.ros.interfaces import build_interfaces
 from grip_bt.ros.process import child_environment

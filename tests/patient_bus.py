@@ -6,24 +6,14 @@ from collections.abc import Sequence
 
 from patience import PATIENCE
 
-from grip_bt.ros.bus import Bus
+from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.controllers import JointStates
 
 
 class PatientBus(Bus):
     """A bus whose clients are patient where nothing else is said."""
 
-    def service(self, interface, name, timeout=PATIENCE, wait=PATIENCE):
-        return super().service(interface, name, timeout, wait)
-
-    def action(self, interface, name, timeout=PATIENCE, wait=PATIENCE):
-        return super().action(interface, name, timeout, wait)
-
-    def reader(self, interface, name, timeout=PATIENCE):
-        return super().reader(interface, name, timeout)
-
-    def writer(self, interface, name, timeout=PATIENCE):
-        return super().writer(interface, name, timeout)
+    timeout = wait = PATIENCE
 
 
 def joints_of(bus: Bus, names: Sequence[str], stale: float = PATIENCE) -> JointStates:

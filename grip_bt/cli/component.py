@@ -18,7 +18,7 @@ from grip_bt.app.project.folder import find_project
 from grip_bt.app.project.foreign_code import of_component, refuse
 from grip_bt.base.errors import GripError, listing, nearest
 from grip_bt.codegen import outdated, render, write_package
-from grip_bt.codegen.new_repository import make_repository
+from grip_bt.codegen.scaffold import make_repository
 from grip_bt.task.catalog.component_file import FILE_NAME, load_component
 
 from .parser import add_no_code
@@ -219,7 +219,7 @@ def rendered(folder: Path) -> dict[str, str]:
         DocumentError, ContractError: see `grip_bt.codegen.render`.
     """
     from grip_bt.ros.interfaces import read_interface
-    from grip_bt.ros.interfaces.source import fields_within, interface_file
+    from grip_bt.ros.interfaces.definition import fields_within, interface_file
 
     component, packages = load_component(folder), folder / "interfaces"
     own = interface_file(packages, component.interface)

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from grip_bt.app.project.folder import find_project
-from grip_bt.ros.bus import Bus
-from grip_bt.ros.managers import MessageServer
+from grip_bt.ros.client.bus import Bus
+from grip_bt.ros.messages import MessageServer
 
 from . import messages_client as client
 from .signals import on_stop

@@ -1,21 +1,28 @@
-"""A component's node package as text. Pure: equal components and interfaces give equal bytes; `write` does the rest."""
+"""A component's node package as text: its manifest (a port for each field, a label for each outcome), class and test.
+
+Pure: equal components and interfaces give equal bytes; `write` does the rest.
+"""
 
 from __future__ import annotations
 
-from functools import cache
+from collections.abc import Mapping
+from functools import cache, partial
+from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from grip_bt.base.errors import EvaluationError
+from grip_bt.base.evaluation import condition_of
 from grip_bt.base.expression import parse_expression
+from grip_bt.base.frozen import FrozenDict
 from grip_bt.base.python_literals import py
-from grip_bt.task.catalog.component_file import ComponentFile
-from grip_bt.task.catalog.interface_spec import InterfaceSpec
+from grip_bt.task.catalog.component_file import FEEDBACK, ComponentFile
+from grip_bt.task.catalog.interface_spec import INTEGER_TYPES, FieldSpec, InterfaceSpec
+from grip_bt.task.catalog.manifest import InputPort, Manifest, OutputPort
 from grip_bt.task.catalog.manifest_text import manifest_text
+from grip_bt.task.model import Meaning
 
-from .contract import check_contract
-from .face import class_name, face
-from .port_fit import FieldsOf
-from .trial import default_outcome
+from .contract import INPUT, FieldsOf, check_contract, input_ports, output_ports, port_type
 
 MARK = "Generated from component.yaml by `grip component add`"
 """In the first lines of every generated file; a file without it is somebody's own and never overwritten."""
@@ -80,3 +87,110 @@ def _environment() -> Environment:
     )
     environment.filters["py"] = py
     return environment
+
+
+CODES: dict[str, tuple[str, ...]] = {
+    "srv": ("server_lost", "timed_out", "bad_reply"),
+    "action": ("server_lost", "timed_out", "bad_reply", "rejected", "aborted", "canceled"),
+    "msg": ("timed_out", "bad_reply"),
+}
+"""Why a node of each kind may fail."""
+_VERBS = {
+    ("srv", "receive"): "Calls",
+    ("action", "receive"): "Sends a goal to",
+    ("msg", "receive"): "Waits for a message on",
+    ("msg", "publish"): "Publishes a message on",
+}
+
+
+def class_name(component: ComponentFile) -> str:
+    """Return the name of a component's leaf, such as `AntipodalGrasps`."""
+    return "".join(part[:1].upper() + part[1:] for part in component.name.split("_"))
+
+
+def face(component: ComponentFile, interface: InterfaceSpec) -> Manifest:
+    """Return the manifest of a component's node."""
+    outcomes: dict[str, Meaning] = {**component.meanings(), "failure": "failure"}
+    fields = {f.name: f for f in interface.request}
+    inputs = {port: _input(component, fields, port, at) for port, at in input_ports(component, interface).items()}
+    outputs = {port: _output(component, interface, port, at) for port, at in output_ports(component, interface).items()}
+    if component.kind == "action":
+        outputs[FEEDBACK] = _feedback(component, interface, tuple(outcomes))
+    return Manifest(
+        id=f"component/{component.name}",
+        doc=component.doc or interface.doc or f"{_VERBS[component.kind, component.use]} {component.server}.",
+        implementation=f"leaf.py:{class_name(component)}",
+        inputs=FrozenDict(inputs),
+        outputs=FrozenDict(outputs),
+        outcomes=FrozenDict(outcomes),
+        codes=CODES[component.kind],
+        moves=None if component.moves else False,
+    )
+
+
+def _input(component: ComponentFile, fields: Mapping[str, FieldSpec], port: str, at: str) -> InputPort:
+    return InputPort(
+        type=_type(component, fields, port, at),
+        doc=_doc(component, fields, port, at),
+        required=port == INPUT and not component.rules,
+    )
+
+
+def _output(component: ComponentFile, interface: InterfaceSpec, port: str, at: str) -> OutputPort:
+    fields = {f.name: f for f in (interface.request if component.kind == "msg" else interface.response)}
+    return OutputPort(type=_type(component, fields, port, at), doc=_doc(component, fields, port, at))
+
+
+def _feedback(component: ComponentFile, interface: InterfaceSpec, outcomes: tuple[str, ...]) -> OutputPort:
+    """Return the port of the last feedback; it is written however the goal ends, None where there was no feedback."""
+    type_ = component.port_type(FEEDBACK, f"{interface.type_name}_Feedback")
+    said = component.ports[FEEDBACK].doc if FEEDBACK in component.ports else ""
+    optional = type_ if "| None" in type_ or type_ == "Any" else f"{type_} | None"
+    return OutputPort(type=optional, doc=said or "the last feedback", on=outcomes)
+
+
+def _type(component: ComponentFile, fields: Mapping[str, FieldSpec], port: str, at: str) -> str:
+    return component.port_type(port, port_type(fields[at]) if at in fields else "Any")
+
+
+def _doc(component: ComponentFile, fields: Mapping[str, FieldSpec], port: str, at: str) -> str:
+    said = component.ports[port].doc if port in component.ports else ""
+    return said or (fields[at].doc if at in fields else "")
+
+
+_DEFAULTS: dict[str, Any] = {"bool": False, "string": "", "wstring": "", "float32": 0.0, "float64": 0.0}
+
+
+def default_reply(component: ComponentFile, interface: InterfaceSpec) -> dict[str, Any]:
+    """Return the outputs of an empty answer, those that are numbers, texts, truth values or lists."""
+    received = interface.request if component.kind == "msg" else interface.response
+    fields = {f.name: f for f in received}
+    ports = output_ports(component, interface)
+    return {port: _default(fields[at]) for port, at in ports.items() if at in fields and _known(fields[at])}
+
+
+def default_outcome(component: ComponentFile, interface: InterfaceSpec) -> tuple[dict[str, Any], str | None] | None:
+    """Return an empty answer and the outcome that the rules give it, None for none of them.
+
+    Returns:
+        None when the rules read fields whose empty values aren't plain literals.
+    """
+    reply = default_reply(component, interface)
+    for label, text in component.rules.items():
+        rule = parse_expression(text)
+        if any(name not in reply for name in rule.names):
+            return None
+        try:
+            if condition_of(rule, {name: partial(reply.__getitem__, name) for name in rule.names})():
+                return reply, label
+        except EvaluationError:
+            return None
+    return reply, None
+
+
+def _known(field: FieldSpec) -> bool:
+    return field.array or field.type in _DEFAULTS or field.type in INTEGER_TYPES
+
+
+def _default(field: FieldSpec) -> Any:
+    return [] if field.array else _DEFAULTS.get(field.type, 0)

@@ -6,9 +6,9 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
-from .bus import Bus
+from .client.bus import Bus
+from .client.topic import Received
 from .convert_geometry import seconds
-from .topic import Received
 
 TOPIC, MESSAGE = "/clock", "rosgraph_msgs/msg/Clock"
 
@@ -39,9 +39,7 @@ class RosClock:
 
     def publishers(self) -> str:
         """Say who publishes the time, and which topics are published instead."""
-        asked = self._bus.post(self._reader.publishers)
-        asked.wait()
-        return asked.result()
+        return self._bus.ask(self._reader.publishers)
 
     def on_advance(self, listener: Callable[[], None]) -> None:
         """Have `listener()` called whenever time passes, on the bus's thread."""

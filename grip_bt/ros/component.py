@@ -9,14 +9,14 @@ from grip_bt.base.failures import BadReplyError, CanceledError, GoalAbortedError
 from grip_bt.base.operation import Operation
 from grip_bt.task.catalog.component_file import FEEDBACK, ComponentFile
 
-from .action import ActionClient
-from .adapter import Adapter
-from .client import ServiceClient
+from .client.action import ActionClient
+from .client.goal import GoalEnd
+from .client.service import ServiceClient
+from .client.topic import TopicReader, TopicWriter
+from .component_adapter import Adapter
 from .convert import from_message
 from .fields import ConversionError, field_types
 from .frames import FrameError, FrameTree
-from .goal import GoalEnd
-from .topic import TopicReader, TopicWriter
 
 Client = ServiceClient | ActionClient | TopicReader | TopicWriter
 
@@ -54,20 +54,22 @@ class RosComponent:
             return Operation.failed(error)
 
     def _begin(self, request: Mapping[str, Any]) -> Operation[Mapping[str, Any]]:
-        client = self._client
+        client, timeouts, moves = self._client, self.file.timeouts, self.file.moves
+        limit = f" (`timeouts: {{call: {timeouts.call:g}}}` in component.yaml of {self.file.name})"
         if isinstance(client, ServiceClient):
             asked = self._adapter.pack(request, client.type.Request)
-            return client.call(asked, abandon=not self.file.moves).then(self._unpack)
+            return client.call(asked, timeouts.call, timeouts.ready, not moves, limit).then(self._unpack)
         if isinstance(client, ActionClient):
             goal = self._adapter.pack(request, client.type.Goal)
-            sent = client.send(goal, cancel_within=self.file.timeouts.cancel, moves=self.file.moves)
+            cancel = timeouts.cancel
+            sent = client.send(goal, timeouts.call, timeouts.ready, cancel_within=cancel, moves=moves, limit=limit)
             whole = sent.then(self._unpack_end)
             whole.progress_through(self._feedback)
             return whole
         if isinstance(client, TopicReader):
-            return client.next(self.file.timeouts.call).then(self._unpack)
+            return client.next(timeouts.call).then(self._unpack)
         message = self._adapter.pack(request, client.type)
-        return client.publish(message, subscribers=1).then(lambda _: Operation.finished({}))
+        return client.publish(message, 1, timeouts.ready).then(lambda _: Operation.finished({}))
 
     def _feedback(self, message: Any) -> Any:
         declared = self.file.ports.get(FEEDBACK)

@@ -12,17 +12,16 @@ from grip_bt.base.failures import ServerLostError
 from grip_bt.base.ports import Component
 from grip_bt.task.catalog.component_file import FILE_NAME, ComponentFile, load_component
 
-from .action import ActionClient
-from .advice import advice
-from .bus import Bus
-from .client import ServiceClient
+from .client.action import ActionClient
+from .client.bus import Bus
+from .client.service import ServiceClient
 from .component import Client, RosComponent
 from .frames import FrameTree
 from .interfaces import Built, build_interfaces
-from .overlay import activate
+from .interfaces.ament import activate
 from .process import Process, child_environment
-from .reaping import READY, Guard
-from .starting import command_of, uses_our_python
+from .start import advice, command_of, uses_our_python
+from .watchdog import READY, Guard
 
 INTERFACES = "interfaces"
 """Sub-folder of a component with its interface packages."""
@@ -250,14 +249,12 @@ def _start(
 
 def _client(bus: Bus, file: ComponentFile) -> Client:
     """Return the client of what a component serves."""
-    limit, ready = file.timeouts.call, file.timeouts.ready
-    if file.kind in ("action", "srv"):
-        serve = bus.action if file.kind == "action" else bus.service
-        client = serve(file.interface, file.server, timeout=limit, wait=ready)
-        client.limit = f" (`timeouts: {{call: {limit:g}}}` in component.yaml of {file.name})"
-        return client
+    if file.kind == "action":
+        return bus.action(file.interface, file.server)
+    if file.kind == "srv":
+        return bus.service(file.interface, file.server)
     if file.use == "publish":
-        return bus.writer(file.interface, file.server, timeout=ready)
-    reader = bus.reader(file.interface, file.server, timeout=limit)
+        return bus.writer(file.interface, file.server)
+    reader = bus.reader(file.interface, file.server)
     reader.listen()
     return reader

@@ -1,4 +1,4 @@
-"""GRIP's values to and from ROS messages: the one door at which units, frames and quaternion order change.
+"""GRIP's values to and from ROS messages: the only place where units, frames and quaternion order change.
 
 What has a counterpart in ROS (poses, clouds, images, joint states, trajectories) has a function of its own. Everything
 else goes by the names of its fields: a dataclass fills the fields of the same name, and is made from them.
@@ -15,13 +15,14 @@ from typing import Any, get_args, get_origin
 
 import numpy as np
 
+from grip_bt.base import values
+from grip_bt.base.types import BUILTINS, VALUES, Type, parse_type
 from grip_bt.base.values import CameraInfo, DepthImage, Image, JointState, PointCloud, Pose, Trajectory
 
 from . import convert_geometry as geometry
 from . import convert_perception as perception
-from .declared import python_type
+from .client.types import type_name
 from .fields import ConversionError, check_field, field_types, primitive
-from .types import type_name
 
 _TO: dict[tuple[type, str], Callable[[Any], Any]] = {
     (Pose, "geometry_msgs/msg/Pose"): geometry.pose_to_message,
@@ -182,3 +183,29 @@ def _dataclass(message: Any, cls: Any) -> Any:
 
 def _describe(value: Any) -> str:
     return type_name(type(value)) if hasattr(value, "get_fields_and_field_types") else f"a {type(value).__name__}"
+
+
+_KNOWN: dict[str, Any] = {"Any": Any, "None": None, "bool": bool, "int": int, "float": float, "str": str}
+_KNOWN |= {"bytes": bytes, **{name: getattr(values, name) for name in VALUES}}
+assert set(BUILTINS) <= _KNOWN.keys()
+
+
+@cache
+def python_type(text: str) -> Any:
+    """Return the Python type that a declared type names; `Any` for a ROS type, which stays a message.
+
+    Raises:
+        ValueError: it isn't a type.
+    """
+    return _build(parse_type(text))
+
+
+def _build(declared: Type) -> Any:
+    inner = Any if declared.item is None else _build(declared.item)
+    if declared.name == "list":
+        made: Any = list[inner]  # type: ignore[valid-type]
+    elif declared.name == "dict":
+        made = dict[str, inner]  # type: ignore[valid-type]
+    else:
+        made = _KNOWN.get(declared.name, Any)
+    return made | None if declared.optional and made is not Any else made

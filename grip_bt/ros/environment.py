@@ -1,10 +1,14 @@
-"""Which ROS this process has, and the settings that must stand before any part of it is loaded."""
+"""Which ROS this process has, the settings that must stand before any part of it is loaded, and what dead ones left."""
 
 from __future__ import annotations
 
+import contextlib
+import fcntl
 import importlib.util
 import os
+import re
 import sys
+import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -103,3 +107,42 @@ def _sourced(env: Mapping[str, str]) -> list[Path]:
     """Return the prefixes of the shell's ROS that hold a ROS of their own, which overlays of ours don't."""
     prefixes = [Path(p) for p in env.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if p]
     return [p for p in prefixes if p != Path(sys.prefix) and (p / "share" / "rclpy").is_dir()]
+
+
+FOLDER = Path("/dev/shm")
+YOUNG = 10.0
+"""Files that are younger are left alone [s]: between its creation and its lock, a segment looks dead."""
+_LOCK = re.compile(r"^(fastrtps_(?:port\d+|[0-9a-f]{16}))_(?:el|sl)$")
+
+
+def sweep(folder: Path = FOLDER, young: float = YOUNG) -> int:
+    """Remove what dead processes of this user left; return how many segments.
+
+    Args:
+        folder: where shared memory is.
+        young: age below which a file is left alone [s].
+    """
+    removed = 0
+    oldest = time.time() - young
+    with contextlib.suppress(OSError):
+        for entry in os.scandir(folder):
+            found = _LOCK.match(entry.name)
+            with contextlib.suppress(OSError):  # somebody else's, or gone meanwhile
+                state = entry.stat(follow_symlinks=False)
+                if found and entry.is_file() and state.st_uid == os.getuid() and state.st_mtime < oldest:
+                    removed += _remove_if_dead(folder, found[1])
+    return removed
+
+
+def _remove_if_dead(folder: Path, segment: str) -> int:
+    locks = [lock for kind in ("el", "sl") if (lock := folder / f"{segment}_{kind}").exists()]
+    with contextlib.ExitStack() as stack:
+        for lock in locks:  # one for a process that listens alone, one for those that share a port
+            file = stack.enter_context(lock.open("rb"))
+            try:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                return 0  # its process lives
+        for path in (folder / segment, folder / f"sem.{segment}_mutex", *locks):
+            path.unlink(missing_ok=True)
+    return 1

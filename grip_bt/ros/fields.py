@@ -12,7 +12,7 @@ import numpy as np
 
 from grip_bt.base.errors import GripError, nearest
 
-from .types import load_type, type_name
+from .client.types import load_type, type_name
 
 _CODES = {"float": "f", "double": "d", "int8": "b", "uint8": "B", "int16": "h", "uint16": "H"}
 _CODES |= {"int32": "i", "uint32": "I", "int64": "q", "uint64": "Q"}

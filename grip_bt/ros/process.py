@@ -1,6 +1,7 @@
 """Somebody else's process: started in a group of its own, logged, watched, and certain to die with us.
 
-A small warden (`grip_bt.ros.warden`) stands between: it ends the whole group when we ask for it and when we vanish.
+A process reaper (`grip_bt.ros.process_reaper`) stands between: it ends the whole group when we ask
+for it and when we vanish.
 """
 
 from __future__ import annotations
@@ -14,12 +15,12 @@ from pathlib import Path
 
 from grip_bt.base.operation import Operation
 
-from . import warden
+from . import process_reaper
 from .environment import DDS_PROFILE, PROFILE_VARIABLES
-from .overlay import child_paths
+from .interfaces.ament import child_paths
 
 _PATIENCE = 3.5
-"""How long the warden may take to end the group [s]."""
+"""How long the process reaper may take to end the group [s]."""
 _OURS = ("_ROS_WHEELS_BOOTSTRAP_COMPLETE", "ROS_PYTHON_CHECK_FIELDS")
 
 
@@ -39,7 +40,7 @@ class Process:
         log.parent.mkdir(parents=True, exist_ok=True)
         with log.open("wb") as output:
             self._popen = subprocess.Popen(
-                [sys.executable, "-I", "-S", str(Path(warden.__file__).resolve()), *command],
+                [sys.executable, "-I", "-S", str(Path(process_reaper.__file__).resolve()), *command],
                 cwd=folder,
                 env=dict(env),
                 stdin=subprocess.PIPE,
@@ -57,7 +58,7 @@ class Process:
 
     @property
     def pid(self) -> int:
-        """The process id of the warden; it leads the session of everything below."""
+        """The process id of the process reaper; it leads the session of everything below."""
         return self._popen.pid
 
     @property
@@ -74,7 +75,7 @@ class Process:
         assert self._popen.stdin is not None
         self._popen.stdin.close()
         if not self._end.wait(_PATIENCE):
-            self._popen.kill()  # the command dies with the warden
+            self._popen.kill()  # the command dies with the process reaper
             self._end.wait(1.0)
 
     def ask_to_stop(self) -> None:

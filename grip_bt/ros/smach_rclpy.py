@@ -5,12 +5,15 @@ from __future__ import annotations
 import array
 import importlib
 import math
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 from action_msgs.msg import GoalStatus
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
 from std_msgs.msg import Header
 
 from grip_bt.base.errors import GripError
@@ -18,12 +21,11 @@ from grip_bt.base.failures import GoalRejectedError, ServerLostError
 from grip_bt.base.operation import Operation
 from grip_bt.smach_compat.smach_ros._port import ServiceFailedError
 
-from .bus import Bus
+from .client.bus import Bus
+from .client.types import type_name
 from .interfaces import build_interfaces
-from .overlay import activate
-from .smach_server import SimpleServer, ended
-from .smach_shutdown import Shutdown
-from .types import type_name
+from .interfaces.ament import activate
+from .smach_server import Shutdown, SimpleServer, ended
 
 INTERFACES = Path(__file__).with_name("interface_packages")
 """smach_msgs, for where no ROS installation has it."""
@@ -234,3 +236,37 @@ def _end_of(operation: Operation[Any]) -> tuple[str, int, Any]:
         return "lost", GoalStatus.STATUS_UNKNOWN, None
     ending = "preempted" if end.status == "canceled" else end.status
     return ending, _STATUS[ending], end.result
+
+
+class SmachNode(Node):
+    """A node of the user's, for the user's own publishers, timers and so on; states don't need it.
+
+    Args:
+        node_name: its name.
+        **kwargs: see `rclpy.node.Node`.
+    """
+
+    def __init__(self, node_name: str, **kwargs: Any):
+        super().__init__(node_name, **kwargs)
+        self._spinner: threading.Thread | None = None
+
+    def start(self) -> None:
+        """Spin in a thread until ROS is shut down."""
+        self._spinner = threading.Thread(target=self._spin, name=f"smach-{self.get_name()}", daemon=True)
+        self._spinner.start()
+
+    def _spin(self) -> None:
+        executor = SingleThreadedExecutor(context=self.context)
+        executor.add_node(self)
+        try:
+            while self.context.ok():
+                executor.spin_once(timeout_sec=0.5)
+        except ExternalShutdownException:
+            pass
+        finally:
+            executor.shutdown()
+
+    def join(self) -> None:
+        """Wait until it has stopped spinning."""
+        if self._spinner is not None:
+            self._spinner.join()

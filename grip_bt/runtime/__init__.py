@@ -1,7 +1,7 @@
 """Running compiled tasks: clock, context, runner, journal, control."""
 
 from .clock import ManualClock, WallClock
-from .context import RunContext, RunParts
+from .context import RunContext
 from .control import serve_control
 from .journal import Journal, JournalError
 from .journal_events import Event
@@ -36,7 +36,6 @@ __all__ = [
     "Reliving",
     "Result",
     "RunContext",
-    "RunParts",
     "RunLog",
     "RunRecord",
     "RunResult",

@@ -134,11 +134,11 @@ def test_the_pages_processes_dont_either(hostile: Path) -> None:
 
 
 def test_nothing_else_starts_this_python() -> None:
-    """Whatever is started anew goes through `python_command`, is isolated (the warden), or somebody's `{python}`."""
+    """What is started anew goes through `python_command`, isolated (the process reaper), or somebody's `{python}`."""
     known = {
         "grip_bt/base/interpreter.py",
         "grip_bt/ros/process.py",
-        "grip_bt/ros/starting.py",
+        "grip_bt/ros/start.py",
         "grip_bt/app/project/doctor.py",
     }
     rooms = [ROOT / "grip_bt", ROOT / "sim", ROOT / "gui" / "grip_gui"]
@@ -149,4 +149,4 @@ def test_nothing_else_starts_this_python() -> None:
         if re.search(r"sys\.executable|multiprocessing|ProcessPoolExecutor", file.read_text(encoding="utf-8"))
     }
     templates = {name for name in found if "/template" in name or "/repository/" in name}
-    assert found - templates == known | {"grip_bt/ros/bus.py"} & found
+    assert found - templates == known | {"grip_bt/ros/client/connection.py"} & found

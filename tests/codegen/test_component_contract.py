@@ -6,7 +6,7 @@ import pytest
 
 from grip_bt.base.errors import ContractError
 from grip_bt.codegen import check_contract
-from grip_bt.codegen.face import face
+from grip_bt.codegen.render import face
 from grip_bt.task.catalog.component_file import ComponentFile
 from grip_bt.task.catalog.interface_spec import FieldSpec, InterfaceSpec
 

@@ -11,10 +11,10 @@ import pytest
 
 from grip_bt.base.errors import ContractError, GripError
 from grip_bt.codegen import check_contract, render, write_package
-from grip_bt.codegen.component_text import OutcomesNeededError, component_text, parse_outcomes
 from grip_bt.codegen.contract import suggested_outcomes
-from grip_bt.codegen.face import class_name
 from grip_bt.codegen.rehearsal import rehearse
+from grip_bt.codegen.render import class_name
+from grip_bt.codegen.scaffold import OutcomesNeededError, component_text, parse_outcomes
 from grip_bt.task.catalog.component_file import ComponentFile
 from grip_bt.task.catalog.interface_spec import FieldSpec, InterfaceSpec
 from grip_bt.task.catalog.reader import read_manifests

@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 import pytest
 
 from grip_bt.base.errors import GripError, ProjectExistsError
-from grip_bt.codegen.new_repository import make_repository
+from grip_bt.codegen.scaffold import make_repository
 from grip_bt.task.catalog.component_file import load_component
 
 

@@ -34,8 +34,8 @@ def controllers() -> Iterator[tuple[Any, Any]]:
     """Start the robot of the ROS tests, and a Panda; give a bus on their domain, and what is measured of the joints."""
     from patient_bus import PatientBus, joints_of
 
-    from grip_bt.ros.definitions import provide
     from grip_bt.ros.domain import free_domain
+    from grip_bt.ros.interfaces.bundled import provide
 
     messages = [*provide("control_msgs"), *provide("controller_manager_msgs")]
     panda = build_robot("panda_allegro").named_state("arm", "home").as_mapping()

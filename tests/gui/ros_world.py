@@ -8,9 +8,9 @@ import time
 import numpy as np
 
 from grip_bt.base.values import Image, PointCloud
-from grip_bt.ros.bus import Bus
+from grip_bt.ros.client.bus import Bus
+from grip_bt.ros.client.types import load_type
 from grip_bt.ros.convert import to_message
-from grip_bt.ros.types import load_type
 
 PERIOD = 0.1
 

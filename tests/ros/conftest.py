@@ -32,7 +32,7 @@ def interface_cache(tmp_path_factory) -> Path:
 def antipodal(interface_cache) -> Path:
     """Return the prefix of the example's interfaces, built and active in this process."""
     from grip_bt.ros.interfaces import build_interfaces
-    from grip_bt.ros.overlay import activate
+    from grip_bt.ros.interfaces.ament import activate
 
     (built,) = build_interfaces(EXAMPLE / "interfaces", interface_cache)
     activate(built.prefix)
@@ -52,8 +52,8 @@ def bus(domain):
 def ahead(monkeypatch) -> Ahead:
     """Return the time by which calls, goals and topics count their time-outs; a test may skip some of it."""
     clock = Ahead()
-    for module in ("action", "client", "topic"):
-        monkeypatch.setattr(f"grip_bt.ros.{module}.time", clock)
+    for module in ("action", "base", "service", "topic"):
+        monkeypatch.setattr(f"grip_bt.ros.client.{module}.time", clock)
     return clock
 
 
@@ -74,7 +74,7 @@ def serve(start_server):
 def trial(interface_cache) -> Path:
     """Return the prefix of `trial_interfaces`, built and active in this process."""
     from grip_bt.ros.interfaces import build_interfaces
-    from grip_bt.ros.overlay import activate
+    from grip_bt.ros.interfaces.ament import activate
 
     (built,) = build_interfaces(DATA / "trial_interfaces", interface_cache)
     activate(built.prefix)

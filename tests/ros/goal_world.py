@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from itertools import count
 
 from grip_bt.base.failures import ExpectedError, UnfitServerError
-from grip_bt.ros.goal import AskCancel, AskResult, Goal, GoalEnd, Patience, Phase, Send, Tell
+from grip_bt.ros.client.goal import AskCancel, AskResult, Goal, GoalEnd, Patience, Phase, Send, Tell
 
 POLL = 0.05
 ACCEPTED, SUCCEEDED, CANCELED, ABORTED, UNKNOWN = 1, 4, 5, 6, 0

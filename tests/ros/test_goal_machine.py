@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from grip_bt.base.failures import CanceledError, GoalRejectedError, ServerLostError, ServerTimeOutError
 from grip_bt.base.operation import STOPPED
-from grip_bt.ros.goal import LIVE, AskCancel, AskResult, Goal, GoalEnd, Patience, Phase, Send, Tell
+from grip_bt.ros.client.goal import LIVE, AskCancel, AskResult, Goal, GoalEnd, Patience, Phase, Send, Tell
 
 RACES = int(os.environ.get("GRIP_FUZZ_RACES", "200"))
 PATIENCE = Patience(server=5.0, result=10.0, cancel=2.0)

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from grip_bt.ros.launch import LaunchError, read_launch_file
-from grip_bt.ros.launch.errors import LegacyLaunchFileError
+from grip_bt.ros.launch.element import LegacyLaunchFileError
 from grip_bt.ros.launch.run import has_launch_package, members_of_file
 
 

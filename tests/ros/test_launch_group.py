@@ -13,11 +13,10 @@ import pytest
 from patience import PATIENCE, Ahead, until
 from ros_bench import ended
 
-from grip_bt.ros.launch.group import Member, ProcessGroup, StartError
+from grip_bt.ros.client.types import load_type
+from grip_bt.ros.launch.group import GraphWatch, Member, ProcessGroup, StartError
 from grip_bt.ros.launch.model import LaunchEvent
-from grip_bt.ros.launch.watch import GraphWatch
 from grip_bt.ros.process import child_environment
-from grip_bt.ros.types import load_type
 from grip_bt.task.catalog.process_config import Ready
 
 MARK = "GRIP_TEST_GROUP"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from grip_bt.ros.launch import read_arguments, read_launch_file
-from grip_bt.ros.launch.errors import LaunchError
+from grip_bt.ros.launch.element import LaunchError
 from grip_bt.ros.launch.python_draft import draft_of
 
 BRINGUP = """

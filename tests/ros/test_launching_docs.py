@@ -11,7 +11,7 @@ from grip_bt.app.project.folder import find_project
 from grip_bt.base.message_store import STANDARD, MessageLibrary
 from grip_bt.ros.launch.interpreter import _HANDLERS
 from grip_bt.ros.launch.substitutions import _KNOWN
-from grip_bt.ros.managers.wire import MESSAGES
+from grip_bt.ros.messages.wire import MESSAGES
 from grip_bt.task.catalog.component_parts import Start
 from grip_bt.task.catalog.controller_config import ControllerConfig
 from grip_bt.task.catalog.process_config import ProcessConfig

@@ -22,9 +22,9 @@ FILES = {
 @pytest.fixture(scope="module")
 def served(tmp_path_factory):
     """Give the domain of a server with a few messages."""
-    from grip_bt.ros.bus import Bus
+    from grip_bt.ros.client.bus import Bus
     from grip_bt.ros.domain import free_domain
-    from grip_bt.ros.managers import MessageServer
+    from grip_bt.ros.messages import MessageServer
 
     folder = tmp_path_factory.mktemp("project")
     for name, text in FILES.items():
@@ -38,7 +38,7 @@ def served(tmp_path_factory):
 def ask(served, monkeypatch, capsys):
     """Return a function that runs the verb and returns its status, output and errors."""
     monkeypatch.setenv("ROS_DOMAIN_ID", str(served))
-    from grip_bt.ros import managers
+    from grip_bt.ros import messages as managers
 
     patient = partial(managers.RosMessages, timeout=PATIENCE, wait=PATIENCE)
     monkeypatch.setattr(managers, "RosMessages", patient)
@@ -91,8 +91,8 @@ def test_any_message_is_queued_and_taken_in_order(ask, tmp_path, monkeypatch):
 
 
 def test_the_next_message_of_a_topic_is_added_with_its_header(ask, served):
-    from grip_bt.ros.bus import Bus
-    from grip_bt.ros.types import load_type
+    from grip_bt.ros.client.bus import Bus
+    from grip_bt.ros.client.types import load_type
 
     over = threading.Event()
     pose = load_type("geometry_msgs/msg/PoseStamped")()
@@ -145,8 +145,8 @@ def test_what_cannot_be_done_is_told(ask, words, told):
 
 def test_changes_are_printed_as_they_come(ask, served, capsys):
     from grip_bt.base.values import Pose
-    from grip_bt.ros.bus import Bus
-    from grip_bt.ros.managers import RosMessages
+    from grip_bt.ros.client.bus import Bus
+    from grip_bt.ros.messages import RosMessages
 
     over = threading.Event()
     with Bus("somebody", domain_id=served) as bus:

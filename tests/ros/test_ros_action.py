@@ -11,6 +11,7 @@ import signal
 import subprocess
 import sys
 import time
+import uuid
 from collections import Counter
 
 import pytest
@@ -25,7 +26,8 @@ from grip_bt.base.failures import (
     ServerTimeOutError,
     UnfitServerError,
 )
-from grip_bt.ros.goal import GoalEnd, Phase
+from grip_bt.ros.client.action import new_goal_id
+from grip_bt.ros.client.goal import GoalEnd, Phase
 
 pytestmark = pytest.mark.ros
 WORK = "trial_interfaces/action/Work"
@@ -61,13 +63,14 @@ def no_active_goal(bus):
 
 
 def phases(client):
-    return [entry.machine.phase for entry in list(client._entries)]
+    return [entry.machine.phase for entry in list(client._requests)]
 
 
 def test_a_goal_ends_with_its_result_and_tells_of_its_progress(bus, act):
     act()
-    seen, client = [], bus.action(WORK, "/work", timeout=1000.0)
-    operation = client.send(work(seconds=600.0), on_feedback=lambda f: seen.append(f.progress), cancel_within=PATIENCE)
+    seen, client = [], bus.action(WORK, "/work")
+    times = {"timeout": 1000.0, "cancel_within": PATIENCE}
+    operation = client.send(work(seconds=600.0), on_feedback=lambda f: seen.append(f.progress), **times)
     until(lambda: len(seen) > 2, "it tells of nothing")
     operation.cancel()
     assert ended(operation).status == "canceled"
@@ -155,7 +158,7 @@ def test_a_goal_that_nobody_saw_accepted_is_cancelled_when_its_time_is_over(bus,
 @pytest.fixture
 def patient_ends(monkeypatch):
     """Have a bus that is closed wait for servers as long as a slow machine needs."""
-    monkeypatch.setattr("grip_bt.ros.bus.LETTING_GO", PATIENCE)
+    monkeypatch.setattr("grip_bt.ros.client.connection.LETTING_GO", PATIENCE)
 
 
 def test_closing_the_bus_cancels_a_goal_that_nobody_saw_accepted(domain, act, patient_ends):
@@ -174,11 +177,11 @@ def test_closing_the_bus_cancels_a_goal_that_nobody_saw_accepted(domain, act, pa
 
 def test_a_server_that_refuses_to_stop_ends_for_the_owner_and_says_so(bus, act, ahead):
     act()
-    client = bus.action(WORK, "/work", timeout=5000.0)
-    operation = client.send(work("stubborn", 600.0), cancel_within=1000.0)
+    client = bus.action(WORK, "/work")
+    operation = client.send(work("stubborn", 600.0), timeout=5000.0, cancel_within=1000.0)
     assert comes(bus, "active", 1)
     operation.cancel()
-    until(lambda: any(entry.machine.refused for entry in list(client._entries)), "the server doesn't answer")
+    until(lambda: any(entry.machine.refused for entry in list(client._requests)), "the server doesn't answer")
     ahead.skip(1000.0)
     with pytest.raises(CanceledError, match="refused to stop"):
         ended(operation)
@@ -186,14 +189,14 @@ def test_a_server_that_refuses_to_stop_ends_for_the_owner_and_says_so(bus, act, 
 
 def test_a_server_that_is_not_there_is_lost(bus, trial):
     with pytest.raises(ServerLostError, match=r"/nobody: no server within 0\.3 s"):
-        ended(bus.action(WORK, "/nobody", wait=0.3).send(work()))
+        ended(bus.action(WORK, "/nobody").send(work(), wait=0.3))
 
 
 def test_a_server_that_dies_is_noticed_long_before_the_deadline_and_its_successor_serves(bus, act):
     act()
-    client = bus.action(WORK, "/work", timeout=1000.0)
+    client = bus.action(WORK, "/work")
     with pytest.raises(ServerLostError, match="the server that had the goal is gone"):
-        ended(client.send(work("die", 0.0)))
+        ended(client.send(work("die", 0.0), timeout=1000.0))
     act()
     assert ended(client.send(work())).status == "succeeded"
 
@@ -201,14 +204,14 @@ def test_a_server_that_dies_is_noticed_long_before_the_deadline_and_its_successo
 def test_two_action_servers_on_one_name_are_refused(bus, act):
     act()
     act()
-    client = bus.action(WORK, "/work", wait=5)
+    client = bus.action(WORK, "/work")
     until(lambda: len(ended(bus.post(lambda: _servers(bus)))) == 2, "the servers aren't seen")
     with pytest.raises(UnfitServerError, match="2 action servers .*each of which would execute a goal"):
-        ended(client.send(work()))
+        ended(client.send(work(), wait=5))
 
 
 def _servers(bus):
-    from grip_bt.ros.preflight import action_servers
+    from grip_bt.ros.client.server_check import action_servers
 
     return action_servers(bus.node, "/work")
 
@@ -222,7 +225,7 @@ def test_a_name_has_one_type(bus, act):
 
 def test_more_goals_than_a_server_remembers_all_end(bus, act):
     act()
-    client = bus.action(WORK, "/work", timeout=PATIENCE)
+    client = bus.action(WORK, "/work")
     operations = [client.send(work(seconds=0.02)) for _ in range(60)]
     assert {ended(o).status for o in operations} == {"succeeded"}
 
@@ -250,11 +253,13 @@ def test_closing_the_bus_cancels_what_runs(domain, act, patient_ends):
 def test_the_end_of_an_interpreter_cancels_what_runs(domain, act, trial, bus):
     act()
     script = (
-        "from grip_bt.ros import bus as module; from trial_interfaces.action import Work; import threading, sys\n"
-        f"module.LETTING_GO, taken = {PATIENCE}, threading.Event()\n"
+        "import threading, sys; from grip_bt.ros.client import bus as module, connection\n"
+        "from trial_interfaces.action import Work\n"
+        f"connection.LETTING_GO, taken = {PATIENCE}, threading.Event()\n"
         "bus = module.Bus('leaves')\n"
-        f"client = bus.action('trial_interfaces/action/Work', '/work', timeout=1000.0, wait={PATIENCE})\n"
-        "client.send(Work.Goal(input='finish', seconds=600.0), on_accepted=taken.set)\n"
+        "client = bus.action('trial_interfaces/action/Work', '/work')\n"
+        "goal = Work.Goal(input='finish', seconds=600.0)\n"
+        f"client.send(goal, 1000.0, {PATIENCE}, on_accepted=taken.set)\n"
         f"assert taken.wait({PATIENCE}); sys.exit(3)\n"
     )
     from grip_bt.ros.process import child_environment
@@ -267,10 +272,10 @@ def test_the_end_of_an_interpreter_cancels_what_runs(domain, act, trial, bus):
 
 def test_random_races_leave_no_goal_and_name_every_failure(bus, act, monkeypatch):
     """Owners that cancel, time-outs, refusals, lost acceptances at random moments, and a real server that is killed."""
-    monkeypatch.setattr("grip_bt.ros.goal.FORGET", 2.0)
+    monkeypatch.setattr("grip_bt.ros.client.goal.FORGET", 2.0)
     drawn = random.Random(int(os.environ.get("GRIP_FUZZ_SEED", "0")))
     server, kills, ends = act(), 0, Counter()
-    client = bus.action(WORK, "/work", timeout=20.0, wait=PATIENCE)
+    client = bus.action(WORK, "/work")
     for start in range(0, RACES, 20):
         operations = [_race(client, drawn) for _ in range(min(20, RACES - start))]
         if start % 100 == 80:
@@ -282,7 +287,7 @@ def test_random_races_leave_no_goal_and_name_every_failure(bus, act, monkeypatch
             assert operation.wait(2 * PATIENCE), "a goal hangs"
             ends[_named(operation)] += 1
     assert no_active_goal(bus)
-    until(lambda: not client._entries, "goals aren't forgotten")
+    until(lambda: not client._requests, "goals aren't forgotten")
     sys.stdout.write(f"{RACES} goals against a real server, killed {kills} times: {dict(ends.most_common())}\n")
     assert set(ends) <= {"succeeded", "aborted", "canceled", "rejected", "timed_out", "server_lost"}
 
@@ -309,3 +314,9 @@ def _named(operation):
 def test_a_goal_may_take_for_ever(bus, act):
     act()
     assert ended(bus.action(WORK, "/work").send(work(), timeout=math.inf)).status == "succeeded"
+
+
+def test_ids_are_new_each_time():
+    ids = {new_goal_id() for _ in range(1000)}
+    assert len(ids) == 1000
+    assert {uuid.UUID(bytes=i).version for i in ids} == {4}

@@ -11,15 +11,14 @@ from ros_bench import ended
 
 import grip_bt.ros  # noqa: F401 - its settings come before any message package
 from grip_bt.base.failures import ServerLostError, ServerTimeOutError, UnfitServerError
-from grip_bt.ros.advice import advice
-from grip_bt.ros.bus import Bus
+from grip_bt.ros.client.bus import Bus
+from grip_bt.ros.client.goal import Goal, Patience
+from grip_bt.ros.client.graph import instead, instead_of_topic
+from grip_bt.ros.client.types import load_type
 from grip_bt.ros.components import start_components
-from grip_bt.ros.door import RosDoor
-from grip_bt.ros.goal import Goal, Patience
-from grip_bt.ros.others import instead, instead_of_topic
-from grip_bt.ros.packages import PackageError
-from grip_bt.ros.starting import command_of
-from grip_bt.ros.types import load_type
+from grip_bt.ros.interface import RosDoor
+from grip_bt.ros.interfaces.ament import PackageError
+from grip_bt.ros.start import advice, command_of
 from grip_bt.task.catalog.component_file import ComponentFile
 from grip_bt.task.catalog.component_parts import Start
 
@@ -69,9 +68,9 @@ def test_a_goal_that_waits_in_vain_is_told_that_its_name_is_a_service(bus, serve
 def test_a_time_out_names_the_key_that_limits_it(bus, serve, ahead):
     serve("std_srvs/SetBool", "/set")
     client = bus.service(SET, "/set")
-    client.limit = " (`timeouts: {call: 0.2}` in component.yaml of c)"
+    limit = " (`timeouts: {call: 0.2}` in component.yaml of c)"
     ended(client.wait_ready(PATIENCE))
-    operation = client.call(client.type.Request(data=True), timeout=1000.0)
+    operation = client.call(client.type.Request(data=True), timeout=1000.0, limit=limit)
     until(lambda: client.in_flight, "it isn't sent")
     ahead.skip(1000.0)
     with pytest.raises(ServerTimeOutError, match=r"/set: no answer after .* s \(`timeouts: \{call: 0\.2\}` in comp"):

@@ -6,7 +6,7 @@ import pytest
 
 from grip_bt.app.runs.execute import run
 from grip_bt.base.errors import MissingPartError, UnknownNameError
-from grip_bt.ros.types import load_message, load_type
+from grip_bt.ros.client.types import load_message, load_type
 
 pytestmark = pytest.mark.ros
 WRONG = {

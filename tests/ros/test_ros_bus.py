@@ -16,7 +16,7 @@ from ros_bench import ended
 
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import CanceledError, ServerLostError, ServerTimeOutError, UnfitServerError
-from grip_bt.ros.bus import Bus
+from grip_bt.ros.client.bus import Bus
 
 pytestmark = pytest.mark.ros
 SET, TRIGGER = "std_srvs/srv/SetBool", "std_srvs/srv/Trigger"
@@ -57,18 +57,15 @@ def test_calls_from_many_threads_all_end(bus, serve):
     assert not client.in_flight
 
 
-def test_a_call_to_a_known_server_needs_no_other_thread_to_be_sent(bus, serve, monkeypatch):
-    monkeypatch.setattr("grip_bt.ros.server_check.TRUST", 2 * PATIENCE)
-    serve("std_srvs/SetBool", "/set")
-    client, go_on = bus.service(SET, "/set"), threading.Event()
-    ended(client.call(request()))
-    bus.post(lambda: go_on.wait(PATIENCE))
-    operation = client.call(request())
-    try:
-        assert client.in_flight
-    finally:
-        go_on.set()
-    assert ended(operation).success is True
+def test_each_caller_of_a_name_waits_as_long_as_it_says(bus, ahead):
+    first, second = bus.service(SET, "/nobody"), bus.service(SET, "/nobody")
+    patient, brief = first.call(request(), timeout=5000.0, wait=3000.0), second.call(request(), wait=10.0)
+    ended(bus.post(lambda: None))
+    ahead.skip(20.0)
+    with pytest.raises(ServerLostError, match="no server within 10.0 s"):
+        ended(brief)
+    assert not patient.done()
+    patient.cancel()
 
 
 def test_a_call_that_nobody_answers_is_watched_however_it_was_sent(bus, serve, ahead):
@@ -108,7 +105,7 @@ def test_closing_ends_calls_that_other_threads_send_meanwhile(serve, domain):
 
 def test_a_server_that_is_not_there_is_lost(bus):
     with pytest.raises(ServerLostError, match=r"/nobody: no server within 0\.3 s"):
-        ended(bus.service(SET, "/nobody", wait=0.3).call(request()))
+        ended(bus.service(SET, "/nobody").call(request(), wait=0.3))
 
 
 def test_a_server_that_comes_late_is_waited_for(bus, serve):
@@ -137,10 +134,10 @@ def test_a_refused_name_can_be_used_with_its_right_type_and_then_with_no_other(b
 def test_two_servers_on_one_name_are_refused(bus, serve):
     serve("std_srvs/SetBool", "/set")
     serve("std_srvs/SetBool", "/set")
-    client = bus.service(SET, "/set", wait=5)
+    client = bus.service(SET, "/set")
     _wait_for_servers(bus, "/set", 2)
     with pytest.raises(UnfitServerError, match="2 servers .*each of which would execute"):
-        ended(client.call(request()))
+        ended(client.call(request(), wait=5))
 
 
 def test_a_best_effort_server_is_refused(bus, serve):
@@ -199,8 +196,8 @@ def test_a_canceled_call_ends_at_once(bus, serve):
 def test_closing_ends_what_is_pending_and_what_comes_later(domain):
     others = set(threading.enumerate())
     bus = Bus(domain_id=domain)
-    client = bus.service(SET, "/nobody", wait=60)
-    pending = client.call(request())
+    client = bus.service(SET, "/nobody")
+    pending = client.call(request(), wait=60)
     bus.close()
     for operation in (pending, client.call(request()), bus.post(lambda: 1)):
         with pytest.raises(CanceledError, match="closed"):
@@ -230,10 +227,10 @@ assert child.exitcode == 0
 """
 START = """
 import os, signal, sys
-from grip_bt.ros.bus import Bus
+from grip_bt.ros.client.bus import Bus
 bus = Bus(domain_id=int(sys.argv[1]))
 from std_srvs.srv import SetBool
-pending = bus.service("std_srvs/srv/SetBool", "/nobody", wait=60).call(SetBool.Request())
+pending = bus.service("std_srvs/srv/SetBool", "/nobody").call(SetBool.Request(), wait=60)
 print("printed", end="")
 """
 
@@ -264,7 +261,7 @@ def test_a_script_that_uses_the_bus_ends_as_it_should(domain, ending, status):
 
 
 def _wait_for_servers(bus, name, number):
-    from grip_bt.ros.preflight import servers_of
+    from grip_bt.ros.client.server_check import servers_of
 
     until(lambda: len(ended(bus.post(lambda: servers_of(bus.node, name)))) == number, "the servers aren't seen")
 
@@ -273,7 +270,7 @@ def test_the_domain_keeps_buses_apart(bus, serve, other_domain):
     serve("std_srvs/SetBool", "/set")
     ended(bus.service(SET, "/set").wait_ready(PATIENCE))
     with Bus("other", domain_id=other_domain) as other, pytest.raises(ServerLostError):
-        ended(other.service(SET, "/set", wait=0.5).call(request()))
+        ended(other.service(SET, "/set").call(request(), wait=0.5))
     assert os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE") == "LOCALHOST"
 
 

@@ -14,12 +14,12 @@ from patience import PATIENCE, until
 from ros_bench import ended
 
 from grip_bt.base.failures import ServerLostError
-from grip_bt.ros.bus import Bus
+from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.environment import DDS_PROFILE
 from grip_bt.ros.process import child_environment
 
 pytestmark = pytest.mark.ros
-OPEN = "import time, sys, os\nfrom grip_bt.ros.bus import Bus\nbus = Bus('leaves')\n"
+OPEN = "import time, sys, os\nfrom grip_bt.ros.client.bus import Bus\nbus = Bus('leaves')\n"
 PENDING = "operation = bus.service('std_srvs/srv/SetBool', '/nobody').wait_ready(600)\n"
 
 
@@ -75,7 +75,7 @@ def test_a_child_process_ends_and_leaves_the_parents_bus_alone(domain, method, t
         "import multiprocessing, sys, warnings\nwarnings.simplefilter('ignore')\n"
         "def work(queue):\n    queue.put(6 * 7)\n"
         "if __name__ == '__main__':\n"
-        "    from grip_bt.ros.bus import Bus\n"
+        "    from grip_bt.ros.client.bus import Bus\n"
         "    with Bus('parent') as bus:\n"
         f"        kind = multiprocessing.get_context({method!r})\n"
         "        queue = kind.Queue(); child = kind.Process(target=work, args=(queue,)); child.start()\n"
@@ -122,6 +122,7 @@ def test_simulated_time_is_the_clock_topics(bus):
 
 def test_a_run_that_waits_for_simulated_time_in_vain_is_told_what_is_published(bus, monkeypatch):
     from grip_bt.app.wiring import ros as ros_parts
+    from grip_bt.app.wiring.parts import Resources
 
     monkeypatch.setattr(ros_parts, "TIME_STARTS", 0.2)
     ended(bus.writer("rosgraph_msgs/msg/Clock", "/sim/clock").publish(_stamp(1.0), subscribers=0))
@@ -129,7 +130,7 @@ def test_a_run_that_waits_for_simulated_time_in_vain_is_told_what_is_published(b
         r"/clock: no simulated time within 0\.2 s: nobody publishes it; rosgraph_msgs/msg/Clock is published in .* as "
     )
     with ExitStack() as stack, pytest.raises(ServerLostError, match=said + "/sim/clock. To mend it: start the simul"):
-        ros_parts.simulated_clock(bus, stack)
+        ros_parts._take_time(bus, Resources(), stack)
 
 
 def test_simulated_time_never_goes_back_and_wakes_who_waits(bus):

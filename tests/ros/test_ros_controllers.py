@@ -22,7 +22,7 @@ NAMES = ("joint_a", "joint_b")
 @pytest.fixture(scope="session")
 def messages(interface_cache):
     """Return the prefixes of the message packages, built and active here."""
-    from grip_bt.ros.definitions import provide
+    from grip_bt.ros.interfaces.bundled import provide
 
     return [*provide("control_msgs"), *provide("controller_manager_msgs")]
 
@@ -122,8 +122,8 @@ def test_a_cancelled_motion_that_a_newer_goal_has_overtaken_ends_as_cancelled(me
     from control_msgs.action import FollowJointTrajectory
 
     from grip_bt.base.operation import Operation
+    from grip_bt.ros.client.goal import GoalEnd
     from grip_bt.ros.controllers.trajectory import as_motion
-    from grip_bt.ros.goal import GoalEnd
 
     given_up = FollowJointTrajectory.Result(error_code=FollowJointTrajectory.Result.INVALID_GOAL)
     for cancelled, error in ((True, CanceledError), (False, ExecutionAbortedError)):
@@ -221,8 +221,8 @@ def heard(monkeypatch):
 
     from sensor_msgs.msg import JointState as Message
 
+    from grip_bt.ros.client.topic import Received
     from grip_bt.ros.controllers import JointStates, joint_states
-    from grip_bt.ros.topic import Received
 
     clock, reader = SimpleNamespace(now=1000.0, date=1.8e9), Reader()
     clocks = SimpleNamespace(monotonic=lambda: clock.now, time=lambda: clock.date)

@@ -20,13 +20,13 @@ from grip_bt.app.runs.execute import run
 from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.failures import BadReplyError, CanceledError, SensorError, ServerLostError, ServerTimeOutError
 from grip_bt.base.values import CameraInfo, DepthImage, Image, Pose
-from grip_bt.ros.bus import Bus
-from grip_bt.ros.door import BadRequestError, RosDoor
+from grip_bt.ros.client.bus import Bus
+from grip_bt.ros.client.types import load_type
 from grip_bt.ros.frames import FrameError, FrameTree
-from grip_bt.ros.sensors import mounted_frames, open_sensors
+from grip_bt.ros.interface import BadRequestError, RosDoor
+from grip_bt.ros.sensing import mounted_frames, open_sensors
 from grip_bt.ros.synchronise import Synchroniser
-from grip_bt.ros.tf import Transforms
-from grip_bt.ros.types import load_type
+from grip_bt.ros.transforms import Transforms
 from grip_bt.task.catalog.sensor_config import SensorConfig
 
 CAMERA = {
@@ -201,7 +201,7 @@ def test_frames_come_from_the_robot_where_tf_is_not_there(bus):
 @ros
 def test_frames_come_from_tf_where_it_is_there(tmp_path, interface_cache, bus):
     from grip_bt.ros.interfaces import build_interfaces
-    from grip_bt.ros.overlay import activate
+    from grip_bt.ros.interfaces.ament import activate
 
     package = tmp_path / "tf2_msgs"
     (package / "msg").mkdir(parents=True)
@@ -213,7 +213,7 @@ def test_frames_come_from_tf_where_it_is_there(tmp_path, interface_cache, bus):
     from geometry_msgs.msg import TransformStamped
     from tf2_msgs.msg import TFMessage
 
-    from grip_bt.ros.types import load_type
+    from grip_bt.ros.client.types import load_type
 
     load_type.cache_clear()
     transform = TransformStamped(child_frame_id="tool")
@@ -228,7 +228,7 @@ def test_frames_come_from_tf_where_it_is_there(tmp_path, interface_cache, bus):
 
 @pytest.fixture(scope="session")
 def tf_messages():
-    from grip_bt.ros.definitions import provide
+    from grip_bt.ros.interfaces.bundled import provide
 
     return provide("tf2_msgs")
 
@@ -323,7 +323,7 @@ def test_one_bad_sensor_stops_no_other(door, camera, tmp_path):
 
 @ros
 def test_a_part_of_a_sensor_that_is_missing_is_named(door, camera, tmp_path, monkeypatch):
-    monkeypatch.setattr("grip_bt.ros.gathering.threading", SimpleNamespace(Timer=Deadline))
+    monkeypatch.setattr("grip_bt.ros.synchronise.threading", SimpleNamespace(Timer=Deadline))
     topics = {**CAMERA["topics"], "more": {"topic": "/cam/more", "type": "Image"}}
     config = SensorConfig.model_validate({"topics": topics, "timeout": 0.5})
     capture = open_sensors({"cam": config}, door, tmp_path)["cam"].capture()

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from grip_bt.base.values import Pose
-from grip_bt.ros.frames import FrameError, FrameTree
-from grip_bt.ros.history import KEPT, FrameHistory, between
+from grip_bt.ros.frames import KEPT, FrameError, FrameHistory, FrameTree, between
 
 
 def about(axis, angle, position=(0, 0, 0), frame="base") -> Pose:

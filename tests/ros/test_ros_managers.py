@@ -38,7 +38,7 @@ def messages(bus, folder, tmp_path):
     """Return a client of a server in this process, on another connection to ROS."""
     from patient_bus import PatientBus
 
-    from grip_bt.ros.managers import MessageServer, RosMessages
+    from grip_bt.ros.messages import MessageServer, RosMessages
 
     with PatientBus("server", domain_id=bus.node.context.get_domain_id()) as serving:
         MessageServer(serving, folder, tmp_path / "kept.sqlite")
@@ -90,7 +90,7 @@ def test_a_message_of_any_type_is_kept_whole_with_its_header(messages):
 
 
 def test_bytes_that_are_no_message_of_their_type_are_refused(messages):
-    from grip_bt.ros.managers.wire import RawMessage
+    from grip_bt.ros.messages.wire import RawMessage
 
     for raw, reason in (
         (RawMessage("geometry_msgs/msg/PoseStamped", b"12345678"), "8 bytes aren't a geometry_msgs/msg/PoseStamped"),
@@ -160,14 +160,14 @@ def test_changes_are_told_in_order_with_their_values(messages):
 
 
 def test_without_a_server_a_request_ends_and_says_so(bus):
-    from grip_bt.ros.managers import RosMessages
+    from grip_bt.ros.messages import RosMessages
 
     with pytest.raises(ServerLostError, match="/nobody/get"):
         ended(RosMessages(bus, "/nobody", wait=0.3).get("poses", "x"))
 
 
 def test_the_command_serves_a_project_and_keeps_its_messages_over_restarts(bus, folder, domain):
-    from grip_bt.ros.managers import RosMessages
+    from grip_bt.ros.messages import RosMessages
     from grip_bt.ros.process import child_environment
 
     (folder.parent / "grip.yaml").write_text("grip: 1\n")

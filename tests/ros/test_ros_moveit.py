@@ -53,7 +53,7 @@ def model(robot):
 @pytest.fixture(scope="module")
 def start_move_group(own_domain):
     """Return a function that starts the stand-in."""
-    from grip_bt.ros.definitions import provide
+    from grip_bt.ros.interfaces.bundled import provide
 
     prefixes = provide("moveit_msgs")
     with servers(own_domain) as start:
@@ -120,7 +120,7 @@ def moved(robot, **by: float) -> JointState:
 
 def messages(bus):
     """Return what the stand-in's scene holds: objects of the world, attached ones, allowed pairs."""
-    from grip_bt.ros.types import load_type
+    from grip_bt.ros.client.types import load_type
 
     type_ = load_type("moveit_msgs/srv/GetPlanningScene")
     scene = ended(bus.service(type_, "/get_planning_scene").call(type_.Request())).scene
@@ -234,9 +234,9 @@ def test_allowing_and_forbidding_a_contact_leaves_what_the_robot_declares(planni
 
 def test_closing_takes_out_what_was_sent_and_leaves_what_others_put_there(robot, scene, shared):
     from grip_bt.base.values.solids import Sphere
+    from grip_bt.ros.client.types import load_type
     from grip_bt.ros.moveit import Mount, MoveGroup, MoveGroupPlanner
-    from grip_bt.ros.moveit.shapes import collision_object
-    from grip_bt.ros.types import load_type
+    from grip_bt.ros.moveit.goals import collision_object
 
     group, mount = MoveGroup(shared, wait=PATIENCE), Mount.of(robot, "arm", "hand")
     theirs = load_type("moveit_msgs/msg/PlanningScene")(is_diff=True)
@@ -258,9 +258,9 @@ def test_an_object_that_move_group_does_not_take_is_named(planning, robot, scene
     scene.set_box("refused", (0.1, 0.1, 0.1), Pose(np.array([3.0, 3.0, 0.0])))
     with pytest.raises(GoalRejectedError, match="/move_group didn't take the scene: refused; its log tells why"):
         ended(planner.submit(PlanTo(situation(robot, scene), moved(robot))))
+    from grip_bt.ros.client.types import load_type
     from grip_bt.ros.moveit import MoveGroup
-    from grip_bt.ros.moveit.shapes import removed
-    from grip_bt.ros.types import load_type
+    from grip_bt.ros.moveit.goals import removed
 
     undo = load_type("moveit_msgs/msg/PlanningScene")(is_diff=True)
     undo.robot_state.is_diff = True
@@ -320,9 +320,9 @@ def test_an_error_code_is_a_failure_with_a_name_and_moveits_words(planning, robo
 
 
 def test_every_code_of_moveit_has_a_meaning():
-    from grip_bt.ros.definitions import provide
-    from grip_bt.ros.moveit.codes import known_codes, name_of
-    from grip_bt.ros.types import load_type
+    from grip_bt.ros.client.types import load_type
+    from grip_bt.ros.interfaces.bundled import provide
+    from grip_bt.ros.moveit.client import known_codes, name_of
 
     provide("moveit_msgs")
     codes = load_type("moveit_msgs/msg/MoveItErrorCodes")
@@ -361,7 +361,7 @@ def test_one_that_was_started_anew_gets_the_whole_scene_again(planning, robot, s
     first.wait()
     start_move_group("/again")
     ended(planner.submit(PlanTo(situation(robot, scene), goal)))
-    from grip_bt.ros.types import load_type
+    from grip_bt.ros.client.types import load_type
 
     type_ = load_type("moveit_msgs/srv/GetPlanningScene")
     shown = ended(shared.service(type_, "/again/get_planning_scene").call(type_.Request())).scene

@@ -28,7 +28,7 @@ class Working(OperationLeaf):
         draw = self.draw
         goal = self.client.type.Goal(input="finish", seconds=draw.uniform(0.0, 0.3))
         limit = draw.choice((0.05, 0.1, PATIENCE))
-        return self.client.send(goal, timeout=limit, cancel_within=PATIENCE)
+        return self.client.send(goal, limit, PATIENCE, cancel_within=PATIENCE)
 
 
 @pytest.mark.parametrize("target", [to_tree, to_machine])
@@ -36,7 +36,7 @@ def test_no_goal_begins_before_the_one_before_has_ended(target, bus, trial, star
     from trial_interfaces.action import Work
 
     start_server("slow_stopping_server.py", "/slow", "5", overlays=[trial])
-    client = bus.action(Work, "/slow", wait=PATIENCE)
+    client = bus.action(Work, "/slow")
     ended(client.wait_ready(PATIENCE))
     draw = random.Random(3)
 

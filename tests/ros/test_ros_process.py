@@ -96,16 +96,16 @@ sys.stdin.read()
         stdout=subprocess.PIPE,
         text=True,
     )
-    warden = int(owner.stdout.readline())
+    reaper = int(owner.stdout.readline())
     until((tmp_path / "up").exists)
-    below = _descendants(warden)
+    below = _descendants(reaper)
     kill(owner.pid)
     owner.communicate()
-    assert gone(warden)
+    assert gone(reaper)
     until(lambda: not [pid for pid in below if Path(f"/proc/{pid}").exists()])
 
 
-def test_the_command_dies_with_its_warden(tmp_path):
+def test_the_command_dies_with_its_reaper(tmp_path):
     process = start(tmp_path, "print('up'); import time; time.sleep(600)")
     until(lambda: "up" in process.log_tail())
     kill(process.pid)

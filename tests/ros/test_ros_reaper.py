@@ -16,8 +16,8 @@ from ros_bench import DATA, ended, gone, stands
 
 from grip_bt.base.interpreter import python_command
 from grip_bt.ros.process import child_environment
-from grip_bt.ros.reaper import GONE
-from grip_bt.ros.reaping import REPORT
+from grip_bt.ros.watchdog import REPORT
+from grip_bt.ros.watchdog_process import GONE
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 NAMES = ("joint_a", "joint_b")
@@ -27,7 +27,7 @@ NAMES = ("joint_a", "joint_b")
 def states(bus, start_server, interface_cache):
     from patient_bus import joints_of
 
-    from grip_bt.ros.definitions import provide
+    from grip_bt.ros.interfaces.bundled import provide
 
     start_server("controller_server.py", overlays=[*provide("control_msgs"), *provide("controller_manager_msgs")])
     made = joints_of(bus, (*NAMES, "finger"))
@@ -71,7 +71,7 @@ def test_the_arm_of_a_run_that_was_killed_comes_to_rest(way, later, states, doma
 
 
 def test_a_run_that_has_ended_its_motions_leaves_no_reaper(domain):
-    from grip_bt.ros.reaping import Guard
+    from grip_bt.ros.watchdog import Guard
 
     with Guard(domain) as guard:
         guard.sent("/act", bytes(16))

@@ -46,7 +46,7 @@ root:
 @pytest.mark.ros
 @pytest.mark.slow
 def test_a_task_runs_on_controllers_of_another_process(tmp_path, domain, start_server):
-    from grip_bt.ros.definitions import provide
+    from grip_bt.ros.interfaces.bundled import provide
     from grip_bt.ros.process import child_environment
 
     by_topic = PROJECT.replace("trajectory: /allegro/follow_joint_trajectory", "topic: /allegro/joint_trajectory")
@@ -69,7 +69,7 @@ def test_where_a_real_robot_is_can_be_kept_from_the_editor(tmp_path, domain, sta
     from grip_bt.base.values import JointState, Pose
     from grip_bt.commanders.model import RobotModel
     from grip_bt.commanders.robots import build_robot
-    from grip_bt.ros.definitions import provide
+    from grip_bt.ros.interfaces.bundled import provide
     from grip_bt.ros.process import child_environment
 
     (tmp_path / "grip.yaml").write_text(PROJECT)
@@ -171,7 +171,7 @@ ros:
 @pytest.mark.ros
 @pytest.mark.slow
 def test_a_task_is_planned_and_executed_by_move_group(tmp_path, domain, start_server):
-    from grip_bt.ros.definitions import provide
+    from grip_bt.ros.interfaces.bundled import provide
     from grip_bt.ros.process import child_environment
 
     (tmp_path / "task.yaml").write_text(TASK.replace("    open: {node: hand/open}\n", ""))

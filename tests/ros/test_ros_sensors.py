@@ -10,8 +10,8 @@ from patience import PATIENCE
 from ros_bench import Deadline, ended
 
 from grip_bt.base.failures import SensorError, ServerTimeOutError
-from grip_bt.ros.door import RosDoor
-from grip_bt.ros.sensors import open_sensors
+from grip_bt.ros.interface import RosDoor
+from grip_bt.ros.sensing import open_sensors
 from grip_bt.task.catalog.sensor_config import SensorConfig
 
 pytestmark = pytest.mark.ros
@@ -32,7 +32,7 @@ def send(door, topic, message, **fields):
 
 
 def made(message, stamp=None, **fields):
-    from grip_bt.ros.types import load_type
+    from grip_bt.ros.client.types import load_type
 
     whole = load_type(message)(**fields)
     if stamp is not None:
@@ -63,7 +63,7 @@ def test_a_stamp_of_another_clock_says_nothing_of_before(door):
 
 
 def test_a_capture_in_vain_says_that_all_came_too_early(door, monkeypatch):
-    monkeypatch.setattr("grip_bt.ros.gathering.threading", SimpleNamespace(Timer=Deadline))
+    monkeypatch.setattr("grip_bt.ros.synchronise.threading", SimpleNamespace(Timer=Deadline))
     one, heard = door.together({"/image": IMAGE}, 0.05, 4.0), threading.Event()
     door.bus.reader(IMAGE, "/image").listen(lambda _: heard.set())  # after the capture, which is called first
     send(door, "/image", IMAGE, stamp=NOW - 0.25)

@@ -11,8 +11,8 @@ import time
 import pytest
 from ros_bench import DATA
 
+from grip_bt.ros.environment import FOLDER, sweep
 from grip_bt.ros.process import child_environment
-from grip_bt.ros.shared_memory import FOLDER, sweep
 
 
 def segments(folder):

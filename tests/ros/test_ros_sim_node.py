@@ -102,12 +102,12 @@ def test_another_goal_takes_the_place_of_the_one_before(world, bus):
     start = arm.state()
     first = arm.execute(swing(start, 0.8, 40.0))
     moved_from(arm, start.position[0])
-    client = bus.action(FollowJointTrajectory, "/right_controller/follow_joint_trajectory", wait=PATIENCE)
+    client = bus.action(FollowJointTrajectory, "/right_controller/follow_joint_trajectory")
     goal = FollowJointTrajectory.Goal()  # one point, a second from now, as people write it
     goal.trajectory.joint_names = list(start.names)
     goal.trajectory.points.append(JointTrajectoryPoint(positions=start.position.tolist()))
     goal.trajectory.points[0].time_from_start.sec = 1
-    second = client.send(goal, timeout=PATIENCE)
+    second = client.send(goal, PATIENCE, PATIENCE)
     assert second.wait(PATIENCE)
     assert second.result().status == "succeeded"
     assert arm.state().position == pytest.approx(start.position, abs=0.03)
@@ -135,8 +135,8 @@ def test_what_cannot_be_followed_is_rejected(world, bus, names, times, positions
         point = JointTrajectoryPoint(positions=row)
         point.time_from_start.sec, point.time_from_start.nanosec = int(at), int(at % 1 * 1e9)
         goal.trajectory.points.append(point)
-    client = bus.action(FollowJointTrajectory, "/right_controller/follow_joint_trajectory", wait=PATIENCE)
-    sent = client.send(goal, timeout=PATIENCE)
+    client = bus.action(FollowJointTrajectory, "/right_controller/follow_joint_trajectory")
+    sent = client.send(goal, PATIENCE, PATIENCE)
     assert sent.wait(PATIENCE)
     with pytest.raises(GoalRejectedError):
         sent.result()

@@ -25,7 +25,7 @@ OUTCOMES = ["succeeded", "aborted", "preempted"]
 @pytest.fixture(scope="module")
 def counting(interface_cache):
     from grip_bt.ros.interfaces import build_interfaces
-    from grip_bt.ros.overlay import activate
+    from grip_bt.ros.interfaces.ament import activate
 
     (built,) = build_interfaces(DATA / "counting", interface_cache)
     activate(built.prefix)
@@ -234,7 +234,7 @@ class Work(smach.State):
 
 @pytest.mark.parametrize("profile", ["noetic", "ros2"])
 def test_a_machine_serves_an_action_and_is_preempted_by_a_cancel(ros, domain, count, profile):
-    from grip_bt.ros.bus import Bus
+    from grip_bt.ros.client.bus import Bus
 
     smach.configure(profile=profile)
     machine = smach.StateMachine(OUTCOMES, ["action_goal", "action_result"], ["action_result"])

@@ -17,10 +17,8 @@ from grip_bt.base.evaluation import condition_of
 from grip_bt.base.expression import parse_expression
 from grip_bt.base.yaml.models import check_model, diagnostic_of, document_error
 from grip_bt.base.yaml.tree import YamlMapping, parse
-from grip_bt.codegen.component_text import OutcomesNeededError, component_text, parse_outcomes, suggested_name
 from grip_bt.codegen.contract import check_contract
-from grip_bt.ros.interfaces import read_interface, read_package
-from grip_bt.ros.interfaces.source import fields_within, interface_file
+from grip_bt.codegen.scaffold import OutcomesNeededError, component_text, parse_outcomes, suggested_name
 from grip_bt.task.catalog.component_file import FILE_NAME, ComponentFile
 from grip_bt.task.catalog.interface_spec import InterfaceSpec
 
@@ -52,6 +50,8 @@ def from_file(path: Path) -> Wish:
     Raises:
         DocumentError: it can't be read, or lies in no package.
     """
+    from grip_bt.ros.interfaces import read_interface
+
     if not path.is_file():
         raise DocumentError("there is no such file", str(path))
     package = path.resolve().parent.parent
@@ -68,6 +68,8 @@ def from_type(name: str, prefixes: Collection[Path] = ()) -> Wish:
     Raises:
         DocumentError: it isn't one, or isn't installed.
     """
+    from grip_bt.ros.interfaces import read_interface
+
     return Wish(read_interface(name, tuple(prefixes)))
 
 
@@ -83,7 +85,9 @@ def from_graph(name: str, within: float, interfaces: Path | None = None) -> Wish
         UnknownNameError: nothing of that name runs.
         GripError: its type isn't known here; it says what to do.
     """
-    from grip_bt.ros.graph import find_served
+    from grip_bt.ros.client.graph import find_served
+    from grip_bt.ros.interfaces import read_interface
+    from grip_bt.ros.interfaces.definition import interface_file
 
     served = find_served(name, within)
     if interfaces is not None:
@@ -111,6 +115,8 @@ def make_component(wish: Wish, folder: Path, outcomes: str | None, failures: Col
         ContractError: the interface and the outcomes don't fit; nothing is written.
         GripError: the folder has a component file already, or something doesn't fit.
     """
+    from grip_bt.ros.interfaces.definition import fields_within
+
     server = wish.server or "/" + suggested_name(wish.interface)
     name = wish.name or server.strip("/").replace("/", "_").lower()
     home = folder / name
@@ -137,6 +143,8 @@ def make_component(wish: Wish, folder: Path, outcomes: str | None, failures: Col
 
 def _with_needed(folder: Path | None) -> list[Path]:
     """Return a package's folder, and those beside it that it needs, directly or not."""
+    from grip_bt.ros.interfaces import read_package
+
     found: dict[str, Path] = {}
     todo = [] if folder is None else [folder]
     while todo:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import BaseModel, ByteSize, ConfigDict, Field, StringConstraints
 
@@ -12,7 +12,8 @@ from grip_bt.task.catalog.controller_config import RosRobotConfig
 from grip_bt.task.catalog.process_config import ProcessConfig
 from grip_bt.task.catalog.sensor_config import SensorConfig
 
-pass
+if TYPE_CHECKING:
+    pass
 
 
 FILE_NAME = "grip.yaml"

@@ -27,8 +27,7 @@ from grip_bt.task.validation import validate
 from ..project.folder import Project, find_project
 from ..project.foreign_code import of_task, refuse
 from ..wiring.open import open_resources
-from ..wiring.parts import Opening, Resources, RobotKind
-from ..wiring.progress import Progress, silent
+from ..wiring.parts import Progress, Resources, RobotKind, silent
 from .mocks import apply_mocks
 from .resume import GoOn, begin_again, options_text, policy_of
 from .saved_state import BroughtBack, changes, kept_parts
@@ -162,8 +161,7 @@ def open_session(
         for runner in running:
             runner.tell(part, words)
 
-    opening = Opening(project, options.seed, options.pace, told, hold)
-    parts = open_resources(opening, needs, options.robot, own)
+    parts = open_resources(project, needs, options.robot, options.seed, options.pace, told, hold, own)
     with parts as resources, Journal(options.journal or project.journal) as journal:
         log = reliving = None
         kept = kept_parts(resources)

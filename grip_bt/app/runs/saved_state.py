@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from grip_bt.base.errors import GripError, ResumeError
 from grip_bt.base.message_store import LocalMessages
 from grip_bt.base.message_store.store import Entry
-from grip_bt.base.ports import Scene
 from grip_bt.runtime import Event, JournalReader
 from grip_bt.runtime.keeping import KEPT, Kept
 from grip_bt.runtime.value_codec import encode
 
-from ..wiring.parts import FakeState, Resources
+if TYPE_CHECKING:
+    from grip_bt.base.ports import Scene
+
+    from ..wiring.fake import FakeState
+    from ..wiring.parts import Resources
 
 SCENE, MESSAGES, WORLD, FAKES = "scene", "messages", "world", "fakes"
 CHANGED_BY = {

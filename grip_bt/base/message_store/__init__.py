@@ -4,7 +4,7 @@
     library = MessageLibrary("messages")          # the files of a project
     library.store("poses").get("bin")
 
-The same over ROS 2, for other processes and languages: `grip_bt.ros.managers`.
+The same over ROS 2, for other processes and languages: `grip_bt.ros.messages`.
 """
 
 from .archive import ArchiveError, load, names, save

@@ -1,13 +1,11 @@
 """Joints of real robots: controllers of ros2_control, and whatever speaks like them, behind the commanders' ports."""
 
-from .gripper import GripperHand
-from .hand import ControlledHand
+from .hands import ControlledHand, GripperHand
 from .joint_states import JointStates
 from .motion import RosExecutor
-from .streaming import StreamedExecutor
+from .streaming import StreamedExecutor, TopicExecutor
 from .switching import ControllerManager
 from .trajectory import TrajectoryExecutor
-from .trajectory_topic import TopicExecutor
 
 __all__ = [
     "ControlledHand",

@@ -13,9 +13,9 @@ from grip_bt.base.failures import SensorError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState
 
-from ..bus import Bus
+from ..client.bus import Bus
+from ..client.topic import Received
 from ..convert_geometry import seconds
-from ..topic import Received
 
 MESSAGE = "sensor_msgs/msg/JointState"
 STALE = 1.0

@@ -1,26 +1,136 @@
-"""A position controller that follows a topic: trajectories are sampled and streamed to it, and so is braking."""
+"""Executors over a topic, where nobody answers: a thread follows each motion to its end and measures what comes of it.
+
+A position controller is streamed samples of the trajectory, and of braking. A joint trajectory controller
+(`~/joint_trajectory` of ros2_control) is sent it whole; one that it refuses, or gives up, the joints don't follow.
+"""
 
 from __future__ import annotations
 
 import threading
 import time
+from abc import abstractmethod
 from array import array
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+from typing import Generic, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
-from grip_bt.base.failures import SensorError, ServerTimeOutError
+from grip_bt.base.failures import CanceledError, ExecutionAbortedError, SensorError, ServerTimeOutError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import Trajectory
 from grip_bt.commanders.steering import spliced
-from grip_bt.commanders.trajectory.braking import stop_ramp
+from grip_bt.commanders.trajectory.braking import accelerations_of, stop_ramp
 from grip_bt.commanders.trajectory.smooth import jerks_of
 
-from ..bus import Bus
-from ..types import load_type
+from ..client.bus import Bus
+from ..client.types import load_type
+from ..convert_geometry import trajectory_to_message
 from .joint_states import JointStates
-from .motion import START_TOLERANCE, settle
-from .over_topic import Course, OverTopic
+from .motion import START_TOLERANCE, RosExecutor, settle
+
+
+class Course:
+    """A motion under way.
+
+    Attributes:
+        trajectory: what is followed.
+        stop: set when it is to come to rest.
+        dropped: set, with `stop`, when nothing more is to be sent, since another motion takes its place.
+    """
+
+    def __init__(self, trajectory: Trajectory):
+        self.trajectory = trajectory
+        self.stop, self.dropped, self._left = threading.Event(), threading.Event(), threading.Event()
+
+    def drop(self) -> None:
+        """Have nothing more sent, and wait until that is so."""
+        self.dropped.set()
+        self.stop.set()
+        self._left.wait(1.0)
+
+    def leave(self) -> None:
+        """Say that nothing more is sent."""
+        self._left.set()
+
+
+C = TypeVar("C", bound=Course)
+
+
+class OverTopic(RosExecutor, Generic[C]):
+    """An executor over a topic, but for how a motion is seen to.
+
+    Args:
+        bus: the connection to ROS.
+        topic: the controller's.
+        names: its joints, in its order.
+        states: where they are measured.
+        accelerations: joint -> limit, for braking; see `trajectory.braking.accelerations_of`.
+    """
+
+    message: str
+    """The topic's interface."""
+
+    def __init__(
+        self,
+        bus: Bus,
+        topic: str,
+        names: Sequence[str],
+        states: JointStates,
+        accelerations: Mapping[str, float] | None = None,
+    ):
+        super().__init__(names, states)
+        self._accelerations = accelerations or {}
+        self._topic, self._writer, self._guard = topic, bus.writer(self.message, topic), bus.guard
+        self._course: C | None = None
+
+    def _begin(self, trajectory: Trajectory) -> Operation[None]:
+        self._course = course = self._course_of(trajectory)
+        done: Operation[None] = Operation(on_cancel=course.stop.set)
+        threading.Thread(target=self._see_to, args=(course, done), name="grip_over_topic", daemon=True).start()
+        return done
+
+    def _drop(self) -> None:
+        if self._course is not None:
+            self._course.drop()
+
+    def _see_to(self, course: C, done: Operation[None]) -> None:
+        try:
+            self._follow(course)
+            if course.stop.is_set():
+                done.fail(CanceledError("the motion was stopped"))
+            else:
+                done.succeed(None)
+        except (ServerTimeOutError, SensorError) as error:
+            done.fail(ExecutionAbortedError(error.message, cause=error.code))
+        except BaseException as error:  # noqa: BLE001 - of this thread; the owner has to hear of it
+            done.fail(error)
+        finally:
+            course.leave()
+
+    def _order(self, trajectory: Trajectory) -> list[int]:
+        """Return where in the trajectory each of our joints is."""
+        return [trajectory.names.index(name) for name in self._names]
+
+    def _limits(self, trajectory: Trajectory) -> NDArray[np.float64]:
+        """Return the acceleration limits of the trajectory's joints [rad/s^2 or m/s^2]."""
+        return accelerations_of(trajectory.names, self._accelerations)
+
+    @abstractmethod
+    def _course_of(self, trajectory: Trajectory) -> C:
+        """Return a motion that begins."""
+
+    @abstractmethod
+    def _follow(self, course: C) -> None:
+        """See to a motion until it has ended, or, on a stop, has braked.
+
+        Raises:
+            ServerTimeOutError: nobody listens.
+            SensorError: nothing is measured of the joints any more.
+            ExecutionAbortedError: the joints don't do it.
+        """
+
 
 RATE = 100.0
 """Set-points a second."""
@@ -164,3 +274,77 @@ class StreamedExecutor(OverTopic[_Way]):
 
     def _publish(self, positions: Sequence[float], subscribers: int) -> Operation[None]:
         return self._writer.publish(self._message(data=array("d", positions)), subscribers)
+
+
+END_TOLERANCE = 0.05
+"""A motion has succeeded when the joints come to rest so near to its end [rad or m]."""
+GENTLY = 0.8
+"""Part of the joints' acceleration limits that braking uses: when the controller hears of it isn't known exactly."""
+SOONEST = 0.05
+"""Joints are told to rest no sooner than this after a message [s]."""
+LOOK = 0.1
+"""How often it is looked at whether the joints are still measured [s]."""
+FOUND = 6.0
+"""How long the controller may take to be there [s]."""
+
+
+class TopicExecutor(OverTopic[Course]):
+    """Implements `grip_bt.base.ports.Executor` over the topic of a joint trajectory controller; see `OverTopic`.
+
+    A motion ends when the joints are measured to be at its end, or to stand still. Where that is elsewhere, it is
+    aborted, and `data` has `stopped_short`: how far off.
+    """
+
+    message = "trajectory_msgs/msg/JointTrajectory"
+
+    def _course_of(self, trajectory: Trajectory) -> Course:
+        return Course(trajectory)
+
+    def _follow(self, course: Course) -> None:
+        trajectory, stop = course.trajectory, course.stop
+        with ExitStack() as stack:
+            if self._guard is not None:
+                self._guard.follows(self._topic, self._names)
+                stack.callback(self._guard.free, self._topic)
+            sent = self._writer.publish(trajectory_to_message(trajectory), 1, FOUND)
+            if not sent.wait(FOUND + 1.0):
+                raise ServerTimeOutError(f"{self._topic}: nobody listens")
+            sent.result()
+            began = time.monotonic()
+            while not stop.is_set() and (left := began + trajectory.duration - time.monotonic()) > 0:
+                stop.wait(min(left, LOOK))
+                self.state()  # a robot that is gone ends the motion
+            if not stop.is_set():
+                settle(self.state, trajectory.positions[-1][self._order(trajectory)], stop)
+            if not stop.is_set():
+                self._judge(trajectory)
+            elif not course.dropped.is_set():
+                self._brake(trajectory, time.monotonic() - began)
+
+    def _brake(self, trajectory: Trajectory, passed: float) -> None:
+        """Publish where and when the joints are at rest: further on their path, or where they are off that.
+
+        The controller goes there by a cubic from the position and the velocity that it has then, which for a ramp is
+        even braking, and forgives that nobody knows exactly when it hears of it.
+        """
+        ramp = stop_ramp(trajectory, passed, GENTLY * self._limits(trajectory))
+        rest, within = ramp.positions[-1], max(ramp.duration, SOONEST)
+        try:
+            measured = self._states.state(trajectory.names).position
+            if np.abs(measured - trajectory.at(passed)).max() > START_TOLERANCE:
+                rest = measured
+        except SensorError:
+            pass  # to rest on the path is the best that is known then
+        still = Trajectory(trajectory.names, np.zeros(1), rest[None], np.zeros((1, len(rest))))
+        self._writer.publish(trajectory_to_message(still, within), 0)
+
+    def _judge(self, trajectory: Trajectory) -> None:
+        """Raise ExecutionAbortedError where the joints aren't at the end."""
+        off = np.abs(self._states.state(trajectory.names).position - trajectory.positions[-1])
+        worst = int(off.argmax())
+        if off[worst] <= END_TOLERANCE:
+            return
+        joint = trajectory.names[worst]
+        reason = f"{self._topic}: joint {joint} stands {off[worst]:.3f} short of the end of the motion"
+        hint = "the controller says why in its log: it refused it, gave it up, isn't active, or something is in the way"
+        raise ExecutionAbortedError(f"{reason}; {hint}", stopped_short=float(off[worst]))

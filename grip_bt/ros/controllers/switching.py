@@ -10,9 +10,9 @@ from grip_bt.base.errors import GripError, UnknownNameError
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.operation import Operation
 
-from ..bus import Bus
-from ..definitions import provide
-from ..types import load_type
+from ..client.bus import Bus
+from ..client.types import load_type
+from ..interfaces.bundled import provide
 
 STRICT = 2
 ANSWER = 10.0
@@ -81,8 +81,8 @@ class ControllerManager:
 
     def _ask(self, service: str, type_: str, **fields: Any) -> Operation[Any]:
         cls = load_type(f"controller_manager_msgs/srv/{type_}")
-        client = self._bus.service(cls, f"{self._name}/{service}", ANSWER, self._wait)
-        return client.call(cls.Request(**fields))
+        client = self._bus.service(cls, f"{self._name}/{service}")
+        return client.call(cls.Request(**fields), ANSWER, self._wait)
 
     def _wait_for(self, operation: Operation[Any]) -> Any:
         began = time.monotonic()

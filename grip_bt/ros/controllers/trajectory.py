@@ -16,11 +16,11 @@ from grip_bt.base.failures import (
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import Trajectory
 
-from ..bus import Bus
+from ..client.bus import Bus
+from ..client.goal import GoalEnd
+from ..client.types import load_type
 from ..convert_geometry import trajectory_to_message
-from ..definitions import provide
-from ..goal import GoalEnd
-from ..types import load_type
+from ..interfaces.bundled import provide
 from .following import Following
 from .joint_states import JointStates
 from .motion import RosExecutor
@@ -54,7 +54,7 @@ class TrajectoryExecutor(RosExecutor):
         super().__init__(names, states)
         provide("control_msgs")
         self._type = load_type(ACTION)
-        self._client = bus.action(self._type, action, wait=wait)
+        self._client, self._wait = bus.action(self._type, action), wait
         self._action, self._goal_time = action, goal_time
         self._following: Following | None = None
         self._fixed = False
@@ -88,7 +88,7 @@ class TrajectoryExecutor(RosExecutor):
         goal = self._type.Goal(trajectory=trajectory_to_message(trajectory, ahead))
         goal.goal_time_tolerance.sec = int(self._goal_time)
         goal.goal_time_tolerance.nanosec = round(self._goal_time % 1 * 1e9)
-        sent = self._client.send(goal, timeout=ahead + trajectory.duration + LATE, on_accepted=accepted)
+        sent = self._client.send(goal, ahead + trajectory.duration + LATE, self._wait, on_accepted=accepted)
         return as_motion(sent, self._action, self._type.Result)
 
 

@@ -18,11 +18,11 @@ from pathlib import Path
 
 from grip_bt.base.errors import NotWritableError
 
+from .ament import search_path, share_folder
 from .checks import check_package
 from .compiler import Compilation, compilers, install_package
 from .generate import generate
 from .package import Package, find_packages
-from .prefixes import search_path, share_folder
 
 _RECIPE = "1"
 """Raised when this builder produces something else from the same files."""

@@ -10,9 +10,9 @@ from pathlib import Path
 from grip_bt.base.errors import DocumentError, nearest
 from grip_bt.task.catalog.interface_spec import FieldSpec, InterfaceSpec
 
+from .ament import share_folder
 from .definition import parse_interface, read_text
 from .package import Package
-from .prefixes import share_folder
 
 _C = """auto break case char const continue default do double else enum extern float for goto if inline int long
 register restrict return short signed sizeof static struct switch typedef union unsigned void volatile while"""

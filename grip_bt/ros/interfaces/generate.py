@@ -19,9 +19,9 @@ from typing import Any
 
 from grip_bt.base.errors import DocumentError, GripError, MissingPartError
 
+from .ament import share_folder
 from .failure import InterfaceBuildError
 from .package import Package
-from .prefixes import share_folder
 
 TYPESUPPORTS = ("rosidl_typesupport_fastrtps_c", "rosidl_typesupport_introspection_c")
 """Both are needed: with the first alone services work, but topics and actions can't register their types."""

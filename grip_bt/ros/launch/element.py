@@ -1,4 +1,4 @@
-"""A launch file as elements: the one shape of its XML and its YAML form."""
+"""A launch file as elements: the one shape of its XML and its YAML form; and what can be wrong with it."""
 
 from __future__ import annotations
 
@@ -7,11 +7,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from xml.parsers import expat
 
-from grip_bt.base.errors import DocumentError
+from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.yaml.tree import YamlList, YamlMapping, YamlScalar, YamlValue, parse, read_file, to_data
 
-from .errors import LaunchError
-from .mistakes import form, given_as
+from .hints import form, given_as
 
 DEEPEST = 50
 """Elements in elements; what launch files need is a handful."""
@@ -152,3 +151,28 @@ def _add(element: Element, key: str, value: YamlValue, line: int, source: str) -
 def text_of(value: object) -> str:
     """Return a scalar of YAML as a launch file's text."""
     return "true" if value is True else "false" if value is False else "" if value is None else str(value)
+
+
+class LaunchError(GripError):
+    """A launch file can't be run as it is.
+
+    Attributes:
+        source: the file.
+        line: 1-based line, or None.
+        reason: what is wrong, and what to do.
+    """
+
+    def __init__(self, source: str, line: int | None, reason: str):
+        self.source, self.line, self.reason = source, line, reason
+        super().__init__(f"{source}:{line}: {reason}" if line else f"{source}: {reason}")
+
+
+class LegacyLaunchFileError(LaunchError):
+    """A launch file is one of ROS 1; `changes` holds (line, what it says, what ROS 2 says)."""
+
+    def __init__(self, source: str, changes: list[tuple[int, str, str]]):
+        self.changes = changes
+        listed = "".join(f"\n  line {line}: {old}: {new}" for line, old, new in changes)
+        super().__init__(
+            source, None, f"this is a ROS 1 launch file; to make it one of ROS 2 (.launch.xml), change:{listed}"
+        )

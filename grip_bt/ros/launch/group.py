@@ -1,7 +1,7 @@
 """Processes that belong together: started, watched until they are ready, started again, and ended all at once.
 
-Each has a warden (`grip_bt.ros.warden`): whatever becomes of us, nothing of the group is left behind. What each prints
-goes into a file of its own.
+Each has a process reaper (`grip_bt.ros.process_reaper`): whatever becomes of us, nothing of the group is left behind.
+What each prints goes into a file of its own.
 """
 
 from __future__ import annotations
@@ -12,14 +12,16 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from grip_bt.base.errors import GripError
 from grip_bt.task.catalog.process_config import Ready, Restart
 
 from ..process import Process
 from .model import LaunchEvent
-from .watch import GraphWatch
+
+if TYPE_CHECKING:
+    from ..client.connection import Connection
 
 State = Literal["waiting", "starting", "ready", "restarting", "silent", "ended", "failed", "stopped", "says"]
 LOOK = 0.1
@@ -287,3 +289,60 @@ class ProcessGroup:
 
 def _file_name(name: str) -> str:
     return re.sub(r"[^A-Za-z0-9_.-]", "_", name).strip(".") or "process"
+
+
+FRESH = 0.25
+"""How long one look at the graph holds [s]."""
+LOOKING = 2.0
+"""How long one look at the graph may take [s]."""
+
+
+class GraphWatch:
+    """Whether services and topics of one DDS domain are there; connected only when somebody asks.
+
+    Args:
+        domain_id: the domain; ROS_DOMAIN_ID, else 0, by default.
+    """
+
+    def __init__(self, domain_id: int | None = None):
+        self._domain = domain_id
+        self._connection: Connection | None = None
+        self._looked = float("-inf")
+        self._names: tuple[set[str], set[str]] = set(), set()
+
+    def sees(self, ready: Ready) -> bool:
+        """Tell whether a service or topic has somebody who serves it."""
+        if time.monotonic() - self._looked > FRESH:
+            self._look()
+        services, topics = self._names
+        return ready.service in services if ready.service else ready.topic in topics
+
+    def instead(self, ready: Ready) -> str:
+        """Return which services or topics there are instead of one that didn't come, as the end of a sentence."""
+        if ready.log is not None or self._connection is None:
+            return ""
+        from ..client.graph import other_servers, other_topics
+
+        node = self._connection.node
+
+        def look() -> str:
+            return other_servers(node, ready.service) if ready.service else other_topics(node, str(ready.topic), "")
+
+        asked = self._connection.post(look)
+        return asked.result() if asked.wait(LOOKING) else ""
+
+    def close(self) -> None:
+        """Leave the graph; harmless when repeated."""
+        if self._connection is not None:
+            self._connection.close()
+
+    def _look(self) -> None:
+        from ..client.connection import Connection  # a launch without readiness signs loads no ROS
+        from ..client.graph import served_names
+
+        if self._connection is None:
+            self._connection = Connection("grip_launch", self._domain)
+        node = self._connection.node
+        asked = self._connection.post(lambda: served_names(node))
+        if asked.wait(LOOKING):
+            self._names, self._looked = asked.result(), time.monotonic()

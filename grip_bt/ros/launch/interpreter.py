@@ -10,11 +10,10 @@ from pathlib import Path
 
 from grip_bt.base.errors import listing, nearest
 
-from ..packages import PackageError, executable_of
-from .element import Element, read_elements
-from .errors import LaunchError
+from ..interfaces.ament import PackageError, executable_of
+from .element import Element, LaunchError, read_elements
+from .hints import about_attributes, about_tag, form
 from .legacy import check_not_legacy
-from .mistakes import about_attributes, about_tag, form
 from .model import Argument, Launch, LaunchedProcess, LaunchEvent, Scope, joined
 from .parameters import parameters_of
 from .python_draft import in_python

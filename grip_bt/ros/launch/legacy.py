@@ -6,8 +6,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from .element import Element
-from .errors import LegacyLaunchFileError
+from .element import Element, LegacyLaunchFileError
 
 _TAGS = {
     "rosparam": '<param from="FILE"/> inside the <node> whose parameters they are; there is no parameter server',
@@ -44,38 +43,25 @@ def check_not_legacy(root: Element, path: Path) -> None:
         LegacyLaunchFileError: it is one; with every line that has to change.
     """
     changes = list(_changes(root))
-    if _is_legacy(root):
-        raise LegacyLaunchFileError(str(path), changes)
+    if any(certain for certain, *_ in changes):
+        raise LegacyLaunchFileError(str(path), [(line, old, new) for _, line, old, new in changes])
 
 
-def _is_legacy(root: Element) -> bool:
-    """Tell whether something in it can only be ROS 1."""
-    for element in _all(root):
-        if element.tag in _TAGS or any((element.tag, name) in _ATTRIBUTES for name in element.attributes):
-            return True
-        if any(p.search(text) for text in element.attributes.values() for p, _ in _SUBSTITUTIONS[:3]):
-            return True
-    return False
-
-
-def _all(element: Element) -> Iterator[Element]:
-    for child in element.children:
-        yield child
-        yield from _all(child)
-
-
-def _changes(element: Element) -> Iterator[tuple[int, str, str]]:
+def _changes(element: Element) -> Iterator[tuple[bool, int, str, str]]:
+    """Yield what has to change: whether only ROS 1 has it, its line, what is written and what to write."""
     for child in element.children:
         if child.tag in _TAGS:
-            yield child.line, f"<{child.tag}>", _TAGS[child.tag]
+            yield True, child.line, f"<{child.tag}>", _TAGS[child.tag]
         for name, text in child.attributes.items():
             if (child.tag, name) in _ATTRIBUTES:
-                yield child.line, f"<{child.tag} {name}={text!r}>", _ATTRIBUTES[child.tag, name]
+                yield True, child.line, f"<{child.tag} {name}={text!r}>", _ATTRIBUTES[child.tag, name]
             for pattern, new in _SUBSTITUTIONS:
                 for found in pattern.findall(text):
-                    yield child.line, found, new
+                    yield not found.startswith("$(eval"), child.line, found, new
         if child.tag == "param" and element.tag in ("launch", "group"):
-            yield child.line, f"<param> in <{element.tag}>", "the same inside the <node> whose parameter it is"
+            same = "the same inside the <node> whose parameter it is"
+            yield False, child.line, f"<param> in <{element.tag}>", same
         if child.tag == "arg" and element.tag != "include" and "value" in child.attributes:
-            yield child.line, f"<arg name={child.attributes.get('name')!r} value=...>", "<let name=... value=.../>"
+            old = f"<arg name={child.attributes.get('name')!r} value=...>"
+            yield False, child.line, old, "<let name=... value=.../>"
         yield from _changes(child)

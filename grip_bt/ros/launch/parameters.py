@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from .element import Element
-from .mistakes import TYPES
+from .hints import TYPES
 from .substitutions import Place, truth
 
 _SEPARATED = "value-sep"

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from .errors import LaunchError
+from .element import LaunchError
 
 UNKNOWN = "..."
 """What stands for something that isn't known before the file runs."""

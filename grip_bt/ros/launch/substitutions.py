@@ -11,8 +11,8 @@ from grip_bt.base.errors import DocumentError, EvaluationError, ExpressionError,
 from grip_bt.base.evaluation import value_of
 from grip_bt.base.expression import parse_expression
 
-from ..packages import PackageError, executable_of, prefix_of, share_of
-from .errors import LaunchError
+from ..interfaces.ament import PackageError, executable_of, prefix_of, share_of
+from .element import LaunchError
 
 TRUE, FALSE = ("true", "1"), ("false", "0")
 MOST = 100

@@ -2,7 +2,7 @@
 
 from .client import MoveGroup
 from .executor import MoveGroupExecutor
-from .mount import Mount
+from .goals import Mount
 from .planner import MoveGroupPlanner
 
 __all__ = ["Mount", "MoveGroup", "MoveGroupExecutor", "MoveGroupPlanner"]

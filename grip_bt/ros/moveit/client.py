@@ -1,4 +1,7 @@
-"""What move_group serves: plans, kinematics, its scene, execution. Each call is answered, or fails by a name."""
+"""What move_group serves: plans, kinematics, its scene, execution. Each call is answered, or fails by a name.
+
+MoveIt's error codes are the failures that tasks know; each keeps MoveIt's own name, number and words in its data.
+"""
 
 from __future__ import annotations
 
@@ -7,19 +10,28 @@ from typing import Any
 from grip_bt.base.failures import (
     BadReplyError,
     CanceledError,
+    ConstraintBrokenError,
+    ExecutionAbortedError,
     ExpectedError,
+    GoalInCollisionError,
     GoalRejectedError,
+    NoIkError,
+    NoPlanError,
+    OutOfLimitsError,
+    PathInvalidError,
     PlannerLostError,
+    SensorError,
     ServerLostError,
     ServerTimeOutError,
+    StartInCollisionError,
+    TimeOutError,
 )
 from grip_bt.base.operation import Operation
 
-from ..bus import Bus
-from ..definitions import provide
-from ..goal import GoalEnd
-from ..types import load_type
-from .codes import SUCCESS, failure
+from ..client.bus import Bus
+from ..client.goal import GoalEnd
+from ..client.types import load_type
+from ..interfaces.bundled import provide
 
 ANSWER = 10.0
 """How long move_group may take beyond the time that it was given [s]: to simplify a path, to time it, to answer."""
@@ -46,7 +58,7 @@ class MoveGroup:
         self.name = f"{namespace}/move_group"
         self._bus, self._namespace, self._wait = bus, namespace, wait
         self._scene = self._service("ApplyPlanningScene", "apply_planning_scene")
-        self._plan = bus.action(load_type("moveit_msgs/action/MoveGroup"), f"{namespace}/move_action", wait=wait)
+        self._plan = bus.action(load_type("moveit_msgs/action/MoveGroup"), f"{namespace}/move_action")
 
     @property
     def scene_server(self) -> frozenset[bytes]:
@@ -65,20 +77,22 @@ class MoveGroup:
         goal.planning_options.plan_only = True
         goal.planning_options.planning_scene_diff.is_diff = True
         goal.planning_options.planning_scene_diff.robot_state.is_diff = True
-        sent = self._plan.send(goal, timeout=timeout + ANSWER, moves=False)
+        sent = self._plan.send(goal, timeout + ANSWER, self._wait, moves=False)
         return self._named(sent, "planning", _ended)
 
     def plan_by_service(self, request: Any, timeout: float) -> Operation[Any]:
         """Plan by the service `plan_kinematic_path`, which can't be cancelled; the result is its response."""
         type_ = load_type("moveit_msgs/srv/GetMotionPlan")
-        client = self._bus.service(type_, f"{self._namespace}/plan_kinematic_path", ANSWER, self._wait)
-        asked = client.call(type_.Request(motion_plan_request=request), timeout=timeout + ANSWER)
+        client = self._bus.service(type_, f"{self._namespace}/plan_kinematic_path")
+        asked = client.call(type_.Request(motion_plan_request=request), timeout + ANSWER, self._wait)
         return self._named(asked, "planning", lambda answer: answer.motion_plan_response)
 
     def cartesian(self, request: Any) -> Operation[Any]:
         """Plan straight lines; the result is the response, whose `fraction` may be less than 1."""
         client = self._service("GetCartesianPath", "compute_cartesian_path")
-        return self._named(client.call(request), "planning of a straight line", lambda answer: answer)
+        return self._named(
+            client.call(request, ANSWER, self._wait), "planning of a straight line", lambda answer: answer
+        )
 
     def inverse(self, request: Any) -> Operation[Any]:
         """Look for joint positions that reach a pose; the result is the `RobotState`.
@@ -87,27 +101,28 @@ class MoveGroup:
             request: a `PositionIKRequest`.
         """
         client = self._service("GetPositionIK", "compute_ik")
-        asked = client.call(client.type.Request(ik_request=request))
+        asked = client.call(client.type.Request(ik_request=request), ANSWER, self._wait)
         return self._named(asked, "inverse kinematics", lambda answer: answer).then(
             lambda answer: Operation.finished(answer.solution)
         )
 
     def apply(self, scene: Any) -> Operation[Any]:
         """Apply a `PlanningScene`, or a difference; the result is the response."""
-        return self._named(self._scene.call(self._scene.type.Request(scene=scene)), "the scene", lambda answer: answer)
+        asked = self._scene.call(self._scene.type.Request(scene=scene), ANSWER, self._wait)
+        return self._named(asked, "the scene", lambda answer: answer)
 
     def allowed_collisions(self) -> Operation[Any]:
         """Return the matrix of allowed collisions as it is now."""
         client = self._service("GetPlanningScene", "get_planning_scene")
         request = client.type.Request()
         request.components.components = _ALLOWED_COLLISIONS
-        return self._named(client.call(request), "the scene", lambda answer: answer).then(
+        return self._named(client.call(request, ANSWER, self._wait), "the scene", lambda answer: answer).then(
             lambda answer: Operation.finished(answer.scene.allowed_collision_matrix)
         )
 
     def _service(self, type_: str, name: str) -> Any:
         cls = load_type(f"moveit_msgs/srv/{type_}")
-        return self._bus.service(cls, f"{self._namespace}/{name}", ANSWER, self._wait)
+        return self._bus.service(cls, f"{self._namespace}/{name}")
 
     def _named(self, asked: Operation[Any], what: str, part: Any) -> Operation[Any]:
         """End as `asked` does, with what MoveIt's error code means, and with PlannerLostError when nobody answers."""
@@ -149,3 +164,73 @@ def _ended(end: GoalEnd) -> Any:
     if end.status == "aborted" and int(end.result.error_code.val) == SUCCESS:
         raise BadReplyError("move_group gave the goal up, and says that it succeeded")
     return end.result
+
+
+SUCCESS = 1
+_FAILURES: dict[str, tuple[type[ExpectedError], str]] = {
+    "PLANNING_FAILED": (NoPlanError, "no path was found"),
+    "FAILURE": (NoPlanError, "it failed and doesn't say why; its own log does"),
+    "UNDEFINED": (NoPlanError, "it gave no answer that means anything; its own log may tell why"),
+    "GOAL_CONSTRAINTS_VIOLATED": (NoPlanError, "the path that was found ends elsewhere"),
+    "GOAL_STATE_INVALID": (NoPlanError, "the goal can't be reached, or not without touching something"),
+    "INVALID_MOTION_PLAN": (PathInvalidError, "the path that was found isn't free"),
+    "MOTION_PLAN_INVALIDATED_BY_ENVIRONMENT_CHANGE": (PathInvalidError, "something came in the way"),
+    "CONTROL_FAILED": (ExecutionAbortedError, "a controller gave the motion up"),
+    "ABORT": (ExecutionAbortedError, "it was aborted"),
+    "UNABLE_TO_AQUIRE_SENSOR_DATA": (SensorError, "a sensor that it needs gives nothing"),
+    "ROBOT_STATE_STALE": (SensorError, "it has no recent joint states"),
+    "SENSOR_INFO_STALE": (SensorError, "a sensor that it needs gives nothing new"),
+    "TIMED_OUT": (TimeOutError, "its time was over; give the arm a longer `planning_time`"),
+    "PREEMPTED": (CanceledError, "it was told to stop"),
+    "START_STATE_IN_COLLISION": (StartInCollisionError, "the robot touches something where the motion begins"),
+    "START_STATE_INVALID": (OutOfLimitsError, "where the motion begins, a joint is out of its limits"),
+    "START_STATE_VIOLATES_PATH_CONSTRAINTS": (ConstraintBrokenError, "the start breaks what the path must keep to"),
+    "GOAL_IN_COLLISION": (GoalInCollisionError, "the robot would touch something at the goal"),
+    "GOAL_VIOLATES_PATH_CONSTRAINTS": (ConstraintBrokenError, "the goal breaks what the path must keep to"),
+    "NO_IK_SOLUTION": (NoIkError, "no joint positions reach the pose"),
+    "INVALID_GROUP_NAME": (
+        GoalRejectedError,
+        "it has no such group of joints; say its own name under `ros: {move_group: {groups: {GROUP: ITS_NAME}}}`",
+    ),
+    "INVALID_GOAL_CONSTRAINTS": (GoalRejectedError, "its planner can't take such a goal; choose another pipeline"),
+    "UNRECOGNIZED_GOAL_TYPE": (GoalRejectedError, "its planner can't take such a goal; choose another pipeline"),
+    "INVALID_ROBOT_STATE": (GoalRejectedError, "it has other joints; is it started for the same robot?"),
+    "INVALID_LINK_NAME": (GoalRejectedError, "it has no such link; is it started for the same robot?"),
+    "INVALID_OBJECT_NAME": (GoalRejectedError, "its scene has no such object"),
+    "FRAME_TRANSFORM_FAILURE": (GoalRejectedError, "it doesn't know the robot's base link as a frame"),
+    "COLLISION_CHECKING_UNAVAILABLE": (GoalRejectedError, "it can't check collisions"),
+    "COMMUNICATION_FAILURE": (PlannerLostError, "it couldn't reach a part of itself"),
+    "CRASH": (PlannerLostError, "its planner crashed; its own log tells why"),
+}
+
+
+def failure(code: Any, what: str) -> ExpectedError | None:
+    """Return the failure that an error code stands for; None for success.
+
+    Args:
+        code: a `moveit_msgs/msg/MoveItErrorCodes`; the words that newer releases add are passed on.
+        what: what was asked, and of whom; begins the message.
+    """
+    value = int(code.val)
+    if value == SUCCESS:
+        return None
+    name = name_of(code)
+    kind, meaning = _FAILURES.get(name, (NoPlanError, f"code {value}, which this version doesn't know"))
+    said = str(getattr(code, "message", "")).strip()
+    words = f"{what}: {meaning}{f' ({said})' if said else ''}"
+    return kind(words, moveit=name.lower(), moveit_code=value, moveit_says=said)
+
+
+def name_of(code: Any) -> str:
+    """Return the name of an error code's value, such as `NO_IK_SOLUTION`; `CODE_<n>` for one without a name."""
+    constants = {
+        getattr(code, name): name
+        for name in dir(type(type(code)))
+        if name.isupper() and isinstance(getattr(code, name, None), int)
+    }
+    return constants.get(int(code.val), f"CODE_{int(code.val)}")
+
+
+def known_codes() -> frozenset[str]:
+    """Return the names of the codes that have a meaning here; success has none."""
+    return frozenset(_FAILURES)

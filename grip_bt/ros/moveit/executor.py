@@ -16,13 +16,13 @@ from grip_bt.base.failures import (
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import Trajectory
 
-from ..bus import Bus
+from ..client.bus import Bus
+from ..client.goal import GoalEnd
+from ..client.types import load_type
 from ..controllers import JointStates, RosExecutor
 from ..convert_geometry import trajectory_to_message
-from ..definitions import provide
-from ..goal import GoalEnd
-from ..types import load_type
-from .codes import failure
+from ..interfaces.bundled import provide
+from .client import failure
 
 LATE = 60.0
 """How long it may take beyond the duration of a trajectory [s]."""
@@ -43,13 +43,13 @@ class MoveGroupExecutor(RosExecutor):
         super().__init__(names, states)
         provide("moveit_msgs")
         self._type = load_type("moveit_msgs/action/ExecuteTrajectory")
-        self._client = bus.action(self._type, action, wait=wait)
+        self._client, self._wait = bus.action(self._type, action), wait
         self._action = action
 
     def _begin(self, trajectory: Trajectory) -> Operation[GoalEnd]:
         goal = self._type.Goal()
         goal.trajectory.joint_trajectory = trajectory_to_message(trajectory)
-        sent = self._client.send(goal, timeout=trajectory.duration + LATE)
+        sent = self._client.send(goal, trajectory.duration + LATE, self._wait)
         whole: Operation[GoalEnd] = Operation(on_cancel=sent.cancel)
         sent.add_done_callback(lambda: self._ended(sent, whole))
         return whole

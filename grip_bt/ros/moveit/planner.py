@@ -32,14 +32,13 @@ from grip_bt.commanders.planning.requests import (
 from grip_bt.commanders.robots import RobotDescription
 from grip_bt.commanders.worker import Search
 
+from ..client.types import load_type
 from ..convert_geometry import joints_to_message, pose_to_message, pose_to_stamped, trajectory_from_message
 from ..steps import Line, Steps, walk
-from ..types import load_type
 from .client import MoveGroup
-from .goals import at_joints, at_pose, on_the_way
+from .goals import Mount, at_joints, at_pose, on_the_way
 from .grasps import choose
-from .mirror import SceneMirror
-from .mount import Mount
+from .scene import SceneMirror
 
 STEP = 0.005
 """How far apart points of a straight line are [m]."""

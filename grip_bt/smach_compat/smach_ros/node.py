@@ -11,5 +11,5 @@ def __getattr__(name: str) -> Any:
     if name == "__all__":
         return ["SmachNode"]
     if name == "SmachNode":
-        return importlib.import_module("grip_bt.ros.smach_node").SmachNode
+        return importlib.import_module("grip_bt.ros.smach_rclpy").SmachNode
     raise AttributeError(name)

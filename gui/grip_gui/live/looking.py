@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import threading
 import time
 from pathlib import Path
@@ -11,12 +10,12 @@ from typing import Any
 from grip_bt.app.project.folder import find_project
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.message_store.written import fields_of
-from grip_bt.ros.bus import Bus
-from grip_bt.ros.graph import topics
-from grip_bt.ros.managers import MessageServer, RosMessages
-from grip_bt.ros.managers.text import entry_rows, text_of_entry, value_from_text
-from grip_bt.ros.managers.wire import MESSAGES as STORES
-from grip_bt.ros.types import load_type, type_name
+from grip_bt.ros.client.bus import Bus
+from grip_bt.ros.client.graph import topics
+from grip_bt.ros.client.types import load_type, type_name
+from grip_bt.ros.messages import MessageServer, RosMessages
+from grip_bt.ros.messages.wire import MESSAGES as STORES
+from grip_bt.ros.messages.wire import entry_rows, text_of_entry, value_from_text
 from grip_bt.task.catalog.sensor_config import MESSAGES
 from grip_gui.run_messages import ValueView
 from grip_gui.values import value_view
@@ -34,9 +33,8 @@ class Looker:
     """One connection to ROS, in the user's own domain."""
 
     def __init__(self) -> None:
-        chosen = os.environ.get("ROS_DOMAIN_ID", "")
-        self.domain = chosen or "0"
-        self._bus = Bus("grip_editor", domain_id=int(chosen) if chosen else None)
+        self._bus = Bus("grip_editor")
+        self.domain = str(self._bus.domain_id)
         self._began = time.monotonic()
         self._messages = RosMessages(self._bus, wait=APPEARS)
         self._server: Bus | None = None

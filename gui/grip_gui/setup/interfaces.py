@@ -14,8 +14,8 @@ from grip_bt.app.project.components import Wish, components_folder, from_file, f
 from grip_bt.base.errors import ContractError, DocumentError, GripError
 from grip_bt.base.yaml.models import check_model, diagnostic_of
 from grip_bt.base.yaml.tree import YamlMapping, parse
-from grip_bt.codegen.component_text import component_text, parse_outcomes, suggested_name
 from grip_bt.codegen.contract import INPUT, OUTCOME, RETURNED, check_contract, suggested_outcomes
+from grip_bt.codegen.scaffold import component_text, parse_outcomes, suggested_name
 from grip_bt.ros.interfaces import read_interface
 from grip_bt.task.catalog.component_file import ComponentFile
 from grip_bt.task.catalog.interface_spec import InterfaceSpec

@@ -6,7 +6,7 @@ import time
 import numpy as np
 
 from grip_bt.base.values import Trajectory
-from grip_bt.ros.bus import Bus
+from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.controllers import JointStates, TopicExecutor, TrajectoryExecutor
 
 NAMES = ("joint_a", "joint_b")

@@ -1,0 +1,198 @@
+"""What clients have in common: requests that wait, with deadlines; of services and actions also the server's check."""
+
+from __future__ import annotations
+
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Generic, TypeVar
+
+from grip_bt.base.failures import CanceledError, ServerLostError, UnfitServerError
+from grip_bt.base.operation import Operation
+
+from .connection import Connection
+from .server_check import STALE, ServerCheck
+
+IN_FLIGHT = 8
+"""Requests sent and not yet answered at once: a server keeps the last 10, and drops others without a word."""
+
+
+@dataclass(eq=False)
+class Request:
+    """What somebody waits for.
+
+    Attributes:
+        message: what is to be sent; None where somebody only waits for the other end.
+        began: when it was asked for [s].
+        deadline: until when it may take in all [s].
+        wait_until: until when a server may appear [s].
+        operation: what its owner has.
+    """
+
+    message: Any
+    began: float
+    deadline: float
+    wait_until: float = 0.0
+    operation: Operation[Any] = field(init=False)
+
+
+R = TypeVar("R", bound=Request)
+
+
+class Client(ABC, Generic[R]):
+    """A client of one name, of whose requests each ends; made by `Bus`.
+
+    Attributes:
+        type: the class of the service, action or message.
+        name: its full name.
+    """
+
+    def __init__(self, bus: Connection, type_: Any, name: str):
+        self.type, self.name, self._bus = type_, name, bus
+        self._requests: list[R] = []
+
+    @property
+    @abstractmethod
+    def idle(self) -> bool:
+        """Whether it was never connected and nobody waits for that; such a client may be replaced."""
+
+    @property
+    def busy(self) -> bool:
+        """Whether a server has to hear something before the connection may be closed."""
+        return False
+
+    def _begin(self, request: R) -> Operation[Any]:
+        def cancel() -> None:
+            self._bus.post(lambda: self._cancel(request))
+
+        operation = request.operation = Operation(on_cancel=cancel)
+        self._bus.start(operation, lambda: self._submit(request))
+        return operation
+
+    # --- on the bus's thread ---
+
+    @abstractmethod
+    def poll(self) -> bool:
+        """Look at the requests under way; False when there are none."""
+
+    @abstractmethod
+    def _submit(self, request: R) -> None:
+        """Begin a request."""
+
+    def _cancel(self, request: R) -> None:
+        self._finish(request, CanceledError("canceled"))
+
+    def end(self, error: Exception) -> None:
+        """End every request with an error."""
+        for request in list(self._requests):
+            self._finish(request, error)
+
+    def _finish(self, request: R, error: Exception | None = None) -> None:
+        """End a request that got no answer: with an error, or because what it waited for is there."""
+        if request in self._requests:
+            self._requests.remove(request)
+            if error is None:
+                request.operation.succeed(None)
+            else:
+                request.operation.fail(error)
+
+
+class ServedClient(Client[R]):
+    """A client of what one server serves: a service, an action."""
+
+    def __init__(
+        self,
+        bus: Connection,
+        type_: Any,
+        name: str,
+        look: Callable[[], list[Any]],
+        check: Callable[[list[Any]], None],
+    ):
+        super().__init__(bus, type_, name)
+        self._check = ServerCheck(look, check, self._connected)
+        self._server_ended: str | None = None
+        self._supervised = False
+
+    # --- from any thread ---
+
+    def server_ended(self, reason: str) -> None:
+        """Say that the server's process is known to have ended: all fails at once, now and until it is back."""
+
+        def end() -> None:
+            self._server_ended = reason
+            self._check.forget()
+            self._all_lost(reason)
+
+        self._bus.post(end)
+
+    def server_started(self) -> None:
+        """Say that the server's process was started by us, so that `server_ended` will tell its end."""
+
+        def start() -> None:
+            self._server_ended, self._supervised = None, True
+
+        self._bus.post(start)
+
+    # --- on the bus's thread ---
+
+    def _submit(self, request: R) -> None:
+        if self._bus.closed:
+            request.operation.fail(CanceledError("the connection to ROS was closed"))
+        elif self._server_ended is not None:
+            request.operation.fail(self._lost(self._server_ended))
+        else:
+            self._requests.append(request)
+            self._bus.watch()
+            self._advance(time.monotonic())
+
+    def _advance(self, now: float) -> None:
+        """Send what can be sent."""
+        waiting = self._waiting()
+        if not waiting:
+            return
+        try:
+            ready = self._check.fits(now)
+        except UnfitServerError as error:
+            stale_possible = self._check.several()
+            for request in waiting:
+                if not stale_possible or now > min(request.wait_until, request.began + STALE):
+                    self._unfit(request, error)
+            return
+        for request in waiting:
+            if not ready:
+                self._absent(request, now)
+            elif request.message is None:
+                self._finish(request)
+            elif self._sent() < IN_FLIGHT:
+                self._send(request, now)
+
+    @abstractmethod
+    def _connected(self) -> bool:
+        """Make our client, if there is none yet, and tell whether it is connected."""
+
+    @abstractmethod
+    def _waiting(self) -> list[R]:
+        """Return the requests that aren't sent."""
+
+    @abstractmethod
+    def _sent(self) -> int:
+        """Return how many requests the server hasn't answered."""
+
+    @abstractmethod
+    def _send(self, request: R, now: float) -> None:
+        """Send a request to the server that was found."""
+
+    def _unfit(self, request: R, error: UnfitServerError) -> None:
+        """Give up a request: who is there doesn't fit."""
+        self._finish(request, error)
+
+    def _absent(self, request: R, now: float) -> None:
+        """See to a request for which no server is there."""
+
+    @abstractmethod
+    def _all_lost(self, reason: str) -> None:
+        """End every request: the server's process has ended."""
+
+    def _lost(self, reason: str, **data: float) -> ServerLostError:
+        return ServerLostError(f"{self.name}: {reason}", server=self.name, **data)

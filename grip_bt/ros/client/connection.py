@@ -1,0 +1,253 @@
+"""A node of this process with its thread: one context, one executor, one thread that is joined, for its life.
+
+Every rclpy entity is created, used and destroyed on that thread, because rclpy's clients aren't safe elsewhere.
+
+The thread is a daemon *and* joined by `close`, which also runs at exit: a daemon thread that is still inside rcl_wait
+when the interpreter ends aborts it, and one that isn't a daemon keeps it alive after an uncaught error. A forked child
+must leave the connection alone and end by `os._exit`, as multiprocessing's does: DDS would join threads that aren't
+there.
+"""
+
+from __future__ import annotations
+
+import atexit
+import logging
+import os
+import threading
+import time
+import warnings
+import weakref
+from collections import deque
+from collections.abc import Callable
+from contextlib import ExitStack
+from types import TracebackType
+from typing import Any, Protocol, Self, TypeVar
+
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from grip_bt.base.failures import CanceledError
+from grip_bt.base.operation import Operation
+
+from ..environment import require, sweep
+from ..watchdog import Guard, shared
+
+T = TypeVar("T")
+PERIOD = 0.02
+"""How often what is under way is looked at [s]; nothing is looked at while there is nothing."""
+LETTING_GO = 1.0
+"""How long closing waits for action servers to hear that their goals are canceled [s]."""
+
+_log = logging.getLogger("grip.ros")
+
+
+class Polled(Protocol):
+    """What is looked at while it has something under way, on the connection's thread."""
+
+    @property
+    def busy(self) -> bool:
+        """Whether a server has to hear something before the connection may be closed."""
+
+    def poll(self) -> bool:
+        """Look at what is under way; False when nothing is."""
+
+    def end(self, error: Exception) -> None:
+        """End all of it with an error."""
+
+
+class Connection:
+    """A ROS node with its thread.
+
+    Args:
+        name: the node's name.
+        domain_id: the DDS domain; ROS_DOMAIN_ID, else 0, by default.
+        guarded: whether goals that it sends, which may move something, are ended when this process has died.
+
+    Attributes:
+        timeout: how long a call or a goal may take in all, where nothing else is said [s].
+        wait: how long to wait for a server, a message or subscribers, where nothing else is said [s].
+    """
+
+    timeout, wait = 30.0, 5.0
+
+    def __init__(self, name: str = "grip", domain_id: int | None = None, guarded: bool = False):
+        require()
+        self._guarded, self._guards = guarded, ExitStack()
+        self._guard: Guard | None = None
+        sweep()
+        self._context = Context()
+        rclpy.init(args=[], context=self._context, domain_id=domain_id, signal_handler_options=SignalHandlerOptions.NO)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)  # of a parser that a node loads
+            self.node = Node(name, context=self._context, start_parameter_services=False, enable_rosout=False)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self.node)
+        self._posted: set[Operation[Any]] = set()
+        self._queue: deque[Callable[[], None]] = deque()
+        self._closing, self._stopped = False, False
+        self._ended_all = threading.Event()
+        self._lock = threading.Lock()
+        self._process = os.getpid()
+        self._timer = self.node.create_timer(PERIOD, self._poll)
+        self._timer.cancel()
+        self._thread = threading.Thread(target=self._spin, name=f"ros-{name}", daemon=True)
+        self._thread.start()
+        self._at_exit = _closer(weakref.ref(self))
+        atexit.register(self._at_exit)
+
+    # --- for everybody ---
+
+    @property
+    def domain_id(self) -> int:
+        """The DDS domain."""
+        return int(self._context.get_domain_id())
+
+    @property
+    def guard(self) -> Guard | None:
+        """What is told of all that is under way and may move something; it is started when it is first asked for."""
+        if self._guarded and self._guard is None:
+            with self._lock:
+                if self._guard is None and not self._closing:
+                    self._guard = self._guards.enter_context(shared(self.domain_id))
+        return self._guard
+
+    def post(self, work: Callable[[], T]) -> Operation[T]:
+        """Run `work` on the connection's thread, in the order of the calls; at once when called from there."""
+        operation: Operation[T] = Operation()
+
+        def run() -> None:
+            self._posted.discard(operation)
+            if operation.done():
+                return
+            try:
+                operation.succeed(work())
+            except BaseException as error:  # noqa: BLE001 - handed to whoever posted it
+                operation.fail(error)
+
+        if threading.current_thread() is self._thread:
+            run()
+        else:
+            self._hand_over(operation, run)
+        return operation
+
+    def start(self, operation: Operation[Any], work: Callable[[], None]) -> None:
+        """Post what starts an operation, which ends with the error that this raises."""
+        posted = self.post(work)
+
+        def pass_error() -> None:
+            try:
+                posted.result()
+            except BaseException as error:  # noqa: BLE001 - handed to the owner of the operation
+                operation.fail(error)
+
+        posted.add_done_callback(pass_error)
+
+    def ask(self, work: Callable[[], T], within: float | None = None) -> T:
+        """Post work, wait for it, at most `within` [s], and return its result or raise its error.
+
+        Raises:
+            CanceledError: the connection is closed.
+            RuntimeError: it took longer.
+        """
+        posted = self.post(work)
+        posted.wait(within)
+        return posted.result()
+
+    def _hand_over(self, operation: Operation[Any], run: Callable[[], None]) -> None:
+        with self._lock:
+            if not self._closing:
+                self._posted.add(operation)
+                self._queue.append(run)
+                self._executor.create_task(self._run_next)  # the executor takes its newest task first
+                return
+        operation.fail(CanceledError("the connection to ROS was closed"))
+
+    def _run_next(self) -> None:
+        self._queue.popleft()()
+
+    def close(self, timeout: float = 5.0) -> None:
+        """End all calls, join the thread, leave the ROS graph. Harmless when repeated, and in a forked child."""
+        with self._lock:
+            if self._closing or os.getpid() != self._process:
+                return
+            self._closing = True
+        self._executor.create_task(self._end_all)
+        self._executor.wake()
+        self._let_goals_go()
+        self._stopped = True
+        self._executor.create_task(lambda: None)  # a wake without work doesn't end a spin before its time
+        if threading.current_thread() is not self._thread:
+            self._thread.join(timeout)
+        self._end_all()
+        for operation in list(self._posted):  # handed over, but the thread stopped before its turn
+            operation.fail(CanceledError("the connection to ROS was closed"))
+        self._executor.shutdown()
+        self.node.destroy_node()
+        self._context.try_shutdown()
+        self._guards.close()
+        atexit.unregister(self._at_exit)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    @property
+    def closed(self) -> bool:
+        """Whether it was closed."""
+        return self._closing
+
+    # --- on its thread ---
+
+    def watch(self) -> None:
+        """Have what is under way looked at from now on; a client asks for it when it has something."""
+        if self._timer.is_canceled():
+            self._timer.reset()
+
+    def _polled(self) -> list[Polled]:
+        """Return what may have something under way."""
+        return []
+
+    def _poll(self) -> None:
+        if not any([client.poll() for client in self._polled()]):
+            self._timer.cancel()
+
+    def _end_all(self) -> None:
+        for client in self._polled():
+            client.end(CanceledError("the connection to ROS was closed"))
+        self._ended_all.set()
+
+    def _let_goals_go(self) -> None:
+        """Wait, not long, until servers know that nobody waits for their goals any more."""
+        if threading.current_thread() is self._thread or not self._thread.is_alive():
+            return
+        deadline = time.monotonic() + LETTING_GO
+        self._ended_all.wait(LETTING_GO)
+        while time.monotonic() < deadline and any(client.busy for client in self._polled()):
+            time.sleep(0.005)
+
+    def _spin(self) -> None:
+        while not self._stopped and self._context.ok():
+            try:
+                self._executor.spin_once(timeout_sec=1.0)
+            except ExternalShutdownException:
+                return
+            except Exception:  # noqa: BLE001 - a callback that raises must not end the connection for everybody else
+                _log.exception("a callback on the ROS thread raised")
+
+
+def _closer(reference: weakref.ref[Connection]) -> Callable[[], None]:
+    """Return what closes the connection at exit, without keeping it alive until then."""
+
+    def close() -> None:
+        connection = reference()
+        if connection is not None:
+            connection.close()
+
+    return close

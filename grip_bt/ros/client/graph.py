@@ -1,0 +1,250 @@
+"""What runs: the services, actions and topics that others serve, and what there is instead of one that isn't there."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from difflib import SequenceMatcher
+from typing import Any, Literal
+
+from rclpy.action.graph import get_action_names_and_types
+from rclpy.node import Node
+
+from grip_bt.base.errors import GripError, UnknownNameError, listing, nearest
+from grip_bt.base.failures import ServerLostError
+
+from .connection import Connection
+from .types import type_name
+
+LOOKING = 5.0
+"""How long one look at the graph may take [s]."""
+SETTLE = 0.1
+"""What was found is all there when nothing new was seen for so long [s]: of a server's parts, some are seen before
+others."""
+LOOK = 0.01
+"""How often is looked [s]; rclpy tells nobody when the graph changes."""
+
+
+@dataclass(frozen=True, slots=True)
+class Served:
+    """Something in the running graph.
+
+    Attributes:
+        name: its full name.
+        kind: `action`, `srv` or `msg`.
+        type: its type, such as `std_srvs/srv/Trigger`.
+        nodes: names of the nodes that serve it, where they are known.
+    """
+
+    name: str
+    kind: Literal["action", "srv", "msg"]
+    type: str
+    nodes: tuple[str, ...] = ()
+
+
+class TwoTypesError(GripError):
+    """One name is served with two types."""
+
+    def __init__(self, name: str, types: list[str]):
+        self.name, self.types = name, types
+        super().__init__(f"{name} is served as {' and as '.join(types)}; stop one of the two")
+
+
+def everything(node: Node) -> list[Served]:
+    """Return all that is served, without what every node has; on the bus's thread.
+
+    Raises:
+        TwoTypesError: a service or an action has two types.
+    """
+    found: list[Served] = []
+    for name, types in get_action_names_and_types(node):
+        found.append(Served(name, "action", _one(name, types), _nodes(node, f"{name}/_action/send_goal")))
+    for name, types in node.get_service_names_and_types():
+        if not hidden(name):
+            found.append(Served(name, "srv", _one(name, types), _nodes(node, name)))
+    found += [Served(name, "msg", types[0]) for name, types, _ in topics(node)]
+    return sorted(found, key=lambda served: (served.kind, served.name))
+
+
+def served_names(node: Node) -> tuple[set[str], set[str]]:
+    """Return the names of what is served (services, actions), and of the topics that somebody publishes."""
+    served = {name for name, _ in (*node.get_service_names_and_types(), *get_action_names_and_types(node))}
+    return served, {name for name, _ in node.get_topic_names_and_types() if node.count_publishers(name)}
+
+
+def find_served(name: str, within: float = 5.0, domain_id: int | None = None) -> Served:
+    """Return what is served under a name; actions come before services, services before topics.
+
+    Args:
+        name: such as `/plan_grasp`; a missing first slash is added.
+        within: how long to look [s].
+        domain_id: the DDS domain; ROS_DOMAIN_ID, else 0, by default.
+
+    Raises:
+        UnknownNameError: nothing of that name is there; it lists what is.
+        TwoTypesError: two types are.
+    """
+    wanted = name if name.startswith("/") else f"/{name}"
+    deadline = time.monotonic() + within
+    with Connection("grip_look", domain_id) as bus:
+        seen, since = bus.ask(lambda: everything(bus.node), LOOKING), time.monotonic()
+        while True:
+            found = [s for s in seen if s.name == wanted]
+            now = time.monotonic()
+            if found and (now > since + SETTLE or now > deadline):
+                return found[0]
+            if now > deadline:
+                names = [s.name for s in seen]
+                where = f"the running graph, after {within:.0f} s (ROS_DOMAIN_ID {bus.domain_id})"
+                raise UnknownNameError("service, action or topic", wanted, names, where)
+            time.sleep(LOOK)
+            before, seen = seen, bus.ask(lambda: everything(bus.node), LOOKING)
+            if seen != before:
+                since = time.monotonic()
+
+
+def list_served(within: float = 2.0, domain_id: int | None = None) -> list[Served]:
+    """Return all that is seen after listening for `within` [s]."""
+    with Connection("grip_look", domain_id) as bus:
+        time.sleep(within)
+        return bus.ask(lambda: everything(bus.node), LOOKING)
+
+
+def _one(name: str, types: list[str]) -> str:
+    if len(types) > 1:
+        raise TwoTypesError(name, types)
+    return types[0]
+
+
+def _nodes(node: Node, service: str) -> tuple[str, ...]:
+    servers = node.get_subscriptions_info_by_topic(f"rq{service}Request", no_mangle=True)
+    return tuple(sorted(s.node_name for s in servers if s.node_name and s.node_name != "_NODE_NAME_UNKNOWN_"))
+
+
+_HIDDEN = (
+    *("/_action/", "/describe_parameters", "/get_parameter_types", "/get_parameters", "/list_parameters"),
+    *("/set_parameters", "/set_parameters_atomically", "/get_type_description", "/rosout", "/parameter_events"),
+)
+MOST = 8
+"""How many names are listed."""
+_NEAR = 0.6
+"""How alike two names are of which one may be meant for the other."""
+Names = Sequence[tuple[str, Sequence[str]]]
+
+
+def hidden(name: str) -> bool:
+    """Tell whether a name is of what every node has, or a part of an action."""
+    return any(part in name if part.startswith("/_") else name.endswith(part) for part in _HIDDEN)
+
+
+def explained(error: Exception, node: Node, type_: Any) -> Exception:
+    """Return an error that says in vain was waited for a server with what is served instead; any other as it is.
+
+    On the bus's thread.
+
+    Args:
+        error: what a call or a goal ended with; `waited` in its data marks the ones meant.
+        node: who looks at the graph.
+        type_: the class of the service or the action.
+    """
+    if not isinstance(error, ServerLostError) or "waited" not in error.data:
+        return error
+    services = [(name, types) for name, types in node.get_service_names_and_types() if not hidden(name)]
+    actions = get_action_names_and_types(node)
+    domain = node.context.get_domain_id()
+    return ServerLostError(
+        error.message + instead(error.data["server"], type_name(type_), services, actions, domain), **error.data
+    )
+
+
+def instead(name: str, wanted: str, services: Names, actions: Names, domain: int) -> str:
+    """Return what is served instead of a name, in words to be put behind the message.
+
+    Args:
+        name: what was waited for.
+        wanted: its type.
+        services: names and types of the services that run.
+        actions: likewise of the actions.
+        domain: the DDS domain in which was looked.
+    """
+    ours, theirs, other = (services, actions, "an action") if "/srv/" in wanted else (actions, services, "a service")
+    where = f"in ROS_DOMAIN_ID {domain}"
+    for served, types in theirs:
+        if served == name:
+            return f"; {name} is {other}, of type {types[0]}"
+    same = sorted(served for served, types in ours if wanted in types and served != name)
+    if same:
+        return f"; {wanted} is served {where} as {listing(same[:MOST])}"
+    names = sorted(served for served, _ in ours if served != name)
+    kind = "services" if "/srv/" in wanted else "actions"
+    return f"{nearest(name, names)} ({kind} {where}: {_some(names, MOST)})"
+
+
+def other_servers(node: Node, name: str) -> str:
+    """Return what is served instead of a service or action of any type, in words to be put behind the message."""
+    published = {topic: types for topic, types, _ in topics(node)}
+    if name in published:
+        return f"; {name} is a topic, of type {published[name][0]}"
+    served = [*node.get_service_names_and_types(), *get_action_names_and_types(node)]
+    names = sorted(other for other, _ in served if not hidden(other))
+    where = f"in ROS_DOMAIN_ID {node.context.get_domain_id()}"
+    return f"{nearest(name, names)} (services and actions {where}: {_some(names, MOST)})"
+
+
+def topics(node: Node) -> list[tuple[str, list[str], int]]:
+    """Return the topics that somebody publishes, by name: name, types, number of publishers; on the bus's thread."""
+    seen = ((name, types, node.count_publishers(name)) for name, types in node.get_topic_names_and_types())
+    return sorted((name, types, count) for name, types, count in seen if count and not hidden(name))
+
+
+def other_topics(node: Node, name: str, wanted: str, heard: bool = False, most: int = MOST) -> str:
+    """Return which topics there are instead of one that nobody publishes as `wanted`, as `instead_of_topic` does.
+
+    Args:
+        node: who looks at the graph.
+        name: the topic.
+        wanted: its type; empty where nobody said it.
+        heard: whether those are meant that somebody subscribes to.
+        most: how many are listed.
+    """
+    ends = node.get_subscriptions_info_by_topic if heard else node.get_publishers_info_by_topic
+    names = [n for n, _ in node.get_topic_names_and_types() if not hidden(n)]
+    there = [(n, types) for n in sorted(names) if (types := sorted({end.topic_type for end in ends(n)}))]
+    if any(n == name for n, _ in there):  # its own type is told by whoever asks
+        there = [(n, types) for n, types in there if wanted in types]
+        return instead_of_topic(name, wanted, there, node.context.get_domain_id(), heard, most) if there else ""
+    services, actions = node.get_service_names_and_types(), get_action_names_and_types(node)
+    served = [("a service", n, types) for n, types in services] + [("an action", n, types) for n, types in actions]
+    kind = next((f"; {name} is {what}, of type {types[0]}" for what, n, types in served if n == name), "")
+    return kind or instead_of_topic(name, wanted, there, node.context.get_domain_id(), heard, most)
+
+
+def instead_of_topic(name: str, wanted: str, there: Names, domain: int, heard: bool = False, most: int = MOST) -> str:
+    """Return which topics there are, in words to be put behind the message: those of the type, and of a name like it.
+
+    Args:
+        name: what was waited for.
+        wanted: its type; empty where nobody said it.
+        there: names and types of the topics that are there.
+        domain: the DDS domain in which was looked.
+        heard: whether those are topics that somebody subscribes to, not publishes.
+        most: how many are listed.
+    """
+    done, where = "heard" if heard else "published", f"in ROS_DOMAIN_ID {domain}"
+    others = sorted(((n, types) for n, types in there if n != name), key=lambda other: (-_alike(name, other[0]), other))
+    same = [n for n, types in others if wanted in types]
+    near = [(n, types) for n, types in others if n not in same and _alike(name, n) >= _NEAR][:1]
+    said = f"; {wanted} is {done} {where} as {_some(same, most)}" if same else ""
+    said += "".join(f"; did you mean {n!r}, which is {done} as {types[0]}?" for n, types in near)
+    if said or not others:
+        return said or f"; nothing is {done} {where}"
+    return f"; {done} {where}: {_some([f'{n} ({types[0]})' for n, types in others], most)}"
+
+
+def _alike(name: str, other: str) -> float:
+    return SequenceMatcher(None, name, other).ratio()
+
+
+def _some(names: Sequence[str], most: int) -> str:
+    return listing(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")

@@ -1,0 +1,228 @@
+"""Whether a name has one server that a client of ours would understand, and that knows us: asked before sending.
+
+A client and a server of different types, or of different definitions of one type, never exchange anything, and
+`service_is_ready` doesn't look. A query of an endpoint tells type, type hash, reliability and identity.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import math
+import re
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.qos import ReliabilityPolicy
+
+from grip_bt.base.failures import UnfitServerError
+
+TRUST = 0.5
+"""How long a check of the server holds [s]; a query per call would double the price of a call."""
+SETTLE = 0.1
+"""How long a server must be known before it is sent anything [s]: it has to know our ear too, or its first answer is
+lost."""
+STALE = 3.5
+"""How long a second server may be a dead one whose lease is running out [s]."""
+GRACE = 1.0
+"""How long to wait for the exit of a process of ours whose server has gone [s]: it says more than DDS does."""
+
+
+class ServerCheck:
+    """The check of one name's server; used on the bus's thread.
+
+    Args:
+        look: returns who serves the name.
+        check: raises UnfitServerError for servers that don't fit.
+        connected: makes our client, if there is none yet, and tells whether it is connected. It isn't called before a
+            server was found to fit: a client of the wrong type would spoil the name for this process.
+
+    Attributes:
+        servers: who was found last, while that is trusted; empty when it has to be looked again.
+    """
+
+    def __init__(
+        self, look: Callable[[], list[Any]], check: Callable[[list[Any]], None], connected: Callable[[], bool]
+    ):
+        self._look, self._check, self._connected = look, check, connected
+        self.servers: frozenset[bytes] = frozenset()
+        self._checked = -math.inf
+        self._settled: tuple[frozenset[bytes], float] = (frozenset(), 0.0)
+
+    @property
+    def last(self) -> frozenset[bytes]:
+        """Who was found last, trusted or not."""
+        return self._settled[0]
+
+    def trusted(self, now: float) -> bool:
+        """Tell whether the last check still holds at a time [s]."""
+        return bool(self.servers) and now - self._checked < TRUST
+
+    def forget(self) -> None:
+        """Have the next question looked at anew."""
+        self.servers = frozenset()
+
+    def present(self) -> frozenset[bytes]:
+        """Return who is there now; when these are others than before, the next question is looked at anew."""
+        present = gids_of(self._look())
+        if present != self.servers:
+            self.forget()
+        return present
+
+    def several(self) -> bool:
+        """Tell whether more than one serve the name; a dead one counts until its lease is over."""
+        return len(self._look()) > 1
+
+    def fits(self, now: float) -> bool:
+        """Tell whether there is one fitting server that our client is connected to.
+
+        Raises:
+            UnfitServerError: who is there doesn't fit.
+        """
+        if self.trusted(now):
+            return self._connected()
+        self.forget()
+        servers = self._look()
+        if not servers:
+            return False
+        self._check(servers)
+        if not self._connected():
+            return False
+        present = gids_of(servers)
+        if present != self._settled[0]:
+            self._settled = (present, now)
+        if now < self._settled[1] + SETTLE:
+            return False
+        self.servers, self._checked = present, now
+        return True
+
+
+_ACTION_PART = re.compile(r"_(SendGoal|GetResult|FeedbackMessage)$")
+
+
+def servers_of(node: Node, name: str) -> list[Any]:
+    """Return what is known of each server of a service: endpoint of its requests, node name, type, type hash, QoS."""
+    return list(node.get_subscriptions_info_by_topic(f"rq{name}Request", no_mangle=True))
+
+
+def gids_of(servers: list[Any]) -> frozenset[bytes]:
+    """Return the identities of servers; a restarted server has another one."""
+    return frozenset(bytes(server.endpoint_gid) for server in servers)
+
+
+def check_servers(node: Node, service: Any, name: str, servers: list[Any]) -> None:
+    """Check that the servers of a name are one server that a client of type `service` can call.
+
+    Raises:
+        UnfitServerError: another type, another definition of it, best-effort, or several servers.
+    """
+    for server in servers:
+        _check_endpoint(service, name, server, "Request")
+    for endpoint in node.get_publishers_info_by_topic(f"rr{name}Reply", no_mangle=True):
+        _check_endpoint(service, name, endpoint, "Response")
+    if len(servers) > 1:
+        nodes = ", ".join(sorted(_node(s) for s in servers))
+        raise UnfitServerError(
+            f"{name}: {len(servers)} servers ({nodes}), each of which would execute a request; stop all but one",
+            server=name,
+        )
+
+
+def action_servers(node: Node, name: str) -> list[Any]:
+    """Return what is known of each server of an action, as `servers_of` does: endpoints that take its goals."""
+    return servers_of(node, f"{name}/_action/send_goal")
+
+
+def check_action_servers(node: Node, action: Any, name: str, servers: list[Any]) -> None:
+    """Check that the servers of an action are one server that a client of type `action` can use.
+
+    Raises:
+        UnfitServerError: as `check_servers`, for its goals and for its results.
+    """
+    results = servers_of(node, f"{name}/_action/get_result")
+    for server in servers:
+        _check_endpoint(action.Impl.SendGoalService, name, server, "Request")
+    for server in results:
+        _check_endpoint(action.Impl.GetResultService, name, server, "Request")
+    for endpoint in node.get_publishers_info_by_topic(f"rr{name}/_action/get_resultReply", no_mangle=True):
+        _check_endpoint(action.Impl.GetResultService, name, endpoint, "Response")
+    for endpoint in node.get_publishers_info_by_topic(f"rt{name}/_action/feedback", no_mangle=True):
+        _check_endpoint(action.Impl.FeedbackMessage, name, endpoint, "")
+    if len(servers) > 1:
+        nodes = ", ".join(sorted(_node(s) for s in servers))
+        raise UnfitServerError(
+            f"{name}: {len(servers)} action servers ({nodes}), each of which would execute a goal; stop all but one",
+            server=name,
+        )
+
+
+def _check_endpoint(service: Any, name: str, endpoint: Any, part: str) -> None:
+    """Check one half of a server; the definitions of requests and responses have hashes of their own."""
+    package, kind = service.__module__.split(".")[:2]
+    wanted = (
+        f"{package}::{kind}::dds_::{service.__name__}_{part}_"
+        if part
+        else (f"{package}::{kind}::dds_::{service.__name__}_")
+    )
+    if endpoint.topic_type != wanted:
+        raise UnfitServerError(
+            f"{name}: {_node(endpoint)} serves {_readable(endpoint.topic_type)}, not {_readable(wanted)}",
+            server=name,
+            serves=_readable(endpoint.topic_type),
+        )
+    ours, theirs = type_hash(service, part), str(endpoint.topic_type_hash)
+    if ours is not None and theirs != ours:
+        half = _half(service, part)
+        raise UnfitServerError(
+            f"{name}: {_node(endpoint)} was built with another definition of the {half} of {_readable(wanted)} "
+            f"({theirs[7:15]}..., ours is {ours[7:15]}...); build both from the same file",
+            server=name,
+        )
+    if part and endpoint.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT:
+        what = "a service" if kind == "srv" else "an action"
+        raise UnfitServerError(
+            f"{name}: {_node(endpoint)} is best-effort; {what} must be reliable, which is ROS's default",
+            server=name,
+        )
+
+
+@cache
+def type_hash(service: Any, part: str) -> str | None:
+    """Return the RIHS01 hash of a service's `Request` or `Response` as built here; None where it isn't installed.
+
+    Args:
+        service: a service's class, a service of an action (`Impl.SendGoalService`), or an action's feedback message.
+        part: `Request` or `Response`; empty for a message.
+    """
+    package, kind = service.__module__.split(".")[:2]
+    module = importlib.import_module(package)
+    if module.__file__ is None:
+        return None
+    of_action = _ACTION_PART.sub("", service.__name__) if kind == "action" else service.__name__
+    file = Path(module.__file__).parents[4] / "share" / package / kind / f"{of_action}.json"
+    if not file.is_file():
+        return None
+    wanted = f"{package}/{kind}/{service.__name__}" + (f"_{part}" if part else "")
+    hashes = json.loads(file.read_text(encoding="utf-8"))["type_hashes"]
+    return next((h["hash_string"] for h in hashes if h["type_name"] == wanted), None)
+
+
+def _node(endpoint: Any) -> str:
+    """Name a server's node; names travel more slowly than endpoints."""
+    name = endpoint.node_name
+    return f"node {name!r}" if name and name != "_NODE_NAME_UNKNOWN_" else "a node"
+
+
+def _half(service: Any, part: str) -> str:
+    """Name what differs: the request of a service; the goal, the result or the feedback of an action."""
+    names = {"_SendGoal": "goal", "_GetResult": "result", "_FeedbackMessage": "feedback"}
+    return next((words for suffix, words in names.items() if service.__name__.endswith(suffix)), part.lower())
+
+
+def _readable(dds_type: str) -> str:
+    """Turn `std_srvs::srv::dds_::Trigger_Request_` into `std_srvs/srv/Trigger`."""
+    plain = dds_type.replace("::dds_::", "::").removesuffix("_Request_").removesuffix("_Response_").removesuffix("_")
+    return (_ACTION_PART.sub("", plain) if "::action::" in plain else plain).replace("::", "/")

@@ -1,0 +1,251 @@
+"""Topics: messages waited for, looked at and published, with the settings of whoever is at the other end.
+
+A subscription that asks for more than a publisher offers (reliable from best-effort, the past from volatile) is never
+connected, and nobody is told. So a reader looks for publishers first, subscribes with what all of them offer, and says
+who publishes what when nothing comes.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+
+from grip_bt.base.errors import GripError
+from grip_bt.base.failures import CanceledError, ServerTimeOutError
+from grip_bt.base.operation import Operation
+
+from .base import Client, Request
+from .connection import Connection
+from .graph import MOST, other_topics
+from .types import load_type, type_name
+
+DEPTH = 10
+"""Messages kept for a reader that is late."""
+RELOOK = 0.5
+"""How often a reader in use looks whether its publishers changed [s]."""
+
+
+@dataclass(frozen=True)
+class Received:
+    """A message and when it came, on this process's steady clock [s]."""
+
+    message: Any
+    time: float
+
+
+@dataclass(eq=False)
+class _Message(Request):
+    subscribers: int = 0  # how many are needed
+
+
+class TopicReader(Client[Request]):
+    """The one subscription of a topic in this process; made by `Bus.reader`.
+
+    Attributes:
+        type: the message's class; None until a publisher is seen, where nobody has said which.
+        name: the topic's full name.
+        latest: the last message, None before the first.
+    """
+
+    def __init__(self, bus: Connection, type_: Any, name: str):
+        super().__init__(bus, type_, name)
+        self.latest: Received | None = None
+        self._subscription: Any = None
+        self._offered: tuple[bool, bool] | None = None
+        self._listeners: list[Callable[[Received], None]] = []
+        self._looked = float("-inf")
+        self._listening = False
+
+    @property
+    def idle(self) -> bool:
+        """Whether it was never subscribed."""
+        return self._subscription is None and not self._requests
+
+    # --- from any thread ---
+
+    def listen(self, callback: Callable[[Received], None] | None = None) -> Operation[None]:
+        """Subscribe, so that `latest` is kept; `callback` is called on the bus's thread with each message."""
+
+        def start() -> None:
+            if callback is not None:
+                self._listeners.append(callback)
+            self._listening = True
+            self._look(time.monotonic())
+            self._bus.watch()
+
+        return self._bus.post(start)
+
+    def ignore(self, callback: Callable[[Received], None]) -> None:
+        """Take back a `listen`."""
+
+        def stop() -> None:
+            if callback in self._listeners:
+                self._listeners.remove(callback)
+
+        self._bus.post(stop)
+
+    def next(self, timeout: float | None = None) -> Operation[Any]:
+        """Wait for the next message that comes from now on.
+
+        Ends with ServerTimeOutError, which tells who publishes the topic, after `timeout` [s].
+        """
+        now = time.monotonic()
+        return self._begin(Request(None, now, now + (self._bus.wait if timeout is None else timeout)))
+
+    def recent(self, max_age: float, timeout: float | None = None) -> Operation[Any]:
+        """Return the last message when it is at most `max_age` [s] old, else wait for the next."""
+        latest = self.latest
+        if latest is not None and time.monotonic() - latest.time <= max_age:
+            return Operation.finished(latest.message)
+        return self.next(timeout)
+
+    # --- on the bus's thread ---
+
+    def poll(self) -> bool:
+        """Look at who waits; False when nobody does."""
+        now = time.monotonic()
+        if (self._requests and self._subscription is None) or now - self._looked > RELOOK:
+            self._look(now)
+        for wait in [w for w in self._requests if now > w.deadline]:
+            text = f"{self.name}: no message within {wait.deadline - wait.began:.1f} s; {self.publishers()}"
+            self._finish(wait, ServerTimeOutError(text, topic=self.name))
+        return bool(self._requests) or (self._listening and self._subscription is None)
+
+    def _submit(self, request: Request) -> None:
+        self._requests.append(request)
+        self._look(time.monotonic())
+        self._bus.watch()
+
+    def publishers(self, most: int = MOST) -> str:
+        """Say who publishes the topic, and whether we could hear it; of the topics instead of it, `most` are named."""
+        found = self._bus.node.get_publishers_info_by_topic(self.name)
+        wanted = "" if self.type is None else type_name(self.type)
+        if not found:
+            return f"nobody publishes it{other_topics(self._bus.node, self.name, wanted, most=most)}"
+        types = sorted({p.topic_type for p in found})
+        if not wanted:
+            return f"it is published as {' and as '.join(types)}; say as which to hear it"
+        wrong, right = [t for t in types if t != wanted], sum(p.topic_type == wanted for p in found)
+        if not right:
+            said = f"it is published as {', '.join(wrong)}, not as {wanted}; name that type, or another topic"
+            return said + other_topics(self._bus.node, self.name, wanted, most=most)
+        others = f"; others publish it as {', '.join(wrong)}" if wrong else ""
+        return f"{right} publisher{'s' if right > 1 else ''}, silent{others}"
+
+    def _look(self, now: float) -> None:
+        """Subscribe with what the publishers offer; again when that changes."""
+        self._looked = now
+        found = self._bus.node.get_publishers_info_by_topic(self.name)
+        if self.type is None and not self._adopt({p.topic_type for p in found}):
+            return
+        mine = [p.qos_profile for p in found if p.topic_type == type_name(self.type)]
+        reliable = bool(mine) and all(q.reliability == ReliabilityPolicy.RELIABLE for q in mine)
+        lasting = bool(mine) and all(q.durability == DurabilityPolicy.TRANSIENT_LOCAL for q in mine)
+        if not mine or (self._subscription is not None and self._offered == (reliable, lasting)):
+            return  # also for a publisher of another type: a subscription would spoil the name for this process
+        if self._subscription is not None:
+            self._bus.node.destroy_subscription(self._subscription)
+        self._offered = (reliable, lasting)
+        profile = QoSProfile(
+            depth=DEPTH,
+            history=HistoryPolicy.KEEP_LAST,
+            reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+            durability=DurabilityPolicy.TRANSIENT_LOCAL if lasting else DurabilityPolicy.VOLATILE,
+        )
+        self._subscription = self._bus.node.create_subscription(self.type, self.name, self._received, profile)
+
+    def _adopt(self, published: set[str]) -> bool:
+        """Take the one type that the topic is published as; False while there is none, or more than one."""
+        if len(published) != 1:
+            return False
+        try:
+            self.type = load_type(*published)
+        except GripError as error:
+            self.end(error)
+        return self.type is not None
+
+    def _received(self, message: Any) -> None:
+        self.latest = received = Received(message, time.monotonic())
+        waits, self._requests = self._requests, []
+        for wait in waits:
+            wait.operation.succeed(message)
+        for listener in list(self._listeners):
+            listener(received)
+
+
+class TopicWriter(Client[_Message]):
+    """The one publisher of a topic in this process; made by `Bus.writer`. Reliable, and keeps the last messages."""
+
+    _publisher: Any = None
+
+    @property
+    def idle(self) -> bool:
+        """Whether nothing was ever published."""
+        return self._publisher is None
+
+    def advertise(self) -> None:
+        """Be there before anything is published, so that subscribers find it.
+
+        Raises:
+            GripError: the connection was closed.
+        """
+        self._bus.ask(self._make)
+
+    def listeners(self) -> int:
+        """Return how many subscribers there are; none after the connection was closed."""
+        try:
+            return self._bus.ask(lambda: 0 if self._publisher is None else self._publisher.get_subscription_count())
+        except CanceledError:
+            return 0
+
+    def _make(self) -> None:
+        if self._publisher is None:
+            self._publisher = self._bus.node.create_publisher(self.type, self.name, DEPTH)
+
+    def publish(self, message: Any, subscribers: int = 0, timeout: float | None = None) -> Operation[None]:
+        """Publish a message, when at least `subscribers` listen.
+
+        Ends with ServerTimeOutError when they don't come within `timeout` [s].
+        """
+        now = time.monotonic()
+        deadline = now + (self._bus.wait if timeout is None else timeout)
+        return self._begin(_Message(message, now, deadline, subscribers=subscribers))
+
+    def _submit(self, request: _Message) -> None:
+        self._make()
+        self._requests.append(request)
+        self._bus.watch()
+        self.poll()
+
+    def poll(self) -> bool:
+        """Publish what can be; False when nothing waits."""
+        now = time.monotonic()
+        for wait in list(self._requests):
+            there = self._publisher.get_subscription_count()
+            if there >= wait.subscribers:
+                self._publish(wait)
+            elif now > wait.deadline:
+                waited = wait.deadline - wait.began
+                text = f"{self.name}: {there} subscribers after {waited:.1f} s, {wait.subscribers} are needed"
+                text += "" if there else self._subscribers()
+                self._finish(wait, ServerTimeOutError(text, topic=self.name))
+        return bool(self._requests)
+
+    def _publish(self, wait: _Message) -> None:
+        try:
+            self._publisher.publish(wait.message)
+        except Exception as error:  # noqa: BLE001 - rclpy's TypeErrors of a wrong message
+            self._finish(wait, error)
+        else:
+            self._finish(wait)
+
+    def _subscribers(self) -> str:
+        """Say what is heard instead, where nobody hears this."""
+        wanted, found = type_name(self.type), self._bus.node.get_subscriptions_info_by_topic(self.name)
+        wrong = sorted({end.topic_type for end in found if end.topic_type != wanted})
+        said = f"; it is heard as {', '.join(wrong)}, not as {wanted}" if wrong else ""
+        return said + other_topics(self._bus.node, self.name, wanted, heard=True)

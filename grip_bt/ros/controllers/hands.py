@@ -1,0 +1,180 @@
+"""Hands behind the port `HandPort`: a parallel gripper's action GripperCommand, or any executor of several joints."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from grip_bt.base.failures import CanceledError, ExecutionAbortedError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Executor
+from grip_bt.base.values import JointState
+from grip_bt.commanders.trajectory.splines import eased, slowed
+
+from ..client.bus import Bus
+from ..client.goal import GoalEnd
+from ..client.types import load_type
+from ..interfaces.bundled import provide
+from .joint_states import JointStates
+from .motion import Motion, measured
+from .trajectory import LATE, as_motion
+
+ACTION = "control_msgs/action/GripperCommand"
+UNKNOWN_FORCE = 1.0
+"""Force of a contact where none is measured [N]: that there is one, not how strong."""
+GAVE_WAY = 2e-3
+"""Fingers that have moved further than this since something stopped them [m or rad] don't touch it any more."""
+
+
+class GripperHand:
+    """Implements `grip_bt.base.ports.HandPort`.
+
+    Args:
+        bus: the connection to ROS.
+        action: the gripper's action, such as `/gripper_controller/gripper_cmd`.
+        joint: the joint that it moves.
+        states: where that is measured.
+        wait: how long to wait for the gripper to appear [s].
+    """
+
+    def __init__(self, bus: Bus, action: str, joint: str, states: JointStates, wait: float = 5.0):
+        provide("control_msgs")
+        self._type = load_type(ACTION)
+        self._client, self._wait = bus.action(self._type, action), wait
+        self._action, self._joint, self._states = action, joint, states
+        self._motion: Motion | None = None
+        self._force, self._stopped_at = 0.0, 0.0
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The one joint."""
+        return (self._joint,)
+
+    def state(self) -> JointState:
+        """Return the measured state.
+
+        Raises:
+            SensorError: nothing is known of the joint.
+        """
+        return self._states.state(self.joint_names)
+
+    def move(self, posture: JointState, duration: float, torque_limit: float | None = None) -> Operation[JointState]:
+        """Move to a posture with at most `torque_limit` [N or N m, as the gripper has it].
+
+        The gripper decides how long that takes. It ends also when something stops the fingers. Cancelled or given up,
+        it ends when they were measured at rest; see `RosExecutor.execute`.
+        """
+        if self._motion is not None:
+            self._motion.overtake()
+        goal = self._type.Goal()
+        (goal.command.position,) = map(float, posture.ordered(self.joint_names))
+        goal.command.max_effort = float(torque_limit or 0.0)
+        self._force = 0.0
+        sent = self._client.send(goal, duration + LATE, self._wait)
+        part = as_motion(self._stalls_are_ends(sent), self._action, self._type.Result).then(self._ended)
+        self._motion = Motion(part, self._states, self.joint_names)
+        return self._motion.whole
+
+    def contacts(self) -> Mapping[str, float]:
+        """Return the gripper's effort when something has stopped its fingers, and they are still there."""
+        if not self._force or abs(self.state().position[0] - self._stopped_at) > GAVE_WAY:
+            return {}
+        return {self._joint: self._force}
+
+    def stop(self) -> None:
+        """Bring the fingers to rest; a motion under way ends as cancelled when they are measured to be there."""
+        if self._motion is not None:
+            self._motion.whole.cancel()
+
+    def _stalls_are_ends(self, sent: Operation[GoalEnd]) -> Operation[GoalEnd]:
+        """Take a goal that was given up because the fingers were stopped for one that is over."""
+
+        def judge(ended: GoalEnd) -> Operation[GoalEnd]:
+            stalled = ended.status == "aborted" and ended.result.stalled
+            return Operation.finished(GoalEnd("succeeded", ended.result) if stalled else ended)
+
+        return sent.then(judge)
+
+    def _ended(self, ended: GoalEnd) -> Operation[JointState]:
+        result = ended.result
+        force = abs(result.effort) or UNKNOWN_FORCE if result.stalled and not result.reached_goal else 0.0
+
+        def note(state: JointState) -> Operation[JointState]:
+            self._force, self._stopped_at = force, float(state.position[0])
+            return Operation.finished(state)
+
+        return measured(self._states, self.joint_names).then(note)
+
+
+STOPPED_SHORT = 0.05
+"""A joint that stays so far from where it was sent [rad] was stopped by something."""
+SHORT = {"controller_code", "stopped_short"}
+"""What the data of an aborted motion has one of, when the joints have moved towards its end."""
+
+
+class ControlledHand:
+    """Implements `grip_bt.base.ports.HandPort`.
+
+    Without tactile sensors, what stops a joint short of its goal is a contact; its force is the joint's effort, where
+    that is measured.
+
+    Args:
+        executor: moves the hand's joints. One that aborts because a finger was stopped has still moved.
+        accelerations: joint -> limit, kept to by moving for longer [rad/s^2 or m/s^2]; any, for those it doesn't name.
+    """
+
+    def __init__(self, executor: Executor, accelerations: Mapping[str, float] | None = None):
+        self._executor = executor
+        known = accelerations or {}
+        self._hardest = np.array([known.get(name, np.inf) for name in executor.joint_names])
+        self._goal: JointState | None = None
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints of the hand."""
+        return self._executor.joint_names
+
+    def state(self) -> JointState:
+        """Return the measured state, with efforts where they are published."""
+        return self._executor.state()
+
+    def move(self, posture: JointState, duration: float, torque_limit: float | None = None) -> Operation[JointState]:
+        """Move the fingers towards a posture; see `grip_bt.base.ports.HandPort`.
+
+        A torque limit can't be given to a position controller: set it in the controller.
+        """
+        names = self.joint_names
+        start, goal = self.state().ordered(names), posture.ordered(names)
+        self._goal = JointState(names, goal)
+        moving = self._executor.execute(
+            slowed(eased(names, start, goal, duration), np.full(len(names), np.inf), self._hardest)
+        )
+        whole: Operation[JointState] = Operation(on_cancel=moving.cancel)
+
+        def end() -> None:
+            try:
+                whole.succeed(moving.result())
+            except ExecutionAbortedError as error:
+                if SHORT & set(error.data):  # stopped short by contact is what closing is for
+                    whole.succeed(self.state())
+                else:
+                    whole.fail(error)
+            except CanceledError as error:
+                whole.fail(error)
+
+        moving.add_done_callback(end)
+        return whole
+
+    def contacts(self) -> Mapping[str, float]:
+        """Return the joints that something has stopped short of the last posture, and their efforts."""
+        if self._goal is None:
+            return {}
+        state = self.state()
+        short = np.abs(self._goal.ordered(state.names) - state.position) > STOPPED_SHORT
+        efforts = np.full(len(state.names), UNKNOWN_FORCE) if state.effort is None else np.abs(state.effort)
+        return {name: float(e) for name, e, s in zip(state.names, efforts, short, strict=True) if s}
+
+    def stop(self) -> None:
+        """Hold the fingers where they are."""
+        self._executor.stop()

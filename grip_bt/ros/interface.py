@@ -1,0 +1,130 @@
+"""ROS as leaves ask for it: topics, frames and parameters by name; implements `grip_bt.base.ports.Ros`."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from grip_bt.base.failures import BadReplyError, ExpectedError
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import Pose
+
+from .client.bus import Bus
+from .client.types import check_name, load_message, load_type
+from .convert import from_message, to_message
+from .fields import ConversionError
+from .synchronise import Gathering
+from .transforms import Transforms
+
+ANSWER = 2.0
+"""How long a node may take to answer about a parameter once it is there [s]."""
+_KINDS = {1: "bool_value", 2: "integer_value", 3: "double_value", 4: "string_value", 5: "byte_array_value"}
+_KINDS |= {6: "bool_array_value", 7: "integer_array_value", 8: "double_array_value", 9: "string_array_value"}
+_NUMBERS: dict[type, int] = {bool: 1, int: 2, float: 3, str: 4}
+
+
+class BadRequestError(ExpectedError):
+    """A value can't be sent as the message that is asked for."""
+
+    code = "bad_request"
+
+
+class RosDoor:
+    """Implements `grip_bt.base.ports.Ros` over a bus.
+
+    Args:
+        bus: the connection to ROS.
+        transforms: where frames are.
+        now: the time of the clock that stamps messages [s]; the wall's by default.
+    """
+
+    def __init__(self, bus: Bus, transforms: Transforms | None = None, now: Callable[[], float] = time.time):
+        self.bus, self.transforms, self._now = bus, transforms or Transforms(bus), now
+
+    def check(self, name: str, message: str = "") -> None:
+        """Check a name of the graph, and that a message type is there; see `ports.Ros`."""
+        check_name(name)
+        if message:
+            load_message(message)
+
+    def listen(self, topic: str, message: str) -> None:
+        """Subscribe now, so that a later `recent` finds what came since."""
+        self.bus.reader(message, topic).listen()
+
+    def next(self, topic: str, message: str, value: str, timeout: float) -> Operation[Any]:
+        """Wait for the next message and return it as the declared type `value`; see `ports.Ros`."""
+        return self.bus.reader(message, topic).next(timeout).then(lambda m: _as(topic, m, value))
+
+    def recent(self, topic: str, message: str, value: str, max_age: float, timeout: float) -> Operation[Any]:
+        """Return the last message when it is at most `max_age` [s] old, else the next."""
+        return self.bus.reader(message, topic).recent(max_age, timeout).then(lambda m: _as(topic, m, value))
+
+    def together(self, topics: Mapping[str, str], slop: float, timeout: float) -> Operation[Mapping[str, Any]]:
+        """Wait for a message of each topic, taken from now on and at most `slop` [s] apart; see `Gathering`."""
+        return Gathering(self.bus, topics, slop, timeout, self._now).begin()
+
+    def publish(self, topic: str, message: str, value: Any, subscribers: int, timeout: float) -> Operation[None]:
+        """Publish a value when at least `subscribers` listen; BadRequestError when it doesn't fit the message."""
+        try:
+            made = to_message(value, load_type(message))
+        except ConversionError as error:
+            return Operation.failed(BadRequestError(f"{topic}: {error}"))
+        return self.bus.writer(message, topic).publish(made, subscribers, timeout)
+
+    def transform(self, target: str, source: str, timeout: float, at: float | None = None) -> Operation[Pose]:
+        """Return the pose of frame `source` in frame `target`, now or at a time [s]."""
+        return self.transforms.lookup(target, source, timeout, at)
+
+    def get_parameter(self, node: str, name: str, timeout: float) -> Operation[Any]:
+        """Return a parameter of a node."""
+        service = load_type("rcl_interfaces/srv/GetParameters")
+        client = self.bus.service(service, f"{node}/get_parameters")
+
+        def value(response: Any) -> Operation[Any]:
+            (found,) = response.values or (None,)
+            if found is None or found.type == 0:
+                raise BadReplyError(f"{node}: there is no parameter {name!r}, or nobody has set it", node=node)
+            held = getattr(found, _KINDS[found.type])
+            return Operation.finished(list(held) if found.type > 4 else held)
+
+        return client.call(service.Request(names=[name]), timeout + ANSWER, timeout).then(value)
+
+    def set_parameter(self, node: str, name: str, value: Any, timeout: float) -> Operation[None]:
+        """Set a parameter of a node."""
+        service = load_type("rcl_interfaces/srv/SetParameters")
+        client = self.bus.service(service, f"{node}/set_parameters")
+        try:
+            wanted = _parameter(value)
+        except BadRequestError as error:
+            return Operation.failed(BadReplyError(f"{node}: {name}: {error.message}"))
+        parameter = load_type("rcl_interfaces/msg/Parameter")(name=name, value=wanted)
+
+        def check(response: Any) -> Operation[None]:
+            (result,) = response.results
+            if not result.successful:
+                raise BadReplyError(f"{node} refuses {name} = {value!r}: {result.reason or 'it gave no reason'}")
+            return Operation.finished(None)
+
+        return client.call(service.Request(parameters=[parameter]), timeout + ANSWER, timeout).then(check)
+
+
+def _as(topic: str, message: Any, value: str) -> Operation[Any]:
+    try:
+        return Operation.finished(from_message(message, value))
+    except ConversionError as error:
+        raise BadReplyError(f"{topic}: {error}") from None
+
+
+def _parameter(value: Any) -> Any:
+    made = load_type("rcl_interfaces/msg/ParameterValue")()
+    several = isinstance(value, (list, tuple))
+    kinds = {type(v) for v in value} if several else {type(value)}
+    kind = float if kinds == {int, float} else next(iter(kinds)) if len(kinds) == 1 else str if not kinds else None
+    if kind not in _NUMBERS:
+        raise BadRequestError(
+            f"{value!r} can't be a parameter: a truth value, a number, a text, or a list of one of these"
+        )
+    made.type = _NUMBERS[kind] + (5 if several else 0)
+    setattr(made, _KINDS[made.type], [kind(v) for v in value] if several else value)
+    return made

@@ -1,0 +1,190 @@
+"""ROS packages that are installed, sourced or built here: their prefixes and programs, and their use in this process.
+
+Loading every library of a built package by its path is enough: `dlopen("libX.so")`, which ROS does later by bare name,
+first looks at the names of the libraries that are already loaded. So an overlay can be added without LD_LIBRARY_PATH
+and without a restart; taking one away, or a rebuilt one, needs a new process.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+from difflib import get_close_matches
+from pathlib import Path
+
+from grip_bt.base.errors import GripError, nearest
+
+
+def search_path(overlays: Sequence[Path] = ()) -> list[Path]:
+    """Return the prefixes in which packages are looked for: overlays, then AMENT_PREFIX_PATH, then this Python's."""
+    sourced = [Path(p) for p in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if p]
+    return list(dict.fromkeys([*map(Path, overlays), *sourced, Path(sys.prefix)]))
+
+
+def share_folder(package: str, prefixes: Sequence[Path]) -> Path | None:
+    """Return `<prefix>/share/<package>` of the first prefix that has it, or None."""
+    return next((s for p in prefixes if (s := p / "share" / package).is_dir()), None)
+
+
+def interface_packages(prefixes: Sequence[Path]) -> set[str]:
+    """Return the names of the packages with interfaces that some prefixes hold."""
+    index = Path("share", "ament_index", "resource_index", "rosidl_interfaces")
+    return {entry.name for p in prefixes for entry in (p / index).glob("*")}
+
+
+def package_like(package: str, prefixes: Sequence[Path]) -> str:
+    """Return ``did you mean 'x'?`` for a package that isn't there, or an empty string.
+
+    Names end alike (`_msgs`, `_interfaces`), so that they have to be nearer to one another than other words.
+    """
+    close = get_close_matches(package, interface_packages(prefixes), n=1, cutoff=0.8)
+    return f"did you mean {close[0]!r}?" if close else ""
+
+
+def python_folder(prefix: Path) -> Path | None:
+    """Return the folder of a prefix that belongs on `sys.path`, or None when it has none for this Python."""
+    version = f"python{sys.version_info.major}.{sys.version_info.minor}"
+    candidates = (
+        prefix / "lib" / version / "site-packages",
+        prefix / "local" / "lib" / version / "dist-packages",
+        prefix / "lib" / version / "dist-packages",
+    )
+    return next((c for c in candidates if c.is_dir()), None)
+
+
+class PackageError(GripError):
+    """A package, a program of one, or a launch file of one isn't here; it says what is."""
+
+
+def share_of(package: str, prefixes: Sequence[Path] | None = None) -> Path:
+    """Return the `share` folder of a package.
+
+    Raises:
+        PackageError: there is no such package.
+    """
+    roots = search_path() if prefixes is None else list(prefixes)
+    found = share_folder(package, roots)
+    if found is None:
+        known = {folder.name for root in roots if (root / "share").is_dir() for folder in (root / "share").iterdir()}
+        raise PackageError(
+            f"no ROS package {package!r} here{nearest(package, known)}; looked in {', '.join(map(str, roots))}. "
+            "Source the workspace that has it (source install/setup.bash), or install it"
+        )
+    return found
+
+
+def prefix_of(package: str, prefixes: Sequence[Path] | None = None) -> Path:
+    """Return the prefix in which a package is installed; raises PackageError likewise."""
+    return share_of(package, prefixes).parent.parent
+
+
+def executable_of(package: str, name: str, prefixes: Sequence[Path] | None = None) -> Path:
+    """Return the file of a package's program.
+
+    Raises:
+        PackageError: there is no such package, or it has no such program.
+    """
+    folder = prefix_of(package, prefixes) / "lib" / package
+    file = folder / name
+    if file.is_file() and os.access(file, os.X_OK):
+        return file
+    known = sorted(f.name for f in folder.iterdir() if f.is_file() and os.access(f, os.X_OK)) if folder.is_dir() else []
+    has = ", ".join(known) or "none"
+    raise PackageError(f"{package} has no program {name!r}{nearest(name, known)} in {folder} (there are: {has})")
+
+
+def launch_file_of(package: str, name: str, prefixes: Sequence[Path] | None = None) -> Path:
+    """Return a package's launch file, from its `launch/` folder or anywhere in its share.
+
+    Raises:
+        PackageError: there is no such package, or it has no such file.
+    """
+    share = share_of(package, prefixes)
+    for candidate in (share / "launch" / name, share / name):
+        if candidate.is_file():
+            return candidate
+    known = sorted(f.relative_to(share).as_posix() for f in share.glob("**/*launch*") if f.is_file())
+    has = ", ".join(known) or "none"
+    raise PackageError(f"{package} has no launch file {name!r}{nearest(name, known)} in {share} (there are: {has})")
+
+
+class OverlayError(GripError):
+    """A prefix can't be used: nothing in it, another Python's, or its libraries don't load."""
+
+    def __init__(self, prefix: Path, reason: str):
+        self.prefix, self.reason = prefix, reason
+        super().__init__(f"{prefix}: {reason}")
+
+
+def package_prefixes(root: Path) -> list[Path]:
+    """Return the prefixes below `root`: itself, or those of a colcon workspace's isolated `install/`.
+
+    Raises:
+        OverlayError: there is no ROS prefix.
+    """
+    if (root / "share" / "ament_index").is_dir():
+        return [root]
+    found = sorted(p for p in root.glob("*") if (p / "share" / "ament_index").is_dir()) if root.is_dir() else []
+    if not found:
+        raise OverlayError(root, "isn't a ROS prefix: share/ament_index is missing")
+    return found
+
+
+def activate(root: Path | str) -> list[Path]:
+    """Make the interface packages of a prefix importable and usable in this process; again is harmless.
+
+    Returns:
+        the folders that were put in front of `sys.path`.
+
+    Raises:
+        OverlayError: no prefix, built for another Python, or a library doesn't load.
+    """
+    added, libraries = [], []
+    for prefix in package_prefixes(Path(root)):
+        folder = python_folder(prefix)
+        if folder is None and any(prefix.glob("lib/python*/site-packages/*")):
+            version = f"{sys.version_info.major}.{sys.version_info.minor}"
+            raise OverlayError(prefix, f"was built for another Python than this one ({version}); build it again")
+        if folder is not None and str(folder) not in sys.path:
+            sys.path.insert(0, str(folder))
+            added.append(folder)
+        libraries += sorted((prefix / "lib").glob("lib*__rosidl_*.so"))
+        _prepend("AMENT_PREFIX_PATH", prefix)
+    importlib.invalidate_caches()
+    _load(Path(root), libraries)
+    return added
+
+
+def child_paths(roots: Sequence[Path]) -> dict[str, list[Path]]:
+    """Return what a child process needs in front of its search paths, by environment variable."""
+    prefixes = [p for root in roots for p in package_prefixes(root)]
+    return {
+        "PYTHONPATH": [f for p in prefixes if (f := python_folder(p)) is not None],
+        "LD_LIBRARY_PATH": [p / "lib" for p in prefixes],
+        "AMENT_PREFIX_PATH": prefixes,
+    }
+
+
+def _load(root: Path, libraries: Sequence[Path]) -> None:
+    """Load libraries, retrying those that need one that comes later."""
+    todo, error = list(libraries), ""
+    while todo:
+        failed = []
+        for library in todo:
+            try:
+                ctypes.CDLL(str(library), mode=ctypes.RTLD_GLOBAL)
+            except OSError as reason:
+                failed.append(library)
+                error = str(reason)
+        if len(failed) == len(todo):
+            raise OverlayError(root, f"its libraries don't load: {error}")
+        todo = failed
+
+
+def _prepend(variable: str, path: Path) -> None:
+    present = [p for p in os.environ.get(variable, "").split(os.pathsep) if p]
+    if str(path) not in present:
+        os.environ[variable] = os.pathsep.join([str(path), *present])

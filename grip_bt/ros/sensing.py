@@ -1,0 +1,288 @@
+"""The sensors of a project that speak on topics; each stands alone, and one that is broken says so when it is asked."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from grip_bt.base.errors import GripError
+from grip_bt.base.failures import BadReplyError, CanceledError, SensorError
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import CameraInfo, RgbdFrame
+from grip_bt.task.catalog.controller_config import CameraTopics
+from grip_bt.task.catalog.sensor_config import SensorConfig
+
+from .convert import from_message
+from .convert_geometry import seconds
+from .convert_perception import camera_from_message, depth_from_message, image_from_message
+from .fields import ConversionError
+from .frames import FrameError, frame_of, mounted_frames, transformed
+from .interface import RosDoor
+from .process import Process, child_environment
+from .start import command_of
+from .steps import Steps, walk
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from .interface import RosDoor
+
+T = TypeVar("T")
+FRAME_WAIT = 0.5
+"""How long the transforms of a message's time may come after it [s]."""
+
+
+def taken(
+    door: RosDoor,
+    topics: Mapping[str, str],
+    slop: float,
+    timeout: float,
+    made: Callable[[Mapping[str, Any]], Steps[T]],
+) -> Steps[T]:
+    """Take messages together until something can be made of them, at most for a time.
+
+    Args:
+        door: the connection to ROS.
+        topics: topic -> its message's type.
+        slop: how far their stamps may be apart [s].
+        timeout: in all [s].
+        made: makes it; with FrameError messages that come later are tried, since TF may be heard of only since then.
+    """
+    left = timeout
+    deadline = time.monotonic() + left
+    while True:
+        messages = yield door.together(topics, slop, left)
+        try:
+            return (yield from made(messages))
+        except FrameError:
+            left = deadline - time.monotonic()
+            if left < FRAME_WAIT:
+                raise
+
+
+class TopicSensor:
+    """A sensor on topics; implements `grip_bt.base.ports.Sensor`.
+
+    Args:
+        name: the sensor's.
+        config: what is declared of it.
+        door: the connection to ROS.
+        process: its driver, where we started it.
+    """
+
+    def __init__(self, name: str, config: SensorConfig, door: RosDoor, process: Process | None = None):
+        self.name, self.config, self.process = name, config, process
+        self._door = door
+        self._messages = {topic.topic: topic.message_type() for topic in config.topics.values()}
+        self._captures: set[Operation[Mapping[str, Any]]] = set()
+        for topic, message in self._messages.items():
+            door.listen(topic, message)
+        if config.given_in is not None:
+            door.transforms.listen()
+        if process is not None:
+            process.when_ended(self._driver_ended)
+
+    def capture(self) -> Operation[Mapping[str, Any]]:
+        """Take one value of each output, from one moment that lies after this call.
+
+        Ends with ServerTimeOutError after the sensor's time, SensorError when its driver dies or what it sent can't be
+        used, FrameError when a value can't be brought into the frame that is asked for.
+        """
+        capture = walk(self._captured())
+        self._captures.add(capture)
+        capture.add_done_callback(lambda: self._captures.discard(capture))
+        if self.process is not None and not self.process.alive:
+            self._driver_ended()
+        return capture
+
+    def _driver_ended(self) -> None:
+        """End the captures under way: nothing will come any more."""
+        for capture in list(self._captures):
+            capture.cancel()
+
+    def _captured(self) -> Steps[Mapping[str, Any]]:
+        """Take what is asked for, or say how the driver ended."""
+        try:
+            return (yield from self._taken())
+        except CanceledError:
+            if self.process is None or self.process.alive:
+                raise
+            raise SensorError(f"sensor {self.name}: {self.process.describe_end()}") from None
+
+    def _taken(self) -> Steps[Mapping[str, Any]]:
+        """Take messages until one set can be brought into the frame that is asked for, at most the sensor's time."""
+        return (yield from taken(self._door, self._messages, self.config.slop, self.config.timeout, self._values))
+
+    def _values(self, messages: Mapping[str, Any]) -> Steps[Mapping[str, Any]]:
+        found = {}
+        info = self._camera_info(messages)
+        for port, topic in self.config.topics.items():
+            try:
+                value = _value(messages[topic.topic], topic.type, info)
+            except (ConversionError, BadReplyError) as error:
+                raise SensorError(f"sensor {self.name}: {topic.topic}: {error}") from None
+            found[port] = yield from self._placed(value, messages[topic.topic])
+        return found
+
+    def _camera_info(self, messages: Mapping[str, Any]) -> CameraInfo | None:
+        infos = [t.topic for t in self.config.topics.values() if t.type == "CameraInfo"]
+        return from_message(messages[infos[0]], "CameraInfo") if infos else None
+
+    def _placed(self, value: Any, message: Any) -> Steps[Any]:
+        """Bring a value into the frame that is asked for, from where its own was when the message was stamped."""
+        wanted, present = self.config.given_in, frame_of(value)
+        if wanted is None or present in (None, wanted):
+            return value
+        stamp = seconds(message.header.stamp) if hasattr(message, "header") else 0.0
+        pose = yield self._door.transforms.lookup(wanted, str(present), FRAME_WAIT, stamp or None)
+        try:
+            return transformed(value, pose)
+        except TypeError:
+            return value  # an image has a frame, but no points in it
+
+
+class BrokenSensor:
+    """A sensor that couldn't be set up; others go on without it. Implements `grip_bt.base.ports.Sensor`."""
+
+    def __init__(self, name: str, reason: str):
+        self.name, self.reason = name, reason
+        self.process: Process | None = None
+
+    def capture(self) -> Operation[Mapping[str, Any]]:
+        """End with SensorError, which says what is wrong."""
+        return Operation.failed(SensorError(f"sensor {self.name}: {self.reason}"))
+
+
+def open_sensors(
+    sensors: Mapping[str, SensorConfig], door: RosDoor, project: Path, domain_id: int | None = None
+) -> dict[str, TopicSensor | BrokenSensor]:
+    """Start the drivers of sensors and listen to their topics; what is wrong with one is said when it is asked.
+
+    Args:
+        sensors: those to open.
+        door: the connection to ROS.
+        project: the project's folder, in which drivers are started; they log into `.grip/logs/sensor-<name>.log`.
+        domain_id: the DDS domain of the drivers.
+    """
+    _, broken = mounted_frames(sensors)
+    opened: dict[str, TopicSensor | BrokenSensor] = {}
+    for name, config in sensors.items():
+        if name in broken:
+            opened[name] = BrokenSensor(name, broken[name])
+            continue
+        try:
+            opened[name] = TopicSensor(name, config, door, _driver(name, config, project, domain_id))
+        except (GripError, OSError) as error:
+            opened[name] = BrokenSensor(name, str(error))
+    return opened
+
+
+def close_sensors(sensors: Mapping[str, TopicSensor | BrokenSensor]) -> None:
+    """End all drivers, together."""
+    processes = [s.process for s in sensors.values() if s.process is not None]
+    for process in processes:
+        process.ask_to_stop()
+    for process in processes:
+        process.stop()
+
+
+def _driver(name: str, config: SensorConfig, project: Path, domain_id: int | None) -> Process | None:
+    if config.driver is None or not config.driver.run:
+        return None
+    command = command_of(config.driver, project)
+    env = child_environment((), domain_id) | dict(config.driver.env)
+    return Process(f"sensor {name}", command, project, env, project / ".grip" / "logs" / f"sensor-{name}.log")
+
+
+def _value(message: Any, type_: str, info: CameraInfo | None) -> Any:
+    if type_ == "DepthImage":
+        if info is None:
+            raise ConversionError("", "a DepthImage needs the camera's geometry: add a topic of type CameraInfo")
+        return depth_from_message(message, info)
+    return from_message(message, type_)
+
+
+WORLD = "world"
+
+
+class RosCamera:
+    """Implements `grip_bt.base.ports.Camera` over topics.
+
+    Args:
+        name: the sensor's.
+        config: its topics.
+        door: the connection to ROS, which knows where the camera's frame is.
+    """
+
+    def __init__(self, name: str, config: CameraTopics, door: RosDoor):
+        self._name, self._config, self._door = name, config, door
+        self._topics = {
+            config.image: "sensor_msgs/msg/Image",
+            config.depth: "sensor_msgs/msg/Image",
+            config.info: "sensor_msgs/msg/CameraInfo",
+        }
+        self._info: CameraInfo | None = None
+        for topic, type_ in self._topics.items():
+            door.listen(topic, type_)
+        if config.mount is None:
+            door.transforms.listen()
+
+    def info(self) -> CameraInfo:
+        """Return the camera's geometry, as of the last frame.
+
+        Raises:
+            SensorError: none was taken yet.
+        """
+        if self._info is None:
+            raise SensorError(f"camera {self._name}: nothing was heard on {self._config.info} yet")
+        return self._info
+
+    def capture(self) -> Operation[RgbdFrame]:
+        """Take one frame that lies after this call.
+
+        Ends with ServerTimeOutError after the camera's time, FrameError when nobody says where it is, SensorError when
+        what it sent can't be used.
+        """
+        return walk(taken(self._door, self._topics, self._config.slop, self._config.timeout, self._frame))
+
+    def _frame(self, messages: Mapping[str, Any]) -> Steps[RgbdFrame]:
+        depth, given = messages[self._config.depth], messages[self._config.info]
+        frame = self._config.mount.frame if self._config.mount is not None else given.header.frame_id
+        pose = yield self._door.transforms.lookup(WORLD, frame, FRAME_WAIT, seconds(depth.header.stamp) or None)
+        try:
+            info = replace(camera_from_message(given), pose=pose)
+            image = image_from_message(messages[self._config.image])
+            taken = RgbdFrame(image, depth_from_message(depth, info))
+        except (ConversionError, BadReplyError, ValueError) as error:
+            raise SensorError(f"camera {self._name}: {error}") from None
+        if image.pixels.shape[:2] != taken.depth.depth.shape:
+            sizes = " and ".join(f"{a.shape[1]} x {a.shape[0]}" for a in (image.pixels, taken.depth.depth))
+            reason = f"colour and depth have {sizes} pixels; `depth` is the one that is aligned to the colour image"
+            raise SensorError(f"camera {self._name}: {reason}")
+        self._info = info
+        return taken
+
+
+class UnnamedCamera:
+    """A sensor whose topics nobody has named; others go on without it. Implements `grip_bt.base.ports.Camera`."""
+
+    def __init__(self, name: str):
+        self._name = name
+
+    def info(self) -> CameraInfo:
+        """Raise SensorError, which says what to write."""
+        raise self._error()
+
+    def capture(self) -> Operation[RgbdFrame]:
+        """End with SensorError, likewise."""
+        return Operation.failed(self._error())
+
+    def _error(self) -> SensorError:
+        topics = "{image: /camera/color/image_raw, depth: /camera/depth/image_raw, info: /camera/color/camera_info}"
+        return SensorError(
+            f"camera {self._name}: its topics aren't named; in grip.yaml: "
+            f"`ros: {{cameras: {{{self._name}: {topics}}}}}`"
+        )

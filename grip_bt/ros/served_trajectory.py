@@ -1,0 +1,212 @@
+"""An executor as a joint trajectory controller: the action `FollowJointTrajectory`, one goal after the other.
+
+As ros2_control's joint_trajectory_controller does it: a goal begins when it is accepted, from where the joints are and
+as fast as they move then, by a cubic spline through its points; one that comes while another is followed takes its
+place, and the other is aborted. One that is cancelled ends as such when the joints have come to rest; until then its
+owner hears, by feedback, where the joints should be and are.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from rclpy.action.server import ActionServer, CancelResponse, GoalResponse
+from rclpy.task import Future
+
+from grip_bt.base.errors import GripError
+from grip_bt.base.failures import CanceledError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Executor
+from grip_bt.base.values import JointState, Trajectory
+
+from .client.bus import Bus
+from .client.types import load_type
+from .convert_geometry import seconds
+from .interfaces.bundled import provide
+
+ACTION = "control_msgs/action/FollowJointTrajectory"
+AT_ONCE = 0.01
+"""How long joints take that are to be elsewhere at once [s]."""
+TELL = 0.05
+"""How often feedback tells where the joints are [s]."""
+NEAR = 1e-3
+"""A first point that is due sooner is where the motion begins [s]."""
+
+
+class ServedController:
+    """Serves one action; made, used and closed from any thread.
+
+    Args:
+        bus: the connection to ROS.
+        action: such as `/arm_controller/follow_joint_trajectory`.
+        executor: moves the joints.
+    """
+
+    def __init__(self, bus: Bus, action: str, executor: Executor):
+        provide("control_msgs")
+        self.action, self._bus, self._executor = action, bus, executor
+        self._type = load_type(ACTION)
+        self._lock = threading.Lock()
+        self._newest: _Goal | None = None
+        self._goals: dict[bytes, _Goal] = {}
+        self._server: Any = None
+        bus.ask(self._make)
+
+    def close(self) -> None:
+        """End a motion under way, and take no more goals."""
+        self._executor.stop()
+        self._bus.post(lambda: self._server.destroy()).wait(2.0)
+
+    # --- on the bus's thread ---
+
+    def _make(self) -> None:
+        self._server = ActionServer(
+            self._bus.node,
+            self._type,
+            self.action,
+            execute_callback=self._ended,
+            goal_callback=self._asked,
+            handle_accepted_callback=self._accepted,
+            cancel_callback=self._cancel,
+        )
+
+    def _asked(self, goal: Any) -> GoalResponse:
+        """Reject what can't be followed."""
+        points, names = goal.trajectory.points, list(goal.trajectory.joint_names)
+        times = [seconds(p.time_from_start) for p in points]
+        rising = all(a < b for a, b in zip(times, times[1:], strict=False))
+        whole = all(len(p.positions) == len(names) and np.isfinite(p.positions).all() for p in points)
+        fits = set(names) == set(self._executor.joint_names) and len(names) == len(set(names))
+        return GoalResponse.ACCEPT if points and fits and rising and whole and times[0] >= 0 else GoalResponse.REJECT
+
+    def _accepted(self, handle: Any) -> None:
+        goal = _Goal(handle, self._bus, Future(executor=self._bus.node.executor))
+        self._goals[bytes(handle.goal_id.uuid)] = self._newest = goal
+        handle.execute()
+        # Not on this thread: the executor may have to ask another process where the joints are.
+        threading.Thread(target=self._follow, args=(goal,), name="grip_follow", daemon=True).start()
+
+    async def _ended(self, handle: Any) -> Any:
+        error = await self._goals[bytes(handle.goal_id.uuid)].future
+        del self._goals[bytes(handle.goal_id.uuid)]
+        result = self._type.Result()
+        if error is None:
+            handle.succeed()
+            return result
+        result.error_string = str(error)
+        if isinstance(error, CanceledError) and handle.is_cancel_requested:
+            handle.canceled()
+            return result
+        replaced = isinstance(error, CanceledError)
+        result.error_code = result.INVALID_GOAL if replaced else result.PATH_TOLERANCE_VIOLATED
+        handle.abort()
+        return result
+
+    def _cancel(self, handle: Any) -> CancelResponse:
+        goal = self._goals.get(bytes(handle.goal_id.uuid))
+        if goal is None:
+            return CancelResponse.REJECT  # it has ended
+        goal.cancel()
+        return CancelResponse.ACCEPT
+
+    # --- on a goal's thread ---
+
+    def _follow(self, goal: _Goal) -> None:
+        with self._lock:
+            if goal is not self._newest:  # threads come here in any order, and a later goal takes the place of this one
+                goal.end(CanceledError("a newer goal came"))
+                return
+            try:
+                if goal.cancel_asked:  # it has taken the place of another one all the same
+                    self._executor.stop()
+                    goal.end(CanceledError("canceled before it began"))
+                    return
+                asked = goal.handle.request.trajectory
+                path = continued(list(asked.joint_names), asked.points, self._executor.state())
+                motion = self._executor.execute(path)
+            except (GripError, ValueError) as error:
+                goal.end(error)
+                return
+        goal.follow(motion)
+        began = time.monotonic()
+        while not motion.wait(TELL):
+            self._tell(goal.handle, path, time.monotonic() - began)
+
+    def _tell(self, handle: Any, path: Trajectory, passed: float) -> None:
+        try:
+            now = self._executor.state()
+        except GripError:
+            return  # the motion ends of the same
+        feedback = self._type.Feedback(joint_names=list(path.names))
+        feedback.header.stamp = self._bus.node.get_clock().now().to_msg()
+        position, velocity, _ = path.sampled(np.array([passed]))
+        measured = now.ordered(path.names)
+        feedback.desired.positions, feedback.desired.velocities = position[0].tolist(), velocity[0].tolist()
+        feedback.actual.positions, feedback.error.positions = measured.tolist(), (position[0] - measured).tolist()
+        self._bus.post(lambda: handle.is_active and handle.publish_feedback(feedback))
+
+
+class _Goal:
+    """A goal that was accepted, and the motion that follows it; a cancel may come before that is begun."""
+
+    def __init__(self, handle: Any, bus: Bus, future: Future):
+        self.handle, self._bus, self.future = handle, bus, future
+        self._lock = threading.Lock()
+        self._motion: Operation[JointState] | None = None
+        self.cancel_asked = False
+
+    def cancel(self) -> None:
+        """Have the motion come to rest, or never begin."""
+        with self._lock:
+            self.cancel_asked, motion = True, self._motion
+        if motion is not None:
+            motion.cancel()
+
+    def follow(self, motion: Operation[JointState]) -> None:
+        """End as a motion does."""
+        with self._lock:
+            self._motion, asked = motion, self.cancel_asked
+        if asked:
+            motion.cancel()
+        motion.add_done_callback(lambda: self.end(_error_of(motion)))
+
+    def end(self, error: BaseException | None) -> None:
+        """Tell the client how it ended."""
+        self._bus.post(lambda: self.future.done() or self.future.set_result(error))
+
+
+def _error_of(motion: Operation[Any]) -> BaseException | None:
+    try:
+        motion.result()
+    except GripError as error:
+        return error
+    return None
+
+
+def continued(names: Sequence[str], points: Sequence[Any], state: JointState) -> Trajectory:
+    """Return a trajectory through given points that begins where the joints are, as fast as they move.
+
+    Args:
+        names: the joints, in the order of the points.
+        points: of the message; times from now, the first may be later than 0. Velocities that aren't given are those of
+            a curve through the points that rests at its end.
+        state: measured.
+    """
+    order = [names.index(name) for name in state.names]
+    late = [point for point in points if seconds(point.time_from_start) > NEAR]
+    if not late:  # only where it is to be at once
+        late, times = [points[-1]], np.array([0.0, AT_ONCE])
+    else:
+        times = np.array([0.0, *(seconds(point.time_from_start) for point in late)])
+    positions = np.array([state.position, *(np.array(point.positions)[order] for point in late)])
+    now = np.zeros(len(state.names)) if state.velocity is None else state.velocity
+    if all(len(point.velocities) == len(names) for point in late):
+        velocities = np.array([now, *(np.array(point.velocities)[order] for point in late)])
+    else:
+        velocities = np.gradient(positions, times, axis=0)
+        velocities[0], velocities[-1] = now, 0.0
+    return Trajectory(state.names, times, positions, velocities)

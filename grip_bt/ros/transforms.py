@@ -1,0 +1,170 @@
+"""Frames that move, from the topics of TF, where its message package is there; frames that don't, from our own tree.
+
+What is needed of TF is small: the transforms of the last seconds, and the way from one frame to another, now or at a
+time. `tf2_ros` isn't on PyPI, so that is done here; where it can be imported, its buffer answers for a time. `tf2_msgs`
+comes with a sourced ROS, or is built from a definition of ours.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from grip_bt.base.errors import MissingPartError, UnknownNameError
+from grip_bt.base.failures import CanceledError
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import Pose
+
+from .client.bus import Bus
+from .client.topic import Received
+from .client.types import load_type
+from .convert_geometry import pose_from_transform_stamped, seconds
+from .frames import FrameError, FrameHistory, FrameTree
+from .tf2_buffer import Tf2Buffer
+
+MESSAGE = "tf2_msgs/msg/TFMessage"
+TOPICS = ("/tf", "/tf_static")
+STALE = 10.0
+"""A moving frame that wasn't heard of for so long isn't known any more [s]."""
+
+
+@dataclass(eq=False)
+class _Wait:
+    """Somebody who waits for frames to appear."""
+
+    target: str
+    source: str
+    at: float | None
+    operation: Operation[Pose]
+    timer: threading.Timer
+
+
+class Transforms:
+    """The frames of a run.
+
+    Args:
+        bus: the connection to ROS.
+        fixed: what never moves.
+    """
+
+    def __init__(self, bus: Bus, fixed: FrameTree | None = None):
+        self._bus, self._fixed = bus, fixed or FrameTree()
+        self._static: dict[str, Pose] = {}
+        self._moving = FrameHistory()
+        self._tf2 = Tf2Buffer.make(self._fixed)
+        self._waits: list[_Wait] = []
+        self._lock = threading.RLock()
+        self.listening = False
+
+    def listen(self) -> bool:
+        """Subscribe to TF; False where its messages aren't installed."""
+        if not self.listening:
+            try:
+                type_ = load_type(MESSAGE)
+            except (MissingPartError, UnknownNameError):
+                return False
+            self.listening = True
+            for topic in TOPICS:
+                fixed = topic.endswith("static")
+                self._bus.reader(type_, topic).listen(partial(self._received, fixed))
+        return True
+
+    def lookup(self, target: str, source: str, timeout: float, at: float | None = None) -> Operation[Pose]:
+        """Return the pose of `source` in `target`: as it is now, or as it was.
+
+        Args:
+            target: the frame in which it is given.
+            source: the frame whose pose it is.
+            timeout: how long to wait for the frames to be known [s].
+            at: a time [s] of the stamps of TF, such as a picture's; between two transforms is interpolated. The last
+                transforms that were heard when None.
+
+        Ends with FrameError after `timeout`; at once when TF isn't listened to.
+        """
+        self.listen()
+        try:
+            return Operation.finished(self.known(target, source, at))
+        except FrameError as error:
+            if not self.listening:
+                reason = f"{error.message}; moving frames aren't heard, since tf2_msgs isn't installed"
+                return Operation.failed(FrameError(reason, **error.data))
+        operation: Operation[Pose] = Operation()
+        wait = _Wait(target, source, at, operation, threading.Timer(timeout, lambda: self._give_up(wait)))
+        wait.timer.daemon = True
+        operation.add_done_callback(wait.timer.cancel)
+        with self._lock:
+            self._waits.append(wait)
+        wait.timer.start()
+        self._try_waits()  # what came meanwhile
+        return operation
+
+    def known(self, target: str, source: str, at: float | None = None) -> Pose:
+        """Return the pose of `source` in `target` from what is known by now; see `lookup`.
+
+        Raises:
+            FrameError: it isn't known.
+        """
+        if at is None:
+            return self.tree().lookup(target, source)
+        with self._lock:
+            if self._tf2 is not None:
+                return self._tf2.lookup(target, source, at)
+            tree = self._fixed.with_poses({**self._static, **self._moving.at(at)})
+            spans = self._moving.spans()
+        try:
+            return tree.lookup(target, source)
+        except FrameError as error:
+            outside = [
+                f"{child!r} is known from {begin:.3f} to {end:.3f} s, not at {at:.3f} s"
+                for child, (begin, end) in sorted(spans.items())
+                if not begin <= at <= end
+            ]
+            raise FrameError("; ".join([error.message, *outside]), **error.data) from None
+
+    def tree(self) -> FrameTree:
+        """Return all frames as they are now."""
+        with self._lock:
+            return self._fixed.with_poses({**self._static, **self._moving.latest(time.monotonic() - STALE)})
+
+    def _received(self, fixed: bool, received: Received) -> None:
+        self._hear(received.message, fixed)
+
+    def _hear(self, message: Any, fixed: bool) -> None:
+        heard = time.monotonic()
+        with self._lock:
+            for transform in message.transforms:
+                child, pose = transform.child_frame_id.lstrip("/"), pose_from_transform_stamped(transform)
+                if fixed:
+                    self._static[child] = pose
+                else:
+                    self._moving.add(child, pose, seconds(transform.header.stamp), heard)
+                if self._tf2 is not None:
+                    self._tf2.add(transform, fixed)
+        self._try_waits()
+
+    def _try_waits(self) -> None:
+        with self._lock:
+            waits = list(self._waits)
+        for wait in waits:
+            try:
+                pose = self.known(wait.target, wait.source, wait.at)
+            except FrameError:
+                continue
+            self._end(wait)
+            wait.operation.succeed(pose)
+
+    def _give_up(self, wait: _Wait) -> None:
+        self._end(wait)
+        try:
+            wait.operation.succeed(self.known(wait.target, wait.source, wait.at))
+        except FrameError as error:
+            closed = CanceledError("the connection to ROS was closed")
+            wait.operation.fail(closed if self._bus.closed else error)
+
+    def _end(self, wait: _Wait) -> None:
+        with self._lock:
+            if wait in self._waits:
+                self._waits.remove(wait)
