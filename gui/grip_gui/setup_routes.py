@@ -13,7 +13,7 @@ from grip_gui.project import ProjectFolder
 from grip_gui.setup import SetupDesk
 from grip_gui.setup.importing import import_file
 from grip_gui.setup.interfaces import look_at, make
-from grip_gui.setup.names import names_of
+from grip_gui.setup.options import names_of
 from grip_gui.setup.probes import Prober
 from grip_gui.setup.recording import record
 from grip_gui.setup_messages import (

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from played import TestClient
 
-from grip_gui.setup.names import names_of
+from grip_gui.setup.options import names_of
 
 GRIP = """\
 grip: 1

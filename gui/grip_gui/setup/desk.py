@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Literal
 
-from grip_bt.app.project.folder import find_project
+from grip_bt.app.project import find_project
 from grip_bt.base.errors import DocumentError, GripError
-from grip_bt.base.yaml.models import Diagnostic, find
-from grip_bt.base.yaml.tree import YamlValue, parse, to_data
+from grip_bt.base.yaml.faults import Fault, find
+from grip_bt.base.yaml.syntax import Value, entries_of, parse, plain
 from grip_gui.editing import ChangedOnDiskError
 from grip_gui.editing.files import TextFile
 from grip_gui.messages import Problem
@@ -17,8 +17,7 @@ from grip_gui.setup_messages import SetupChange, SetupList, SetupSave, SetupView
 
 from .changes import UnchangeableError, remove, rename, set_value
 from .kinds import Kind, entries, kind_of
-from .options import doubtful_names, options_of, robot_trouble, wrong_options
-from .places import keys_at
+from .options import doubtful_names, options_of, robot_error, wrong_options
 from .templates import templates_of
 
 
@@ -106,14 +105,14 @@ class SetupDesk:
         except DocumentError as error:
             options = options_of(kind.name, None, self.folder.folder)
             return None, options, [_problem((error.message, error.line or 1, error.column or 1))]
-        data = to_data(tree)
+        data = plain(tree)
         options = options_of(kind.name, data, self.folder.folder)
         faults = wrong_options(tree, data, options)
         # The reader of trajectories stops at the first name that isn't there, and says less of it.
         if not faults or kind.name != "trajectories":
             faults = [*kind.check(file, text, tree), *faults]
-        if trouble := robot_trouble(kind.name, data, self.folder.folder):
-            faults.append((f"robot: {trouble}", *find(tree, ("robot",))))
+        if wrong := robot_error(kind.name, data, self.folder.folder):
+            faults.append((f"robot: {wrong}", *find(tree, ("robot",))))
         doubts = doubtful_names(kind.name, tree, data, self.folder.folder)
         problems = [_problem(fault, tree) for fault in faults]
         return data, options, [*problems, *(_problem(doubt, tree, "warning") for doubt in doubts)]
@@ -125,9 +124,27 @@ class SetupDesk:
             return {p.parent.name: p.parent for p in sorted(self.folder.folder.glob("components/*/component.yaml"))}
 
 
-def _problem(
-    fault: Diagnostic, tree: YamlValue | None = None, severity: Literal["error", "warning"] = "error"
-) -> Problem:
+def _problem(fault: Fault, tree: Value | None = None, severity: Literal["error", "warning"] = "error") -> Problem:
     message, line, column = fault
-    key = keys_at(tree, line, column) if tree is not None else []
+    key = _keys_at(tree, line, column) if tree is not None else []
     return Problem(code="settings", severity=severity, message=message, line=line, column=column, key=key)
+
+
+def _keys_at(tree: Value, line: int, column: int) -> list[str]:
+    """Return the keys on the way to the innermost entry that begins at a place; empty where none does.
+
+    Args:
+        tree: the file.
+        line: 1-based.
+        column: 1-based.
+    """
+    found: list[str] = []
+    todo: list[tuple[Value, list[str]]] = [(tree, [])]
+    while todo:
+        value, above = todo.pop()
+        for number, entry in enumerate(entries_of(value)):
+            keys = [*above, entry.key or str(number)]
+            if (entry.line, entry.column) == (line, column) and len(keys) > len(found):
+                found = keys
+            todo.append((entry.value, keys))
+    return found

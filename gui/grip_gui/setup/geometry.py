@@ -1,7 +1,7 @@
 """What a robot looks like, for drawing: its tree of joints, and the shapes of its links with few triangles.
 
-Asked in a process of its own, as `facts`. Where the joints are is told apart from it; the page does the forward
-kinematics, so that a moment of a run is a handful of numbers.
+Made in a process of its own, which loads the meshes. Where the joints are is told apart from it; the page does the
+forward kinematics, so that a moment of a run is a handful of numbers.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from base64 import b64encode
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from xml.etree.ElementTree import Element, fromstring
 
 import numpy as np
@@ -21,12 +21,12 @@ from numpy.typing import NDArray
 
 from grip_bt.app.runs.motion_record import coarse
 from grip_bt.base.interpreter import python_command
+from grip_bt.commanders.description.reading import Stamps
 
-from .facts import PATIENCE, stamp_of
+from .robot_facts import read_from
 
-if TYPE_CHECKING:
-    pass
-
+PATIENCE = 60.0
+"""How long the process may take [s]."""
 _HERE = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 
 
@@ -44,11 +44,11 @@ def geometry(robot: object, hands: Mapping[str, str], folder: Path) -> dict[str,
     if not robot:
         return {"trouble": "grip.yaml names no robot"}
     asked = json.dumps([robot, dict(hands)], sort_keys=True, default=str)
-    return _asked(asked, str(folder), stamp_of(robot, folder))
+    return _asked(asked, str(folder), read_from(robot, folder))
 
 
 @lru_cache(maxsize=4)
-def _asked(asked: str, folder: str, stamp: float) -> dict[str, Any]:
+def _asked(asked: str, folder: str, stamps: Stamps) -> dict[str, Any]:
     command = python_command("-m", "grip_gui.setup.geometry", asked, folder)
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)

@@ -1,21 +1,25 @@
-"""What may stand at a place of a settings file, and which values stand there that may not."""
+"""What may stand in a settings file's fields and in the parameters of a task's leaves, and which values may not."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, get_args
 
-from grip_bt.app.project.faults import WORLDS
+from grip_bt.app.project import ProjectFile, find_project
+from grip_bt.app.worlds import WORLDS
 from grip_bt.base.errors import GripError, listing, nearest
-from grip_bt.base.yaml.models import Diagnostic, find
-from grip_bt.base.yaml.tree import YamlValue, parse, to_data
+from grip_bt.base.yaml.faults import Fault, find
+from grip_bt.base.yaml.syntax import Value
 from grip_bt.task.catalog.component_parts import Unit
 from grip_bt.task.catalog.sensor_config import MESSAGES
 
-from .facts import facts, is_path
-from .kinds import JOINT_STATES
+from .kinds import JOINT_STATES, POSES, TRAJECTORIES
+from .robot_facts import data_in, is_path, project_robot_facts, robot_facts
 
+STORES = ["joint_states", "poses", "robot_poses", "trajectories", "plans", "grasps", "clouds", "images"]
+FREE = ["none", "x", "y", "z", "orientation"]
+SHAPES = ["box", "cylinder", "sphere"]
 CLOSED = {
     "robot",
     "arms/*/planner",
@@ -48,16 +52,16 @@ def options_of(kind: str, data: Any, folder: Path) -> dict[str, list[str]]:
                 "ports/*/unit": list(get_args(Unit)),
             }
         case "joint_states":
-            groups = robot_facts(folder).get("groups", {})
+            groups = project_robot_facts(folder).get("groups", {})
             return {"*/?": sorted({joint for group in groups.values() for joint in group})}
         case "trajectories":
             return {"*/*/name": names_in(folder / JOINT_STATES)}
         case "poses":
-            return {"*/reference_frame": robot_facts(folder).get("frames", ["world"])}
+            return {"*/reference_frame": project_robot_facts(folder).get("frames", ["world"])}
     return {}
 
 
-def wrong_options(tree: YamlValue, data: Any, options: Mapping[str, Sequence[str]]) -> list[Diagnostic]:
+def wrong_options(tree: Value, data: Any, options: Mapping[str, Sequence[str]]) -> list[Fault]:
     """Return the values that none of the options are."""
     faults = []
     for pattern in CLOSED & options.keys():
@@ -72,15 +76,15 @@ def wrong_options(tree: YamlValue, data: Any, options: Mapping[str, Sequence[str
     return faults
 
 
-def doubtful_names(kind: str, tree: YamlValue, data: Any, folder: Path) -> list[Diagnostic]:
+def doubtful_names(kind: str, tree: Value, data: Any, folder: Path) -> list[Fault]:
     """Return the names in files of messages that the project's robot doesn't have; something else may have them."""
-    known = robot_facts(folder)
+    known = project_robot_facts(folder)
     if kind == "joint_states":
         pattern, what = ["*", "?"], "joint"
         allowed = sorted({joint for group in known.get("groups", {}).values() for joint in group})
     elif kind == "poses":
         pattern, what = ["*", "reference_frame"], "frame"
-        allowed = [*known.get("frames", ()), *_keys(_data(folder / "grip.yaml") or {}, "sensors")]
+        allowed = [*known.get("frames", ()), *_keys(data_in(folder / "grip.yaml") or {}, "sensors")]
     else:
         return []
     found = _at(data, pattern, ()) if known.get("groups") else ()
@@ -91,16 +95,16 @@ def doubtful_names(kind: str, tree: YamlValue, data: Any, folder: Path) -> list[
     ]
 
 
-def robot_trouble(kind: str, data: Any, folder: Path) -> str:
+def robot_error(kind: str, data: Any, folder: Path) -> str:
     """Return what is wrong with the files that describe a project's robot; empty for nothing."""
     if kind != "project" or not isinstance(data, Mapping):
         return ""
-    return str(facts(data.get("robot"), folder).get("trouble", ""))
+    return str(robot_facts(data.get("robot"), folder).get("error", ""))
 
 
 def _project(data: Mapping[str, Any], folder: Path) -> dict[str, list[str]]:
     robot = data.get("robot")
-    known = facts(robot, folder)
+    known = robot_facts(robot, folder)
     places = {
         "arms/*/planner": "planners",
         "arms/*/kinematics": "kinematics",
@@ -152,24 +156,10 @@ def _keys(data: Mapping[str, Any], key: str) -> list[str]:
     return [str(name) for name in value] if isinstance(value, Mapping) else []
 
 
-def robot_facts(folder: Path) -> dict[str, Any]:
-    """Return what is known about the robot of a project's `grip.yaml`, as it is saved; see `facts`."""
-    data = _data(folder / "grip.yaml")
-    robot = data.get("robot") if isinstance(data, Mapping) else None
-    return facts(robot, folder)
-
-
 def names_in(file: Path) -> list[str]:
     """Return the keys of a file's mapping; none of a file that isn't there or can't be read."""
-    data = _data(file)
+    data = data_in(file)
     return [str(name) for name in data] if isinstance(data, Mapping) else []
-
-
-def _data(file: Path) -> Any:
-    try:
-        return to_data(parse(file.read_text(encoding="utf-8")))
-    except (OSError, ValueError, GripError):  # another file's faults are told where it is open
-        return None
 
 
 def _at(data: Any, pattern: Sequence[str], path: tuple[str | int, ...]) -> Iterator[tuple[tuple[str | int, ...], Any]]:
@@ -186,3 +176,53 @@ def _at(data: Any, pattern: Sequence[str], path: tuple[str | int, ...]) -> Itera
     elif isinstance(data, list) and step == "*":
         for at, value in enumerate(data):
             yield from _at(value, rest, (*path, at))
+
+
+def names_of(folder: Path) -> dict[str, list[str]]:
+    """Return what may stand in parameters, among other things: `node/parameter`, with `*` for any word, -> names.
+
+    Args:
+        folder: of the project; one whose `grip.yaml` can't be read offers what needs no robot.
+    """
+    messages = [name for path in (POSES, JOINT_STATES, TRAJECTORIES) for name in names_in(folder / path)]
+    found = {
+        "messages/*/store": STORES,
+        "messages/*/name": sorted(set(messages)),
+        "arm/*/free": FREE,
+        "scene/add_shape/shape": SHAPES,
+    }
+    try:
+        file = find_project(folder).file
+    except GripError:  # said where that file is open
+        return found
+    found |= {"*/*/arm": list(file.arms), "*/*/arms": list(file.arms), "*/*/hand": list(file.hands)}
+    if file.robot is None:
+        return found
+    robot = file.robot if isinstance(file.robot, str) else file.robot.model_dump(mode="json", exclude_defaults=True)
+    return found | _of_robot(robot, file, folder)
+
+
+def _of_robot(robot: object, file: ProjectFile, folder: Path) -> dict[str, list[str]]:
+    known: Mapping[str, Any] = robot_facts(robot, folder)
+    states: Mapping[str, Iterable[str]] = known.get("states", {})
+    frames = list(known.get("frames", ()))
+    return {
+        "arm/*/state": _united(_states_of(name, file, states) for name in file.arms),
+        "hand/*/posture": _united(states.get(hand.group, ()) for hand in file.hands.values()),
+        "*/*/frame": frames,
+        "ros/lookup_transform/target": frames,
+        "ros/lookup_transform/source": frames,
+    }
+
+
+def _states_of(name: str, file: ProjectFile, states: Mapping[str, Iterable[str]]) -> Iterable[str]:
+    """Return the named states of an arm; of one that joins others, those that all of them have."""
+    arm = file.arms[name]
+    if not arm.arms:
+        return states.get(arm.group, ())
+    parts = [set(states.get(file.arms[each].group, ())) for each in arm.arms if each in file.arms]
+    return set.intersection(*parts) | set(states.get(arm.group, ())) if parts else ()
+
+
+def _united(names: Iterable[Iterable[str]]) -> list[str]:
+    return sorted({name for some in names for name in some})

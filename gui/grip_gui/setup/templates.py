@@ -9,7 +9,8 @@ from typing import Any
 from grip_gui.setup_messages import Template
 
 from .kinds import JOINT_STATES, Kind
-from .options import cameras_in, names_in, robot_facts
+from .options import cameras_in, names_in
+from .robot_facts import project_robot_facts
 
 _WAY = ("home", "above")
 """What a way goes through in a project that has named no joint state yet: the page says so."""
@@ -25,7 +26,7 @@ def templates_of(kind: Kind, data: Any, folder: Path) -> list[Template]:
     """
     match kind.name:
         case "joint_states":
-            return _joint_states(robot_facts(folder)) or list(kind.templates)
+            return _joint_states(project_robot_facts(folder)) or list(kind.templates)
         case "trajectories":
             return [_trajectory(names_in(folder / JOINT_STATES))]
         case "project":
