@@ -1,15 +1,24 @@
-"""Ends a process with everything that it started, also what has moved to other process groups or lost its parent.
-
-A run starts simulators and component servers in groups of their own. They inherit its environment, so a mark in the
-environment finds them all (as build servers do), however they were started and whoever their parent is by now.
-"""
+"""Processes that the editor starts: commands tried one at a time, and the end of everything that they started."""
 
 from __future__ import annotations
 
 import asyncio
+import json
 import os
 import signal
+import sys
+import time
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from secrets import token_hex
+from typing import Any
+
+from grip_bt.base.errors import GripError
+from grip_bt.base.failures import ExpectedError
+from grip_bt.base.interpreter import python_command
+from grip_gui.project import ProjectFolder
+from grip_gui.setup.kinds import kind_of
+from grip_gui.wire.setup import ProbeView, ProbeWish
 
 MARK = "GRIP_RUN_MARK"
 """Environment variable that all processes of one run share."""
@@ -63,3 +72,106 @@ def _signal_group(group: int, number: signal.Signals) -> None:
         os.killpg(group, number)
     except ProcessLookupError:
         return
+
+
+PATIENCE = 120.0
+"""How long a try may take; building interfaces the first time takes most of it [s]."""
+KEPT = 20_000
+"""How much of what it says is shown, the end of it [characters]."""
+
+
+class Prober:
+    """Runs one try at a time.
+
+    Args:
+        folder: the project.
+    """
+
+    def __init__(self, folder: ProjectFolder):
+        self._folder = folder
+        self._busy = asyncio.Lock()
+
+    async def probe(self, wish: ProbeWish) -> ProbeView:
+        """Try it.
+
+        Raises:
+            GripError: another try is under way, or this can't be tried.
+        """
+        kind = kind_of(wish.path).name
+        home = self._folder.settings_file(wish.path).parent
+        needed = "component" if wish.what in ("generate", "test") else "project"
+        if kind != needed:
+            raise GripError(f"{wish.path}: {wish.what!r} is tried with a file of the kind {needed!r}")
+        words = {
+            "robot": ("robot", "check", "."),
+            "generate": ("component", "add", str(home)),
+            "test": ("component", "test", str(home)),
+        }
+        return await self.run(words[wish.what])
+
+    async def run(self, words: Sequence[str]) -> ProbeView:
+        """Run `grip WORDS...` in the project folder; afterwards no process of it is left."""
+        started = time.monotonic()
+        ok, output = await self.ended("grip_bt.cli", words)
+        shown = output if len(output) <= KEPT else "... " + output[-KEPT:]
+        return ProbeView(ok=ok, command="grip " + " ".join(words), output=shown, seconds=time.monotonic() - started)
+
+    async def answer(self, module: str, **question: Any) -> dict[str, Any]:
+        """Run a module that answers by `answer_question` in the project folder; return its answer.
+
+        Raises:
+            GripError: another try is under way, or it ended without an answer.
+        """
+        _, output = await self.ended(module, (), json.dumps(question))
+        for line in reversed(output.splitlines()):
+            if line.startswith("{"):
+                return dict(json.loads(line))
+        raise GripError(f"it gave no answer: {output[-KEPT:].strip() or 'it said nothing'}")
+
+    async def ended(self, module: str, words: Sequence[str], given: str = "") -> tuple[bool, str]:
+        """Run a module to its end; return whether it went well, and what it said.
+
+        Raises:
+            GripError: another try is under way.
+        """
+        if self._busy.locked():
+            raise GripError("another try is under way; wait for its end")
+        async with self._busy:
+            return await _ended(python_command("-m", module, *words), self._folder.folder, given)
+
+
+async def _ended(command: Sequence[str], folder: Path, given: str) -> tuple[bool, str]:
+    mark = token_hex(8)
+    process = await asyncio.create_subprocess_exec(
+        *command,
+        cwd=folder,
+        stdin=asyncio.subprocess.PIPE,
+        stdout=asyncio.subprocess.PIPE,
+        stderr=asyncio.subprocess.STDOUT,
+        env={**os.environ, MARK: mark, "PYTHONUNBUFFERED": "1"},
+        start_new_session=True,
+    )
+    try:
+        said, _ = await asyncio.wait_for(process.communicate(given.encode()), PATIENCE)
+        output, ok = said.decode(errors="replace"), process.returncode == 0
+    except TimeoutError:
+        output, ok = f"It hasn't ended within {PATIENCE:g} s, so it was ended.", False
+    finally:
+        await end_marked(mark, group=process.pid if process.returncode is None else None)
+        await process.wait()
+    return ok, output
+
+
+def answer_question(answer: Callable[..., Mapping[str, Any]]) -> int:
+    """In a child process: read keyword arguments as JSON from the standard input, print what `answer` returns of them.
+
+    The answer is the last line, an object in JSON; `trouble` in it says why there is none.
+    """
+    try:
+        found = answer(**json.loads(sys.stdin.read()))
+    except ExpectedError as error:
+        found = {"trouble": error.message}
+    except (GripError, ValueError, OSError) as error:
+        found = {"trouble": str(error)}
+    sys.stdout.write("\n" + json.dumps(found) + "\n")
+    return 0

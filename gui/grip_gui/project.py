@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path, PurePosixPath
 
 from grip_bt.base.errors import DocumentError, GripError
-from grip_gui.messages import TaskEntry
+from grip_gui.wire.task import TaskEntry
 
 
 class OutsideProjectError(GripError):

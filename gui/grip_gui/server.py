@@ -1,23 +1,152 @@
-"""Serves the editor on this machine until Ctrl-C."""
+"""Puts the server together: the routes, the socket, the gate and the page."""
 
 from __future__ import annotations
 
 import asyncio
+import logging
 import os
 import socket
 import threading
 import webbrowser
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from pathlib import Path
+from secrets import token_urlsafe
 from urllib.parse import urlencode
 
 import uvicorn
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from fastapi.staticfiles import StaticFiles
+from starlette.exceptions import HTTPException
 
-from grip_bt.app.project.folder import find_project
-from grip_bt.base.errors import GripError
-from grip_gui.application import create_app
-from grip_gui.journal import JournalRuns
-from grip_gui.launcher import RunOptions
-from grip_gui.project import ProjectFolder
+from grip_bt.app.project import find_project
+from grip_bt.base.errors import DocumentError, GripError, HandoverError, MissingPartError, UnknownNameError
+from grip_gui.editing.document_store import EditDesk
+from grip_gui.editing.files import ChangedOnDiskError, StaleEditError, UnfinishedTextError
+from grip_gui.editing.routes import make_edit_router
+from grip_gui.live.routes import make_live_router
+from grip_gui.live.window import RosWindow
+from grip_gui.processes import Prober
+from grip_gui.project import OutsideProjectError, ProjectFolder
+from grip_gui.routes import make_router, make_run_router
+from grip_gui.runs.journal import JournalRuns
+from grip_gui.runs.launcher import CommandLineLauncher, Launcher, RunOptions
+from grip_gui.runs.pages import HeldElsewhereError
+from grip_gui.runs.run_control import BusyError, RunDesk
+from grip_gui.security import Gate
+from grip_gui.setup.routes import make_setup_router
+from grip_gui.wire.task import Trouble
+
+log = logging.getLogger(__name__)
+STATIC = Path(__file__).parent / "static"
+_STATUS: tuple[tuple[type[GripError], int], ...] = (
+    (OutsideProjectError, 403),
+    (UnknownNameError, 404),
+    (DocumentError, 404),
+    (BusyError, 409),
+    (HeldElsewhereError, 409),
+    (StaleEditError, 409),
+    (ChangedOnDiskError, 409),
+    (UnfinishedTextError, 409),
+    (HandoverError, 409),
+)
+_KIND: dict[type[GripError], str] = {
+    StaleEditError: "stale",
+    ChangedOnDiskError: "disk",
+    UnfinishedTextError: "unfinished",
+    HeldElsewhereError: "held",
+    HandoverError: "approximate",
+}
+
+
+def create_app(
+    project_folder: Path | str,
+    launcher: Launcher | None = None,
+    *,
+    token: str | None = None,
+    source: JournalRuns | None = None,
+    task: str | None = None,
+    autostart: RunOptions | None = None,
+    show_run: str | None = None,
+) -> FastAPI:
+    """Return the server of one project.
+
+    Args:
+        project_folder: the folder that it serves; nothing outside it is reached.
+        launcher: makes the processes of runs; `grip run` by default.
+        token: who has it may talk to the server; a fresh one by default, found as `app.state.token`.
+        source: where runs are read; the project's journal by default.
+        task: the task that the page opens first, relative to the folder.
+        autostart: run `task` with these options as soon as the server is up.
+        show_run: the run that the page shows first.
+
+    Raises:
+        UnknownNameError: that run isn't in the journal.
+        DocumentError: the folder, or the task, isn't there.
+        OutsideProjectError: the task isn't in the folder.
+        MissingPartError: the page wasn't built.
+    """
+    if not (STATIC / "index.html").is_file():
+        raise MissingPartError("the editor's page", "npm ci && npm run build in gui/frontend")
+    folder = ProjectFolder(project_folder)
+    task_file = folder.task_file(task) if task is not None else None
+    runs = source or JournalRuns(folder.journal, folder.folder)
+    desk = RunDesk(launcher or CommandLineLauncher(), folder.journal, runs)
+
+    if show_run is not None:
+        desk.show(show_run)
+
+    @asynccontextmanager
+    async def lifespan(_: FastAPI) -> AsyncIterator[None]:
+        if autostart is not None and task is not None and task_file is not None:
+            await desk.start(task, task_file, autostart)
+        yield
+        await asyncio.gather(desk.close(), window.close())
+
+    app = FastAPI(title="GRIP editor", lifespan=lifespan, docs_url=None, redoc_url=None, openapi_url=None)
+    app.state.token = token or token_urlsafe(24)
+    app.add_middleware(Gate, token=app.state.token)
+    app.add_exception_handler(GripError, _teach)
+    app.add_exception_handler(RequestValidationError, _refuse_malformed)
+    app.add_exception_handler(HTTPException, _refuse)
+    edits, window, prober = EditDesk(folder, desk.follow_edit), RosWindow(folder.folder), Prober(folder)
+    app.include_router(make_edit_router(edits, desk.notify))
+    app.include_router(make_run_router(folder, desk))
+    app.include_router(make_setup_router(folder, prober, runs, desk.notify))
+    app.include_router(make_live_router(folder, prober, window, lambda: _run_under_way(desk)))
+    app.include_router(make_router(folder, desk, runs, task, edits))
+    app.mount("/", StaticFiles(directory=STATIC, html=True))
+    return app
+
+
+def _run_under_way(desk: RunDesk) -> str:
+    session = desk.session
+    return (session.view.run or "") if session is not None and not session.over else ""
+
+
+async def _teach(request: Request, error: Exception) -> JSONResponse:
+    status = next((code for kind, code in _STATUS if isinstance(error, kind)), 400)
+    log.warning("%s %s: %s", request.method, request.url.path, error)
+    kind = next((word for cause, word in _KIND.items() if isinstance(error, cause)), "")
+    return JSONResponse(Trouble(detail=str(error), kind=kind).model_dump(), status_code=status)
+
+
+async def _refuse_malformed(request: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, RequestValidationError)
+    why = "; ".join(f"{'.'.join(str(part) for part in e['loc'])}: {e['msg']}" for e in error.errors()[:5])
+    log.warning("%s %s refused: %s", request.method, request.url.path, why)
+    return JSONResponse({"detail": f"malformed request: {why}"}, status_code=422)
+
+
+async def _refuse(request: Request, error: Exception) -> JSONResponse:
+    """Tell of what the framework itself refuses, such as a body that isn't text."""
+    assert isinstance(error, HTTPException)
+    if request.url.path.startswith("/api/"):
+        log.warning("%s %s refused: %s", request.method, request.url.path, error.detail)
+    return JSONResponse({"detail": error.detail}, status_code=error.status_code, headers=error.headers)
+
 
 HOST = "127.0.0.1"
 LARGEST_FRAME = 64 * 1024

@@ -9,23 +9,23 @@ from typing import Any
 from pydantic import TypeAdapter
 from pydantic.json_schema import models_json_schema
 
-from . import edit_messages, live_messages, messages, run_messages, setup_messages
+from grip_gui.wire import editing, live, runs, setup, task
 
 TARGET = Path(__file__).parent.parent / "frontend" / "src" / "protocol" / "generated.ts"
-_HEAD = "// Written by `python -m grip_gui.typescript` from gui/grip_gui/*messages.py; don't edit.\n"
+_HEAD = "// Written by `python -m grip_gui.typescript` from gui/grip_gui/wire/; don't edit.\n"
 _SCALARS = {"string": "string", "integer": "number", "number": "number", "boolean": "boolean", "null": "null"}
 
 
 def schema() -> dict[str, Any]:
     """Return the JSON Schema of all wire models under `$defs`; defaults count as present, as the server sends them."""
-    rooms = (messages, edit_messages, run_messages, setup_messages, live_messages)
+    rooms = (task, editing, runs, setup, live)
     models = [
         model
         for model in {name: model for room in rooms for name, model in vars(room).items()}.values()
-        if isinstance(model, type) and issubclass(model, messages.Wire) and model is not messages.Wire
+        if isinstance(model, type) and issubclass(model, task.Wire) and model is not task.Wire
     ]
     _, definitions = models_json_schema([(model, "serialization") for model in models], ref_template="#/$defs/{model}")
-    frame = TypeAdapter(run_messages.ServerFrame).json_schema(ref_template="#/$defs/{model}", mode="serialization")
+    frame = TypeAdapter(runs.ServerFrame).json_schema(ref_template="#/$defs/{model}", mode="serialization")
     frame.pop("$defs", None)
     return {"$defs": {**definitions["$defs"], "ServerFrame": frame}}
 

@@ -142,7 +142,7 @@ def page(file: Path) -> None:
     from grip_bt.base.errors import GripError
 
     pytest.importorskip("fastapi")
-    from grip_gui.journal import JournalRuns
+    from grip_gui.runs.journal import JournalRuns
 
     source = JournalRuns(file, file.parent.parent)
     with suppress(GripError):  # it says what is wrong; anything else is ours

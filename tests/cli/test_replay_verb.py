@@ -141,7 +141,7 @@ def test_places_are_numbers_nodes_and_ends_of_nodes(text, seq):
 
 def test_the_page_begins_with_the_run_that_is_replayed(folder):
     testing = pytest.importorskip("fastapi.testclient")
-    from grip_gui.application import create_app
+    from grip_gui.server import create_app
 
     with JournalReader(folder / ".grip" / "runs.sqlite") as reader:
         record = reader.runs()[0]

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from played import BASE, TASK, PlayedLauncher, TestClient
 
-from grip_gui.application import create_app
+from grip_gui.server import create_app
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from grip_bt.runtime import Journal, RunLog
-from grip_gui.launcher import RunOptions
+from grip_gui.runs.launcher import RunOptions
 
 with warnings.catch_warnings():
     # Starlette's client asks for the successor of httpx, which does the same here.

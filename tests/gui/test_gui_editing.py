@@ -9,7 +9,7 @@ import pytest
 from played import BASE, TASK, PlayedLauncher
 from starlette.testclient import TestClient
 
-from grip_gui.application import create_app
+from grip_gui.server import create_app
 
 TINY = "tasks/tiny.yaml"
 

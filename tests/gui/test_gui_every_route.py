@@ -12,8 +12,8 @@ from fastapi.routing import APIRoute
 from played import BASE, PlayedLauncher, TestClient
 from pydantic import BaseModel
 
-from grip_gui.application import create_app
 from grip_gui.security import LARGEST_BODY, LARGEST_DOCUMENT
+from grip_gui.server import create_app
 
 SEED = 20
 OUTSIDE = [

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 from played import SOCKET, TestClient
 
-from grip_gui.presence import COLOURS, REMEMBERED, Presence
-from grip_gui.run_messages import Introduce, Selection
+from grip_gui.runs.pages import COLOURS, REMEMBERED, Presence
+from grip_gui.wire.runs import Introduce, Selection
 
 
 def until(socket: Any, wanted: Any) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from grip_bt.task import load, loads, read_text
 from grip_bt.task.catalog import Catalog, Manifest
 from grip_bt.task.edit import Connect, Move, Remove, Rename, Set, Wrap, apply_to_document
 from grip_bt.task.walking import walk
-from grip_gui.projection import Drawn, Faces, project_task
+from grip_gui.view.projection import Drawn, Faces, project_task
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "tasks" / "reactive_pick.yaml"
 

@@ -23,9 +23,9 @@ from grip_bt.commanders.robots import build_robot
 from grip_bt.runtime import Journal
 from grip_bt.runtime.run_log import Noted
 from grip_bt.runtime.value_codec import snapshot
-from grip_gui.live import RosWindow
 from grip_gui.live.motion import last_state, motion_of
-from grip_gui.live_routes import make_live_router
+from grip_gui.live.routes import make_live_router
+from grip_gui.live.window import RosWindow
 from grip_gui.project import ProjectFolder
 from grip_gui.setup.geometry import geometry
 

@@ -9,8 +9,8 @@ import pytest
 from played import BASE, SOCKET, TestClient
 from starlette.websockets import WebSocketDisconnect
 
-from grip_gui.application import create_app
 from grip_gui.security import LARGEST_BODY
+from grip_gui.server import create_app
 
 
 @pytest.fixture

@@ -12,12 +12,12 @@ from starlette.websockets import WebSocketDisconnect
 
 from grip_bt.runtime import JournalError
 from grip_bt.runtime.rest import Rest
-from grip_gui import lease as lease_module
-from grip_gui import session as session_module
-from grip_gui import stream as stream_module
-from grip_gui.application import create_app
-from grip_gui.journal import JournalRuns
-from grip_gui.stream import STRIKES
+from grip_gui.runs import pages as lease_module
+from grip_gui.runs import session as session_module
+from grip_gui.runs import stream as stream_module
+from grip_gui.runs.journal import JournalRuns
+from grip_gui.runs.stream import STRIKES
+from grip_gui.server import create_app
 
 WISH = {"task": "tasks/tiny.yaml", "robot": "fake", "target": "sm", "seed": 7, "pace": 2.5}
 
@@ -237,7 +237,7 @@ def test_an_unknown_run_is_named(page: TestClient) -> None:
 
 
 def test_leaving_the_server_stops_the_run(project: Path, launcher: PlayedLauncher) -> None:
-    from grip_gui.launcher import RunOptions
+    from grip_gui.runs.launcher import RunOptions
 
     app = create_app(project, launcher, token="t", task="tasks/tiny.yaml", autostart=RunOptions("fake"))
     with TestClient(app):

@@ -19,8 +19,7 @@ from grip_bt.base.values import CameraInfo, DepthImage, Grasp, Image, JointState
 from grip_bt.runtime import Journal
 from grip_bt.runtime.run_log import Noted
 from grip_bt.runtime.value_codec import snapshot
-from grip_gui.pictures import LARGEST, drawn_cloud, drawn_depth, png
-from grip_gui.values import PLACES, POINTS, ROWS, cloud_view, value_view
+from grip_gui.view.values import LARGEST, PLACES, POINTS, ROWS, cloud_view, drawn_cloud, drawn_depth, png, value_view
 
 
 def pixels_of(data: bytes) -> NDArray[np.uint8]:

@@ -79,9 +79,10 @@ def test_where_a_real_robot_is_can_be_kept_from_the_editor(tmp_path, domain, sta
     found = {}
     for part, what in (("right", "joints"), ("right", "pose"), ("fingers", "joints"), ("fingers", "pose")):
         wish = json.dumps({"robot": "ros", "part": part, "what": what})
-        command = [sys.executable, "-m", "grip_gui.live.measuring", wish]
+        command = [sys.executable, "-m", "grip_gui.live.measuring"]
         done = subprocess.run(
             command,
+            input=wish,
             cwd=tmp_path,
             env=child_environment((), domain),
             capture_output=True,

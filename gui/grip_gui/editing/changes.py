@@ -11,11 +11,11 @@ from weakref import WeakKeyDictionary
 from grip_bt.task import join
 from grip_bt.task.edit import path_after
 from grip_bt.task.edit.steps import Step
-from grip_gui.edit_messages import DocumentChange, DocumentView, TaskChange, TextSplice
-from grip_gui.messages import NodeView, TaskView
+from grip_gui.editing.open_document import Sheet
 from grip_gui.project import ProjectFolder
+from grip_gui.wire.editing import DocumentChange, DocumentView, TaskChange, TextSplice
+from grip_gui.wire.task import NodeView, TaskView
 
-from .sheet import Sheet
 from .views import document_view
 
 KEPT = 16

@@ -1,19 +1,26 @@
-"""A container, or the whole task, in the other form: looked at first, with what was found by comparing both."""
+"""Another form of a task, or of part of it: conversions tried, compared by running both, and applied."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
-from grip_bt.base.errors import EditError, InvalidTaskError, NodeError
-from grip_bt.compilers.restructure import Restructured, compare, to_state_machines, to_trees
+from grip_bt.base.errors import EditError, GripError, InvalidTaskError, NodeError
+from grip_bt.base.values import Failure
+from grip_bt.compilers.restructure import Difference, Restructured, compare, moved, play, to_state_machines, to_trees
 from grip_bt.compilers.restructure.as_edit import expanded
-from grip_bt.task import Task, walk
+from grip_bt.compilers.restructure.equivalence import End
+from grip_bt.runtime.recorder import preview
+from grip_bt.task import Fallback, Sequence, StateMachine, Task, walk
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.edit import Convert
-from grip_gui.edit_messages import ConversionView, ConvertWish, Form
-
-from .playing import plays
-from .sheet import Sheet
+from grip_bt.task.model import Leaf
+from grip_bt.task.walking import join, outcomes_of
+from grip_gui.editing.open_document import Sheet
+from grip_gui.view.documents import finder
+from grip_gui.view.projection import project_task
+from grip_gui.wire.editing import ConversionView, ConvertWish, Form, FormsView, FormView, PlayView
+from grip_gui.wire.runs import RunEvent
 
 
 def conversion_view(
@@ -88,3 +95,117 @@ def _outline(task: Task, path: str) -> list[str]:
             kind = getattr(node, "kind", None) or getattr(node, "node", "")
             lines.append(f"{'  ' * depth}{names[-1] if names else task.name}: {kind}")
     return lines
+
+
+def plays(task: Task, result: Restructured, difference: Difference, catalog: Catalog, file: str) -> list[PlayView]:
+    """Return what the form as it is does with a script, and what the other form does.
+
+    Args:
+        task: the task as it is.
+        result: its other form.
+        difference: the script with which they differ.
+        catalog: the nodes that exist.
+        file: the task's file, relative to the project.
+    """
+    other = moved(difference.script, result.paths)
+    return [_play(task, difference.script, catalog, file), _play(result.task, other, catalog, file)]
+
+
+def _play(task: Task, script: tuple[End, ...], catalog: Catalog, file: str) -> PlayView:
+    events = _Events()
+    end = play(task, catalog, script, events.by)
+    outcome = end[0] if end and end[0] != "error" else None
+    status = (
+        "stopped" if not end else end[0] if outcome is None else task.outcomes.get(outcome, _meaning(task, outcome))
+    )
+    events.add("/", "run_ended", outcome, None, {"status": status})
+    return PlayView(task=project_task(task, file, finder(catalog)), status=status, outcome=outcome, events=events.all)
+
+
+def _meaning(task: Task, outcome: str) -> str:
+    root = task.root
+    known = root.meaning if isinstance(root, Leaf) else outcomes_of(root)
+    return known.get(outcome, "failure")
+
+
+class _Events:
+    """The observer that notes what happens as the journal would."""
+
+    def __init__(self) -> None:
+        self.all: list[RunEvent] = []
+        self._now: Callable[[], float] = lambda: 0.0
+
+    def by(self, now: Callable[[], float]) -> _Events:
+        """Take the run's clock [s]; return the observer."""
+        self._now = now
+        return self
+
+    def add(self, path: str, event: str, outcome: str | None, code: str | None, data: dict[str, Any]) -> None:
+        """Note one event."""
+        seq = len(self.all)
+        self.all.append(RunEvent(seq=seq, t=self._now(), path=path, event=event, outcome=outcome, code=code, data=data))
+
+    def entered(self, path: str) -> None:
+        """An activation begins."""
+        self.add(path, "enter", None, None, {})
+
+    def ended(self, path: str, outcome: str, failure: Failure | None) -> None:
+        """An activation ended."""
+        data = {"message": failure.message} if failure and failure.message else {}
+        self.add(path, "exit", outcome, failure.code if failure else None, data)
+
+    def interrupted(self, path: str) -> None:
+        """An activation was halted."""
+        self.add(path, "interrupted", None, None, {})
+
+    def message(self, path: str, text: str) -> None:
+        """A node says how it goes."""
+        self.add(path, "message", None, None, {"text": text})
+
+    def wrote(self, path: str, variable: str, type_name: str, value: Any) -> None:
+        """A variable was written."""
+        data = {"variable": variable, "type": type_name, "preview": preview(value)}
+        self.add(path, "write", None, None, data)
+
+
+def forms_view(sheet: Sheet, catalog: Catalog) -> Callable[[], FormsView]:
+    """Return what finds the forms of a document's composites and state machines; it needs nobody to wait for it.
+
+    Once the document has changed, nobody asks about this one: the rest isn't looked for, so that edits have the time.
+    """
+    revision, history = sheet.revision, sheet.history
+    if history is None or sheet.draft is not None:
+        return lambda: FormsView(revision=revision, forms=[], trouble="the text isn't a task at the moment")
+    task = history.document.task
+
+    def found() -> FormsView:
+        try:
+            forms = _forms(task, catalog, lambda: sheet.revision == revision)
+            return FormsView(revision=revision, forms=forms)
+        except InvalidTaskError:
+            return FormsView(revision=revision, forms=[], trouble="known once the task has no errors")
+        except GripError as error:
+            return FormsView(revision=revision, forms=[], trouble=str(error))
+
+    return found
+
+
+def _edge(machine: str, label: str) -> tuple[str, str]:
+    """Return the path and the outcome of `state.outcome -> target`."""
+    state, _, outcome = label.partition(" -> ")[0].partition(".")
+    return join(machine, state), outcome
+
+
+def _forms(task: Task, catalog: Catalog, wanted: Callable[[], bool]) -> list[FormView]:
+    notes = {}
+    for convert in (to_trees, to_state_machines):
+        if not wanted():
+            return []
+        notes.update({note.path: note for note in convert(task, catalog).notes})
+    forms = []
+    for path, node in walk(task.root):
+        if isinstance(node, StateMachine | Sequence | Fallback):
+            note = notes.get(path)
+            edges = [_edge(path, label) for label in note.edges] if note else []
+            forms.append(FormView(path=path, both=note is None, reason=note.reason if note else "", edges=edges))
+    return forms

@@ -1,13 +1,40 @@
-"""Files in and out, to the byte: what was read is known, so that nobody's change is overwritten unseen."""
+"""Files of a project as they are edited: read, written, noticed when others change them, and recovered."""
 
 from __future__ import annotations
 
+import json
+import logging
+from dataclasses import dataclass
 from hashlib import blake2b
 from pathlib import Path
 
-from grip_bt.base.errors import DocumentError
+from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.files import replace_bytes
 from grip_bt.base.yaml.tree import read_file
+
+
+class StaleEditError(GripError):
+    """An edit was made on an older state, and what it is about has changed since."""
+
+
+class UnfinishedTextError(GripError):
+    """A drawn edit was asked for while the text isn't a task."""
+
+    def __init__(self, path: str, why: str):
+        super().__init__(
+            f"{path}: the text isn't a task at the moment ({why}); mend it in the text view, or undo to drop it"
+        )
+
+
+class ChangedOnDiskError(GripError):
+    """The file was changed by somebody else since it was opened or saved."""
+
+    def __init__(self, path: str, how: str):
+        super().__init__(
+            f"{path} was {how} outside the editor since it was opened here; take the file's text (undo brings yours "
+            "back), or save yours over it"
+        )
+
 
 _BOM = b"\xef\xbb\xbf"
 
@@ -75,3 +102,54 @@ class TextFile:
 
 def _digest(data: bytes) -> str:
     return blake2b(data, digest_size=16).hexdigest()
+
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Unsaved:
+    """A text that was never saved.
+
+    Attributes:
+        text: the text.
+        known: the state of the task's file that it was made from.
+    """
+
+    text: str
+    known: str
+
+
+class Recovery:
+    """The unsaved text of one task file.
+
+    Args:
+        folder: where such texts are kept.
+        name: the task's path in the project.
+    """
+
+    def __init__(self, folder: Path, name: str):
+        digest = blake2b(name.encode(), digest_size=8).hexdigest()
+        self._file = TextFile(folder / f"{Path(name).stem}-{digest}.json", name)
+
+    def find(self) -> Unsaved | None:
+        """Return what was left behind; None where nothing was."""
+        if not self._file.path.exists():
+            return None
+        try:
+            data = json.loads(self._file.read())
+            return Unsaved(str(data["text"]), str(data["known"]))
+        except (DocumentError, ValueError, KeyError, TypeError) as error:
+            log.warning("the unsaved text of %s can't be read: %s", self._file.name, error)
+            return None
+
+    def keep(self, unsaved: Unsaved) -> None:
+        """Keep a text; that it can't be kept keeps nobody from editing."""
+        try:
+            self._file.write(json.dumps({"known": unsaved.known, "text": unsaved.text}))
+        except DocumentError as error:
+            log.warning("unsaved changes aren't kept: %s", error)
+
+    def forget(self) -> None:
+        """Forget the text: it was saved."""
+        self._file.remove()

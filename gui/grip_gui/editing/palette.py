@@ -11,7 +11,7 @@ from pydantic.fields import FieldInfo
 from grip_bt.base.errors import SubtaskError
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog, Manifest, face_of
-from grip_gui.edit_messages import CatalogView, FieldFace, FieldType, KindFace, NodeFace, ParameterFace, PortFace
+from grip_gui.wire.editing import CatalogView, FieldFace, FieldType, KindFace, NodeFace, ParameterFace, PortFace
 
 _ELSEWHERE = {"doc", "on", "x", "data", "outcomes", "children", "child", "exits", "kind"}
 """Keys that have places of their own on the page."""

@@ -10,8 +10,10 @@ from grip_bt.base.errors import DocumentError, EditError, GripError
 from grip_bt.task import read_text, walk
 from grip_bt.task.edit import Set, apply, clip_of, comment_of
 from grip_bt.task.validation import validate
-from grip_gui.documents import catalog_of, drawn, problems_of, trouble_of, unchecked_view
-from grip_gui.edit_messages import (
+from grip_gui.editing.open_document import Sheet
+from grip_gui.project import ProjectFolder
+from grip_gui.view.documents import catalog_of, drawn, problems_of, trouble_of, unchecked_view
+from grip_gui.wire.editing import (
     Change,
     CommentView,
     DocumentView,
@@ -25,10 +27,7 @@ from grip_gui.edit_messages import (
     PlacesView,
     ProblemsView,
 )
-from grip_gui.messages import Problem, TaskView
-from grip_gui.project import ProjectFolder
-
-from .sheet import Sheet
+from grip_gui.wire.task import Problem, TaskView
 
 SHOWN = 200
 """Moments of a history that a page gets."""

@@ -1,12 +1,10 @@
 """`python -m grip_gui.live.calling`: starts a component, calls it once, and tells its answer field by field.
 
-Reads the wish as JSON from the standard input: `folder`, and `given`: port -> `{run, journal}`, `{store, name}` or
-`{text}`. Prints one line of JSON, a `TryView`.
+It is asked for `folder`, and `given`: port -> `{run, seq}`, `{store, name}` or `{text}`; its answer is a `TryView`.
 """
 
 from __future__ import annotations
 
-import json
 import sys
 import time
 from collections.abc import Mapping
@@ -17,7 +15,6 @@ from grip_bt.app.project.components import label_of
 from grip_bt.app.project.folder import Project, find_project
 from grip_bt.app.project.foreign_code import of_component, refuse
 from grip_bt.base.errors import DocumentError, GripError
-from grip_bt.base.failures import ExpectedError
 from grip_bt.base.message_store import MessageLibrary
 from grip_bt.base.message_store.written import fields_of
 from grip_bt.base.values import JointState, Pose
@@ -25,11 +22,11 @@ from grip_bt.base.yaml.tree import parse, to_data
 from grip_bt.ros.components import start_components
 from grip_bt.runtime import JournalReader
 from grip_bt.task.catalog.component_file import ComponentFile, load_component
-from grip_gui.live_messages import FieldResult, TryView
-from grip_gui.run_messages import ValueView
-from grip_gui.values import value_view
-
-from .shown import message_view
+from grip_gui.live.inspector import message_view
+from grip_gui.processes import answer_question
+from grip_gui.view.values import value_view
+from grip_gui.wire.live import FieldResult, TryView
+from grip_gui.wire.runs import ValueView
 
 
 def tried(folder: Path, given: Mapping[str, Mapping[str, Any]]) -> TryView:
@@ -103,18 +100,5 @@ def _view(component: ComponentFile, name: str, value: Any) -> ValueView:
     return value_view(declared.type if declared is not None else type(value).__name__, value)
 
 
-def main() -> int:
-    """Print how it went."""
-    wish = json.loads(sys.stdin.read())
-    try:
-        view = tried(Path(wish["folder"]), wish["given"])
-    except ExpectedError as error:
-        view = TryView(trouble=error.message)
-    except (GripError, ValueError, OSError) as error:
-        view = TryView(trouble=str(error))
-    sys.stdout.write("\n" + view.model_dump_json() + "\n")
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(answer_question(lambda folder, given: tried(Path(folder), given).model_dump(mode="json")))

@@ -1,8 +1,7 @@
-"""`python -m grip_gui.live.measuring WISH`: where an arm or a hand of the project here is now, as one line of JSON."""
+"""`python -m grip_gui.live.measuring`: where an arm or a hand of the project of this folder is now, as YAML."""
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -11,13 +10,12 @@ from typing import Any
 from grip_bt.app.project.folder import Project, find_project
 from grip_bt.app.wiring.open import open_resources
 from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
-from grip_bt.base.failures import ExpectedError
 from grip_bt.base.message_store.written import text_of
 from grip_bt.base.ports import Arm, Hand
 from grip_bt.base.values import JointState
+from grip_gui.processes import answer_question
+from grip_gui.setup.named import DIGITS
 
-DIGITS = 9
-"""Behind the point of what was measured: nanometres, which no robot measures."""
 _NO_ARM = "{} is a hand: its joints can be kept; the pose of its palm is the arm's"
 
 
@@ -60,17 +58,5 @@ def _of_joints(project: Project, part: str, what: str, joints: JointState) -> An
     return RobotModel(project.description()).grasp_pose(joints, group=project.file.arms[part].group)
 
 
-def main() -> int:
-    """Print what is measured."""
-    try:
-        answer = {"text": text_of(measured(**json.loads(sys.argv[1])), DIGITS)}
-    except ExpectedError as error:
-        answer = {"trouble": error.message}
-    except (GripError, ValueError, OSError) as error:
-        answer = {"trouble": str(error)}
-    sys.stdout.write("\n" + json.dumps(answer) + "\n")
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(answer_question(lambda **question: {"text": text_of(measured(**question), DIGITS)}))

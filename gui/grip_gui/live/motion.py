@@ -6,8 +6,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from grip_bt.app.runs.motion_record import motion_file
-from grip_gui.live_messages import MotionSample, MotionView
+from grip_bt.app.motion_record import motion_file
+from grip_gui.wire.live import MotionSample, MotionView
 
 MOST = 1 << 20
 """Most that is read at once [bytes]."""

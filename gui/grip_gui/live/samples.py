@@ -11,7 +11,7 @@ from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import GripError
 from grip_bt.base.message_store import MessageLibrary
 from grip_bt.runtime import JournalReader
-from grip_gui.live_messages import ComponentForm, RequestPort, Sample
+from grip_gui.wire.live import ComponentForm, RequestPort, Sample
 
 RUNS, EACH = 10, 12
 """Runs that are looked through, the latest ones, and samples of a port."""

@@ -35,7 +35,7 @@ def main() -> int:
             from grip_bt.ros.environment import require
 
             require()  # before anything of ROS is loaded: it says how to install what isn't there
-            from .looking import Looker
+            from grip_gui.live.inspector import Looker
 
             with opening:
                 if not looker:

@@ -1,5 +1,1 @@
 """The files that put a project together, for the page: read, checked, changed by forms, tried."""
-
-from .desk import SetupDesk
-
-__all__ = ["SetupDesk"]

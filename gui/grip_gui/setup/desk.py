@@ -9,11 +9,10 @@ from grip_bt.app.project import find_project
 from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.yaml.faults import Fault, find
 from grip_bt.base.yaml.syntax import Value, entries_of, parse, plain
-from grip_gui.editing import ChangedOnDiskError
-from grip_gui.editing.files import TextFile
-from grip_gui.messages import Problem
+from grip_gui.editing.files import ChangedOnDiskError, TextFile
 from grip_gui.project import ProjectFolder
-from grip_gui.setup_messages import SetupChange, SetupList, SetupSave, SetupView
+from grip_gui.wire.setup import SetupChange, SetupList, SetupSave, SetupView
+from grip_gui.wire.task import Problem
 
 from .changes import UnchangeableError, remove, rename, set_value
 from .kinds import Kind, entries, kind_of

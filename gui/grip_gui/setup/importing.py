@@ -6,10 +6,9 @@ from pathlib import Path, PurePosixPath
 
 from grip_bt.base.errors import GripError
 from grip_gui.editing.files import TextFile
+from grip_gui.processes import Prober
 from grip_gui.project import ProjectFolder
-from grip_gui.setup_messages import ImportView, ImportWish
-
-from .probes import Prober
+from grip_gui.wire.setup import ImportView, ImportWish
 
 FOLDER = "legacy"
 """Where the file itself is kept, so that an import can be done again."""

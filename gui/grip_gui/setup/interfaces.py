@@ -20,7 +20,7 @@ from grip_bt.ros.interfaces import read_interface
 from grip_bt.task.catalog.component_file import ComponentFile
 from grip_bt.task.catalog.interface_spec import InterfaceSpec
 from grip_gui.project import ProjectFolder
-from grip_gui.setup_messages import FieldView, InterfaceView, InterfaceWish
+from grip_gui.wire.setup import FieldView, InterfaceView, InterfaceWish
 
 _TYPE = re.compile(r"^(?P<package>[a-z][a-z0-9_]*)/(?P<kind>srv|action|msg)/(?P<name>[A-Z][A-Za-z0-9]*)$")
 _OTHER = re.compile(r"^\s*([a-z][a-z0-9_]*)/[A-Z]", re.MULTILINE)

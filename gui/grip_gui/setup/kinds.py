@@ -18,7 +18,7 @@ from grip_bt.base.yaml.models import Diagnostic, check_model
 from grip_bt.base.yaml.tree import YamlValue
 from grip_bt.task.catalog.component_file import ComponentFile
 from grip_gui.project import OutsideProjectError, ProjectFolder
-from grip_gui.setup_messages import SetupEntry, Template
+from grip_gui.wire.setup import SetupEntry, Template
 
 JOINT_STATES, POSES, TRAJECTORIES = (f"messages/{name}.yaml" for name in ("joint_states", "poses", "trajectories"))
 _NUMBERS = {"type": "object", "additionalProperties": {"type": "number"}}

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from grip_gui.setup_messages import Template
+from grip_gui.wire.setup import Template
 
 from .kinds import JOINT_STATES, Kind
 from .options import cameras_in, names_in

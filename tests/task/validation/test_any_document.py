@@ -68,7 +68,7 @@ def test_the_page_shows_any_of_them(file: Path) -> None:
     pytest.importorskip("starlette")
     import warnings
 
-    from grip_gui.application import create_app
+    from grip_gui.server import create_app
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")

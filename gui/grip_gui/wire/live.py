@@ -6,9 +6,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from grip_gui.messages import Wire
-from grip_gui.run_messages import Robot, ValueView
-from grip_gui.setup_messages import SetupPath
+from grip_gui.wire.runs import Robot, ValueView
+from grip_gui.wire.setup import SetupPath
+from grip_gui.wire.task import Wire
 
 Word = Annotated[str, Field(max_length=300)]
 Typed = Annotated[str, Field(max_length=100_000)]

@@ -10,9 +10,9 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from grip_gui.journal import RunSource
-from grip_gui.launcher import RunProcess
-from grip_gui.run_messages import Breakpoint, Held, RunState, SessionView
+from grip_gui.runs.journal import JournalRuns
+from grip_gui.runs.launcher import RunProcess
+from grip_gui.wire.runs import Breakpoint, Held, RunState, SessionView
 
 log = logging.getLogger(__name__)
 
@@ -45,7 +45,7 @@ class Session:
         process: RunProcess,
         view: SessionView,
         changed: Callable[[], None],
-        source: RunSource,
+        source: JournalRuns,
     ):
         self.view = view
         self._process, self._changed, self._source = process, changed, source

@@ -6,8 +6,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from grip_gui.messages import Problem, Wire
-from grip_gui.run_messages import PageId
+from grip_gui.wire.runs import PageId
+from grip_gui.wire.task import Problem, Wire
 
 LONGEST = 1 << 20
 """Longest text of a settings file, in characters."""

@@ -9,13 +9,12 @@ from pathlib import Path
 
 from grip_bt.base.errors import GripError, UnknownNameError
 from grip_bt.task.edit.steps import Step
-from grip_gui.breakpoints import Breakpoints
-from grip_gui.journal import RunSource
-from grip_gui.launcher import Launcher, RunOptions
-from grip_gui.lease import Lease
-from grip_gui.presence import Presence
-from grip_gui.run_messages import Breakpoint, Control, DeskView, SessionView
-from grip_gui.session import STOP, Session
+from grip_gui.runs.breakpoints import Breakpoints
+from grip_gui.runs.journal import JournalRuns
+from grip_gui.runs.launcher import Launcher, RunOptions
+from grip_gui.runs.pages import Lease, Presence
+from grip_gui.runs.session import STOP, Session
+from grip_gui.wire.runs import Breakpoint, Control, DeskView, SessionView
 
 log = logging.getLogger(__name__)
 
@@ -33,7 +32,7 @@ class RunDesk:
         source: where the end of a run is entered whose process died.
     """
 
-    def __init__(self, launcher: Launcher, journal: Path, source: RunSource):
+    def __init__(self, launcher: Launcher, journal: Path, source: JournalRuns):
         self._launcher, self.journal, self._source = launcher, journal, source
         self.session: Session | None = None
         self._shown: SessionView | None = None

@@ -10,9 +10,9 @@ from grip_bt.task.catalog import Catalog, face_of
 from grip_bt.task.document import Document, read_text
 from grip_bt.task.validation import validate
 from grip_bt.task.validation.fixes import Fixer
-from grip_gui.messages import FixView, Problem, TaskView
 from grip_gui.project import ProjectFolder
-from grip_gui.projection import Drawn, Faces, FindManifest, project_task
+from grip_gui.view.projection import Drawn, Faces, FindManifest, project_task
+from grip_gui.wire.task import FixView, Problem, TaskView
 
 FIXED = 100
 """Problems for which fixes are looked for; who has more begins with these."""

@@ -5,21 +5,17 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from grip_bt.base.errors import DocumentError, EditError
 from grip_bt.task import read_text
 from grip_bt.task.document import Document
-from grip_bt.task.edit import AnyCommand, Edited, Group, History, rewrite
+from grip_bt.task.edit import AnyCommand, Edited, Group, History, Patch, command_of, path_after, rewrite
 from grip_bt.task.edit.history_file import history_path, load_history, save_history
 from grip_bt.task.edit.steps import Step
 from grip_bt.task.layout import Layout, read_layout, write_layout
-from grip_gui.projection import Drawn
-
-from .errors import ChangedOnDiskError, StaleEditError, UnfinishedTextError
-from .files import TextFile
-from .rebasing import rebased
-from .recovery import Recovery, Unsaved
+from grip_gui.editing.files import ChangedOnDiskError, Recovery, StaleEditError, TextFile, UnfinishedTextError, Unsaved
+from grip_gui.view.projection import Drawn
 
 log = logging.getLogger(__name__)
 KEPT = 1000
@@ -331,3 +327,49 @@ class Sheet:
         self._put_text(text, FROM_DISK)
         self._saved = text
         self.revision += 1
+
+
+_ONE = ("path", "parent")
+_MANY = ("paths",)
+
+
+def rebased(command: AnyCommand, since: Iterable[tuple[Step, ...]]) -> AnyCommand:
+    """Return a command with the paths of its nodes as they are after some edits.
+
+    Raises:
+        StaleEditError: a node that it is about is gone.
+    """
+    taken = tuple(step for steps in since for step in steps)
+    if not taken:
+        return command
+    if _is_exact(command):
+        raise StaleEditError("the task has just been changed elsewhere; look at it, then do this again")
+    return command_of(_moved(command.model_dump(mode="json"), taken))
+
+
+def _is_exact(command: AnyCommand) -> bool:
+    """Tell whether a command fits one state of a task alone."""
+    if isinstance(command, Group):
+        return any(_is_exact(part) for part in command.commands)
+    return isinstance(command, Patch)
+
+
+def _moved(data: Any, steps: tuple[Step, ...]) -> Any:
+    if isinstance(data, list):
+        return [_moved(part, steps) for part in data]
+    if not isinstance(data, dict) or "do" not in data:
+        return data
+    moved = {key: _where(value, steps) if key in _ONE else value for key, value in data.items()}
+    moved |= {key: [_where(path, steps) for path in data[key]] for key in _MANY if key in data}
+    if "commands" in data:
+        moved["commands"] = _moved(data["commands"], steps)
+    return moved
+
+
+def _where(path: str, steps: tuple[Step, ...]) -> str:
+    if path == "":
+        return path
+    now = path_after(path, steps)
+    if now is None:
+        raise StaleEditError(f"{path} was removed elsewhere while you were editing it; nothing was changed")
+    return now

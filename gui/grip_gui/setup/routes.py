@@ -8,15 +8,15 @@ from collections.abc import Callable
 from fastapi import APIRouter
 
 from grip_bt.base.errors import GripError
-from grip_gui.journal import RunSource
+from grip_gui.processes import Prober
 from grip_gui.project import ProjectFolder
-from grip_gui.setup import SetupDesk
+from grip_gui.runs.journal import JournalRuns
+from grip_gui.setup.desk import SetupDesk
 from grip_gui.setup.importing import import_file
 from grip_gui.setup.interfaces import look_at, make
+from grip_gui.setup.named import keep_value
 from grip_gui.setup.options import names_of
-from grip_gui.setup.probes import Prober
-from grip_gui.setup.recording import record
-from grip_gui.setup_messages import (
+from grip_gui.wire.setup import (
     ImportView,
     ImportWish,
     InterfaceView,
@@ -33,16 +33,19 @@ from grip_gui.setup_messages import (
 )
 
 
-def make_setup_router(folder: ProjectFolder, source: RunSource, changed: Callable[[], None]) -> APIRouter:
+def make_setup_router(
+    folder: ProjectFolder, prober: Prober, source: JournalRuns, changed: Callable[[], None]
+) -> APIRouter:
     """Return the routes below `/api/setup`.
 
     Args:
         folder: the project.
+        prober: tries one thing at a time.
         source: where values of runs are read.
         changed: called in the event loop when the project's nodes may be others.
     """
     api = APIRouter(prefix="/api/setup")
-    desk, prober = SetupDesk(folder), Prober(folder)
+    desk = SetupDesk(folder)
 
     @api.get("/files")
     def files() -> SetupList:
@@ -95,7 +98,7 @@ def make_setup_router(folder: ProjectFolder, source: RunSource, changed: Callabl
 
     @api.post("/record")
     async def keep(wish: RecordWish) -> SetupView:
-        path = await asyncio.to_thread(lambda: record(folder, wish.name, source.raw(wish.run, wish.seq)))
+        path = await asyncio.to_thread(lambda: keep_value(folder, wish.name, source.raw(wish.run, wish.seq)))
         return await asyncio.to_thread(desk.open, path)
 
     return api

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from grip_gui.messages import TaskView, Wire
+from grip_gui.wire.task import TaskView, Wire
 
 RunState = Literal["starting", "running", "paused", "stopping", "ended"]
 Robot = Literal["sim", "fake", "ros"]

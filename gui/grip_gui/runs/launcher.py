@@ -14,7 +14,7 @@ from typing import Any, Protocol
 
 from grip_bt.base.interpreter import python_command
 from grip_gui.processes import MARK, end_marked
-from grip_gui.run_messages import Robot, Target
+from grip_gui.wire.runs import Robot, Target
 
 LINES_KEPT = 40
 """How many of the last lines of output are kept, to say why a process died."""

@@ -13,7 +13,7 @@ from grip_bt.task.catalog.manifest import Manifest
 from grip_bt.task.edit.draft import deep as plain_data
 from grip_bt.task.model import AnyNode, Leaf, StateMachine, Subtask, Task, Variable
 from grip_bt.task.walking import children_of, join, outcomes_of, walk
-from grip_gui.messages import Meaning, NodeView, Problem, TaskView, Transition, VariableView
+from grip_gui.wire.task import Meaning, NodeView, Problem, TaskView, Transition, VariableView
 
 FindManifest: TypeAlias = Callable[[str], "Manifest | None"]
 _SHOWN = {"node", "kind", "children", "child", "with", "in", "out"}

@@ -5,50 +5,16 @@ from __future__ import annotations
 import threading
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from grip_bt.base.errors import GripError, UnknownNameError
 from grip_bt.runtime import Event, Journal, JournalError, JournalReader, RunLog
 from grip_bt.runtime import RunRecord as JournalRecord
-from grip_gui.run_messages import RunEvent, RunRecord, ValueView
-from grip_gui.values import unkept_view, value_view
+from grip_gui.view.values import unkept_view, value_view
+from grip_gui.wire.runs import RunEvent, RunRecord, ValueView
 
 LISTED = 100
 """Most runs that are offered."""
-
-
-class RunSource(Protocol):
-    """Where the page's runs come from."""
-
-    def runs(self) -> list[RunRecord]:
-        """Return the latest runs, newest first."""
-
-    def run(self, run: str) -> RunRecord | None:
-        """Return one run, None when it isn't there."""
-
-    def task_text(self, run: str) -> str:
-        """Return the task file as it was when the run started; empty when the run isn't there."""
-
-    def events(self, run: str, from_seq: int, limit: int) -> list[RunEvent]:
-        """Return at most `limit` events from `from_seq` on, in order."""
-
-    def value(self, run: str, seq: int) -> ValueView:
-        """Return what the write with this number wrote.
-
-        Raises:
-            UnknownNameError: there is no such write.
-        """
-
-    def raw(self, run: str, seq: int) -> Any:
-        """Return what the write with this number wrote, as it was.
-
-        Raises:
-            UnknownNameError: there is no such write.
-            JournalError: it wasn't kept.
-        """
-
-    def end_run(self, run: str) -> None:
-        """Enter that a run was stopped whose process could not do so itself."""
 
 
 class JournalRuns:

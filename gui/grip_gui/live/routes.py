@@ -6,7 +6,6 @@ What can't be done is told in the answer, not as an error: that nobody publishes
 from __future__ import annotations
 
 import asyncio
-import json
 from collections.abc import Callable
 from functools import partial
 from typing import Annotated, Any
@@ -14,14 +13,17 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query
 from pydantic import ValidationError
 
-from grip_bt.app.project.folder import find_project
+from grip_bt.app.project import find_project
 from grip_bt.base.errors import GripError
-from grip_bt.base.yaml.tree import parse, to_data
-from grip_gui.editing.files import TextFile
-from grip_gui.live import RosWindow
 from grip_gui.live.motion import last_state, motion_of
 from grip_gui.live.samples import form_of, source_of
-from grip_gui.live_messages import (
+from grip_gui.live.window import RosWindow
+from grip_gui.processes import Prober
+from grip_gui.project import ProjectFolder
+from grip_gui.setup.geometry import geometry
+from grip_gui.setup.kinds import JOINT_STATES, POSES, kind_of
+from grip_gui.setup.named import keep_text
+from grip_gui.wire.live import (
     ComponentForm,
     Done,
     GeometryView,
@@ -38,27 +40,23 @@ from grip_gui.live_messages import (
     TryView,
     TryWish,
 )
-from grip_gui.project import ProjectFolder
-from grip_gui.setup.changes import set_value
-from grip_gui.setup.geometry import geometry
-from grip_gui.setup.kinds import JOINT_STATES, POSES, kind_of
-from grip_gui.setup.probes import Prober
 
 RunId = Annotated[str, Query(pattern=r"^[A-Za-z0-9_-]+$", max_length=200)]
 
 
-def make_live_router(folder: ProjectFolder, window: RosWindow, run: Callable[[], str]) -> APIRouter:
+def make_live_router(folder: ProjectFolder, prober: Prober, window: RosWindow, run: Callable[[], str]) -> APIRouter:
     """Return the routes below `/api/live`.
 
     Args:
         folder: the project.
+        prober: tries one thing at a time.
         window: looks at ROS.
         run: returns the run under way, empty for none.
     """
     api = APIRouter(prefix="/api/live")
     _add_graph(api, window)
-    _add_tries(api, folder, window, run)
-    _add_calls(api, folder)
+    _add_tries(api, folder, prober, window, run)
+    _add_calls(api, folder, prober)
     _add_space(api, folder)
     return api
 
@@ -104,9 +102,11 @@ def _add_graph(api: APIRouter, window: RosWindow) -> None:
         return Done(trouble=found.get("trouble", ""), said=kept)
 
 
-def _add_tries(api: APIRouter, folder: ProjectFolder, window: RosWindow, run: Callable[[], str]) -> None:
+def _add_tries(
+    api: APIRouter, folder: ProjectFolder, prober: Prober, window: RosWindow, run: Callable[[], str]
+) -> None:
     """Add what is tried with the project's own parts."""
-    prober, asked = Prober(folder), partial(_asked, window)
+    asked = partial(_asked, window)
 
     @api.get("/robot")
     def robot() -> RobotParts:
@@ -122,15 +122,15 @@ def _add_tries(api: APIRouter, folder: ProjectFolder, window: RosWindow, run: Ca
         joints = last_state(folder.journal, run(), wish.part) if wish.robot == "run" and run() else None
         if wish.robot == "run" and not joints:
             return Done(trouble=f"no run is under way that has measured {wish.part}")
-        asked_for = json.dumps({"robot": wish.robot, "part": wish.part, "what": wish.what, "joints": joints})
-        found = await prober.answer("grip_gui.live.measuring", (asked_for,))
+        question = {"robot": wish.robot, "part": wish.part, "what": wish.what, "joints": joints}
+        found = await prober.answer("grip_gui.live.measuring", **question)
         if "text" not in found:
             return Done(trouble=found["trouble"])
         return await keep(wish, found["text"])
 
     async def keep(wish: MeasureWish, text: str) -> Done:
         path, store = (POSES, "poses") if wish.what == "pose" else (JOINT_STATES, "joint_states")
-        await asyncio.to_thread(_write, folder, path, wish.name, text)
+        await asyncio.to_thread(keep_text, folder, path, wish.name, text)
         said = f"{wish.name} was written into {path}"
         if wish.serve:
             given = await asked("put", store=store, name=wish.name, type="", text=text)
@@ -140,9 +140,8 @@ def _add_tries(api: APIRouter, folder: ProjectFolder, window: RosWindow, run: Ca
         return Done(said=said)
 
 
-def _add_calls(api: APIRouter, folder: ProjectFolder) -> None:
+def _add_calls(api: APIRouter, folder: ProjectFolder, prober: Prober) -> None:
     """Add what is asked of components."""
-    prober = Prober(folder)
 
     @api.get("/component")
     def component(path: str) -> ComponentForm:
@@ -159,8 +158,7 @@ def _add_calls(api: APIRouter, folder: ProjectFolder) -> None:
         }
         home = folder.settings_file(wish.path).parent
         try:
-            asked_for = json.dumps({"folder": str(home), "given": given})
-            return TryView(**await prober.answer("grip_gui.live.calling", (), asked_for))
+            return TryView(**await prober.answer("grip_gui.live.calling", folder=str(home), given=given))
         except (GripError, ValidationError) as error:
             return TryView(trouble=str(error))
 
@@ -181,9 +179,3 @@ def _add_space(api: APIRouter, folder: ProjectFolder) -> None:
     @api.get("/motion")
     def motion(run: RunId, after: Annotated[int, Query(ge=0, le=2**40)] = 0) -> MotionView:
         return motion_of(folder.journal, run, after)
-
-
-def _write(folder: ProjectFolder, path: str, name: str, text: str) -> None:
-    file = TextFile(folder.settings_file(path), path)
-    before = file.read() if file.path.exists() else kind_of(path).blank
-    file.write(set_value(before, [name], to_data(parse(text))))

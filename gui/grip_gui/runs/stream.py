@@ -12,9 +12,9 @@ from fastapi import WebSocket, WebSocketDisconnect
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from grip_bt.base.errors import GripError
-from grip_gui.journal import RunSource
-from grip_gui.run_desk import RunDesk
-from grip_gui.run_messages import (
+from grip_gui.runs.journal import JournalRuns
+from grip_gui.runs.run_control import RunDesk
+from grip_gui.wire.runs import (
     ClientFrame,
     DeskFrame,
     DeskView,
@@ -52,7 +52,7 @@ class Viewer:
         self,
         socket: WebSocket,
         desk: RunDesk,
-        source: RunSource,
+        source: JournalRuns,
         revisions: Callable[[], dict[str, int]] = dict,
         page: str = "",
     ):

@@ -12,7 +12,7 @@ from pydantic import TypeAdapter, ValidationError
 from grip_bt.base.files import replace_text
 from grip_bt.task.edit import path_after
 from grip_bt.task.edit.steps import Step
-from grip_gui.run_messages import Breakpoint
+from grip_gui.wire.runs import Breakpoint
 
 log = logging.getLogger(__name__)
 _FILE: TypeAdapter[dict[str, list[Breakpoint]]] = TypeAdapter(dict[str, list[Breakpoint]])

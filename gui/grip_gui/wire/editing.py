@@ -6,8 +6,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from grip_gui.messages import Meaning, NodeView, Problem, TaskView, VariableView, Wire
-from grip_gui.run_messages import RunEvent
+from grip_gui.wire.runs import RunEvent
+from grip_gui.wire.task import Meaning, NodeView, Problem, TaskView, VariableView, Wire
 
 TaskPath = Annotated[str, Field(max_length=1024)]
 View = Literal["flow", "tree"]

@@ -11,8 +11,15 @@ from pydantic import ValidationError
 
 from grip_bt.base.errors import EditError
 from grip_bt.task.edit import AnyCommand, command_of
-from grip_gui.documents import catalog_of
-from grip_gui.edit_messages import (
+from grip_gui.editing.changes import Shown
+from grip_gui.editing.conversion import conversion_view, convert, forms_view
+from grip_gui.editing.document_store import EditDesk, carry_out, takes_catalogue
+from grip_gui.editing.files import StaleEditError
+from grip_gui.editing.open_document import Sheet
+from grip_gui.editing.palette import catalog_view
+from grip_gui.editing.views import check_expression, comment_view, document_view, parts_view, places_view, problems_view
+from grip_gui.view.documents import catalog_of
+from grip_gui.wire.editing import (
     CatalogView,
     CommentView,
     ConversionView,
@@ -32,13 +39,6 @@ from grip_gui.edit_messages import (
     StepWish,
     TextWish,
 )
-from grip_gui.editing import EditDesk, Sheet, StaleEditError
-from grip_gui.editing.changes import Shown
-from grip_gui.editing.conversion import conversion_view, convert
-from grip_gui.editing.forms import forms_view
-from grip_gui.editing.palette import catalog_view
-from grip_gui.editing.parts import carry_out, takes_catalogue
-from grip_gui.editing.views import check_expression, comment_view, document_view, parts_view, places_view, problems_view
 
 T = TypeVar("T")
 

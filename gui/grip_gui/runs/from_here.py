@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Mapping
 
 from grip_bt.base.errors import GripError, UnknownNameError
-from grip_gui.messages import Meaning, NodeView, TaskView
+from grip_gui.wire.task import Meaning, NodeView, TaskView
 
 _CHOOSERS = {"switch": "chooses by its own conditions"}
 
