@@ -7,7 +7,7 @@ from typing import Annotated, get_args
 
 from fastapi import APIRouter, Path, WebSocket
 
-from grip_bt.app.execute import RobotKind
+from grip_bt.app.wiring.parts import RobotKind
 from grip_bt.base.errors import GripError, UnknownNameError
 from grip_gui.editing.document_store import EditDesk
 from grip_gui.project import ProjectFolder

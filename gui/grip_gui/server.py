@@ -21,7 +21,7 @@ from fastapi.responses import JSONResponse
 from fastapi.staticfiles import StaticFiles
 from starlette.exceptions import HTTPException
 
-from grip_bt.app.project import find_project
+from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import DocumentError, GripError, HandoverError, MissingPartError, UnknownNameError
 from grip_gui.editing.document_store import EditDesk
 from grip_gui.editing.files import ChangedOnDiskError, StaleEditError, UnfinishedTextError

@@ -21,6 +21,8 @@ from grip_bt.ros.messages import MessageServer, RosMessages
 from grip_bt.ros.messages.wire import MESSAGES as STORES
 from grip_bt.ros.messages.wire import entry_rows, text_of_entry, value_from_text
 from grip_bt.base.values import CameraInfo, Pose
+from grip_bt.ros.convert import from_message
+from grip_bt.ros.convert_perception import depth_from_message
 from grip_bt.task.catalog.sensor_config import MESSAGES
 from grip_gui.view.values import ROWS, value_view
 from grip_gui.wire.runs import ValueView
@@ -159,9 +161,6 @@ def message_view(type_name: str, message: Any) -> ValueView:
 
 
 def _value(type_name: str, message: Any) -> Any:
-    from grip_bt.ros.convert import from_message
-    from grip_bt.ros.convert_perception import depth_from_message
-
     wanted = next((name for name, ros in MESSAGES.items() if ros == type_name), None)
     try:
         if wanted == "Image" and message.encoding in _DEPTHS:

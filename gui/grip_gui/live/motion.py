@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from grip_bt.app.motion_record import motion_file
+from grip_bt.app.runs.motion_record import motion_file
 from grip_gui.wire.live import MotionSample, MotionView
 
 MOST = 1 << 20

@@ -13,7 +13,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query
 from pydantic import ValidationError
 
-from grip_bt.app.project import find_project
+from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import GripError
 from grip_gui.live.motion import last_state, motion_of
 from grip_gui.live.samples import form_of, source_of

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Literal
 
-from grip_bt.app.project import find_project
+from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import DocumentError, GripError
-from grip_bt.base.yaml.faults import Fault, find
-from grip_bt.base.yaml.syntax import Value, entries_of, parse, plain
+from grip_bt.base.yaml.models import Diagnostic, find
+from grip_bt.base.yaml.tree import YamlValue, entries_of, parse, to_data
 from grip_gui.editing.files import ChangedOnDiskError, TextFile
 from grip_gui.project import ProjectFolder
 from grip_gui.wire.setup import SetupChange, SetupList, SetupSave, SetupView
@@ -104,7 +104,7 @@ class SetupDesk:
         except DocumentError as error:
             options = options_of(kind.name, None, self.folder.folder)
             return None, options, [_problem((error.message, error.line or 1, error.column or 1))]
-        data = plain(tree)
+        data = to_data(tree)
         options = options_of(kind.name, data, self.folder.folder)
         faults = wrong_options(tree, data, options)
         # The reader of trajectories stops at the first name that isn't there, and says less of it.
@@ -123,13 +123,15 @@ class SetupDesk:
             return {p.parent.name: p.parent for p in sorted(self.folder.folder.glob("components/*/component.yaml"))}
 
 
-def _problem(fault: Fault, tree: Value | None = None, severity: Literal["error", "warning"] = "error") -> Problem:
+def _problem(
+    fault: Diagnostic, tree: YamlValue | None = None, severity: Literal["error", "warning"] = "error"
+) -> Problem:
     message, line, column = fault
     key = _keys_at(tree, line, column) if tree is not None else []
     return Problem(code="settings", severity=severity, message=message, line=line, column=column, key=key)
 
 
-def _keys_at(tree: Value, line: int, column: int) -> list[str]:
+def _keys_at(tree: YamlValue, line: int, column: int) -> list[str]:
     """Return the keys on the way to the innermost entry that begins at a place; empty where none does.
 
     Args:
@@ -138,7 +140,7 @@ def _keys_at(tree: Value, line: int, column: int) -> list[str]:
         column: 1-based.
     """
     found: list[str] = []
-    todo: list[tuple[Value, list[str]]] = [(tree, [])]
+    todo: list[tuple[YamlValue, list[str]]] = [(tree, [])]
     while todo:
         value, above = todo.pop()
         for number, entry in enumerate(entries_of(value)):

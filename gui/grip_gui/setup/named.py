@@ -7,7 +7,7 @@ from typing import Any
 from grip_bt.base.errors import GripError
 from grip_bt.base.message_store.written import text_of
 from grip_bt.base.values import JointState, Pose
-from grip_bt.base.yaml.syntax import parse, plain
+from grip_bt.base.yaml.tree import parse, to_data
 from grip_gui.editing.files import TextFile
 from grip_gui.project import ProjectFolder
 
@@ -44,4 +44,4 @@ def keep_text(folder: ProjectFolder, path: str, name: str, text: str) -> None:
     """
     file = TextFile(folder.settings_file(path), path)
     before = file.read() if file.path.exists() else kind_of(path).blank
-    file.write(set_value(before, [name], plain(parse(text))))
+    file.write(set_value(before, [name], to_data(parse(text))))

@@ -6,11 +6,12 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, get_args
 
-from grip_bt.app.project import ProjectFile, find_project
-from grip_bt.app.worlds import WORLDS
+from grip_bt.app.project.config import ProjectFile
+from grip_bt.app.project.faults import WORLDS
+from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import GripError, listing, nearest
-from grip_bt.base.yaml.faults import Fault, find
-from grip_bt.base.yaml.syntax import Value
+from grip_bt.base.yaml.models import Diagnostic, find
+from grip_bt.base.yaml.tree import YamlValue
 from grip_bt.task.catalog.component_parts import Unit
 from grip_bt.task.catalog.sensor_config import MESSAGES
 
@@ -61,7 +62,7 @@ def options_of(kind: str, data: Any, folder: Path) -> dict[str, list[str]]:
     return {}
 
 
-def wrong_options(tree: Value, data: Any, options: Mapping[str, Sequence[str]]) -> list[Fault]:
+def wrong_options(tree: YamlValue, data: Any, options: Mapping[str, Sequence[str]]) -> list[Diagnostic]:
     """Return the values that none of the options are."""
     faults = []
     for pattern in CLOSED & options.keys():
@@ -76,7 +77,7 @@ def wrong_options(tree: Value, data: Any, options: Mapping[str, Sequence[str]]) 
     return faults
 
 
-def doubtful_names(kind: str, tree: Value, data: Any, folder: Path) -> list[Fault]:
+def doubtful_names(kind: str, tree: YamlValue, data: Any, folder: Path) -> list[Diagnostic]:
     """Return the names in files of messages that the project's robot doesn't have; something else may have them."""
     known = project_robot_facts(folder)
     if kind == "joint_states":

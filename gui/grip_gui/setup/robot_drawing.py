@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from grip_bt.app.motion_bodies import coarse
+from grip_bt.app.runs.motion_record import coarse
 from grip_bt.base.errors import GripError
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.load import load_robot

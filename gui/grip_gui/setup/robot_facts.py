@@ -11,7 +11,7 @@ from xml.etree.ElementTree import fromstring
 from pydantic import ValidationError
 
 from grip_bt.base.errors import GripError, InvalidRobotError
-from grip_bt.base.yaml.syntax import parse, plain
+from grip_bt.base.yaml.tree import parse, to_data
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.load import load_robot
 from grip_bt.commanders.description.reading import Stamps, as_they_were, noting_files, stamps_of
@@ -62,7 +62,7 @@ def project_robot_facts(folder: Path) -> dict[str, Any]:
 def data_in(file: Path) -> Any:
     """Return a YAML file's data; None of one that can't be read, whose faults are told where it is open."""
     try:
-        return plain(parse(file.read_text(encoding="utf-8")))
+        return to_data(parse(file.read_text(encoding="utf-8")))
     except (OSError, ValueError, GripError):
         return None
 
