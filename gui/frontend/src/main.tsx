@@ -1,10 +1,6 @@
 import "@xyflow/react/dist/style.css";
-import "./view/tokens.css";
 import "./view/page.css";
-import "./view/tree.css";
 import "./view/edit.css";
-import "./view/flow/flow.css";
-import "./view/run.css";
 
 import { StrictMode } from "react";
 import { createRoot } from "react-dom/client";

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 
-import { startingWith, turned } from "../src/model/choices";
+import { startingWith, turned } from "../src/model/values";
 import { isFew } from "../src/store/ask";
 
 test("arrows lead from one to the next and round, Home and End to the ends", () => {

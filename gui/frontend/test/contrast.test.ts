@@ -2,7 +2,7 @@ import { readFileSync } from "node:fs";
 import { expect, test } from "vitest";
 
 /** Contrast of the colour tokens (WCAG 2.2, 1.4.3): browsers can't check it on the canvas. */
-const css = readFileSync(new URL("../src/view/tokens.css", import.meta.url), "utf8");
+const css = readFileSync(new URL("../src/view/page.css", import.meta.url), "utf8");
 const [light = "", dark = ""] = css.split("@media (prefers-color-scheme: dark)");
 
 function tokens(text: string): Record<string, string> {

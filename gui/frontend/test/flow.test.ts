@@ -3,8 +3,7 @@ import { describe, expect, it } from "vitest";
 
 import { endId, flowOf, START } from "../src/model/flow";
 import { chartedIn, chartOf, isCharted, pinAt } from "../src/model/flowChart";
-import { layoutFlow } from "../src/model/flowLayout";
-import type { Box } from "../src/model/layout";
+import { type Box, layoutFlow } from "../src/model/flowLayout";
 import { TaskIndex } from "../src/model/status";
 import type { NodeView } from "../src/protocol/generated";
 import { node, task } from "./tasks";

@@ -1,10 +1,9 @@
 import { describe, expect, it } from "vitest";
 
-import { historyRows } from "../src/model/moments";
+import { historyRows } from "../src/model/history";
 import { findings, matching } from "../src/model/search";
-import { usesOf } from "../src/model/uses";
 import { TaskIndex } from "../src/model/status";
-import { parseValue, valueText } from "../src/model/values";
+import { parseValue, usesOf, valueText } from "../src/model/values";
 import { node, task } from "./tasks";
 
 describe("literals in fields", () => {

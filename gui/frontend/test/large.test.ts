@@ -1,9 +1,8 @@
 import { expect, test } from "vitest";
 
 import { changed } from "../src/model/changes";
-import { foldedAtFirst, opened, unfolded } from "../src/model/folding";
-import { layoutTree } from "../src/model/layout";
-import { extent, hasRoomForMap, isInSight, linesIn, nodesIn } from "../src/model/sight";
+import { layoutTree } from "../src/model/flowLayout";
+import { extent, foldedAtFirst, hasRoomForMap, isInSight, linesIn, nodesIn, opened, unfolded } from "../src/model/visibility";
 import type { DocumentChange, DocumentView, NodeView } from "../src/protocol/generated";
 import { SMALL } from "./tasks";
 

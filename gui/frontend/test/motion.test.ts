@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 
-import { Motion } from "../src/model/motion";
+import { Motion } from "../src/model/timeline";
 
 const BOX = { kind: "box" as const, size: [1, 1, 1], at: [0, 0, 0, 1, 0, 0, 0], hand: "", fixed: false, body: "" };
 const WEDGE = { points: "AAAA", triangles: "AAAA" };

@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 
-import { outlineKey, visibleRows } from "../src/model/outline";
-import { spansOf } from "../src/model/spans";
+import { outlineKey, visibleRows } from "../src/model/visibility";
+import { spansOf } from "../src/model/timeline";
 import { TaskIndex } from "../src/model/status";
 import { statusText } from "../src/model/words";
 import { event, SMALL } from "./tasks";

@@ -2,7 +2,7 @@ import fc from "fast-check";
 import { expect, test } from "vitest";
 
 import { History } from "../src/model/history";
-import { spansOf } from "../src/model/spans";
+import { spansOf } from "../src/model/timeline";
 import { TaskIndex, variableKey } from "../src/model/status";
 import { eventText } from "../src/model/words";
 import type { RunEvent } from "../src/protocol/generated";

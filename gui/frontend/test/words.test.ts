@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 
-import { settingsOf } from "../src/model/settings";
+import { settingsOf } from "../src/model/values";
 import { eventText, GROUPS, groupOf, KINDS, processNotices, runText } from "../src/model/words";
 import type { SessionView } from "../src/protocol/generated";
 import { GROUP_SHAPES, KIND_SHAPES } from "../src/view/icons";

@@ -2,8 +2,7 @@
 import type { NodeView, TaskView } from "../protocol/generated";
 import { parentOf } from "./commands";
 import { type Flow, type FlowEdge, type FlowItem, flowOf } from "./flow";
-import { type FlowLayout, layoutFlow, type Point } from "./flowLayout";
-import type { Box } from "./layout";
+import { type Box, type FlowLayout, layoutFlow, type Point } from "./flowLayout";
 
 /** Around a chart that stands in a box. */
 const MARGIN = 14;

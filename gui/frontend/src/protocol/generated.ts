@@ -1,4 +1,4 @@
-// Written by `python -m grip_gui.typescript` from gui/grip_gui/*messages.py; don't edit.
+// Written by `python -m grip_gui.typescript` from gui/grip_gui/wire/; don't edit.
 
 /** Where runs of a task are to hold. */
 export interface Breakpoint {

@@ -1,20 +1,21 @@
 /** Every action by name and key: for the keyboard, the buttons, and the list of commands. */
-import { allFolded } from "../model/folding";
+import { findings } from "../model/search";
 import { KINDS } from "../model/words";
-import { askChoice } from "./ask";
-import { askConversion } from "./converting";
+import { allFolded } from "../model/visibility";
+import { PAGE } from "../protocol/client";
+import { askChoice, askText } from "./ask";
+import { askConversion, extract, inline, openSubtask } from "./converting";
+import { callMe } from "./desk";
 import { useDocument } from "./document";
 import { redo, save, undo } from "./editing";
-import { find } from "./finding";
 import { connectOutcome, enterSelected, leaveContainer, toggleInPlace } from "./flowing";
 import { addHere, changeKind, connectFree, copy, cut, duplicate, paste, remove, rename, shift, unwrap, wrap } from "./gestures";
-import { askForName } from "./naming";
-import { goToPanel } from "./panels";
-import { pauseOrResume, runFromHere, runToHere, start, step, stop, toggleBreakpoint } from "./running";
-import { extract, inline, openSubtask } from "./subtasks";
-import { newTask } from "./tasks";
-import { usePage, type ViewName } from "./page";
+import { goToPanel, usePage, type ViewName } from "./page";
+import { LONGEST_NAME } from "./presence";
 import { useRun } from "./run";
+import { useRunning } from "./runDesk";
+import { pauseOrResume, runFromHere, runToHere, start, step, stop, toggleBreakpoint } from "./running";
+import { newTask } from "./tasks";
 
 export interface Action {
   readonly id: string;
@@ -119,4 +120,17 @@ async function chooseAction(): Promise<void> {
   const id = await askChoice({ title: "Commands", label: "Type to find a command", options });
   if (id?.startsWith("wrap:")) await wrap(id.slice(5));
   else await ACTIONS.find((action) => action.id === id)?.run();
+}
+
+export async function find(): Promise<void> {
+  const found = findings(useRun.getState().task);
+  const path = await askChoice({ title: "Search", label: "Search names, values, variables, documentation", options: found, search: true });
+  if (path !== null) usePage.getState().select(path.split("\n")[0] as string);
+}
+
+export async function askForName(): Promise<void> {
+  const initial = useRunning.getState().desk.onlookers.find((each) => each.page === PAGE)?.name ?? "";
+  const check = (text: string): string => (text.trim() === "" ? "a name is needed" : text.trim().length > LONGEST_NAME ? `at most ${LONGEST_NAME} characters` : "");
+  const name = await askText({ title: "Your name", label: "Everybody who looks on sees it.", initial, check });
+  if (name !== null) callMe(name);
 }

@@ -1,7 +1,7 @@
 /** Questions to the person: one at a time, answered in a dialog; null when it is closed without an answer. */
 import { create } from "zustand";
 
-import { FEW } from "../model/choices";
+import { FEW } from "../model/values";
 
 export interface Option {
   readonly value: string;

@@ -1,14 +1,13 @@
 /** What the buttons do, and what the socket brings: the one place that joins server and stores. */
+import { foldedAtFirst } from "../model/visibility";
 import { server, Socket } from "../protocol/client";
 import type { RunRecord, ServerFrame } from "../protocol/generated";
 import { useDocument } from "./document";
 import { heardOfRevisions, take } from "./editing";
-import { foldedAtFirst } from "../model/folding";
-import { type Above, usePage } from "./page";
 import { ownSelection, tellSelection, useOthers } from "./others";
-import { isKept } from "./plays";
+import { type Above, usePage } from "./page";
 import { givenName, keepName, lookedAt } from "./presence";
-import { useRun } from "./run";
+import { isKept, useRun } from "./run";
 import { useRunning } from "./runDesk";
 
 let socket: Socket | null = null;

@@ -8,7 +8,7 @@ import { edit } from "./editing";
 import { kindFields } from "./gestures";
 import { usePage } from "./page";
 import { useRun } from "./run";
-import { goUp, openSubtask } from "./subtasks";
+import { goUp, openSubtask } from "./converting";
 
 const nodes = (): ReadonlyMap<string, NodeView> => useRun.getState().index.byPath;
 

@@ -1,31 +1,12 @@
 /** What a person does to the selected nodes; each gesture is one edit, or one question and then one edit. */
-import {
-  addNew,
-  childNames,
-  connectingFree,
-  freshName,
-  group,
-  join,
-  moving,
-  nameOf,
-  parentOf,
-  pasting,
-  removal,
-  type Spot,
-  spotFor,
-  takesChildren,
-  topmost,
-  wrapping,
-} from "../model/commands";
+import { addNew, childNames, connectingFree, freshName, group, join, moving, nameOf, parentOf, pasting, removal, type Spot, spotFor, takesChildren, topmost, wrapping } from "../model/commands";
 import { KINDS } from "../model/words";
 import { server } from "../protocol/client";
-import type { NodeFace, NodeView, PortFace } from "../protocol/generated";
+import type { NodeFace, NodeView, Part, PortFace } from "../protocol/generated";
 import { askChoice, askText, type Option } from "./ask";
-import { keepParts, keptParts } from "./clipboard";
 import { useDocument } from "./document";
 import { edit } from "./editing";
-import { usePage } from "./page";
-import { goToTree } from "./panels";
+import { goToTree, usePage } from "./page";
 import { useRun } from "./run";
 
 const nodes = (): ReadonlyMap<string, NodeView> => useRun.getState().index.byPath;
@@ -257,4 +238,19 @@ export async function newVariableFor(path: string, side: "in" | "out", port: Por
   if (name === null) return;
   const commands = [{ do: "declare", path: "", name, variable: port.type }, { do: "bind", path, side, port: port.name, variable: name }];
   await edit(group(`new variable ${name}`, commands));
+}
+
+const KEY = "grip.clipboard";
+
+export function keepParts(parts: readonly Part[]): void {
+  localStorage.setItem(KEY, JSON.stringify(parts));
+}
+
+export function keptParts(): Part[] {
+  try {
+    const parts: unknown = JSON.parse(localStorage.getItem(KEY) ?? "[]");
+    return Array.isArray(parts) ? (parts as Part[]) : [];
+  } catch {
+    return [];
+  }
 }

@@ -4,10 +4,11 @@ import type { Breakpoint, Control, StartRun } from "../protocol/generated";
 import { askChoice } from "./ask";
 import { openTask, trying } from "./desk";
 import { useDocument } from "./document";
-import { save } from "./editing";
+import { save, take } from "./editing";
 import { usePage } from "./page";
 import { useRun } from "./run";
 import { breakpointsOf, useRunning } from "./runDesk";
+import { loadProject } from "./tasks";
 
 /** Do something that only who holds control may; where another page does, ask whether to take over. */
 async function controlling(work: () => Promise<unknown>): Promise<void> {
@@ -128,4 +129,21 @@ export function toggleBreakpoint(node: string | null = usePage.getState().select
   const points = breakpointsOf(useRunning.getState().desk, useRun.getState().task.path);
   const others = points.filter((point) => point.node !== node);
   return setBreakpoints(others.length < points.length ? others : [...points, { node, when: "before", outcome: null, condition: "" }]);
+}
+
+/** Look again whenever the window gets the focus, until the returned function is called. */
+export function lookAgainOnReturn(): () => void {
+  const look = (): void => void lookAgain().catch(() => {});
+  window.addEventListener("focus", look);
+  return () => window.removeEventListener("focus", look);
+}
+
+async function lookAgain(): Promise<void> {
+  const { document, catalog, setCatalog } = useDocument.getState();
+  const found = await server.catalog();
+  if (JSON.stringify(found) !== JSON.stringify(catalog)) setCatalog(found);
+  await loadProject();
+  if (document === null) return;
+  const now = await server.document(document.path);
+  if (useDocument.getState().document?.path === now.path) take(now);
 }

@@ -5,9 +5,8 @@ import { RefusedError, server } from "../protocol/client";
 import type { ProbeView, SetupEntry, SetupView } from "../protocol/generated";
 import { askChoice } from "./ask";
 import { useDocument } from "./document";
-import { renewNames } from "./names";
 import { useRun } from "./run";
-import { loadProject } from "./tasks";
+import { loadProject, renewNames } from "./tasks";
 
 export interface SetupStore {
   readonly files: readonly SetupEntry[];

@@ -1,12 +1,13 @@
 /** Task files of the project: the list, and new ones. */
 import { create } from "zustand";
 
+import { optionsAt } from "../model/shapes";
 import { server } from "../protocol/client";
 import type { ProjectView } from "../protocol/generated";
 import { askText } from "./ask";
 import { chooseTask } from "./desk";
 import { useDocument } from "./document";
-import { goToTree } from "./panels";
+import { goToTree } from "./page";
 import { useRun } from "./run";
 
 export const useProject = create<{ readonly project: ProjectView | null }>()(() => ({ project: null }));
@@ -33,4 +34,35 @@ export async function newTask(): Promise<void> {
   } catch (error) {
     useRun.getState().setTrouble(error instanceof Error ? error.message : String(error));
   }
+}
+
+interface Names {
+  readonly places: Readonly<Record<string, readonly string[]>>;
+  readonly asked: boolean;
+}
+
+export const useNames = create<Names>()(() => ({ places: {}, asked: false }));
+
+/** Ask, unless that was done; without an answer nothing is offered. */
+export function needNames(): void {
+  if (useNames.getState().asked) return;
+  useNames.setState({ asked: true });
+  loadNames();
+}
+
+/** The files are others now. */
+export function renewNames(): void {
+  if (useNames.getState().asked) loadNames();
+}
+
+/** What may stand in a parameter of a node; undefined where nothing is known. */
+export function namesFor(places: Names["places"], node: string, parameter: string): readonly string[] | undefined {
+  return optionsAt(places, [...node.split("/"), parameter]);
+}
+
+function loadNames(): void {
+  server.names().then(
+    ({ places }) => useNames.setState({ places }),
+    () => useNames.setState({ asked: false }),
+  );
 }

@@ -1,11 +1,13 @@
 /** Below the views: problems, the run, the history of edits; one at a time. */
-import type { JSX, KeyboardEvent } from "react";
+import { type JSX, type KeyboardEvent, useEffect, useRef } from "react";
 
+import { historyRows } from "../model/history";
+import { eventText, seconds } from "../model/words";
+import { useDocument } from "../store/document";
+import { goTo } from "../store/editing";
+import { setRobotOpen, useRobot } from "../store/live";
 import { type FootTab, usePage } from "../store/page";
-import { setRobotOpen, useRobot } from "../store/robot";
 import { useRun } from "../store/run";
-import { HistoryPanel } from "./edit/HistoryPanel";
-import { EventLog } from "./EventLog";
 import { Holds } from "./Holds";
 import { Problems } from "./Problems";
 import { TimeLine } from "./TimeLine";
@@ -56,5 +58,58 @@ export function Foot(): JSX.Element {
         {foot === "history" && <HistoryPanel />}
       </div>
     </footer>
+  );
+}
+
+/** Most lines that are shown; the time line reaches the others. */
+const SHOWN = 300;
+
+export function EventLog(): JSX.Element {
+  useRun((s) => s.version);
+  const { history, cursor } = useRun.getState();
+  const { select } = usePage.getState();
+  const count = cursor ?? history.length;
+  const first = Math.max(0, count - SHOWN);
+  const box = useRef<HTMLDivElement>(null);
+  useEffect(() => {
+    if (box.current) box.current.scrollTop = box.current.scrollHeight;
+  }, [count]);
+  return (
+    <section className="panel log" aria-labelledby="log-title">
+      <h2 id="log-title">Events</h2>
+      <div className="scroll" ref={box} tabIndex={0} role="group" aria-labelledby="log-title">
+        {first > 0 && <p className="hint padded">{first} earlier events are on the time line.</p>}
+        <ol>
+          {history.events.slice(first, count).map((event) => (
+            <li key={event.seq} className={`event-${event.event}`} onClick={() => select(event.path)}>
+              <span className="event-time">{seconds(event.t)}</span>
+              <span className="event-path">{event.path}</span>
+              <span className="event-text">{eventText(event)}</span>
+            </li>
+          ))}
+        </ol>
+      </div>
+    </section>
+  );
+}
+
+export function HistoryPanel(): JSX.Element {
+  const history = useDocument((s) => s.document?.history);
+  const rows = history ? historyRows(history) : [];
+  return (
+    <section className="panel moments" aria-labelledby="moments-title">
+      <h2 id="moments-title">History</h2>
+      <ol className="scroll" tabIndex={0} aria-labelledby="moments-title">
+        {rows.map((row) => (
+          <li key={row.number} style={{ paddingInlineStart: `${8 + row.branch * 18}px` }}>
+            <button className="link" {...(row.current ? { "aria-current": "step" as const } : {})} onClick={() => void goTo(row.number)}>
+              {row.title}
+            </button>
+            {row.branch > 0 && row.starts && <span className="hint"> (branch)</span>}
+            {row.current && <span className="hint"> (now)</span>}
+          </li>
+        ))}
+      </ol>
+    </section>
   );
 }

@@ -1,18 +1,17 @@
 /** The same tree as an ARIA tree: one tab stop, arrow keys, statuses as text. */
 import { type JSX, type KeyboardEvent, useEffect, useMemo, useRef } from "react";
 
-import { outlineKey, type Row, visibleRows } from "../model/outline";
-import { selectedBy } from "../model/others";
-import { IDLE } from "../model/status";
 import { KINDS, statusText } from "../model/words";
+import { IDLE } from "../model/status";
+import { outlineKey, type Row, visibleRows } from "../model/visibility";
+import { selectedBy } from "../model/others";
 import { useOthersAt } from "../store/others";
 import { usePage } from "../store/page";
 import { useRun } from "../store/run";
-import { KindIcon, PhaseIcon } from "./icons";
-import { OtherDots } from "./Others";
+import { OtherDots } from "./Presence";
+import { ROW_HEIGHT, useDropTarget, useWindow } from "./hooks";
 import { HoldMark, lensMark, ProblemMark } from "./marks";
-import { useDropTarget } from "./useDropTarget";
-import { ROW_HEIGHT, useWindow } from "./useWindow";
+import { KindIcon, PhaseIcon } from "./icons";
 
 export function Outline(): JSX.Element {
   const nodes = useRun((s) => s.task.nodes);

@@ -1,24 +1,27 @@
 /** The page: what it is made of, and what happens when it opens. */
+import { ReactFlowProvider } from "@xyflow/react";
 import { type JSX, lazy, Suspense, useEffect, useState } from "react";
 
+import { processNotices } from "../model/words";
 import { server } from "../protocol/client";
 import { connect, openTask } from "../store/desk";
 import { useDocument } from "../store/document";
+import { save, takeFromDisk, typeText, undo } from "../store/editing";
+import { useRobot } from "../store/live";
 import { usePage } from "../store/page";
-import { lookAgainOnReturn } from "../store/returning";
 import { useRun } from "../store/run";
+import { lookAgainOnReturn } from "../store/running";
 import { loadProject, newTask, useProject } from "../store/tasks";
+import { Foot } from "./Foot";
+import { Outline } from "./Outline";
+import { VariablesPanel } from "./SidePanel";
+import { TopBar } from "./TopBar";
+import { TreeCanvas } from "./TreeCanvas";
 import { Ask } from "./edit/Ask";
 import { EditBar } from "./edit/EditBar";
 import { Inspector } from "./edit/Inspector";
 import { Palette } from "./edit/Palette";
-import { useKeys } from "./edit/useKeys";
-import { Foot } from "./Foot";
-import { Notices } from "./Notices";
-import { Outline } from "./Outline";
-import { VariablesPanel } from "./SidePanel";
-import { Stage } from "./Stage";
-import { TopBar } from "./TopBar";
+import { useKeys } from "./hooks";
 
 const SetupPage = lazy(() => import("./setup/SetupPage"));
 
@@ -106,4 +109,125 @@ function showContainer(path: string | null): void {
   usePage.getState().select(path);
   usePage.getState().enter(path);
   usePage.getState().setView("flow");
+}
+
+const RobotView = lazy(() => import("./robot/RobotView"));
+const TextPane = lazy(() => import("./text/TextPane"));
+const FlowCanvas = lazy(async () => ({ default: (await import("./flow/FlowCanvas")).FlowCanvas }));
+
+export function Stage(): JSX.Element {
+  const view = usePage((s) => s.view);
+  const beside = usePage((s) => s.beside);
+  const path = useRun((s) => s.task.path);
+  const drawn = useRun((s) => s.task.nodes.length > 0);
+  const stale = useDocument((s) => s.document?.draft === true) && view !== "text";
+  const robot = useRobot((s) => s.open);
+  return (
+    <div className={`stage stage-${view}${robot ? " stage-robot" : ""}`}>
+      {stale && (
+        <p className="stale-note" role="status">
+          {drawn ? "The text isn't a task at the moment: this is the last one that it was." : "This file isn't a task yet; its text has to be mended."}{" "}
+          <button onClick={() => usePage.getState().setView("text")}>Show the text</button>
+        </p>
+      )}
+      <Suspense fallback={<p className="hint padded">Loading the view ...</p>}>
+        {(view === "tree" || view === "split") && (
+          <ReactFlowProvider>
+            <TreeCanvas />
+          </ReactFlowProvider>
+        )}
+        {(view === "flow" || (view === "split" && beside === "flow")) && (
+          <ReactFlowProvider>
+            <FlowCanvas />
+          </ReactFlowProvider>
+        )}
+        {(view === "text" || (view === "split" && beside === "text")) && <TextPane key={path} />}
+        {robot && <RobotView />}
+      </Suspense>
+    </div>
+  );
+}
+
+export function Notices(): JSX.Element {
+  const trouble = useRun((s) => s.trouble);
+  const session = useRun((s) => s.session);
+  const error = useRun((s) => s.moment.facts.error);
+  return (
+    <div className="notices">
+      <Conflicts />
+      {trouble && (
+        <div className="notice bad" role="alert">
+          <p>{trouble}</p>
+          <button onClick={() => useRun.getState().setTrouble("")}>Close</button>
+        </div>
+      )}
+      {processNotices(session).map(({ text, bad }) => (
+        <div key={text} className={`notice${bad ? " bad" : ""}`} role={bad ? "alert" : "status"}>
+          <pre>{text}</pre>
+        </div>
+      ))}
+      {error && (
+        <div className="notice bad" role="alert">
+          <details>
+            <summary>
+              {error.path}: {error.type}: {error.message}
+            </summary>
+            <pre>{error.traceback}</pre>
+          </details>
+          <button onClick={() => usePage.getState().select(error.path)}>Show</button>
+        </div>
+      )}
+    </div>
+  );
+}
+
+export function Conflicts(): JSX.Element {
+  const conflict = useDocument((s) => s.conflict);
+  const document = useDocument((s) => s.document);
+  const record = useRun((s) => s.record);
+  const { setConflict } = useDocument.getState();
+  const changed = record === null && document !== null && document.change !== "" && conflict?.kind !== "disk";
+  return (
+    <>
+      {conflict && (
+        <div className="notice bad" role="alert">
+          <p>{conflict.message}</p>
+          <span className="buttons">
+            {conflict.kind === "disk" && <DiskButtons />}
+            {conflict.kind === "stale" && conflict.text !== undefined && (
+              <>
+                <button onClick={() => void typeText(conflict.text as string, null)}>Put my text over it</button>
+                <button onClick={() => useDocument.getState().resetText()}>Take the new text</button>
+              </>
+            )}
+            {conflict.kind === "unfinished" && (
+              <>
+                <button onClick={() => usePage.getState().setView("text")}>Show the text</button>
+                <button onClick={() => void undo()}>Drop it</button>
+              </>
+            )}
+            <button onClick={() => setConflict(null)}>Close</button>
+          </span>
+        </div>
+      )}
+      {changed && (
+        <div className="notice" role="status">
+          <p>The file was {document.change} outside the editor.</p>
+          <span className="buttons">
+            <DiskButtons />
+          </span>
+        </div>
+      )}
+    </>
+  );
+}
+
+function DiskButtons(): JSX.Element {
+  const change = useDocument((s) => s.document?.change);
+  return (
+    <>
+      {change === "changed" && <button onClick={() => void takeFromDisk()}>Take the file's text</button>}
+      <button onClick={() => void save(true)}>Save mine over it</button>
+    </>
+  );
 }

@@ -1,10 +1,11 @@
 /** Who looks on, by name and colour, and who holds control; shown as soon as there is somebody to share it with. */
 import type { JSX } from "react";
 
-import { initials } from "../model/others";
 import { PAGE } from "../protocol/client";
 import type { Onlooker } from "../protocol/generated";
-import { askForName } from "../store/naming";
+import { askForName } from "../store/actions";
+import { initials, selectedBy } from "../model/others";
+import { useOthersAt } from "../store/others";
 import { holderText, isHeldElsewhere, useRunning } from "../store/runDesk";
 import { giveBack, takeOver } from "../store/running";
 
@@ -68,5 +69,35 @@ function Chip({ each, holds }: { each: Onlooker; holds: boolean }): JSX.Element 
       {dot}
       <span className="hidden">{words}. Change your name</span>
     </button>
+  );
+}
+
+/** More are counted, and named in the tip. */
+const DOTS_SHOWN = 3;
+
+/** Around a node of the canvas. */
+export function OthersRing({ path, folded }: { path: string; folded: boolean }): JSX.Element | null {
+  const others = useOthersAt(path, folded);
+  if (others.length === 0) return null;
+  return (
+    <span className={`others-ring viewer-ring-${others[0]?.colour}`}>
+      <OtherDots others={others} />
+      <span className="hidden">{selectedBy(others)}</span>
+    </span>
+  );
+}
+
+/** Initials beside each other, without words for those who hear the page: what they stand at says it. */
+export function OtherDots({ others }: { others: readonly Onlooker[] }): JSX.Element | null {
+  if (others.length === 0) return null;
+  return (
+    <span className="other-dots" title={selectedBy(others)} aria-hidden="true">
+      {others.slice(0, DOTS_SHOWN).map((each) => (
+        <span key={each.page} className={`other-dot viewer-${each.colour}`}>
+          {initials(each.name)}
+        </span>
+      ))}
+      {others.length > DOTS_SHOWN && <span className="other-dot more">+{others.length - SHOWN}</span>}
+    </span>
   );
 }

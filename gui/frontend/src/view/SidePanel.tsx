@@ -1,13 +1,12 @@
 /** The variables at the shown moment, and who writes and reads them: the data lens. */
 import { type JSX, useState } from "react";
 
-import { variableKey } from "../model/status";
-import { usesOf } from "../model/uses";
 import { seconds } from "../model/words";
+import { variableKey } from "../model/status";
+import { usesOf } from "../model/values";
 import type { VariableView } from "../protocol/generated";
 import { usePage } from "../store/page";
-import { isKept } from "../store/plays";
-import { useRun } from "../store/run";
+import { isKept, useRun } from "../store/run";
 import { ValuePreview } from "./ValuePreview";
 
 export function VariablesPanel(): JSX.Element {

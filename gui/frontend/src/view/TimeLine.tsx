@@ -1,14 +1,12 @@
 /** The run over time: a bar per activation of a leaf, and a slider that shows any moment again, during and after the run. */
 import { type JSX, type KeyboardEvent, type PointerEvent, useEffect, useMemo, useState } from "react";
 
-import { spansOf } from "../model/spans";
 import { eventText, factsText, seconds } from "../model/words";
+import { spansOf } from "../model/timeline";
 import type { RunRecord } from "../protocol/generated";
 import { chooseRun, listRuns } from "../store/desk";
 import { usePage } from "../store/page";
-import { isKept, sideOf } from "../store/plays";
-import { hold, play, useReplay } from "../store/replay";
-import { useRun } from "../store/run";
+import { hold, isKept, play, sideOf, useReplay, useRun } from "../store/run";
 
 /** So that a single bar doesn't fill the whole height. */
 const LEAST_LANES = 2;

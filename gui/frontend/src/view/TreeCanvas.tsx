@@ -1,18 +1,16 @@
 /** The tree of the task. Statuses reach the nodes through the store, never through the node list. */
-import { Background, ControlButton, Controls, type Node, Position, ReactFlow, type ReactFlowState, useReactFlow, useStore, ViewportPortal } from "@xyflow/react";
-import { type JSX, type RefObject, useEffect, useMemo, useRef, useState } from "react";
+import { Background, ControlButton, Controls, type Node, Panel, Position, ReactFlow, type ReactFlowState, useReactFlow, useStore, ViewportPortal } from "@xyflow/react";
+import { type JSX, type PointerEvent, type RefObject, useEffect, useMemo, useRef, useState } from "react";
 
-import { nearestShown, unfolded } from "../model/folding";
-import { type Box, layoutTree } from "../model/layout";
-import { areaInSight, extent, FEW_NODES, hasRoomForMap, isInSight, LINE_AT, linesIn, nodesIn } from "../model/sight";
+import { type Box, layoutTree } from "../model/flowLayout";
 import type { Moment, TaskIndex } from "../model/status";
+import { areaInSight, extent, FEW_NODES, hasRoomForMap, isInSight, LINE_AT, linesIn, nearestShown, nodesIn, silhouette, unfolded } from "../model/visibility";
 import type { NodeView } from "../protocol/generated";
+import { openSubtask } from "../store/converting";
 import { usePage } from "../store/page";
 import { useRun } from "../store/run";
-import { openSubtask } from "../store/subtasks";
-import { Detail } from "./Detail";
-import { TreeMap } from "./TreeMap";
 import { TreeNode } from "./TreeNode";
+import { Detail } from "./marks";
 
 const NODE_TYPES = { task: TreeNode };
 const NO_EDGES: never[] = [];
@@ -188,4 +186,49 @@ function centre(box: Box): [number, number] {
 
 function pace(): number {
   return matchMedia("(prefers-reduced-motion: reduce)").matches ? 0 : 300;
+}
+
+const WIDTH = 140;
+const HEIGHT = 96;
+
+export function TreeMap({ boxes }: { boxes: ReadonlyMap<string, Box> }): JSX.Element {
+  const { setCenter, getZoom } = useReactFlow();
+  const all = useMemo(() => extent(boxes.values()), [boxes]);
+  const shape = useMemo(() => silhouette(boxes.values()), [boxes]);
+  const scale = Math.max((all.right - all.left) / WIDTH, (all.bottom - all.top) / HEIGHT, 1);
+  const go = (event: PointerEvent<SVGSVGElement>): void => {
+    if (event.buttons !== 1) return;
+    const frame = event.currentTarget.getBoundingClientRect();
+    const x = (all.left + all.right) / 2 + (event.clientX - frame.left - frame.width / 2) * scale;
+    const y = (all.top + all.bottom) / 2 + (event.clientY - frame.top - frame.height / 2) * scale;
+    void setCenter(x, y, { zoom: getZoom(), duration: 0 });
+  };
+  const left = (all.left + all.right - WIDTH * scale) / 2;
+  const top = (all.top + all.bottom - HEIGHT * scale) / 2;
+  return (
+    <Panel position="bottom-right" className="tree-map nopan nowheel">
+      <svg
+        width={WIDTH}
+        height={HEIGHT}
+        viewBox={`${left} ${top} ${WIDTH * scale} ${HEIGHT * scale}`}
+        aria-hidden="true"
+        onPointerDown={(event) => {
+          event.currentTarget.setPointerCapture(event.pointerId);
+          go(event);
+        }}
+        onPointerMove={go}
+      >
+        <path d={shape} />
+        <Frame />
+      </svg>
+    </Panel>
+  );
+}
+
+/** What is in sight. */
+function Frame(): JSX.Element {
+  const [x, y, zoom] = useStore((s) => s.transform);
+  const width = useStore((s) => s.width);
+  const height = useStore((s) => s.height);
+  return <rect className="frame" x={-x / zoom} y={-y / zoom} width={width / zoom} height={height / zoom} vectorEffect="non-scaling-stroke" />;
 }

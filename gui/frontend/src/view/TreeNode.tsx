@@ -1,18 +1,20 @@
 /** One node on the canvas. It holds no state of its own: canvases unmount what is out of sight. */
-import { Handle, type NodeProps, Position } from "@xyflow/react";
+import { Handle, type NodeProps, NodeToolbar, Position, useStore } from "@xyflow/react";
 import type { JSX } from "react";
 
 import { IDLE } from "../model/status";
+import { settingsOf } from "../model/values";
 import { KINDS, statusText } from "../model/words";
 import type { NodeView, Transition } from "../protocol/generated";
 import { usePage } from "../store/page";
 import { useRun } from "../store/run";
-import { useForm } from "./edit/FormBadge";
+import { OthersRing } from "./Presence";
+import { BriefSettings, useBriefSettings } from "./edit/ContainerForm";
+import { useForm } from "./edit/EditBar";
+import { Parameters, useFace } from "./edit/LeafForm";
+import { useDropTarget } from "./hooks";
 import { KindIcon, PhaseIcon } from "./icons";
-import { OthersRing } from "./Others";
-import { NodeSub } from "./NodeSub";
-import { HoldMark, lensMark, ProblemMark } from "./marks";
-import { useDropTarget } from "./useDropTarget";
+import { HoldMark, isNear, lensMark, ProblemMark } from "./marks";
 
 export function TreeNode({ data }: NodeProps): JSX.Element {
   const node = data["node"] as NodeView;
@@ -99,4 +101,45 @@ function isTaken(edge: Transition, node: NodeView, outcome?: string, code?: stri
   const specific = code ? `${outcome}.${code}` : outcome;
   const hit = node.on.some((other) => other.outcome === specific) ? specific : outcome;
   return edge.outcome === hit;
+}
+
+/** @param said what the run says about the node, in place of what it is. */
+export function NodeSub({ node, what, said = "" }: { node: NodeView; what: string; said?: string }): JSX.Element {
+  const near = useStore(isNear);
+  const selected = usePage((s) => s.selected === node.path);
+  const settings = near ? settingsOf(node) : [];
+  return (
+    <>
+      {said || settings.length === 0 ? (
+        <div className={said ? "node-sub said" : "node-sub"}>{said || what}</div>
+      ) : (
+        <div className="node-sub near">
+          {what}
+          {settings.map(({ name, text }) => (
+            <span key={name}>
+              {" "}
+              <i>{name}</i> {text}
+            </span>
+          ))}
+        </div>
+      )}
+      {near && selected && <NearFields node={node} />}
+    </>
+  );
+}
+
+/** The settings of a node where it is drawn. They lie over what is below it, so that nothing moves. */
+function NearFields({ node }: { node: NodeView }): JSX.Element | null {
+  const face = useFace(node);
+  const locked = useRun((s) => s.record !== null);
+  const fields = useBriefSettings(node);
+  const ports = node.kind === "leaf" || node.kind === "subtask";
+  if (ports ? !face?.parameters.length : fields.length === 0) return null;
+  return (
+    <NodeToolbar isVisible position={Position.Bottom} align="start" offset={6} className="nopan nodrag nowheel">
+      <div className="near-fields" role="group" aria-label={`Settings of ${node.name}, at the node`} onDoubleClick={(event) => event.stopPropagation()}>
+        {ports && face ? <Parameters node={node} face={face} locked={locked} brief /> : <BriefSettings node={node} fields={fields} locked={locked} />}
+      </div>
+    </NodeToolbar>
+  );
 }

@@ -2,8 +2,8 @@
 import { type JSX, type KeyboardEvent, useEffect, useId, useMemo, useRef, useState } from "react";
 
 import { matching } from "../../model/search";
+import { startingWith, turned } from "../../model/values";
 import { type ChoiceQuestion, isFew, type TextQuestion, useAsk } from "../../store/ask";
-import { FewChoices } from "./FewChoices";
 
 /** Most options that are listed; typing finds the others. */
 const SHOWN = 200;
@@ -139,6 +139,51 @@ function Chooser({ question, answer }: { question: ChoiceQuestion; answer: (valu
       <p className="hint" role="status">
         {found.length === 0 ? "Nothing is like this." : found.length > SHOWN ? `${SHOWN} of ${found.length} are shown; type to find others.` : `${found.length} ${found.length === 1 ? "entry" : "entries"}`}
       </p>
+    </div>
+  );
+}
+
+/** A choice that leaves all as it is; where there is one, nothing else has to say so. */
+const NEITHER = "no";
+
+interface Props {
+  readonly question: ChoiceQuestion;
+  readonly answer: (value: string | null) => void;
+}
+
+export function FewChoices({ question, answer }: Props): JSX.Element {
+  const list = useRef<HTMLDivElement>(null);
+
+  function onKeyDown(event: KeyboardEvent): void {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const buttons = [...(list.current?.querySelectorAll("button") ?? [])];
+    const at = buttons.indexOf(document.activeElement as HTMLButtonElement);
+    const to = turned(event.key, at, buttons.length) ?? startingWith(question.options, event.key, at);
+    if (to === null) return;
+    event.preventDefault();
+    buttons[to]?.focus();
+  }
+
+  return (
+    <div className="few-choices">
+      <p id="few-choices-label" className="hint">
+        {question.label}
+      </p>
+      <div role="group" aria-labelledby="few-choices-label" ref={list} onKeyDown={onKeyDown}>
+        {question.options.map((option) => (
+          <button key={option.value} type="button" onClick={() => answer(option.value)}>
+            <span className="option-label">{option.label}</span> {option.mark && <span className="option-mark">{option.mark}</span>}{" "}
+            {option.detail && <span className="option-detail">{option.detail}</span>}
+          </button>
+        ))}
+      </div>
+      {!question.options.some((option) => option.value === NEITHER) && (
+        <div className="ask-buttons">
+          <button type="button" onClick={() => answer(null)}>
+            Cancel
+          </button>
+        </div>
+      )}
     </div>
   );
 }

@@ -6,11 +6,9 @@ import type { FieldFace, KindFace, NodeView } from "../../protocol/generated";
 import { useDocument } from "../../store/document";
 import { edit } from "../../store/editing";
 import { useRun } from "../../store/run";
+import { CasesForm, RulesForm, WaitForm } from "./RulesForm";
+import { VariablesForm } from "./TaskForm";
 import { ChoiceField, expressionCheck, ValueField } from "./fields";
-import { CasesForm } from "./CasesForm";
-import { RulesForm } from "./RulesForm";
-import { VariablesForm } from "./VariablesForm";
-import { WaitForm } from "./WaitForm";
 
 export function ContainerForm({ node, locked }: { node: NodeView; locked: boolean }): JSX.Element {
   const face = useDocument((s) => s.catalog.kinds.find((each) => each.kind === node.kind));

@@ -1,15 +1,15 @@
 /** Above the canvas: where we are, which view, and undo, redo, save. */
 import type { JSX } from "react";
 
-import { actionTitle, ACTIONS } from "../../store/actions";
+import { nameOf } from "../../model/commands";
+import type { FormsView, FormView } from "../../protocol/generated";
+import { ACTIONS, actionTitle } from "../../store/actions";
+import { goUp } from "../../store/converting";
 import { chooseRun, openTask } from "../../store/desk";
 import { useDocument } from "../../store/document";
 import { redo, save, undo } from "../../store/editing";
 import { usePage, type ViewName } from "../../store/page";
-import { sideOf } from "../../store/plays";
-import { useRun } from "../../store/run";
-import { PlayBar } from "./PlayBar";
-import { Trail } from "./Trail";
+import { showPlay, type Side, sideOf, SIDES, usePlays, useRun } from "../../store/run";
 
 const VIEWS: readonly [ViewName, string][] = [
   ["tree", "Tree"],
@@ -84,5 +84,82 @@ function UnderWay(): JSX.Element | null {
       </span>
       <button onClick={() => void chooseRun(run)}>Show the run</button>
     </>
+  );
+}
+
+const SHORT: Record<Side, string> = { now: "Now", then: "Then" };
+
+export function PlayBar(): JSX.Element | null {
+  const side = useRun((s) => sideOf(s.record));
+  const decide = usePlays((s) => s.decide);
+  if (side === null) return null;
+  return (
+    <>
+      <span className="hint">Counterexample</span>
+      <div className="segments" role="group" aria-label="Form that is played">
+        {SIDES.map(([name, label]) => (
+          <button key={name} title={label} aria-pressed={side === name} onClick={() => showPlay(name)}>
+            {SHORT[name]}
+          </button>
+        ))}
+      </div>
+      <button onClick={decide}>Decide</button>
+    </>
+  );
+}
+
+export function Trail(): JSX.Element | null {
+  const trail = usePage((s) => s.trail);
+  const name = useRun((s) => s.task.name);
+  if (trail.length === 0) return null;
+  return (
+    <nav aria-label="Tasks above">
+      <ol className="crumbs">
+        {trail.map((above, at) => (
+          <li key={`${above.task} ${above.node}`}>
+            <button className="link" title={`Back to ${above.task}, at ${above.node}`} onClick={() => void goUp(at)}>
+              {above.name}/{nameOf(above.node)}
+            </button>
+          </li>
+        ))}
+        <li aria-current="page">{name}</li>
+      </ol>
+    </nav>
+  );
+}
+
+/** Forms by path, found once for each answer of the server. */
+const BY_PATH = new WeakMap<FormsView, ReadonlyMap<string, FormView>>();
+
+function byPath(forms: FormsView): ReadonlyMap<string, FormView> {
+  const known = BY_PATH.get(forms) ?? new Map(forms.forms.map((form) => [form.path, form]));
+  BY_PATH.set(forms, known);
+  return known;
+}
+
+export function useForm(path: string): FormView | undefined {
+  return useDocument((s) => (s.forms === null ? undefined : byPath(s.forms).get(path)));
+}
+
+export function FormBadge({ path }: { path: string }): JSX.Element | null {
+  const form = useForm(path);
+  if (form === undefined) return null;
+  if (form.both) {
+    return (
+      <span className="form-badge" title="Tree and flow chart edit it alike">
+        = both forms
+      </span>
+    );
+  }
+  return (
+    <details className="form-why">
+      <summary>~ one form only: why?</summary>
+      <p>{form.reason}</p>
+      {form.edges.map(([node, outcome]) => (
+        <button key={`${node}.${outcome}`} className="link" onClick={() => usePage.getState().select(node)}>
+          {node}.{outcome}
+        </button>
+      ))}
+    </details>
   );
 }

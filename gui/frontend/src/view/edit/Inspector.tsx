@@ -2,23 +2,22 @@
 import type { JSX } from "react";
 
 import { nameOf, parentOf } from "../../model/commands";
-import { IDLE } from "../../model/status";
 import { KINDS, seconds, statusText } from "../../model/words";
+import { IDLE } from "../../model/status";
 import type { NodeView } from "../../protocol/generated";
-import { actionTitle, ACTIONS } from "../../store/actions";
+import { ACTIONS, actionTitle } from "../../store/actions";
 import { edit } from "../../store/editing";
 import { usePage } from "../../store/page";
 import { useRun } from "../../store/run";
-import { KindIcon, PhaseIcon } from "../icons";
-import { NewPane } from "../NewPane";
 import { ProblemList } from "../Problems";
-import { CommentForm } from "./CommentForm";
+import { KindIcon, PhaseIcon } from "../icons";
+import { NewPane } from "../marks";
 import { ContainerForm } from "./ContainerForm";
-import { ValueField } from "./fields";
-import { FormBadge } from "./FormBadge";
+import { FormBadge } from "./EditBar";
 import { LeafForm } from "./LeafForm";
 import { OutcomesForm } from "./OutcomesForm";
-import { TaskForm } from "./TaskForm";
+import { CommentForm, TaskForm } from "./TaskForm";
+import { ValueField } from "./fields";
 
 export function Inspector(): JSX.Element {
   const selected = usePage((s) => s.selected);

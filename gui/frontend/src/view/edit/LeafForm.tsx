@@ -6,7 +6,7 @@ import type { NodeFace, NodeView, PortFace } from "../../protocol/generated";
 import { useDocument } from "../../store/document";
 import { edit } from "../../store/editing";
 import { newVariableFor } from "../../store/gestures";
-import { namesFor, needNames, useNames } from "../../store/names";
+import { namesFor, needNames, useNames } from "../../store/tasks";
 import { useRun } from "../../store/run";
 import { ChoiceField, ValueField } from "./fields";
 

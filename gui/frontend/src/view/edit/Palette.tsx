@@ -1,13 +1,13 @@
 /** What a task can be made of: found by typing, added by a press, dragged to a place. */
 import { type JSX, useMemo, useState } from "react";
 
+import { groupOf, GROUPS, KINDS } from "../../model/words";
 import { matching } from "../../model/search";
-import { GROUPS, groupOf, KINDS } from "../../model/words";
 import { useDocument } from "../../store/document";
 import { add } from "../../store/gestures";
 import { useRun } from "../../store/run";
+import { dragNew } from "../hooks";
 import { KindIcon } from "../icons";
-import { dragNew } from "./dragging";
 
 interface Entry {
   readonly id: string;

@@ -1,14 +1,13 @@
 /** The rules of a parallel, a block each: which children have ended how, how many, and what then. The first that holds decides. */
-import type { JSX } from "react";
+import { type JSX, useEffect, useRef, useState } from "react";
 
 import { join, nameOf } from "../../model/commands";
-import { counting, labelsOf, type Rule, rulesOf, shifted, withLabels } from "../../model/rows";
-import type { NodeView } from "../../protocol/generated";
+import { counting, labelsOf, literalsText, parseLiterals, type Rule, rulesOf, shifted, type Wait, waitOf, withLabels } from "../../model/rows";
+import type { FieldFace, NodeView } from "../../protocol/generated";
+import { askChoice } from "../../store/ask";
 import { edit, settingNow } from "../../store/editing";
 import { useRun } from "../../store/run";
-import { ChoiceField, ValueField } from "./fields";
-import { RowTools } from "./RowTools";
-import { Tick } from "./Tick";
+import { ChoiceField, Field, ValueField } from "./fields";
 
 export function RulesForm({ node, locked }: { node: NodeView; locked: boolean }): JSX.Element {
   const rules = rulesOf(node.fields["rules"]);
@@ -66,5 +65,176 @@ function ChildEnds({ child, container, rule, set }: EndsProps): JSX.Element {
         <Tick key={label} label={label} checked={given.includes(label)} set={(on) => set((now) => withLabels(now, child, ticked(labelsOf(now, child), label, on)))} />
       ))}
     </div>
+  );
+}
+
+export function CasesForm({ node, locked }: { node: NodeView; locked: boolean }): JSX.Element {
+  const entries = (value: unknown): [string, unknown][] => Object.entries((value ?? {}) as Record<string, unknown>);
+  const cases = entries(node.fields["cases"]);
+  const shift = (at: number, by: -1 | 1): void =>
+    void edit(() => ({ do: "set", path: node.path, key: ["cases"], value: Object.fromEntries(shifted(entries(settingNow(node.path, "cases")), at, by)) }));
+  const without = node.children.map(nameOf).filter((name) => !cases.some(([child]) => child === name));
+  return (
+    <section className="rows" aria-label="Cases">
+      <h3>Cases</h3>
+      {cases.map(([child, said], at) => (
+        <div key={child} className="field-row">
+          <CaseField child={child} said={said} locked={locked} set={(value) => void edit({ do: "set", path: node.path, key: ["cases", child], value })} />
+          {!locked && (
+            <RowTools
+              about={`the case of ${child}`}
+              first={at === 0}
+              last={at === cases.length - 1}
+              shift={(by) => shift(at, by)}
+              remove={() => void edit({ do: "unset", path: node.path, key: ["cases", child] })}
+            />
+          )}
+        </div>
+      ))}
+      {!locked && without.length > 0 && (
+        <button onClick={() => void newCase(node, without)}>New case</button>
+      )}
+    </section>
+  );
+}
+
+async function newCase(node: NodeView, without: readonly string[]): Promise<void> {
+  const child = without.length === 1 ? without[0] : await askChoice({ title: "New case", label: "Which child is taken?", options: without.map((name) => ({ value: name, label: name })) });
+  // The name of the child is a literal that no other case has.
+  if (child) await edit({ do: "set", path: node.path, key: ["cases", child], value: child });
+}
+
+interface CaseProps {
+  readonly child: string;
+  readonly said: unknown;
+  readonly locked: boolean;
+  readonly set: (value: unknown) => void;
+}
+
+function CaseField({ child, said, locked, set }: CaseProps): JSX.Element {
+  const given = literalsText(said);
+  const [text, setText] = useState(given);
+  const [fault, setFault] = useState("");
+  useEffect(() => {
+    setText(given);
+    setFault("");
+  }, [given]);
+  const commit = (): void => {
+    if (text === given) return;
+    const parsed = parseLiterals(text);
+    if ("fault" in parsed) setFault(parsed.fault);
+    else set(parsed.value);
+  };
+  return (
+    <Field label={`${child} is taken for`} fault={fault}>
+      {(id, about) => (
+        <input
+          id={id}
+          type="text"
+          value={text}
+          disabled={locked}
+          aria-describedby={about}
+          aria-invalid={fault !== ""}
+          onChange={(event) => setText(event.target.value)}
+          onBlur={commit}
+          onKeyDown={(event) => {
+            if (event.key === "Enter") commit();
+            if (event.key === "Escape") setText(given);
+          }}
+        />
+      )}
+    </Field>
+  );
+}
+
+interface RowToolsProps {
+  readonly about: string;
+  readonly first: boolean;
+  readonly last: boolean;
+  readonly shift: (by: -1 | 1) => void;
+  readonly remove: () => void;
+}
+
+export function RowTools({ about, first, last, shift, remove }: RowToolsProps): JSX.Element {
+  return (
+    <span className="row-tools">
+      <button aria-label={`Move ${about} up`} title="Up" disabled={first} onClick={() => shift(-1)}>
+        ↑
+      </button>
+      <button aria-label={`Move ${about} down`} title="Down" disabled={last} onClick={() => shift(1)}>
+        ↓
+      </button>
+      <button aria-label={`Remove ${about}`} title="Remove" onClick={remove}>
+        ×
+      </button>
+    </span>
+  );
+}
+
+const WAITS: readonly (readonly [Wait, string])[] = [
+  ["", "nobody: as soon as it is decided"],
+  ["all", "all children"],
+  ["any", "one child"],
+  ["count", "so many children"],
+  ["these", "these children"],
+];
+
+function waitedFor(value: unknown): readonly string[] {
+  return Array.isArray(value) ? (value as string[]) : [];
+}
+
+export function WaitForm({ field, node, locked }: { field: FieldFace; node: NodeView; locked: boolean }): JSX.Element {
+  const value = node.fields["wait_for"];
+  const children = node.children.map(nameOf);
+  const wait = waitOf(value);
+  const set = (next: unknown): Promise<boolean> =>
+    edit(next === undefined ? { do: "unset", path: node.path, key: ["wait_for"] } : { do: "set", path: node.path, key: ["wait_for"], value: next });
+  const choose = (word: string): void => void set({ "": undefined, all: "all", any: "any", count: Math.max(1, children.length - 1), these: children }[word as Wait]);
+  const these = waitedFor(value);
+  return (
+    <>
+      <ChoiceField label="Waits for" doc={field.doc} value={wait} options={WAITS} disabled={locked} set={choose} />
+      {wait === "count" && <ValueField label="How many children" type="int" value={value} disabled={locked} set={(many) => void set(many)} />}
+      {wait === "these" && (
+        <div role="group" aria-label="Children that are waited for" className="ends">
+          {children.map((name) => (
+            <Tick
+              key={name}
+              label={name}
+              disabled={locked || (these.length === 1 && these[0] === name)}
+              checked={these.includes(name)}
+              set={(on) => edit(() => ({ do: "set", path: node.path, key: ["wait_for"], value: children.filter((each) => (each === name ? on : waitedFor(settingNow(node.path, "wait_for")).includes(each))) }))}
+            />
+          ))}
+        </div>
+      )}
+    </>
+  );
+}
+
+interface TickProps {
+  readonly label: string;
+  readonly checked: boolean;
+  readonly disabled?: boolean;
+  readonly set: (checked: boolean) => Promise<unknown>;
+}
+
+export function Tick({ label, checked, disabled = false, set }: TickProps): JSX.Element {
+  const [shown, setShown] = useState(checked);
+  const now = useRef(checked);
+  useEffect(() => {
+    now.current = checked;
+    setShown(checked);
+  }, [checked]);
+  const change = async (wished: boolean): Promise<void> => {
+    setShown(wished);
+    await set(wished);
+    setShown(now.current);
+  };
+  return (
+    <label className="check">
+      <input type="checkbox" checked={shown} disabled={disabled} onChange={(event) => void change(event.target.checked)} />
+      {label}
+    </label>
   );
 }

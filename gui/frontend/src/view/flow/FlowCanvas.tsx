@@ -5,21 +5,19 @@ import { type DragEvent, type JSX, useCallback, useEffect, useMemo, useRef, useS
 import { parentOf } from "../../model/commands";
 import { FLOW_HEAD, isStart, PORT_HEIGHT, targetName } from "../../model/flow";
 import { chartedIn, chartOf, type FlowChart, isCharted, pinAt } from "../../model/flowChart";
-import type { Box } from "../../model/layout";
-import { FEW_NODES, hasRoomForMap, isInSight } from "../../model/sight";
+import type { Box } from "../../model/flowLayout";
+import { FEW_NODES, hasRoomForMap, isInSight } from "../../model/visibility";
+import { openSubtask } from "../../store/converting";
 import { useDocument } from "../../store/document";
 import { pin } from "../../store/editing";
 import { beginWith, connect, disconnect } from "../../store/flowing";
 import { connectFree } from "../../store/gestures";
 import { usePage } from "../../store/page";
 import { useRun } from "../../store/run";
-import { openSubtask } from "../../store/subtasks";
-import { Detail } from "../Detail";
-import { drop, isDrag } from "../edit/dragging";
-import { FormBadge } from "../edit/FormBadge";
-import { Breadcrumbs } from "./Breadcrumbs";
-import { FlowEdgeLine } from "./FlowEdgeLine";
-import { EndNode, FlowNode, StartNode } from "./FlowNode";
+import { FormBadge } from "../edit/EditBar";
+import { drop, isDrag } from "../hooks";
+import { Detail, NewPane } from "../marks";
+import { EndNode, FlowEdgeLine, FlowNode, StartNode } from "./FlowNode";
 
 const NODE_TYPES = { node: FlowNode, end: EndNode, start: StartNode };
 const EDGE_TYPES = { line: FlowEdgeLine };
@@ -216,4 +214,35 @@ function flowEdges({ edges }: FlowChart, selected: string | null): Edge[] {
     focusable: false,
     interactionWidth: 18,
   }));
+}
+
+export function Breadcrumbs(): JSX.Element {
+  const container = usePage((s) => s.container);
+  const index = useRun((s) => s.index);
+  const file = useRun((s) => s.task.path);
+  const name = useRun((s) => s.task.name);
+  const { enter, select } = usePage.getState();
+  const chain: string[] = [];
+  for (let at: string | null = container; at !== null; at = parentOf(at)) chain.unshift(at);
+  return (
+    <nav aria-label="Containers">
+      <ol className="crumbs">
+        {chain.map((path) => (
+          <li key={path}>
+            <button
+              className="link"
+              {...(path === container ? { "aria-current": "location" as const } : {})}
+              onClick={() => {
+                enter(path);
+                select(path);
+              }}
+            >
+              {path === "/" ? name : index.byPath.get(path)?.name}
+            </button>
+          </li>
+        ))}
+      </ol>
+      <NewPane task={file} at={container} words="Open this container in a pane of its own" />
+    </nav>
+  );
 }

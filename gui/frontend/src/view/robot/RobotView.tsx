@@ -3,10 +3,10 @@ import "./robot.css";
 
 import { type JSX, type KeyboardEvent, useEffect, useMemo, useRef, useState } from "react";
 
-import type { Stand } from "../../model/motion";
+import type { Stand } from "../../model/timeline";
 import { seconds } from "../../model/words";
 import type { NamedPlace, SceneItem } from "../../protocol/generated";
-import { cloudOf, loadGeometry, type NamedCloud, placesOf, readMotion, setRobotOpen, useRobot } from "../../store/robot";
+import { cloudOf, loadGeometry, type NamedCloud, placesOf, readMotion, setRobotOpen, useRobot } from "../../store/live";
 import { useRun } from "../../store/run";
 import { makeSpace, type Side, type Space } from "./space";
 

@@ -2,9 +2,9 @@
 import { AmbientLight, AxesHelper, CanvasTexture, Color, DirectionalLight, GridHelper, Group, InstancedMesh, LineSegments, type Material, Mesh, type Object3D, PerspectiveCamera, Points, Scene, Sprite, SpriteMaterial, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
-import type { Stand } from "../../model/motion";
+import type { Stand } from "../../model/timeline";
 import type { GeometryView, NamedPlace } from "../../protocol/generated";
-import type { NamedCloud } from "../../store/robot";
+import type { NamedCloud } from "../../store/live";
 import { makeCloud, makeItem, makeRobot, place, type Robot } from "./body";
 
 const STEP = Math.PI / 18;

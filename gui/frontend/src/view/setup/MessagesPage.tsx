@@ -6,7 +6,7 @@ import type { LiveMessage, StoredMessage } from "../../protocol/generated";
 import { askChoice } from "../../store/ask";
 import { lookAtMessages, messageOf, useLive, wished } from "../../store/live";
 import { ValueShown } from "../ValuePreview";
-import { MeasureForm } from "./MeasureForm";
+import { MeasureForm } from "./TryForm";
 
 const PERIOD = 1500;
 const BLANK: Record<string, string> = {

@@ -1,13 +1,11 @@
 /** The files that put a project together: a list, the open one as a form, and as text beside it. */
 import "./setup.css";
-
 import { type JSX, useEffect, useState } from "react";
 
 import { formKind, freeName, type Shape, shapeAt, valueAt } from "../../model/shapes";
 import type { SetupView, Template } from "../../protocol/generated";
 import { listSetup, openSetup, probe, saveSetup, setValue, trouble, useSetup } from "../../store/setup";
-import { ImportForm } from "./ImportForm";
-import { InterfaceForm } from "./InterfaceForm";
+import { ImportForm, InterfaceForm } from "./ImportForm";
 import { MessagesPage } from "./MessagesPage";
 import { SchemaForm } from "./SchemaForm";
 import { SetupText } from "./SetupText";

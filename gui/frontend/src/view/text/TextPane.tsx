@@ -4,6 +4,7 @@ import { defaultKeymap } from "@codemirror/commands";
 import { yaml } from "@codemirror/lang-yaml";
 import { foldGutter, indentUnit } from "@codemirror/language";
 import { type Diagnostic, lintGutter, lintKeymap, setDiagnostics } from "@codemirror/lint";
+
 import { highlightSelectionMatches, searchKeymap } from "@codemirror/search";
 import { Compartment, EditorState, type Extension, Transaction } from "@codemirror/state";
 import { EditorView, highlightActiveLine, keymap, lineNumbers } from "@codemirror/view";
@@ -13,8 +14,7 @@ import type { Problem } from "../../protocol/generated";
 import { useDocument } from "../../store/document";
 import { redo, typeText, undo } from "../../store/editing";
 import { useRun } from "../../store/run";
-import { complete } from "./completions";
-import { followSelection, markedLine } from "./following";
+import { complete, followSelection, markedLine } from "./completions";
 import { colours, theme } from "./theme";
 
 /** How long nothing must be typed until the text is sent [ms]. */

@@ -1,5 +1,6 @@
 /** How a run's robot has moved: pieces of its record put together, and where everything was at a time. */
-import type { MeshView, MotionView, SceneItem } from "../protocol/generated";
+import type { MeshView, MotionView, RunEvent, SceneItem } from "../protocol/generated";
+import type { Phase, TaskIndex } from "./status";
 
 /** Where everything is at one time. */
 export interface Stand {
@@ -54,4 +55,43 @@ export class Motion {
     for (const [part, names] of Object.entries(this.parts)) names.forEach((name, at) => found.q[part]?.[at] !== undefined && joints.set(name, found.q[part]?.[at] as number));
     return { t: found.t, joints, scene: found.scene, bodies: this.bodies };
   }
+}
+
+export interface Span {
+  readonly path: string;
+  readonly from: number;
+  readonly to: number | null;
+  readonly phase: Phase;
+  readonly lane: number;
+}
+
+/** Bars in the order of their start; those that overlap get different lanes. */
+export function spansOf(events: readonly RunEvent[], index: TaskIndex): Span[] {
+  const spans: Span[] = [];
+  const open = new Map<string, number>();
+  const lanes: (string | null)[] = [];
+  const close = (path: string, to: number, phase: Phase): void => {
+    const at = open.get(path);
+    if (at === undefined) return;
+    const span = spans[at] as Span;
+    spans[at] = { ...span, to, phase };
+    lanes[span.lane] = null;
+    open.delete(path);
+  };
+  for (const event of events) {
+    if (index.byPath.get(event.path)?.kind !== "leaf") continue;
+    if (event.event === "enter" || (event.event === "went_on" && !open.has(event.path))) {
+      close(event.path, event.t, "ended");
+      const free = lanes.indexOf(null);
+      const lane = free < 0 ? lanes.length : free;
+      lanes[lane] = event.path;
+      open.set(event.path, spans.length);
+      spans.push({ path: event.path, from: event.t, to: null, phase: "running", lane });
+    } else if (event.event === "exit") {
+      close(event.path, event.t, index.phaseOf(event.path, event.outcome));
+    } else if (event.event === "interrupted" || event.event === "error") {
+      close(event.path, event.t, event.event);
+    }
+  }
+  return spans;
 }
