@@ -14,15 +14,15 @@ from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.message_store.written import fields_of
+from grip_bt.base.values import CameraInfo, Pose
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.client.graph import topics
 from grip_bt.ros.client.types import load_type, type_name
+from grip_bt.ros.convert import from_message
+from grip_bt.ros.convert_perception import depth_from_message
 from grip_bt.ros.messages import MessageServer, RosMessages
 from grip_bt.ros.messages.wire import MESSAGES as STORES
 from grip_bt.ros.messages.wire import entry_rows, text_of_entry, value_from_text
-from grip_bt.base.values import CameraInfo, Pose
-from grip_bt.ros.convert import from_message
-from grip_bt.ros.convert_perception import depth_from_message
 from grip_bt.task.catalog.sensor_config import MESSAGES
 from grip_gui.view.values import ROWS, value_view
 from grip_gui.wire.runs import ValueView
