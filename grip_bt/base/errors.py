@@ -180,7 +180,7 @@ class ImplementationError(GripError):
         super().__init__(f"node {node}: {implementation}: {reason}")
 
 
-class StrangeCodeError(GripError):
+class UntrustedCodeError(GripError):
     """Code that isn't GRIP's would be run, and `--no-code` was said.
 
     Attributes:

@@ -14,7 +14,7 @@ from grip_bt.base.yaml.tree import read_file
 from grip_bt.formats.btcpp import ImportedFile, from_xml
 from grip_bt.task import model, walking
 from grip_bt.task.catalog import Manifest
-from grip_bt.task.catalog.manifest_text import manifest_text
+from grip_bt.task.catalog.manifest import manifest_text
 
 from .import_pytrees import write_task
 

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from grip_bt.base.operation import Operation
-from grip_bt.task.catalog.implementation import load_implementation
-from grip_bt.task.catalog.reader import read_manifests
+from grip_bt.task.catalog.catalog import load_implementation
+from grip_bt.task.catalog.manifest import read_manifests
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from typing import Literal
 
 from grip_bt.base.errors import GripError, ProjectExistsError
 from grip_bt.task.catalog.component_file import ComponentFile
-from grip_bt.task.catalog.interface_spec import FieldSpec, InterfaceSpec
+from grip_bt.task.catalog.ros_config import FieldSpec, InterfaceSpec
 
 from .contract import VALUE_OF, keeps_contract, suggested_outcomes
 

@@ -16,7 +16,7 @@ from py_trees.behaviour import Behaviour
 
 from grip_bt.base.errors import InvalidTaskError
 from grip_bt.base.issue import Issue
-from grip_bt.task.catalog import OwnCode
+from grip_bt.task.catalog import AllowedImports
 from grip_bt.task.model import Foreign
 from grip_bt.task.validation.rules.foreign import not_listed
 
@@ -24,7 +24,7 @@ BehaviourFactory = Callable[[str, str, Foreign], Behaviour]
 """(path, name, what the document says) -> the behaviour of a foreign node."""
 
 
-def adopter(code: OwnCode) -> BehaviourFactory:
+def adopter(code: AllowedImports) -> BehaviourFactory:
     """Return what imports and makes the behaviours of foreign nodes, of such code as a project lists."""
 
     def adopt(path: str, name: str, node: Foreign) -> Behaviour:
@@ -57,7 +57,7 @@ def adopter(code: OwnCode) -> BehaviourFactory:
     return adopt
 
 
-def _maker(path: str, where: str, code: OwnCode) -> Any:
+def _maker(path: str, where: str, code: AllowedImports) -> Any:
     """Return what is at an import path, where it may be called."""
     if not code.allows(where):
         trouble = not_listed(where, code.listed)
@@ -77,9 +77,9 @@ def _maker(path: str, where: str, code: OwnCode) -> Any:
     return found
 
 
-def _found(path: str, where: str, code: OwnCode) -> Any:
+def _found(path: str, where: str, code: AllowedImports) -> Any:
     module, _, attributes = where.partition(":")
-    if code.folder is not None and code.is_strange(where) and str(code.folder) not in sys.path:
+    if code.folder is not None and code.is_third_party(where) and str(code.folder) not in sys.path:
         sys.path.append(str(code.folder))  # last: nothing in a project takes the place of what is installed
     try:
         found: Any = import_module(module)

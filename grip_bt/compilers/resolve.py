@@ -12,7 +12,7 @@ from typing import Any
 from grip_bt.base.errors import GripError, InvalidTaskError, SubtaskError
 from grip_bt.base.issue import Issue
 from grip_bt.nodes.control import Edges
-from grip_bt.task.catalog import Catalog, Manifest, check_value, face_of, parse_type
+from grip_bt.task.catalog import Catalog, Manifest, check_value, manifest_of_task, parse_type
 from grip_bt.task.model import (
     AnyNode,
     Container,
@@ -249,7 +249,7 @@ class _Resolver:
             code = "recursive-subtask" if node.task in self.chain else "unknown-subtask"
             self.add(path, code, str(error))
             return Part(name, path, node, {}, outside, False)
-        face = face_of(node.task, task)
+        face = manifest_of_task(node.task, task)
         check_ports(path, node, face, outside, self.problems)
         check_expressions(path, node, outside, outside, self.problems)
         meaning = with_refusal(node, face.outcomes_for(dict(node.meaning)))

@@ -52,7 +52,7 @@ class TreeBuilder:
             self.leaves[part.path] = cast(Leaf, node)
         else:
             children = [self.build(child) for child in part.children]
-            node = self._container(part, face_of(part), children)
+            node = self._container(part, manifest_of_task(part), children)
         if part.node.precondition:
             condition = bind_condition(part.path, "precondition", part.node.precondition, part.around, self.scopes)
             control.conditional(node, condition, part.meaning)
@@ -92,7 +92,7 @@ def ruling_of(part: Part) -> control.Ruling:
     return control.Ruling(node.policy, part.exits, rules, node.wait_for)
 
 
-def face_of(part: Part) -> control.Face:
+def manifest_of_task(part: Part) -> control.Face:
     """Return what the container of `part` is made with."""
     enter = part.scope.reset if part.declares else None
     return control.Face(part.name, part.path, part.meaning, part.exits, enter)

@@ -19,8 +19,8 @@ import numpy as np
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.values import Grasp, PointCloud, Pose
-from grip_bt.task.catalog.controller_config import CameraTopics
-from grip_bt.task.catalog.sensor_config import Mount, SensorConfig
+from grip_bt.task.catalog.ros_config import CameraTopics
+from grip_bt.task.catalog.sensors import Mount, SensorConfig
 
 ROOT = "world"
 

@@ -12,8 +12,8 @@ from grip_bt.base.errors import GripError
 from grip_bt.base.failures import BadReplyError, CanceledError, SensorError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import CameraInfo, RgbdFrame
-from grip_bt.task.catalog.controller_config import CameraTopics
-from grip_bt.task.catalog.sensor_config import SensorConfig
+from grip_bt.task.catalog.ros_config import CameraTopics
+from grip_bt.task.catalog.sensors import SensorConfig
 
 from .convert import from_message
 from .convert_geometry import seconds

@@ -114,12 +114,12 @@ def test_a_project_without_processes_says_what_to_do(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("process", "reason"),
     [
-        ("{}", "say one of `command`, `package` with `executable`, `launch`; here: none of them"),
+        ("{}", "give exactly one of `command`, `package` with `executable`, `launch`; here: none of them"),
         ("{command: [a], launch: b.launch.xml}", "here: command and launch"),
         ("{executable: a}", "`package` and `executable` go together"),
         ("{command: [a], args: [b]}", "`args` are those of an `executable`"),
         ("{command: [a], arguments: {b: c}}", "`arguments` are those of a `launch` file"),
-        ("{command: [a], ready: {}}", "say one of `service`, `topic`, `log`"),
+        ("{command: [a], ready: {}}", "give exactly one of `service`, `topic`, `log`"),
         ("{command: [a], ready: {log: '('}}", "isn't a regular expression"),
     ],
 )

@@ -8,7 +8,7 @@ from grip_bt.base.errors import ContractError
 from grip_bt.codegen import check_contract
 from grip_bt.codegen.render import face
 from grip_bt.task.catalog.component_file import ComponentFile
-from grip_bt.task.catalog.interface_spec import FieldSpec, InterfaceSpec
+from grip_bt.task.catalog.ros_config import FieldSpec, InterfaceSpec
 
 CLOUD = FieldSpec("input", "sensor_msgs/msg/PointCloud2")
 OUTCOME = FieldSpec("outcome", "int32")

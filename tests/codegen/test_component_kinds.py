@@ -16,8 +16,8 @@ from grip_bt.codegen.rehearsal import rehearse
 from grip_bt.codegen.render import class_name
 from grip_bt.codegen.scaffold import OutcomesNeededError, component_text, parse_outcomes
 from grip_bt.task.catalog.component_file import ComponentFile
-from grip_bt.task.catalog.interface_spec import FieldSpec, InterfaceSpec
-from grip_bt.task.catalog.reader import read_manifests
+from grip_bt.task.catalog.manifest import read_manifests
+from grip_bt.task.catalog.ros_config import FieldSpec, InterfaceSpec
 
 GOLDEN = Path(__file__).parents[1] / "golden"
 PLAN = InterfaceSpec(

@@ -7,7 +7,7 @@ import pytest
 from grip_bt.base.errors import ContractError, DocumentError
 from grip_bt.codegen import check_contract
 from grip_bt.task.catalog.component_file import ComponentFile, load_component
-from grip_bt.task.catalog.interface_spec import FieldSpec, InterfaceSpec
+from grip_bt.task.catalog.ros_config import FieldSpec, InterfaceSpec
 
 REQUEST = (
     FieldSpec("input", "sensor_msgs/msg/PointCloud2"),
@@ -110,7 +110,7 @@ def test_ports_that_do_are_left_alone(ports):
         ("name: counter", "name: myGrasps2", "such as my_grasps2"),
         ("my_pkg/srv/Do", "my_pkg/Do", "'my_pkg/Do' isn't the name of an interface: package/srv/Name"),
         ("/do", "do", "'do' isn't a whole ROS name"),
-        ("[found, none]", "found none", "outcomes: a list is wanted: write [found, none], not 'found none'"),
+        ("[found, none]", "found none", "outcomes: expected a list: write [found, none], not 'found none'"),
         ("[found, none]", "[found, not found]", "'not found' isn't a name: letters, digits and _, no digit first"),
         ("server: /do", "server: /do\nports: {a: {type: Pose, field: 'A.b'}}", "'A.b' isn't a path of fields"),
         ("server: /do", "server: /do\nstart: {command: python server.py}", "write [python, server.py], not"),
@@ -120,7 +120,7 @@ def test_ports_that_do_are_left_alone(ports):
             "server: /do\nstart: {command: [{python}, a.py]}",
             'stands in quotation marks: write "{python}"',
         ),
-        ("[found, none]", "found, none", "outcomes: a list is wanted: write [found, none], not 'found, none'"),
+        ("[found, none]", "found, none", "outcomes: expected a list: write [found, none], not 'found, none'"),
         ("[found, none]", "{none: 1, found: 0}", "outcomes: they are numbered in their order: write [found, none]"),
     ],
 )

@@ -15,7 +15,7 @@ from grip_bt.base.operation import Operation
 from grip_bt.base.values import Grasp, JointState, Plan, Pose, Trajectory
 from grip_bt.commanders.scene import PlanningScene
 from grip_bt.task.catalog import Catalog
-from grip_bt.task.catalog.implementation import load_implementation
+from grip_bt.task.catalog.catalog import load_implementation
 from grip_bt.task.catalog.manifest import Manifest
 
 AWAY = Pose([0.3, 0.0, 0.6])

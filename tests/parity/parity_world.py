@@ -245,7 +245,7 @@ def _factory(world: World) -> Any:
 
 def catalog_of(case: dict[str, Any]) -> Catalog:
     """Return the catalogue with the case's files."""
-    return CATALOG.with_tasks(TaskTexts({k: Task.model_validate(v) for k, v in case.get("files", {}).items()}))
+    return CATALOG.with_(tasks=TaskTexts({k: Task.model_validate(v) for k, v in case.get("files", {}).items()}))
 
 
 SOURCE = bool(os.environ.get("GRIP_FUZZ_SOURCE"))

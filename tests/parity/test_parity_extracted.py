@@ -93,7 +93,7 @@ def test_a_part_put_back_is_what_it_was_and_new_files_are_right() -> None:
             continue
         case, after, path, with_file = made
         files = {name: Task.model_validate(said) for name, said in with_file["files"].items()}
-        catalog = catalog_of(case).with_tasks(TaskTexts(files))
+        catalog = catalog_of(case).with_(tasks=TaskTexts(files))
         edit = inlined(Inline(path=path, approximate=True), after, catalog)
         task = Task.model_validate(case["task"])
         assert apply(after, edit).task == task, f"seed {seed}, {path}"

@@ -21,8 +21,8 @@ from grip_bt.base.failures import (
 )
 from grip_bt.cli.__main__ import main
 from grip_bt.ros.components import start_components
-from grip_bt.task.catalog.implementation import load_implementation
-from grip_bt.task.catalog.reader import read_manifests
+from grip_bt.task.catalog.catalog import load_implementation
+from grip_bt.task.catalog.manifest import read_manifests
 
 pytestmark = pytest.mark.ros
 ACTION = """\

@@ -21,8 +21,8 @@ from grip_bt.ros.components import start_components
 from grip_bt.ros.fields import ConversionError
 from grip_bt.ros.interfaces import build_interfaces
 from grip_bt.ros.process import Process, child_environment
-from grip_bt.task.catalog.implementation import load_implementation
-from grip_bt.task.catalog.reader import read_manifests
+from grip_bt.task.catalog.catalog import load_implementation
+from grip_bt.task.catalog.manifest import read_manifests
 
 pytestmark = pytest.mark.ros
 EMPTY = PointCloud(np.zeros((0, 3)))

@@ -27,7 +27,7 @@ from grip_bt.ros.interface import BadRequestError, RosDoor
 from grip_bt.ros.sensing import mounted_frames, open_sensors
 from grip_bt.ros.synchronise import Synchroniser
 from grip_bt.ros.transforms import Transforms
-from grip_bt.task.catalog.sensor_config import SensorConfig
+from grip_bt.task.catalog.sensors import SensorConfig
 
 CAMERA = {
     "topics": {

@@ -17,7 +17,7 @@ from grip_bt.ros.interfaces import (
     read_interface,
 )
 from grip_bt.ros.interfaces.generate import _quietly
-from grip_bt.task.catalog.interface_spec import FieldSpec
+from grip_bt.task.catalog.ros_config import FieldSpec
 
 PACKAGE_XML = "<package format='3'><name>{name}</name>{depends}</package>"
 

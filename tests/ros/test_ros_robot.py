@@ -10,7 +10,7 @@ import sys
 import pytest
 from patience import PATIENCE
 
-from grip_bt.task.catalog.controller_config import ControllerConfig, RosRobotConfig
+from grip_bt.task.catalog.ros_config import ControllerConfig, RosRobotConfig
 
 HOME = dict(
     zip(
@@ -141,7 +141,7 @@ def test_what_a_robot_is_waited_for_is_told_meanwhile(tmp_path, domain):
 @pytest.mark.parametrize(
     ("given", "reason"),
     [
-        ({}, "say one of `trajectory`, `topic`, `positions`, `move_group`, `gripper`; here: none of them"),
+        ({}, "give exactly one of `trajectory`, `topic`, `positions`, `move_group`, `gripper`; here: none of them"),
         ({"trajectory": "/a", "gripper": "/b"}, "here: trajectory and gripper"),
         ({"trajectory": "/a", "instead_of": ["b"]}, "`instead_of` needs the controller's own `name`"),
     ],

@@ -30,7 +30,7 @@ def check(campaign: Campaign) -> None:
     Raises:
         DocumentError, InvalidTaskError: a task is wrong.
         CampaignError: the campaign speaks of what its tasks don't have.
-        StrangeCodeError: a task runs code that isn't GRIP's, which is forbidden.
+        UntrustedCodeError: a task runs code that isn't GRIP's, which is forbidden.
     """
     said, where = campaign.file, str(campaign.path)
     for name in said.count:

@@ -15,8 +15,8 @@ from grip_bt.base.errors import (
     UnknownNameError,
 )
 from grip_bt.base.message_store import MessageLibrary, names
-from grip_bt.task.catalog import Catalog, OwnCode, TaskFolder, find_manifests, find_python_nodes
-from grip_bt.task.catalog.equipment import UNFIT, UNMOVED, Equipment, Equipped, Trouble
+from grip_bt.task.catalog import Catalog, AllowedImports, TaskFolder, find_manifests, find_python_nodes
+from grip_bt.task.catalog.project_parts import UNFIT, UNMOVED, Equipment, Equipped, Trouble
 from grip_bt.task.catalog.sensors import sensor_manifest
 
 from .config import ARCHIVE, MESSAGES
@@ -27,7 +27,7 @@ from .packages import components_in_need, packages_here, sensors_in_need
 
 if TYPE_CHECKING:
     from grip_bt.commanders.robots import RobotDescription
-    from grip_bt.task.catalog.equipment import Equipment
+    from grip_bt.task.catalog.project_parts import Equipment
 
 if TYPE_CHECKING:
     from grip_bt.commanders.description.reading import Stamps
@@ -190,9 +190,9 @@ def catalogue_of(project: Project) -> Catalog:
             manifests += find_manifests(project.folder / folder)
     if file.nodes is not None:
         manifests += find_python_nodes(project.folder / file.nodes)
-    whole = Catalog.builtin().with_manifests(manifests).with_tasks(TaskFolder(project.folder))
-    whole = whole.with_code(OwnCode(file.code, project.folder))
-    return whole.with_named(partial(message_names, project)).with_equipment(partial(equipment_of, project))
+    whole = Catalog.builtin().with_manifests(manifests).with_(tasks=TaskFolder(project.folder))
+    whole = whole.with_(code=AllowedImports(file.code, project.folder))
+    return whole.with_(named=partial(message_names, project)).with_(equipment=partial(equipment_of, project))
 
 
 def message_names(project: Project) -> Mapping[str, set[str]] | None:

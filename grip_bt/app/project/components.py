@@ -20,7 +20,7 @@ from grip_bt.base.yaml.tree import YamlMapping, parse
 from grip_bt.codegen.contract import check_contract
 from grip_bt.codegen.scaffold import OutcomesNeededError, component_text, parse_outcomes, suggested_name
 from grip_bt.task.catalog.component_file import FILE_NAME, ComponentFile
-from grip_bt.task.catalog.interface_spec import InterfaceSpec
+from grip_bt.task.catalog.ros_config import InterfaceSpec
 
 from .folder import find_project
 

@@ -8,9 +8,9 @@ from pydantic import BaseModel, ByteSize, ConfigDict, Field, StringConstraints
 
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.task.catalog import CodePath
-from grip_bt.task.catalog.controller_config import RosRobotConfig
-from grip_bt.task.catalog.process_config import ProcessConfig
-from grip_bt.task.catalog.sensor_config import SensorConfig
+from grip_bt.task.catalog.component_parts import ProcessConfig
+from grip_bt.task.catalog.ros_config import RosRobotConfig
+from grip_bt.task.catalog.sensors import SensorConfig
 
 if TYPE_CHECKING:
     pass

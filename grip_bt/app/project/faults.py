@@ -11,7 +11,7 @@ import numpy as np
 from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
 from grip_bt.base.values import JointState
 from grip_bt.commanders.names import PLANNERS, SOLVERS
-from grip_bt.task.catalog.controller_config import MOVE_GROUP
+from grip_bt.task.catalog.ros_config import MOVE_GROUP
 
 from .config import ArmConfig
 from .folder import Project

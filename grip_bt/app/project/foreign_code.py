@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from grip_bt.base.errors import GripError, StrangeCodeError
+from grip_bt.base.errors import GripError, UntrustedCodeError
 
 if TYPE_CHECKING:
     from grip_bt.task import Task
@@ -34,10 +34,10 @@ def refuse(found: Iterable[str]) -> None:
         found: what would be imported or started, each in words; not looked at where everything may run.
 
     Raises:
-        StrangeCodeError: there is some; it names all of it.
+        UntrustedCodeError: there is some; it names all of it.
     """
     if os.environ.get(VARIABLE) and (told := list(dict.fromkeys(found))):
-        raise StrangeCodeError(told)
+        raise UntrustedCodeError(told)
 
 
 def of_task(project: Project, task: Task, catalog: Catalog, robot: str, mocked: Collection[str] = ()) -> Iterator[str]:
@@ -56,7 +56,7 @@ def of_task(project: Project, task: Task, catalog: Catalog, robot: str, mocked: 
     components = {}
     for part in resolve(task, catalog).root.walk():
         if isinstance(part.node, Foreign):
-            if catalog.code.is_strange(part.node.behaviour):
+            if catalog.code.is_third_party(part.node.behaviour):
                 yield f"{part.path}: imports {part.node.behaviour}"
         elif part.manifest is not None and part.manifest.implementation and part.path not in mocked:
             where = part.manifest.implementation.rpartition(":")[0]

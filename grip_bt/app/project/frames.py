@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING
 from grip_bt.base.errors import DocumentError, GripError, UnknownNameError, nearest
 from grip_bt.ros.frames import FrameTree
 from grip_bt.task.catalog.component_file import ComponentFile, load_component
-from grip_bt.task.catalog.equipment import UNFIT, Trouble
+from grip_bt.task.catalog.project_parts import UNFIT, Trouble
 from grip_bt.task.validation.wording import take_hint
 
 from .folder import Project
 
 if TYPE_CHECKING:
-    from grip_bt.task.catalog.process_config import ProcessConfig
+    from grip_bt.task.catalog.component_parts import ProcessConfig
 
     from .folder import Project
 

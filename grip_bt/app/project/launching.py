@@ -12,8 +12,7 @@ from grip_bt.ros.launch.group import Member
 from grip_bt.ros.process import child_environment
 from grip_bt.ros.start import command_of, text_of
 from grip_bt.task.catalog.component_file import load_component
-from grip_bt.task.catalog.component_parts import Start
-from grip_bt.task.catalog.process_config import ProcessConfig
+from grip_bt.task.catalog.component_parts import ProcessConfig, Start
 
 from .folder import Project
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from grip_bt.base.errors import DocumentError
 from grip_bt.task.catalog.component_file import load_component
 from grip_bt.task.catalog.component_parts import Start
-from grip_bt.task.catalog.equipment import MISSING, UNFIT, Trouble, missing_package, missing_type
+from grip_bt.task.catalog.project_parts import MISSING, UNFIT, Trouble, missing_package, missing_type
 
 if TYPE_CHECKING:
     from .folder import Project

@@ -16,7 +16,7 @@ from grip_bt.commanders.scene import PlanningScene
 from grip_bt.commanders.taught import Taught
 from grip_bt.task.catalog.component_file import load_component
 from grip_bt.task.catalog.manifest import Manifest
-from grip_bt.task.catalog.sensor_config import SensorConfig
+from grip_bt.task.catalog.sensors import SensorConfig
 
 from ..project.folder import Project
 from ..project.frames import robot_frames

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from grip_bt.base.errors import MissingPartError
 from grip_bt.base.operation import Operation
-from grip_bt.task.catalog.controller_config import MOVE_GROUP, MoveGroupConfig
+from grip_bt.task.catalog.ros_config import MOVE_GROUP, MoveGroupConfig
 
 from ..project.config import ArmConfig
 from ..project.folder import Project

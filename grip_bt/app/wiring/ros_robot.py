@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
 from grip_bt.base.failures import SensorError
 from grip_bt.base.ports import Camera, Executor, HandPort
-from grip_bt.task.catalog.controller_config import ControllerConfig, RosRobotConfig
+from grip_bt.task.catalog.ros_config import ControllerConfig, RosRobotConfig
 
 from ..project.faults import check_arms, jerks_of_arms
 from ..project.folder import Project

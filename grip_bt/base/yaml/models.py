@@ -36,15 +36,16 @@ def read_model(path: Path | str, model: type[M]) -> M:
     return found
 
 
-def check_model(tree: YamlValue, model: type[M]) -> tuple[M | None, list[Diagnostic]]:
+def check_model(tree: YamlValue, model: type[M], name: str = "the file") -> tuple[M | None, list[Diagnostic]]:
     """Return what was parsed as `model`, or None and all that keeps it from being one, each with its place."""
     if not isinstance(tree, YamlMapping):
         return None, [(f"a mapping with {listing(model.model_fields)}", tree.line, tree.column)]
-    faults = list(_unknown_keys(tree, model, "the file"))
+    faults = list(_unknown_keys(tree, model, name))
     try:
         found = model.model_validate(to_data(tree))
     except ValidationError as error:
-        errors = error.errors()
+        # what is missing may be what is misspelt
+        errors = [e for e in error.errors() if not (faults and e["type"] == "missing")]
         mistyped = {e["loc"][0] for e in errors if e["type"] == "extra_forbidden" and e["loc"]} if faults else set()
         return None, faults + [
             diagnostic_of(tree, e) for e in errors if not _is_told(e["loc"], e["type"], mistyped, tree)
@@ -105,7 +106,7 @@ def diagnostic_of(tree: YamlMapping, error: ErrorDetails) -> Diagnostic:
     elif error["type"] == "string_pattern_mismatch":
         message = mismatch(error["ctx"]["pattern"], error["input"])
     elif error["type"] == "tuple_type" and isinstance(error["input"], str | int | float):
-        message = f"a list is wanted: write [{', '.join(str(error['input']).split())}], not {error['input']!r}"
+        message = f"expected a list: write [{', '.join(str(error['input']).split())}], not {error['input']!r}"
     elif error["type"] == "union_tag_not_found":
         message = "a node is a mapping with `node:` or `kind:`"
     elif error["type"] == "dict_type":

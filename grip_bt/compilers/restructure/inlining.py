@@ -8,7 +8,7 @@ from typing import Any
 
 from grip_bt.base.errors import EditError, SubtaskError
 from grip_bt.base.expression import parse_expression
-from grip_bt.task.catalog import Catalog, face_of
+from grip_bt.task.catalog import Catalog, manifest_of_task
 from grip_bt.task.edit import Patch, RenameVariable, apply, title_of
 from grip_bt.task.edit.commands import Inline
 from grip_bt.task.edit.draft import deep
@@ -83,7 +83,7 @@ class _Merging:
     def check(self) -> None:
         """Refuse what can't be said with shared variables."""
         node, path = self.node, self.spot.path
-        face = face_of(node.task, self.inside)
+        face = manifest_of_task(node.task, self.inside)
         root = self.survey.root
         if {label: face.outcomes.get(label) for label in root.outcomes} != dict(root.outcomes) or (
             face.outcomes.keys() - root.outcomes.keys()

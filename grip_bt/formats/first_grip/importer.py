@@ -10,8 +10,7 @@ from typing import Any
 from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.yaml.tree import parse, read_file, to_data
 from grip_bt.task import FrozenDict, Task, dumps
-from grip_bt.task.catalog.manifest import InputPort, Manifest, OutputPort, Parameter
-from grip_bt.task.catalog.manifest_text import manifest_text
+from grip_bt.task.catalog.manifest import InputPort, Manifest, OutputPort, Parameter, manifest_text
 
 from .configuration import Configuration, add_files, read_configuration
 from .graphs import graph_task

@@ -14,8 +14,7 @@ from typing import Any
 from grip_bt.nodes.smach_leaf import task_name
 from grip_bt.task import FrozenDict, Meaning
 from grip_bt.task.catalog import Manifest
-from grip_bt.task.catalog.manifest import InputPort, OutputPort, Parameter
-from grip_bt.task.catalog.manifest_text import manifest_text
+from grip_bt.task.catalog.manifest import InputPort, OutputPort, Parameter, manifest_text
 
 from .reader.found import ContainerInfo, StateInfo, root_entry
 from .reader.names import MODULE

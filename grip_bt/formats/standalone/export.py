@@ -12,7 +12,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from grip_bt.compilers.resolve import Part, Resolved, resolve
 from grip_bt.compilers.scopes import UNSET
 from grip_bt.task import model
-from grip_bt.task.catalog import Catalog, OwnCode
+from grip_bt.task.catalog import AllowedImports, Catalog
 
 from .containers import container, table, wrapped
 from .layout import call, comment, literal, remarked, statement
@@ -70,7 +70,7 @@ def _variables(resolved: Resolved, plan: Plan) -> None:
             plan.statements.append(remarked(statement(name, made), cell.type))
 
 
-def _nodes(resolved: Resolved, plan: Plan, code: OwnCode) -> str:
+def _nodes(resolved: Resolved, plan: Plan, code: AllowedImports) -> str:
     """Write the nodes, children first; return the root's name."""
     builtin = Catalog.builtin()
     names: dict[str, str] = {}

@@ -11,7 +11,7 @@ from grip_bt.base.errors import NotExpressibleError
 from grip_bt.base.python_literals import py
 from grip_bt.compilers.resolve import Part, Resolved
 from grip_bt.task import model
-from grip_bt.task.catalog import Catalog, Manifest, OwnCode
+from grip_bt.task.catalog import AllowedImports, Catalog, Manifest
 
 from .layout import Code, Items, call, statement
 from .plan import Plan
@@ -53,7 +53,7 @@ def leaf(part: Part, plan: Plan, builtin: Catalog) -> Items:
     return call(_imported(manifest, plan), part.name, **parameters)
 
 
-def foreign(part: Part, plan: Plan, code: OwnCode) -> Items:
+def foreign(part: Part, plan: Plan, code: AllowedImports) -> Items:
     """Return the expression that makes somebody's own behaviour, in a node that has the part's name."""
     node = cast(model.Foreign, part.node)
     module, _, name = node.behaviour.partition(":")

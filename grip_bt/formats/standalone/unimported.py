@@ -5,8 +5,8 @@ from __future__ import annotations
 import ast
 from pathlib import Path
 
-from grip_bt.task.catalog import Manifest, OwnCode
-from grip_bt.task.catalog.module_source import line_of, source_of
+from grip_bt.task.catalog import AllowedImports, Manifest
+from grip_bt.task.catalog.source_code import line_of, source_of
 
 
 def is_plain(manifest: Manifest) -> bool:
@@ -21,7 +21,7 @@ def is_plain(manifest: Manifest) -> bool:
     return bool(names) and names[0].startswith("py_trees.")
 
 
-def takes_name(behaviour: str, code: OwnCode) -> bool:
+def takes_name(behaviour: str, code: AllowedImports) -> bool:
     """Tell whether a class or function has a parameter `name`; what can't be read has one, as behaviours do."""
     module, _, name = behaviour.partition(":")
     try:

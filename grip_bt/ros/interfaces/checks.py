@@ -8,7 +8,7 @@ from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 from grip_bt.base.errors import DocumentError, nearest
-from grip_bt.task.catalog.interface_spec import FieldSpec, InterfaceSpec
+from grip_bt.task.catalog.ros_config import FieldSpec, InterfaceSpec
 
 from .ament import share_folder
 from .definition import parse_interface, read_text

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from grip_bt.base.errors import DocumentError, MissingPartError, listing, nearest
-from grip_bt.task.catalog.interface_spec import FieldSpec, InterfaceSpec, Kind
+from grip_bt.task.catalog.ros_config import FieldSpec, InterfaceSpec, Kind
 
 from .ament import package_like, search_path, share_folder
 from .package import KINDS, find_packages

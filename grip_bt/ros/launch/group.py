@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from grip_bt.base.errors import GripError
-from grip_bt.task.catalog.process_config import Ready, Restart
+from grip_bt.task.catalog.component_parts import Ready, Restart
 
 from ..process import Process
 from .model import LaunchEvent

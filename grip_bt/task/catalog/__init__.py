@@ -2,13 +2,11 @@
 
 from grip_bt.base.types import Type, check_value, is_assignable, parse_type
 
-from .catalog import Catalog
-from .implementation import load_implementation
-from .manifest import InputPort, Manifest, NodeId, OutputPort, Parameter
-from .own_code import CodePath, OwnCode
+from .catalog import Catalog, load_implementation
+from .manifest import InputPort, Manifest, NodeId, OutputPort, Parameter, find_manifests, read_manifests
 from .python_nodes import find_python_nodes, read_python_nodes
-from .reader import find_manifests, read_manifests
-from .subtasks import NoTaskFiles, TaskFiles, TaskFolder, TaskTexts, face_of
+from .source_code import AllowedImports, CodePath
+from .task_files import NoTaskFiles, TaskFiles, TaskFolder, TaskTexts, manifest_of_task
 
 __all__ = [
     "Catalog",
@@ -18,14 +16,14 @@ __all__ = [
     "NoTaskFiles",
     "NodeId",
     "OutputPort",
-    "OwnCode",
+    "AllowedImports",
     "Parameter",
     "TaskFiles",
     "TaskFolder",
     "TaskTexts",
     "Type",
     "check_value",
-    "face_of",
+    "manifest_of_task",
     "find_manifests",
     "find_python_nodes",
     "is_assignable",

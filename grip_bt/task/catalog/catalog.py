@@ -2,18 +2,90 @@
 
 from __future__ import annotations
 
+import importlib
+import importlib.util
+import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from copy import copy
 from functools import cache
+from hashlib import sha256
 from pathlib import Path
+from types import ModuleType
 
-from grip_bt.base.errors import DocumentError, UnknownNameError
+from grip_bt.base.errors import DocumentError, ImplementationError, UnknownNameError
 from grip_bt.base.types import Type
 
-from .equipment import Equipment
-from .manifest import Manifest
-from .own_code import OwnCode
-from .reader import read_manifests
-from .subtasks import NoTaskFiles, TaskFiles
+from .manifest import Manifest, read_manifests
+from .project_parts import Equipment
+from .source_code import AllowedImports
+from .task_files import NoTaskFiles, TaskFiles
+
+
+def load_implementation(manifest: Manifest) -> type:
+    """Import the class that `manifest.implementation` names.
+
+    `package.module:Class` is imported as usual; `/folder/file.py:Class` is loaded once per process under a name
+    of its own, so that two components may both have a `leaf.py`.
+
+    Raises:
+        ImplementationError: the module isn't there or can't be imported, or the name isn't a class.
+        UnknownNameError: the module has no such class.
+    """
+    where, colon, name = manifest.implementation.rpartition(":")
+    if not colon or not where or not name.isidentifier():
+        raise ImplementationError(
+            manifest.id,
+            manifest.implementation,
+            "write `package.module:Class` or `file.py:Class`",
+        )
+    module = _import(manifest, where)
+    found = getattr(module, name, None)
+    if found is None:
+        classes = [k for k, v in vars(module).items() if isinstance(v, type) and k[0] != "_"]
+        raise UnknownNameError("class", name, classes, f"node {manifest.id}, {where}")
+    if not isinstance(found, type):
+        raise ImplementationError(
+            manifest.id, manifest.implementation, f"{name} is a {type(found).__name__}, not a class"
+        )
+    return found
+
+
+def _import(manifest: Manifest, where: str) -> ModuleType:
+    try:
+        return _import_file(Path(where)) if where.endswith(".py") else importlib.import_module(where)
+    except ModuleNotFoundError as error:
+        if error.name and (where == error.name or where.startswith(f"{error.name}.")):
+            reason = f"there is no module {error.name!r}; is its package installed?"
+        else:
+            reason = f"it needs {error.name!r}, which isn't installed here"
+        raise ImplementationError(manifest.id, manifest.implementation, reason) from error
+    except FileNotFoundError as error:
+        reason = "there is no such file; generate the node again, or correct the manifest"
+        raise ImplementationError(manifest.id, manifest.implementation, reason) from error
+    except Exception as error:
+        reason = f"importing it raised {type(error).__name__}: {error}"
+        raise ImplementationError(manifest.id, manifest.implementation, reason) from error
+
+
+def _import_file(file: Path) -> ModuleType:
+    file = file.resolve()
+    name = f"grip_node_{sha256(str(file).encode()).hexdigest()[:12]}"
+    if name in sys.modules:
+        return sys.modules[name]
+    if not file.is_file():
+        raise FileNotFoundError(file)
+    spec = importlib.util.spec_from_file_location(name, file)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[name]
+        raise
+    return module
+
 
 _BUILTIN = Path(__file__).parent / "builtin"
 
@@ -39,7 +111,7 @@ class Catalog:
         self.tasks: TaskFiles = NoTaskFiles() if tasks is None else tasks
         self.named: Callable[[], Mapping[str, Collection[str]] | None] = lambda: None
         self.equipment: Callable[[], Equipment | None] = lambda: None
-        self.code = OwnCode()
+        self.code = AllowedImports()
         self._manifests: dict[str, Manifest] = {}
         for manifest in manifests:
             if manifest.id in self._manifests:
@@ -89,34 +161,22 @@ class Catalog:
         Raises:
             DocumentError: two of `more` have the same id.
         """
-        made = Catalog(more, self.tasks)
-        return self._shared(made, {**self._manifests, **made._manifests})
-
-    def with_tasks(self, tasks: TaskFiles) -> Catalog:
-        """Return a catalogue with the same nodes that looks for the files of subtasks in `tasks`."""
-        return self._shared(Catalog((), tasks), self._manifests)
-
-    def with_named(self, named: Callable[[], Mapping[str, Collection[str]] | None]) -> Catalog:
-        """Return a catalogue with the same nodes that knows the names of messages, or where to look for them."""
-        made = self._shared(Catalog((), self.tasks), self._manifests)
-        made.named = named
+        made = copy(self)
+        made._manifests = {**self._manifests, **Catalog(more)._manifests}
         return made
 
-    def with_equipment(self, equipment: Callable[[], Equipment | None]) -> Catalog:
-        """Return a catalogue with the same nodes that knows the parts of a project, or where to look for them."""
-        made = self._shared(Catalog((), self.tasks), self._manifests)
-        made.equipment = equipment
-        return made
-
-    def with_code(self, code: OwnCode) -> Catalog:
-        """Return a catalogue with the same nodes whose tasks may import this code."""
-        made = self._shared(Catalog((), self.tasks), self._manifests)
-        made.code = code
-        return made
-
-    def _shared(self, made: Catalog, manifests: dict[str, Manifest]) -> Catalog:
-        """Give another catalogue these nodes, and what this one knows of the project."""
-        made._manifests, made.named, made.equipment, made.code = manifests, self.named, self.equipment, self.code
+    def with_(
+        self,
+        *,
+        tasks: TaskFiles | None = None,
+        named: Callable[[], Mapping[str, Collection[str]] | None] | None = None,
+        equipment: Callable[[], Equipment | None] | None = None,
+        code: AllowedImports | None = None,
+    ) -> Catalog:
+        """Return a catalogue with the same nodes and other attributes, where they are given."""
+        made = copy(self)
+        made.tasks, made.named = tasks or self.tasks, named or self.named
+        made.equipment, made.code = equipment or self.equipment, code or self.code
         return made
 
     def __contains__(self, id: object) -> bool:

@@ -18,30 +18,28 @@ from grip_bt.base.frozen import FrozenDict
 from grip_bt.base.yaml.models import read_model
 from grip_bt.task.model import Meaning
 
-from .component_parts import Part, PortType, Start, Timeouts
-from .interface_spec import Kind
+from .component_parts import PortType, Start, Timeouts
+from .names import Identifier, RosName, Settings
+from .ros_config import Kind
 
 FILE_NAME = "component.yaml"
 FEEDBACK = "feedback"
 """The output that holds the last feedback of an action."""
 
-Identifier = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*$")]
 Label = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]
 InterfaceName = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*/(srv|action|msg)/[A-Z][A-Za-z0-9]*$")]
-ServerName = Annotated[str, StringConstraints(pattern=r"^(/[A-Za-z_][A-Za-z0-9_]*)+$")]
-FieldName = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*$")]
 
 __all__ = ["FILE_NAME", "ComponentFile", "PortType", "Start", "Timeouts", "load_component"]
 
 
-class ComponentFile(Part):
+class ComponentFile(Settings):
     """One external component."""
 
     name: Identifier
     doc: str = ""
     interface: InterfaceName
     """Type of the service, action or message, such as `antipodal_interfaces/srv/ProposeGrasps`."""
-    server: ServerName
+    server: RosName
     """Name under which it is served, such as `/propose_grasps`; of a message, the topic."""
     use: Literal["receive", "publish"] = "receive"
     """Of a topic: whether the node waits for the next message or publishes one."""
@@ -53,9 +51,9 @@ class ComponentFile(Part):
     is the outcome."""
     meaning: FrozenDict[Label, Meaning] = FrozenDict()
     """What an outcome means; `success` where nothing is said."""
-    ports: FrozenDict[FieldName, PortType] = FrozenDict()
+    ports: FrozenDict[Identifier, PortType] = FrozenDict()
     """Types of the fields as values; a field that isn't named here keeps its message type."""
-    fixed: FrozenDict[FieldName, Any] = FrozenDict()
+    fixed: FrozenDict[Identifier, Any] = FrozenDict()
     """Fields of the request that are always sent with one value, and are no ports."""
     start: Start | None = None
     timeouts: Timeouts = Timeouts()
@@ -89,7 +87,7 @@ class ComponentFile(Part):
             return tuple(f"outcome_{i}" for i in range(value))
         if isinstance(value, str):
             words = ", ".join(re.findall(r"[^,\s]+", value))
-            raise ValueError(f"a list is wanted: write [{words}], not {value!r}")
+            raise ValueError(f"expected a list: write [{words}], not {value!r}")
         if isinstance(value, dict):
             in_order = ", ".join(map(str, sorted(value, key=value.__getitem__)))
             raise ValueError(f"they are numbered in their order: write [{in_order}], or give each a rule")

@@ -1,4 +1,4 @@
-"""The parts of a component file: ports with their adapters, how the software is started, how long to wait."""
+"""The parts of a component file and of a project's processes: ports, how software is started, how long to wait."""
 
 from __future__ import annotations
 
@@ -6,9 +6,11 @@ import math
 import re
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints, field_validator, model_validator
+from pydantic import Field, StringConstraints, field_validator, model_validator
 
 from grip_bt.base.frozen import FrozenDict
+
+from .names import RosName, Settings, exactly_one
 
 UNITS: dict[str, float] = {
     **{"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254},
@@ -21,13 +23,7 @@ Unit = Literal["m", "cm", "mm", "in", "rad", "deg", "s", "ms", "us", "ns", "kg",
 FieldPath = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*(\.[a-z][a-z0-9_]*)*$")]
 
 
-class Part(BaseModel):
-    """A part of a component file: frozen, and nothing else is allowed in it."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
-
-
-class PortType(Part):
+class PortType(Settings):
     """A field of the interface as a port of the node, and how it is converted on the way."""
 
     type: str = Field(min_length=1)
@@ -48,7 +44,7 @@ class PortType(Part):
         return self.unit is not None or self.quaternion is not None or self.frame is not None
 
 
-class Start(Part):
+class Start(Settings):
     """How to start the software: a command, an executable of a ROS package, or a launch file.
 
     Without this part, or with `run: false`, it is expected to be running already.
@@ -76,17 +72,15 @@ class Start(Part):
     def _is_a_list_of_words(cls, value: Any) -> Any:
         if isinstance(value, str):
             words = ", ".join(f'"{word}"' if "{" in word else word for word in value.split())
-            raise ValueError(f"a list is wanted: write [{words}], not {value!r}")
+            raise ValueError(f"expected a list: write [{words}], not {value!r}")
         if isinstance(value, list) and {"python": None} in value:
             raise ValueError('{python} stands in quotation marks: write "{python}"')
         return value
 
     @model_validator(mode="after")
     def _one_way(self) -> Start:
-        ways = [w for w in ("command", "executable", "launch") if getattr(self, w)]
-        if len(ways) != 1:
-            said = " and ".join(ways) or "none of them"
-            raise ValueError(f"say one of `command`, `package` with `executable`, `launch`; here: {said}")
+        shown = "`command`, `package` with `executable`, `launch`"
+        exactly_one(self, ("command", "executable", "launch"), shown)
         for word in self.command:
             if re.fullmatch(r"\{[A-Za-z_]+\}", word) and word != "{python}":
                 raise ValueError(f"command: {word} isn't known; `{{python}}` is the Python that runs GRIP")
@@ -101,7 +95,7 @@ class Start(Part):
         return self
 
 
-class Timeouts(Part):
+class Timeouts(Settings):
     """How long to wait [s]."""
 
     call: float = Field(default=30.0, gt=0)
@@ -110,3 +104,57 @@ class Timeouts(Part):
     """For the server to appear, after its start or before a call."""
     cancel: float = Field(default=3.0, gt=0)
     """For an action to end after it was asked to stop."""
+
+
+Restart = Literal["never", "on_failure", "always"]
+
+
+class Ready(Settings):
+    """The sign that a process does its work; exactly one of them."""
+
+    service: RosName | None = None
+    """A service or an action that it serves."""
+    topic: RosName | None = None
+    """A topic that it publishes."""
+    log: str | None = None
+    """A regular expression that a line of its output matches."""
+    within: float = Field(default=20.0, gt=0)
+    """How long it may take [s]."""
+
+    @field_validator("log")
+    @classmethod
+    def _is_an_expression(cls, value: str | None) -> str | None:
+        if value is not None:
+            try:
+                re.compile(value)
+            except re.error as error:
+                raise ValueError(f"{value!r} isn't a regular expression: {error}") from None
+        return value
+
+    @model_validator(mode="after")
+    def _one_sign(self) -> Ready:
+        exactly_one(self, ("service", "topic", "log"))
+        return self
+
+    def __str__(self) -> str:
+        if self.log is not None:
+            return f"a line like {self.log!r}"
+        return f"the service {self.service}" if self.service else f"the topic {self.topic}"
+
+
+class ProcessConfig(Start):
+    """One process of a project."""
+
+    doc: str = ""
+    folder: str | None = None
+    """Working directory, below the project; the project's folder by default."""
+    ready: Ready | None = None
+    """Without it, it is ready as soon as it runs."""
+    restart: Restart = "never"
+    """When it is started again after it has ended by itself."""
+    restarts: int = Field(default=3, ge=0)
+    """How often, before it is given up."""
+    restart_delay: float = Field(default=1.0, ge=0)
+    """How long to wait before [s]."""
+    required: bool = True
+    """Whether all others are ended when it is given up."""

@@ -1,29 +1,47 @@
-"""A node's face: ports, parameters, outcomes and documentation. Nobody imports a node to learn these."""
+"""A node's manifest: ports, parameters, outcomes and documentation, read and written as YAML.
+
+Nobody imports a node to learn these.
+"""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstraints, model_validator
 
+from grip_bt.base.errors import DocumentError, listing, nearest
 from grip_bt.base.frozen import FrozenDict
+from grip_bt.base.types import parse_type
+from grip_bt.base.yaml.models import check_model, document_error
+from grip_bt.base.yaml.tree import YamlList, YamlMapping, YamlValue, from_data, parse, read_file
+from grip_bt.base.yaml.writer import write
 from grip_bt.task.model import Meaning, Name
 
-from .equipment import Names
+from .project_parts import Names
 
 MOVES = ("arm", "hand", "component", "ros")
 """Groups of built-in nodes whose work reaches beyond this process."""
 NodeId = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*(/[A-Za-z0-9_]+)+$")]
 
 
-class _Face(BaseModel):
+def _known_type(name: str) -> str:
+    parse_type(name)
+    return name
+
+
+TypeName = Annotated[str, AfterValidator(_known_type)]
+"""The name of a type of values, such as `list[Grasp]`."""
+
+
+class _ManifestPart(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
-class Parameter(_Face):
+class Parameter(_ManifestPart):
     """A literal that a task gives under `with:`."""
 
-    type: str
+    type: TypeName
     doc: str = ""
     default: Any = None
     names: Names | None = None
@@ -35,24 +53,24 @@ class Parameter(_Face):
         return "default" not in self.model_fields_set
 
 
-class InputPort(_Face):
+class InputPort(_ManifestPart):
     """A value that a node reads from the variable bound under `in:`."""
 
-    type: str
+    type: TypeName
     doc: str = ""
     required: bool = True
 
 
-class OutputPort(_Face):
+class OutputPort(_ManifestPart):
     """A value that a node writes, when it ends, to the variable bound under `out:`."""
 
-    type: str
+    type: TypeName
     doc: str = ""
     on: tuple[str, ...] = ()
     """Outcomes with which it is written; empty means with every outcome whose meaning is success."""
 
 
-class Manifest(_Face):
+class Manifest(_ManifestPart):
     """One kind of leaf."""
 
     id: NodeId
@@ -87,6 +105,15 @@ class Manifest(_Face):
             raise ValueError("`codes` are those of failures, and no outcome means failure: add one, or remove `codes`")
         return self
 
+    @model_validator(mode="after")
+    def _outputs_are_of_outcomes(self) -> Manifest:
+        for name, port in self.outputs.items():
+            for outcome in port.on:
+                if outcome not in self.outcomes:
+                    hint, allowed = nearest(outcome, self.outcomes), listing(self.outcomes)
+                    raise ValueError(f"outputs/{name}: unknown outcome {outcome!r}{hint} (available: {allowed})")
+        return self
+
     @property
     def may_move(self) -> bool:
         """Whether its work may move something; see `moves`."""
@@ -100,3 +127,68 @@ class Manifest(_Face):
     def outcomes_for(self, meaning: dict[str, Meaning]) -> dict[str, Meaning]:
         """Return the outcomes with a task's own `meaning` applied."""
         return {**self.outcomes, **{k: v for k, v in meaning.items() if k in self.outcomes}}
+
+
+def read_manifests(path: Path | str) -> list[Manifest]:
+    """Read the manifests of a file.
+
+    An `implementation` in a Python file (`leaf.py:Class`) is relative to the manifest's folder; it is returned with the
+    file's absolute path, so that a manifest alone says where its leaf is.
+
+    Raises:
+        DocumentError: a manifest is wrong, with the place of the first fault and a list of the others.
+    """
+    source = str(path)
+    tree = parse(read_file(path), source)
+    if isinstance(tree, YamlList):
+        trees = [entry.value for entry in tree.entries]
+    else:
+        trees = [tree]
+    manifests = [_read(each, source) for each in trees]
+    folder = Path(path).resolve().parent
+    return [_with_absolute_file(manifest, folder) for manifest in manifests]
+
+
+def find_manifests(folder: Path | str) -> list[Manifest]:
+    """Read every `manifest.yaml` in a folder and below it, in the order of their paths.
+
+    Raises:
+        DocumentError: a manifest is wrong.
+    """
+    files = sorted(Path(folder).glob("**/manifest.yaml"))
+    return [manifest for file in files for manifest in read_manifests(file)]
+
+
+def _read(tree: YamlValue, source: str) -> Manifest:
+    if not isinstance(tree, YamlMapping):
+        message = "a manifest is a mapping with `id:`, `doc:` and `implementation:`"
+        raise DocumentError(message, source, tree.line, tree.column)
+    manifest, faults = check_model(tree, Manifest, "a manifest")
+    if manifest is None:
+        raise document_error(faults, source)
+    return manifest
+
+
+def _with_absolute_file(manifest: Manifest, folder: Path) -> Manifest:
+    where, _, name = manifest.implementation.rpartition(":")
+    if not where.endswith(".py") or Path(where).is_absolute():
+        return manifest
+    return manifest.model_copy(update={"implementation": f"{folder / where}:{name}"})
+
+
+def manifest_text(manifest: Manifest, header: str) -> str:
+    """Return the file `manifest.yaml` as a person would write it: without what is default, in a fixed order.
+
+    Args:
+        manifest: what to write.
+        header: a comment for its first lines, each with `#`.
+    """
+    dumped = manifest.model_dump(exclude_defaults=True)
+    keys = ("parameters", "inputs", "outputs", "outcomes", "codes", "moves", "settings")
+    given = {key: dumped.get(key) for key in keys if key in dumped or key == "outcomes"}
+    data = {"id": manifest.id, "doc": manifest.doc, "implementation": manifest.implementation, **given}
+    data["outcomes"] = dict(manifest.outcomes)
+    tree = from_data(data)
+    assert isinstance(tree, YamlMapping)
+    blocks = {id(tree.entries[key].value) for key in ("parameters", "inputs", "outputs", "settings") if key in data}
+    return header + write(tree, lambda part: id(part) in blocks)

@@ -20,7 +20,7 @@ from grip_bt.base.types import check_value, parse_type
 from grip_bt.base.yaml.tree import read_file
 
 from .manifest import InputPort, Manifest, OutputPort, Parameter
-from .module_source import imported
+from .source_code import imported
 
 _DECORATORS = ("grip_bt.leaf", "grip_bt.nodes.function.leaf")
 _ARGUMENTS = ("id", "doc", "outputs", "codes", "outcomes", "quick", "moves")

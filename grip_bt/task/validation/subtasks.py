@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from grip_bt.base.errors import SubtaskError
 from grip_bt.base.issue import Issue
 from grip_bt.task import Task
-from grip_bt.task.catalog import Catalog, Manifest, face_of
+from grip_bt.task.catalog import Catalog, Manifest, manifest_of_task
 
 Checked = tuple[list[Issue], Mapping[str, Iterable[str]]]
 """The issues of a task, and each of its outputs -> the outcomes with which it has been written."""
@@ -65,7 +65,7 @@ class Subtasks:
                 None, "unknown-subtask", f"{file!r} can't be run: {error.reason}", "name a task file of the project"
             )
         issues, written = self._check(task)
-        face, errors = face_of(file, task, written), [issue for issue in issues if issue.severity == "error"]
+        face, errors = manifest_of_task(file, task, written), [issue for issue in issues if issue.severity == "error"]
         if not errors:
             return Found(face)
         first = next((issue for issue in errors if issue.code == "recursive-subtask"), None)

@@ -10,7 +10,7 @@ from pydantic.fields import FieldInfo
 
 from grip_bt.base.errors import SubtaskError
 from grip_bt.task import model
-from grip_bt.task.catalog import Catalog, Manifest, face_of
+from grip_bt.task.catalog import Catalog, Manifest, manifest_of_task
 from grip_gui.wire.editing import CatalogView, FieldFace, FieldType, KindFace, NodeFace, ParameterFace, PortFace
 
 _ELSEWHERE = {"doc", "on", "x", "data", "outcomes", "children", "child", "exits", "kind"}
@@ -37,7 +37,7 @@ def catalog_view(catalog: Catalog, tasks: Iterable[str] = (), trouble: str = "")
 
 def _subtask(catalog: Catalog, file: str) -> NodeFace | None:
     try:
-        return _node(face_of(file, catalog.tasks.read(file)))
+        return _node(manifest_of_task(file, catalog.tasks.read(file)))
     except SubtaskError:
         return None
 

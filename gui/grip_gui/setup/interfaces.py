@@ -18,7 +18,7 @@ from grip_bt.codegen.contract import INPUT, OUTCOME, RETURNED, check_contract, s
 from grip_bt.codegen.scaffold import component_text, parse_outcomes, suggested_name
 from grip_bt.ros.interfaces import read_interface
 from grip_bt.task.catalog.component_file import ComponentFile
-from grip_bt.task.catalog.interface_spec import InterfaceSpec
+from grip_bt.task.catalog.ros_config import InterfaceSpec
 from grip_gui.project import ProjectFolder
 from grip_gui.wire.setup import FieldView, InterfaceView, InterfaceWish
 

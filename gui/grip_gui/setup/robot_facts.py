@@ -17,7 +17,7 @@ from grip_bt.commanders.description.load import load_robot
 from grip_bt.commanders.description.reading import Stamps, as_they_were, noting_files, stamps_of
 from grip_bt.commanders.names import PLANNERS, SOLVERS
 from grip_bt.commanders.robots import ROBOTS
-from grip_bt.task.catalog.controller_config import MOVE_GROUP
+from grip_bt.task.catalog.ros_config import MOVE_GROUP
 
 _MOST = 16
 """Robots that are remembered."""

@@ -6,7 +6,7 @@ from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.base.errors import DocumentError, GripError, SubtaskError, UnknownNameError
 from grip_bt.base.issue import Issue
 from grip_bt.base.yaml.tree import read_file
-from grip_bt.task.catalog import Catalog, face_of
+from grip_bt.task.catalog import Catalog, manifest_of_task
 from grip_bt.task.document import Document, read_text
 from grip_bt.task.validation import validate
 from grip_bt.task.validation.fixes import Fixer
@@ -83,7 +83,9 @@ def finder(catalog: Catalog) -> FindManifest:
 
     def find(node: str) -> object:
         try:
-            return face_of(node, catalog.tasks.read(node)) if node.endswith((".yaml", ".yml")) else catalog.get(node)
+            if node.endswith((".yaml", ".yml")):
+                return manifest_of_task(node, catalog.tasks.read(node))
+            return catalog.get(node)
         except (UnknownNameError, SubtaskError):
             return None
 

@@ -56,7 +56,7 @@ TAKE = Extract(path="count", file="tasks/count.yaml")
 
 
 def with_files(**texts):
-    return CATALOG.with_tasks(TaskTexts({f"tasks/{name}.yaml": loads(text) for name, text in texts.items()}))
+    return CATALOG.with_(tasks=TaskTexts({f"tasks/{name}.yaml": loads(text) for name, text in texts.items()}))
 
 
 def test_a_part_goes_to_a_file_with_its_comments_and_its_ports():

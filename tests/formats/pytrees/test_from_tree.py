@@ -24,7 +24,7 @@ from grip_bt.compilers import CompiledTree, to_tree
 from grip_bt.formats.pytrees import RefusedTreeError, to_task
 from grip_bt.runtime import ManualClock
 from grip_bt.task import Task, dumps
-from grip_bt.task.catalog import Catalog, OwnCode
+from grip_bt.task.catalog import AllowedImports, Catalog
 
 TASKS = int(os.environ.get("GRIP_FUZZ_TASKS", "200"))
 FIRST = int(os.environ.get("GRIP_FUZZ_SEED", "0"))
@@ -149,7 +149,7 @@ def test_a_behaviour_that_can_be_made_again_is_kept_as_it_is() -> None:
     assert nodes["odd"].args == {"words": ["a", {"b": 1}], "factor": 2.5}
     assert nodes["its own"].args == {"words": []}
     assert nodes["its-own"].children["n_7"].args == {"words": [], "name": "7"}
-    catalog = Catalog.builtin().with_code(OwnCode((__name__,)))
+    catalog = Catalog.builtin().with_(code=AllowedImports((__name__,)))
     again = [node for node in to_tree(found.task, catalog).root.iterate() if type(node) is Odd]
     assert [(node.name, node.words, node.factor) for node in again] == [
         ("odd", ["a", {"b": 1}], 2.5),

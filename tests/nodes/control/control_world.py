@@ -10,7 +10,7 @@ from py_trees.common import Status
 from grip_bt.compilers import CompiledTree, to_tree
 from grip_bt.nodes import Leaf
 from grip_bt.runtime import ManualClock
-from grip_bt.task.catalog import Catalog, Manifest, OwnCode
+from grip_bt.task.catalog import AllowedImports, Catalog, Manifest
 from grip_bt.task.model import Task
 
 CATALOG = Catalog(
@@ -24,7 +24,7 @@ CATALOG = Catalog(
             outcomes={"success": "success", "failure": "failure", "none": "success"},
         )
     ]
-).with_code(OwnCode(("test_control_foreign", "test_control_foreign:number", "no_such_module")))
+).with_(code=AllowedImports(("test_control_foreign", "test_control_foreign:number", "no_such_module")))
 
 
 def leaf(**more: Any) -> dict[str, Any]:

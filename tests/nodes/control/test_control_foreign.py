@@ -13,7 +13,7 @@ from py_trees.common import Status
 from grip_bt.base.errors import DocumentError, InvalidTaskError, NodeError
 from grip_bt.compilers.foreign import adopter
 from grip_bt.task import loads
-from grip_bt.task.catalog import OwnCode
+from grip_bt.task.catalog import AllowedImports
 from grip_bt.task.model import Foreign
 
 
@@ -112,8 +112,8 @@ def test_what_the_project_doesnt_list_is_neither_imported_nor_called(behaviour: 
 def test_a_listed_function_makes_a_behaviour_and_a_listed_class_is_enough_for_itself() -> None:
     node = Foreign.model_validate({"kind": "foreign", "behaviour": f"{__name__}:made", "args": {"steps": 3}})
     with pytest.raises(InvalidTaskError, match="unlisted-code"):
-        adopter(OwnCode((f"{__name__}:Steps",)))("/", "mine", node)
-    assert adopter(OwnCode((f"{__name__}:made",)))("/", "mine", node).steps == 3
+        adopter(AllowedImports((f"{__name__}:Steps",)))("/", "mine", node)
+    assert adopter(AllowedImports((f"{__name__}:made",)))("/", "mine", node).steps == 3
 
 
 def test_an_import_path_is_a_module_and_a_name() -> None:

@@ -134,7 +134,7 @@ def test_a_later_manifest_replaces_but_two_at_once_are_an_error():
         ("- id: demo/a\n  doc: d\n  implementaton: a:B\n", (3, 3), "did you mean 'implementation'"),
         ("id: A\ndoc: d\nimplementation: a:B\n", (1, 1), "id"),
         ("id: demo/a\ndoc: d\n", (1, 1), "'implementation' is missing"),
-        ("id: demo/a\ndoc: d\nimplementation: a:B\ninputs:\n  p: {type: Psoe}\n", (5, 13), "did you mean 'Pose'"),
+        ("id: demo/a\ndoc: d\nimplementation: a:B\ninputs:\n  p: {type: Psoe}\n", (5, 7), "did you mean 'Pose'"),
         ("id: demo/a\ndoc: d\nimplementation: a:B\ninputs: {p: {typ: Pose}}\n", (4, 14), "did you mean 'type'"),
         (
             "id: demo/a\ndoc: d\nimplementation: a:B\noutputs: {p: {type: Pose, on: [sucess]}}\n",

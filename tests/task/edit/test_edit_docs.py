@@ -1,7 +1,7 @@
 import re
 from pathlib import Path
 
-from grip_bt.task.edit.applied import _PLANS
+from grip_bt.task.edit.commands import _PLANS
 from grip_bt.task.layout import read_layout, write_layout
 
 PAGE = (Path(__file__).parents[3] / "docs" / "editing.md").read_text()

@@ -9,8 +9,7 @@ from random_commands import commands
 from random_tasks import tasks
 
 from grip_bt.task.edit import command_of, title_of
-from grip_bt.task.edit.commands import AnyCommand
-from grip_bt.task.edit.titles import LONGEST
+from grip_bt.task.edit.commands import LONGEST, AnyCommand
 
 CLIP = {"name": "look", "node": {"node": "sensor/overhead"}}
 TITLES = [

@@ -27,7 +27,7 @@ def issues(
     root: str, data: str = "{n: {type: int, value: 1}, m: int, s: {type: str, value: a}}", **files: str
 ) -> list[str]:
     texts = {"fetch": FETCH, **files}
-    catalog = Catalog.builtin().with_tasks(TaskTexts({f"{k}.yaml": loads(v) for k, v in texts.items()}))
+    catalog = Catalog.builtin().with_(tasks=TaskTexts({f"{k}.yaml": loads(v) for k, v in texts.items()}))
     document = read_text(f"grip: 1\nname: t\ndata: {data}\nroot: {root}\n", "t.yaml")
     return [
         str(issue)
@@ -111,7 +111,7 @@ def test_a_file_that_many_subtasks_run_is_checked_once() -> None:
             return super().read(file)
 
     children = ", ".join(f"c{i}: {subtask('in: {n: n}')}" for i in range(50))
-    catalog = Catalog.builtin().with_tasks(Counting({"fetch.yaml": loads(FETCH)}))
+    catalog = Catalog.builtin().with_(tasks=Counting({"fetch.yaml": loads(FETCH)}))
     task = loads(
         f"grip: 1\nname: t\ndata: {{n: {{type: int, value: 1}}}}\nroot: {{kind: sequence, children: {{{children}}}}}\n"
     )

@@ -5,7 +5,7 @@ import pytest
 
 from grip_bt.task import loads, read_text
 from grip_bt.task.catalog import Catalog, TaskTexts, read_manifests
-from grip_bt.task.catalog.equipment import Equipment, Equipped, Trouble
+from grip_bt.task.catalog.project_parts import Equipment, Equipped, Trouble
 from grip_bt.task.validation import SEVERITY, validate
 
 DOC = (Path(__file__).parents[3] / "docs" / "validation_rules.md").read_text()
@@ -32,8 +32,8 @@ def catalog(tmp_path_factory):
     file.write_text(re.search(r"```yaml catalogue\n(.*?)```", DOC, re.DOTALL)[1])
     files = re.findall(r"^```yaml file (\S+)\n(.*?)^```", DOC, re.DOTALL | re.MULTILINE)
     tasks = TaskTexts({name: loads(text) for name, text in files})
-    known = Catalog(read_manifests(file), tasks).with_named(lambda: {"poses": {"above_bin"}})
-    return known.with_equipment(lambda: EQUIPMENT)
+    known = Catalog(read_manifests(file), tasks).with_(named=lambda: {"poses": {"above_bin"}})
+    return known.with_(equipment=lambda: EQUIPMENT)
 
 
 def test_every_code_is_in_the_table_with_its_severity_and_has_examples():

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator, Mapping
 
 from grip_bt.base.errors import listing, nearest
 from grip_bt.task import Leaf
-from grip_bt.task.catalog.equipment import MISSING, UNFIT, UNMOVED, Equipment, Equipped, Trouble, missing_type
+from grip_bt.task.catalog.project_parts import MISSING, UNFIT, UNMOVED, Equipment, Equipped, Trouble, missing_type
 
 from ..known import Known
 from ..survey import Key, Spot, Survey

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from grip_bt.base.errors import listing, nearest
 from grip_bt.task import Foreign
-from grip_bt.task.catalog import OwnCode
-from grip_bt.task.catalog.equipment import MISSING, Trouble
+from grip_bt.task.catalog import AllowedImports
+from grip_bt.task.catalog.project_parts import MISSING, Trouble
 
 from ..survey import Survey
 from ..wording import take_hint
@@ -48,12 +48,12 @@ def _missing(survey: Survey, where: str) -> Trouble | None:
     return Trouble("unknown-behaviour", f"the module {module} has no {first!r}{hint}", take_hint(hint, "correct it"))
 
 
-def _no_class(code: OwnCode, where: str) -> Trouble | None:
+def _no_class(code: AllowedImports, where: str) -> Trouble | None:
     """Return that what a task names isn't a class, where its source tells; a function has to be listed by its name."""
     kind = code.kind_of(where)
     if kind is None or kind == "class" or code.names(where):
         return None
-    if not code.is_strange(where):
+    if not code.is_third_party(where):
         return Trouble("unknown-behaviour", f"{where!r} is no behaviour of py_trees", "name one of its classes")
     said = f"{where!r} is a function, which is called only if the project lists it by its name"
     return Trouble("unknown-behaviour", said, f"if you trust it, list it in grip.yaml: `code: [{where!r}]`")

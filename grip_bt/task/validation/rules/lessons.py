@@ -9,7 +9,7 @@ from typing import Literal
 
 from grip_bt.base.errors import SubtaskError, listing
 from grip_bt.task import Leaf, Subtask, Task, walk
-from grip_bt.task.catalog.equipment import Equipment, Trouble
+from grip_bt.task.catalog.project_parts import Equipment, Trouble
 
 from ..survey import Survey
 

@@ -1,24 +1,24 @@
-"""How a project's real robot is reached: the controllers of its arms and hands, as `grip.yaml` declares them."""
+"""ROS as plain values, without ROS: a project's controllers, and interfaces as generators and checks see them."""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from dataclasses import dataclass
+from typing import Literal
 
-from pydantic import Field, StringConstraints, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from grip_bt.base.frozen import FrozenDict
 
-from .component_parts import Part
-from .sensor_config import Mount
+from .names import RosName, Settings, exactly_one
+from .sensors import Mount
 
-RosName = Annotated[str, StringConstraints(pattern=r"^(/[A-Za-z_][A-Za-z0-9_]*)+$")]
 MOVE_GROUP = "move_group"
 """What an arm's `planner` says when MoveIt plans for it."""
 WAYS = ("trajectory", "topic", "positions", "move_group", "gripper")
 """How a controller may be reached."""
 
 
-class ControllerConfig(Part):
+class ControllerConfig(Settings):
     """The controller of one arm or hand; exactly one of the five ways to reach it."""
 
     trajectory: RosName | None = None
@@ -40,16 +40,13 @@ class ControllerConfig(Part):
 
     @model_validator(mode="after")
     def _one_way(self) -> ControllerConfig:
-        ways = [w for w in WAYS if getattr(self, w) is not None]
-        if len(ways) != 1:
-            said = " and ".join(ways) or "none of them"
-            raise ValueError(f"say one of {', '.join(f'`{way}`' for way in WAYS)}; here: {said}")
+        exactly_one(self, WAYS)
         if self.instead_of and self.name is None:
             raise ValueError("`instead_of` needs the controller's own `name`: the two are switched in one step")
         return self
 
 
-class MoveGroupConfig(Part):
+class MoveGroupConfig(Settings):
     """MoveIt 2's move_group, the planner of arms that say `planner: move_group`."""
 
     namespace: RosName | Literal[""] = ""
@@ -66,7 +63,7 @@ class MoveGroupConfig(Part):
     """How long move_group may take to be there [s]."""
 
 
-class CameraTopics(Part):
+class CameraTopics(Settings):
     """The topics of an RGB-D camera: what a sensor that says `camera` is on a real robot."""
 
     image: RosName
@@ -83,7 +80,7 @@ class CameraTopics(Part):
     """How far the messages of one capture may be apart by their stamps [s]."""
 
 
-class RosRobotConfig(Part):
+class RosRobotConfig(Settings):
     """The robot of `grip run --robot ros`."""
 
     joint_states: RosName = "/joint_states"
@@ -106,3 +103,73 @@ class RosRobotConfig(Part):
         if not value:
             raise ValueError("name the controller of each arm and hand")
         return value
+
+
+Kind = Literal["msg", "srv", "action"]
+
+INTEGER_TYPES = frozenset(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)) | {"byte", "char"}
+"""Primitive types that hold whole numbers."""
+
+
+@dataclass(frozen=True, slots=True)
+class FieldSpec:
+    """One field.
+
+    Attributes:
+        name: the field's name.
+        type: a primitive (`float64`, `string`) or a full message name (`geometry_msgs/msg/Pose`).
+        array: whether it holds several.
+        size: how many, exactly or at most; None when it isn't bounded, or isn't an array.
+        bounded: whether `size` is an upper bound rather than exact.
+        doc: the comment beside it.
+    """
+
+    name: str
+    type: str
+    array: bool = False
+    size: int | None = None
+    bounded: bool = False
+    doc: str = ""
+
+    @property
+    def spelling(self) -> str:
+        """The type as an interface file spells it, such as `geometry_msgs/Pose[<=3]`."""
+        if not self.array:
+            return self.type.replace("/msg/", "/")
+        size = "" if self.size is None else f"<={self.size}" if self.bounded else str(self.size)
+        return f"{self.type.replace('/msg/', '/')}[{size}]"
+
+    @property
+    def is_integer(self) -> bool:
+        """Whether it holds one whole number."""
+        return self.type in INTEGER_TYPES and not self.array
+
+
+@dataclass(frozen=True, slots=True)
+class InterfaceSpec:
+    """One interface.
+
+    Attributes:
+        package: the ROS package that defines it.
+        kind: `msg`, `srv` or `action`.
+        name: its name in the package.
+        request: fields of the request or goal; of the message itself for a `msg`.
+        response: fields of the response or result; empty for a `msg`.
+        feedback: fields of the feedback of an `action`.
+        doc: the comment at the top of the file.
+        source: the file it was read from.
+    """
+
+    package: str
+    kind: Kind
+    name: str
+    request: tuple[FieldSpec, ...] = ()
+    response: tuple[FieldSpec, ...] = ()
+    feedback: tuple[FieldSpec, ...] = ()
+    doc: str = ""
+    source: str = ""
+
+    @property
+    def type_name(self) -> str:
+        """Its full name, such as `std_srvs/srv/Trigger`."""
+        return f"{self.package}/{self.kind}/{self.name}"

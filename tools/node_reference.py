@@ -1,6 +1,6 @@
 """The reference page of the built-in nodes, made from their manifests.
 
-`python -m grip_bt.task.catalog.reference docs/nodes.md` writes it; a test fails when the page is older than
+`python tools/node_reference.py docs/nodes.md` writes it; a test fails when the page is older than
 the manifests.
 """
 
@@ -10,15 +10,14 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
-from .catalog import Catalog
-from .manifest import Manifest
-from .sensors import sensor_manifest
+from grip_bt.task.catalog import Catalog, Manifest
+from grip_bt.task.catalog.sensors import sensor_manifest
 
 _HEAD = """# Nodes
 
 Every leaf that comes with GRIP: its parameters (`with:`), inputs (`in:`), outputs (`out:`), outcomes, and the codes
 with which it may fail (`on: {failure.<code>: ...}`). Made from `grip_bt/task/catalog/builtin/*.yaml` by
-`python -m grip_bt.task.catalog.reference docs/nodes.md`; don't edit it by hand.
+`python tools/node_reference.py docs/nodes.md`; don't edit it by hand.
 
 A project adds `sensor/<name>` for each of its sensors, `component/<name>` for each of its components, and its own
 nodes. Leaves that move something fail with `canceled` when somebody else stopped the motion, and with `preempted` when

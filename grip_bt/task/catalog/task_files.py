@@ -1,4 +1,4 @@
-"""Task files that other tasks run as subtasks: where they are looked for, and what they look like from outside."""
+"""Task files that other tasks run as subtasks: where they are looked for, and their manifest as nodes."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ class TaskFolder:
         return [path.relative_to(self._folder).as_posix() for path in found]
 
 
-def face_of(file: str, task: Task, surely_written: Mapping[str, Iterable[str]] | None = None) -> Manifest:
+def manifest_of_task(file: str, task: Task, surely_written: Mapping[str, Iterable[str]] | None = None) -> Manifest:
     """Return what a subtask looks like from outside: inputs, outputs and outcomes.
 
     Args:
@@ -115,17 +115,20 @@ def face_of(file: str, task: Task, surely_written: Mapping[str, Iterable[str]] |
         surely_written: output -> the outcomes with which it has been written; by default, all of them.
     """
     written = surely_written or {}
-    # constructed, since the id is a file and no node of the catalogue
+    # not validated: the id is a file and no node of the catalogue, and a rule of the file tells of wrong types
     return Manifest.model_construct(
         id=file,
         doc=task.doc,
         implementation="",
         inputs=FrozenDict(
-            {name: InputPort(type=type_of(said), required=not _has_value(said)) for name, said in task.inputs.items()}
+            {
+                name: InputPort.model_construct(type=type_of(said), required=not _has_value(said))
+                for name, said in task.inputs.items()
+            }
         ),
         outputs=FrozenDict(
             {
-                name: OutputPort(type=type_of(said), on=tuple(written.get(name, task.outcomes)))
+                name: OutputPort.model_construct(type=type_of(said), on=tuple(written.get(name, task.outcomes)))
                 for name, said in task.outputs.items()
             }
         ),
@@ -142,8 +145,3 @@ def _text_of(path: Path) -> str:
 
 def _has_value(declared: Variable | str) -> bool:
     return isinstance(declared, Variable) and declared.has_value
-
-
-def chain_of(files: Iterable[str]) -> str:
-    """Return how files run each other, for messages."""
-    return " -> ".join(files)
