@@ -14,8 +14,7 @@ from grip_bt.task import read_text
 from grip_bt.task.canonical import dumps, lines_of
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.document import Document
-from grip_bt.task.edit import Patch, Set, Unset, apply_to_document, title_of
-from grip_bt.task.edit.commands import Extract
+from grip_bt.task.edit import Extract, Patch, Set, Unset, apply_to_document, title_of
 from grip_bt.task.edit.draft import deep
 from grip_bt.task.edit.editing import Editing, slot
 from grip_bt.task.edit.steps import Assign

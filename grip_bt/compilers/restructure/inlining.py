@@ -9,8 +9,7 @@ from typing import Any
 from grip_bt.base.errors import EditError, SubtaskError
 from grip_bt.base.expression import parse_expression
 from grip_bt.task.catalog import Catalog, manifest_of_task
-from grip_bt.task.edit import Patch, RenameVariable, apply, title_of
-from grip_bt.task.edit.commands import Inline
+from grip_bt.task.edit import Inline, Patch, RenameVariable, apply, title_of
 from grip_bt.task.edit.draft import deep
 from grip_bt.task.edit.editing import Editing, slot
 from grip_bt.task.edit.steps import Assign

@@ -1,50 +1,26 @@
 """Edits of a task as values: applied to a task or to its text, each with an exact inverse, kept in a history."""
 
-from .applied import Applied, apply
-from .commands import (
-    Add,
-    AnyCommand,
-    Bind,
-    ChangeKind,
-    Clip,
-    Command,
-    Comment,
-    Connect,
-    Convert,
-    Declare,
-    Disconnect,
-    Extract,
-    Group,
-    Inline,
-    Move,
-    Paste,
-    Patch,
-    Remove,
-    Rename,
-    RenameOutcome,
-    RenameVariable,
-    Set,
-    SetMeaning,
-    Unbind,
-    Undeclare,
-    Unset,
-    Unwrap,
-    Wrap,
-    command_of,
-)
-from .commenting import comment_of
+from .change_kind import ChangeKind, Convert, Extract, Inline
+from .command import BaseCommand
+from .commands import AnyCommand, Applied, Command, Group, Patch, apply, command_of, title_of
+from .comment import Comment, comment_of
+from .containers import Unwrap, Wrap
 from .documents import Edited, apply_to_document
 from .history import History, Moment
 from .history_file import history_path, load_history, save_history
-from .pasting import clip_of
+from .keys import Bind, Connect, Disconnect, Set, SetMeaning, Unbind, Unset
+from .nodes import Add, Move, Remove, Rename
+from .outcomes import RenameOutcome
+from .paste import Clip, Paste, clip_of
 from .rewriting import rewrite
 from .steps import path_after
-from .titles import title_of
+from .variables import Declare, RenameVariable, Undeclare
 
 __all__ = [
     "Add",
     "AnyCommand",
     "Applied",
+    "BaseCommand",
     "Bind",
     "ChangeKind",
     "Clip",

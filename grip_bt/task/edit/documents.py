@@ -10,8 +10,7 @@ from grip_bt.base.errors import DocumentError, EditError
 from ..document import Document, read_text
 from ..model import Task
 from .alike import alike, said_alike
-from .applied import apply
-from .commands import AnyCommand, Patch, Restore, Splice
+from .commands import AnyCommand, Patch, Restore, Splice, apply
 from .steps import Assign, Put, Remark, Step, path_after
 from .text import Text
 

@@ -12,9 +12,8 @@ from dataclasses import dataclass, field, replace
 from grip_bt.base.errors import EditError
 
 from ..document import Document
-from .commands import AnyCommand, Patch
+from .commands import AnyCommand, Patch, title_of
 from .documents import Edited, apply_to_document
-from .titles import title_of
 
 
 @dataclass(frozen=True)

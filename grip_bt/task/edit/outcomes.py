@@ -3,27 +3,41 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Literal
 
 from grip_bt.base.errors import EditError, listing, nearest
 
-from ..model import AnyNode, Leaf, StateMachine, Subtask, Task
+from ..model import AnyNode, Leaf, Name, StateMachine, Subtask, Task
 from ..walking import outcomes_of
-from .commands import RenameOutcome
+from .change_kind import STANDARD
+from .command import BaseCommand, said
 from .draft import deep
 from .editing import Editing, kind_of
-from .kinds import STANDARD
 from .steps import Place
 
 
-def rename_outcome(editing: Editing, command: RenameOutcome) -> None:
-    """Rename an outcome that the task or a container declares."""
-    if command.to == command.outcome:
-        _declared(editing, command)
-    elif command.path == "":
-        _of_task(editing, command)
-    else:
-        _of_container(editing, command)
+class RenameOutcome(BaseCommand):
+    """An outcome that a container declares, or (with an empty path) the task, is called `to`.
+
+    What leads to it inside and what leads on from it around the container follows: `exits`, `on` and `rules`. Nothing
+    of what the task does changes.
+    """
+
+    do: Literal["rename_outcome"] = "rename_outcome"
+    path: str
+    outcome: str
+    to: Name
+
+    def in_words(self) -> str:
+        return f"rename the outcome {self.outcome} of {said(self.path)} to {self.to}"
+
+    def plan(self, editing: Editing) -> None:
+        if self.to == self.outcome:
+            _declared(editing, self)
+        elif self.path == "":
+            _of_task(editing, self)
+        else:
+            _of_container(editing, self)
 
 
 def _declared(editing: Editing, command: RenameOutcome) -> None:

@@ -27,9 +27,8 @@ from grip_bt.base.yaml.writer import in_braces
 from ..canonical import lines_of
 from .braces import fits, is_odd, spread, with_another, without
 from .commands import Splice
-from .head import head_at, rewritten
+from .comment import found_at, head_at, lines_of_comment, rewritten
 from .regions import ODD, content_end, dedented, indented, is_tidy, line_end, line_start, region_end, region_start
-from .remarks import found_at, lines_of_comment
 from .steps import Assign, Drop, Place, Put, Rekey, Remark, Step, is_head, path_of, position_of
 
 

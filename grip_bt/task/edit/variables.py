@@ -1,26 +1,106 @@
-"""Commands on variables: declare, undeclare, rename; bindings and expressions in their scope follow."""
+"""Commands on variables; bindings and expressions in their scope follow."""
 
 from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
+
+from pydantic import Field
 
 from grip_bt.base.errors import EditError, ExpressionError, listing, nearest
 from grip_bt.base.expression import parse_expression
 
-from ..model import AnyNode
+from ..model import AnyNode, Name, Variable
 from ..shape import DECLARING
 from ..walking import children_of, expressions_of, join
-from .commands import Declare, RenameVariable, Undeclare
+from .command import BaseCommand, said
 from .draft import deep
 from .editing import Editing
 
 _READS = ("items",)
 """Keys of containers that hold the name of a variable."""
+
 _DECLARES = ("item",)
 """Keys of containers that declare a variable besides those in `data`."""
+
+
+class Declare(BaseCommand):
+    """A new variable of a container, or (with an empty path) of the task."""
+
+    do: Literal["declare"] = "declare"
+    path: str
+    name: Name
+    variable: Variable | str
+    index: int | None = Field(default=None, ge=0)
+
+    def in_words(self) -> str:
+        return f"declare {self.name} in {said(self.path)}"
+
+    def plan(self, editing: Editing) -> None:
+        holder = _holder(editing, self.path)
+        if self.name in declared_by(holder):
+            raise EditError(self.path, f"the variable {self.name!r} is there already")
+        place = editing.place(self.path)
+        value = deep(self.variable)
+        if "data" in editing.draft.mapping(place):
+            editing.put((*place, "data"), self.name, value, self.index)
+        else:
+            editing.put(place, "data", {self.name: value})
+
+
+class Undeclare(BaseCommand):
+    """A variable goes; nothing may use it any more."""
+
+    do: Literal["undeclare"] = "undeclare"
+    path: str
+    name: str
+
+    def in_words(self) -> str:
+        return f"remove the variable {self.name} of {said(self.path)}"
+
+    def plan(self, editing: Editing) -> None:
+        _declared(editing, self.path, self.name)
+        users = [seer.path for seer in _users(editing, self.path, self.name)]
+        if users:
+            shown = listing(dict.fromkeys(users))
+            raise EditError(self.path, f"the variable {self.name!r} is used by {shown}; unbind it there first")
+        holder, place = _holder(editing, self.path), editing.place(self.path)
+        keys = [key for key in DECLARING if self.name in getattr(holder, key, ())]
+        if not keys:
+            raise EditError(self.path, f"the variable {self.name!r} belongs to the container's kind and stays")
+        for key in keys:
+            editing.drop_in(place, key, self.name)
+
+
+class RenameVariable(BaseCommand):
+    """A variable is called `to`; the bindings and expressions that see it follow."""
+
+    do: Literal["rename_variable"] = "rename_variable"
+    path: str
+    name: str
+    to: Name
+
+    def in_words(self) -> str:
+        return f"rename the variable {self.name} to {self.to}"
+
+    def plan(self, editing: Editing) -> None:
+        holder = _declared(editing, self.path, self.name)
+        if self.to == self.name:
+            return
+        if self.to in declared_by(holder):
+            raise EditError(self.path, f"there is a variable {self.to!r} already")
+        _refuse_capture(editing, self)
+        for seer in list(_users(editing, self.path, self.name)):
+            _follow(editing, seer, self)
+        place = editing.place(self.path)
+        for key in DECLARING:
+            if self.name in getattr(holder, key, ()):
+                editing.rekey((*place, key), self.name, self.to)
+        for key in _DECLARES:
+            if getattr(holder, key, None) == self.name:
+                editing.set(place, key, self.to)
 
 
 def declared_by(holder: Any) -> list[str]:
@@ -33,53 +113,6 @@ def declared_by(holder: Any) -> list[str]:
 def used_by(node: AnyNode) -> tuple[set[str], set[str]]:
     """Return the variables that a node itself uses: of those around it, and of those that it may declare too."""
     return _Seer("", node, True, False).uses(), _Seer("", node, False, True).uses()
-
-
-def declare(editing: Editing, command: Declare) -> None:
-    """Add a variable."""
-    holder = _holder(editing, command.path)
-    if command.name in declared_by(holder):
-        raise EditError(command.path, f"the variable {command.name!r} is there already")
-    place = editing.place(command.path)
-    value = deep(command.variable)
-    if "data" in editing.draft.mapping(place):
-        editing.put((*place, "data"), command.name, value, command.index)
-    else:
-        editing.put(place, "data", {command.name: value})
-
-
-def undeclare(editing: Editing, command: Undeclare) -> None:
-    """Take out a variable that nothing uses."""
-    _declared(editing, command.path, command.name)
-    users = [seer.path for seer in _users(editing, command.path, command.name)]
-    if users:
-        shown = listing(dict.fromkeys(users))
-        raise EditError(command.path, f"the variable {command.name!r} is used by {shown}; unbind it there first")
-    holder, place = _holder(editing, command.path), editing.place(command.path)
-    keys = [key for key in DECLARING if command.name in getattr(holder, key, ())]
-    if not keys:
-        raise EditError(command.path, f"the variable {command.name!r} belongs to the container's kind and stays")
-    for key in keys:
-        editing.drop_in(place, key, command.name)
-
-
-def rename_variable(editing: Editing, command: RenameVariable) -> None:
-    """Rename a variable where it is declared and wherever it is seen."""
-    holder = _declared(editing, command.path, command.name)
-    if command.to == command.name:
-        return
-    if command.to in declared_by(holder):
-        raise EditError(command.path, f"there is a variable {command.to!r} already")
-    _refuse_capture(editing, command)
-    for seer in list(_users(editing, command.path, command.name)):
-        _follow(editing, seer, command)
-    place = editing.place(command.path)
-    for key in DECLARING:
-        if command.name in getattr(holder, key, ()):
-            editing.rekey((*place, key), command.name, command.to)
-    for key in _DECLARES:
-        if getattr(holder, key, None) == command.name:
-            editing.set(place, key, command.to)
 
 
 def _holder(editing: Editing, path: str) -> Any:

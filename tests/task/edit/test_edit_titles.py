@@ -16,22 +16,22 @@ TITLES = [
     ({"do": "add", "parent": "/", "name": "a", "node": {"node": "b/c"}}, "add a to the root"),
     ({"do": "paste", "parent": "pick", "clip": CLIP}, "paste look into pick"),
     ({"do": "remove", "path": "pick/a"}, "remove pick/a"),
-    ({"do": "move", "path": "pick/a", "parent": "pick", "index": 0}, "move pick/a among its neighbours"),
+    ({"do": "move", "path": "pick/a", "parent": "pick", "index": 0}, "reorder pick/a"),
     ({"do": "move", "path": "pick/a", "parent": "/"}, "move pick/a into the root"),
     ({"do": "rename", "path": "a", "name": "b"}, "rename a to b"),
     ({"do": "set", "path": "a", "key": ["with", "arm"], "value": "left"}, "set arm of a to left"),
     ({"do": "set", "path": "", "key": ["doc"], "value": "Long. " * 9}, "set documentation of the task"),
     ({"do": "set", "path": "/", "key": ["memory"], "value": False}, "set memory of the root to no"),
-    ({"do": "unset", "path": "a", "key": ["times"]}, "take away times of a"),
+    ({"do": "unset", "path": "a", "key": ["times"]}, "unset times of a"),
     ({"do": "comment", "path": "a", "text": "why"}, "comment on a"),
     ({"do": "comment", "path": "a", "text": " "}, "no comment on a"),
     ({"do": "comment", "path": "", "text": "why"}, "comment on the task"),
-    ({"do": "connect", "path": "a", "outcome": "success", "target": "b"}, "lead success of a to b"),
-    ({"do": "disconnect", "path": "a", "outcome": "success"}, "lead success of a nowhere"),
+    ({"do": "connect", "path": "a", "outcome": "success", "target": "b"}, "connect success of a to b"),
+    ({"do": "disconnect", "path": "a", "outcome": "success"}, "disconnect success of a"),
     ({"do": "wrap", "paths": ["a", "b"], "kind": "invert", "name": "c"}, "wrap a, b in an invert"),
     ({"do": "wrap", "paths": list("abcde"), "kind": "for_each", "name": "c"}, "wrap a, b, c and 2 more in a for each"),
     ({"do": "unwrap", "path": "a"}, "unwrap a"),
-    ({"do": "change_kind", "path": "/", "kind": "state_machine"}, "make the root a state machine"),
+    ({"do": "change_kind", "path": "/", "kind": "state_machine"}, "change the root to a state machine"),
     ({"do": "convert", "path": "a", "to": "bt"}, "convert a to composites"),
     ({"do": "convert", "path": "/", "to": "sm"}, "convert the root to state machines"),
     ({"do": "extract", "path": "a", "file": "tasks/a.yaml"}, "extract a to tasks/a.yaml"),
@@ -51,7 +51,7 @@ TITLES = [
         "unwrap a and 1 more",
     ),
     ({"do": "patch", "title": "remove a", "steps": []}, "remove a"),
-    ({"do": "patch", "steps": []}, "take an edit back"),
+    ({"do": "patch", "steps": []}, "revert an edit"),
 ]
 
 
@@ -70,4 +70,4 @@ def test_titles_are_one_short_line(data, task):
     title = title_of(data.draw(commands(task)))
     assert 0 < len(title) <= LONGEST
     assert title == " ".join(title.split())
-    assert "_" not in title.split()[0]
+    assert "_" not in title.split()[0] or title.startswith("_")

@@ -4,16 +4,72 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from itertools import count
-from typing import Any
+from typing import Any, Literal
 
-from ..model import AnyNode, StateMachine, Task
+from pydantic import BaseModel, ConfigDict, Field
+
+from grip_bt.base.frozen import FrozenDict
+
+from ..model import AnyNode, Name, StateMachine, Task
 from ..walking import children_of, outcomes_of
-from .commands import Clip, Paste, RenameVariable
+from .command import BaseCommand, said
 from .draft import deep
 from .editing import Editing, expect_free, expect_room, slot
-from .variables import declared_by, rename_variable, used_by
+from .variables import RenameVariable, declared_by, used_by
 
 _ANY = "Any"
+
+
+class Clip(BaseModel):
+    """A copy of a node: what `clip_of` returns, a clipboard holds and `paste` takes."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+
+    name: Name
+    node: FrozenDict[str, Any]
+    """The node as it stands in a file, with whatever is below it."""
+    variables: FrozenDict[Name, Any] = FrozenDict()
+    """The declarations of the variables that it uses and that are declared around it."""
+
+
+class Paste(BaseCommand):
+    """A copy of a node goes into a container, of this task or of another one.
+
+    Its name gets a number where it is taken. A variable that it uses is the one of that name and type that is seen
+    there; where there is none, it is declared in the container, under a fresh name where the name means something
+    else. Edges that lead to nothing there are left out.
+    """
+
+    do: Literal["paste"] = "paste"
+    parent: str
+    clip: Clip
+    name: Name | None = None
+    index: int | None = Field(default=None, ge=0)
+    """Position among the children; None: after the last."""
+    variables: Literal["share", "fresh"] = "share"
+    """`fresh`: its own variables, even where there are ones of their names and types."""
+
+    def in_words(self) -> str:
+        return f"paste {self.name or self.clip.name} into {said(self.parent)}"
+
+    def plan(self, editing: Editing) -> None:
+        parent, clip = editing.container(self.parent), self.clip
+        expect_room(parent, self.parent)
+        if self.name is not None:
+            expect_free(parent, self.parent, self.name)
+        name = self.name or _fresh(clip.name, {*children_of(parent), *_outcomes(parent)})
+        there = _seen_from(editing.task, self.parent, itself=True)
+        names = _names(self, there)
+        node = _with_names(clip, names)
+        place = editing.place(self.parent)
+        for old, declaration in clip.variables.items():
+            if names[old] not in there:
+                editing.set_in(place, "data", names[old], deep(declaration))
+        if "on" in node:
+            kept = {k: v for k, v in node["on"].items() if v in children_of(parent) or v in _outcomes(parent)}
+            node = {k: v for k, v in node.items() if k != "on"}
+            node |= {"on": kept} if kept and isinstance(parent, StateMachine) else {}
+        editing.put((*place, slot(parent)), name, node, self.index)
 
 
 def clip_of(task: Task, path: str) -> Clip:
@@ -27,27 +83,6 @@ def clip_of(task: Task, path: str) -> Clip:
     variables = {name: declared for name, declared in _seen_from(task, path).items() if name in used}
     name = path.rpartition("/")[2] or "root"
     return Clip(name=name, node=deep(node), variables=deep(variables))
-
-
-def paste(editing: Editing, command: Paste) -> None:
-    """Put a copy into a container."""
-    parent, clip = editing.container(command.parent), command.clip
-    expect_room(parent, command.parent)
-    if command.name is not None:
-        expect_free(parent, command.parent, command.name)
-    name = command.name or _fresh(clip.name, {*children_of(parent), *_outcomes(parent)})
-    there = _seen_from(editing.task, command.parent, itself=True)
-    names = _names(command, there)
-    node = _with_names(clip, names)
-    place = editing.place(command.parent)
-    for old, declaration in clip.variables.items():
-        if names[old] not in there:
-            editing.set_in(place, "data", names[old], deep(declaration))
-    if "on" in node:
-        kept = {k: v for k, v in node["on"].items() if v in children_of(parent) or v in _outcomes(parent)}
-        node = {k: v for k, v in node.items() if k != "on"}
-        node |= {"on": kept} if kept and isinstance(parent, StateMachine) else {}
-    editing.put((*place, slot(parent)), name, node, command.index)
 
 
 def _names(command: Paste, there: Mapping[str, Any]) -> dict[str, str]:
@@ -70,7 +105,7 @@ def _with_names(clip: Clip, names: Mapping[str, str]) -> dict[str, Any]:
     for old, new in names.items():
         if new != old:
             editing = Editing(task)
-            rename_variable(editing, RenameVariable(path="", name=old, to=new))
+            RenameVariable(path="", name=old, to=new).plan(editing)
             task = editing.draft.task(clip.name)
     node = deep(children_of(task.root)[clip.name])
     assert isinstance(node, dict)

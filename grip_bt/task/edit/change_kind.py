@@ -1,0 +1,196 @@
+"""Commands that make a container one of another kind or form, and the edges that a kind implies."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from grip_bt.base.errors import EditError, listing, nearest
+from grip_bt.base.frozen import FrozenDict
+
+from ..model import KINDS, AnyNode, Fallback, Force, Invert, Sequence, StateMachine
+from ..shape import CHILDREN, FREE, keys_of, model_of_kind
+from ..walking import children_of
+from .command import BaseCommand, kind_in_words, said
+from .editing import Editing, holds_nodes, kind_of, slot
+
+STANDARD = ("success", "failure")
+
+
+class ChangeKind(BaseCommand):
+    """A container is of another kind; what both kinds have stays.
+
+    To a state machine, the order of the children becomes edges. From one, edges to its outcomes become `exits`, edges
+    between children go. (What does exactly the same in the other form is found by `grip convert --to bt|sm`.)
+    """
+
+    do: Literal["change_kind"] = "change_kind"
+    path: str
+    kind: str
+    fields: FrozenDict[str, Any] = FrozenDict()
+
+    def in_words(self) -> str:
+        return f"change {said(self.path)} to {kind_in_words(self.kind)}"
+
+    def plan(self, editing: Editing) -> None:
+        node = editing.node(self.path)
+        expect_kind(self.path, self.kind)
+        if not holds_nodes(node) or not holds_nodes_of_kind(self.kind):
+            raise EditError(self.path, "only a container becomes another container; add a node, or wrap this one")
+        names = list(children_of(node))
+        new_slot = slot_of_kind(self.kind)
+        if new_slot == "child" and len(names) != 1:
+            held = listing(names, "no child")
+            raise EditError(self.path, f"a {self.kind} has one child, this {kind_of(node)} has {held}")
+        place = editing.place(self.path)
+        if self.kind != kind_of(node):
+            _change_edges(editing, node, self)
+            editing.set(place, "kind", self.kind)
+            allowed = {*keys_of(model_of_kind(self.kind)), *CHILDREN}
+            for key in [k for k in editing.draft.mapping(place) if k not in allowed and not k.startswith(FREE)]:
+                editing.drop(place, key)
+            if self.kind == "state_machine" and "initial" not in self.fields and names:
+                editing.put(place, "initial", names[0])
+            editing.rekey(place, slot(node), new_slot)
+        for key, value in self.fields.items():
+            editing.set(place, key, value)
+
+
+class _TakesCatalog(BaseCommand):
+    """A command that is refused as it is: this room knows no nodes."""
+
+    path: str
+
+    def plan(self, editing: Editing) -> None:
+        name = "extracted" if isinstance(self, Extract) else "expanded"
+        what = "a conversion needs" if isinstance(self, Convert) else f"{type(self).__name__.lower()} needs"
+        message = f"{what} a catalogue: apply what `grip_bt.compilers.restructure.{name}` returns for it"
+        raise EditError(self.path, message)
+
+
+class Convert(_TakesCatalog):
+    """A container and those in it become their equals in the other form, exactly, or stay; see docs/conversion.md.
+
+    What is equal depends on how leaves can end, so this takes a catalogue: `expanded` of
+    `grip_bt.compilers.restructure` returns the edit that it comes to, and `apply` refuses it as it is.
+    """
+
+    do: Literal["convert"] = "convert"
+    path: str
+    to: Literal["bt", "sm"]
+    """Sequences, fallbacks and repeats; or state machines."""
+    approximate: bool = False
+    """Of `sm`: reactive composites too, which then aren't the same."""
+
+    def in_words(self) -> str:
+        return f"convert {said(self.path)} to {'composites' if self.to == 'bt' else 'state machines'}"
+
+
+class Extract(_TakesCatalog):
+    """A node with all below it goes to a file of its own, and a subtask that runs that file takes its place.
+
+    What goes in and out depends on what leaves read and write, so this takes a catalogue: `extracted` of
+    `grip_bt.compilers.restructure` returns the file and the edit, and `apply` refuses it as it is.
+    """
+
+    do: Literal["extract"] = "extract"
+    path: str
+    file: str
+    """The new file, relative to the project's folder, such as `tasks/fetch.yaml`."""
+    approximate: bool = False
+    """Also where somebody can tell that values go in and out at once: what may be halted, or has others beside it."""
+
+    def in_words(self) -> str:
+        return f"extract {said(self.path)} to {self.file}"
+
+
+class Inline(_TakesCatalog):
+    """What is in a subtask's file takes the subtask's place; the reverse of `extract`.
+
+    It takes a catalogue, which knows the file: `expanded` of `grip_bt.compilers.restructure` returns the edit that it
+    comes to, and `apply` refuses it as it is.
+    """
+
+    do: Literal["inline"] = "inline"
+    path: str
+    approximate: bool = False
+    """As in `extract`."""
+
+    def in_words(self) -> str:
+        return f"inline {said(self.path)}"
+
+
+def expect_kind(path: str, kind: str) -> None:
+    """Refuse a kind that there isn't.
+
+    Raises:
+        EditError: there isn't.
+    """
+    if kind not in KINDS:
+        raise EditError(path, f"unknown kind {kind!r}{nearest(kind, KINDS)} (there are: {listing(KINDS)})")
+
+
+def holds_nodes_of_kind(kind: str) -> bool:
+    """Tell whether nodes of a kind are containers."""
+    return not model_of_kind(kind).model_fields.keys().isdisjoint(CHILDREN)
+
+
+def slot_of_kind(kind: str) -> str:
+    """Return the key under which containers of a kind have their children."""
+    return "child" if "child" in model_of_kind(kind).model_fields else "children"
+
+
+def edges_of(container: AnyNode) -> dict[str, dict[str, str]]:
+    """Return where each child's outcomes lead: outcome -> sibling or outcome of the container, by child.
+
+    In a state machine that is what is written; elsewhere what the kind does with success and failure, and `exits`.
+    """
+    below = children_of(container)
+    if isinstance(container, StateMachine):
+        return {name: dict(child.on) for name, child in below.items()}
+    edges = chain(container, list(below))
+    for key, label in getattr(container, "exits", {}).items():
+        name, _, outcome = key.partition(".")
+        if name in edges:
+            edges[name][outcome] = label
+    return edges
+
+
+def chain(container: AnyNode | None, names: list[str]) -> dict[str, dict[str, str]]:
+    """Return the edges by which a container of this kind leads from child to child; those of a sequence for None."""
+    edges = {}
+    for name, following in zip(names, [*names[1:], None], strict=False):
+        success, failure = STANDARD
+        if container is None or isinstance(container, Sequence):
+            success = following or success
+        elif isinstance(container, Fallback):
+            failure = following or failure
+        elif isinstance(container, Invert):
+            success, failure = failure, success
+        elif isinstance(container, Force):
+            success = failure = container.as_
+        edges[name] = {"success": success, "failure": failure}
+    return edges
+
+
+def _change_edges(editing: Editing, node: AnyNode, command: ChangeKind) -> None:
+    """Turn edges into exits, or the order of the children and exits into edges."""
+    place = editing.place(command.path)
+    below = (*place, slot(node))
+    edges = edges_of(node)
+    if command.kind == "state_machine":
+        for name, on in edges.items():
+            editing.set((*below, name), "on", on)
+        reached = {target for on in edges.values() for target in on.values() if target in STANDARD}
+        for label in STANDARD:
+            if label in reached and label not in editing.entries(place, "outcomes"):
+                editing.set_in(place, "outcomes", label, label)
+    elif isinstance(node, StateMachine):
+        for name, on in edges.items():
+            if "on" in editing.draft.mapping((*below, name)):
+                editing.drop((*below, name), "on")
+            for outcome, target in on.items():
+                if target in node.outcomes and target not in STANDARD and target not in edges:
+                    editing.set_in(place, "exits", f"{name}.{outcome}", target)
+        for label in STANDARD:
+            if label in editing.entries(place, "outcomes"):
+                editing.drop_in(place, "outcomes", label)

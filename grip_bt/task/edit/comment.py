@@ -1,0 +1,215 @@
+"""Comments in a task's file, of nodes and of the task as a whole: where they stand, how they are read and written."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from difflib import SequenceMatcher
+from typing import Literal
+
+from grip_bt.base.errors import EditError
+from grip_bt.base.yaml.tree import YamlEntry, YamlMapping
+
+from ..document import Document
+from .command import BaseCommand, said
+from .editing import Editing
+from .regions import content_end, is_tidy, line_end, line_start, region_end
+from .steps import HEAD, Place, Remark
+
+LONGEST = 10_000
+"""Characters of a comment."""
+
+_STRANGE = re.compile("[^ -~\xa0-\u2027\u202a-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]")
+
+
+@dataclass(frozen=True)
+class Found:
+    """Where the comment of an entry stands.
+
+    Attributes:
+        begin: offset of the first line above that belongs to it; of the entry's own line where there is none.
+        end: offset of the entry's own line.
+        above: what the lines above say.
+        beside: begin and end of what stands at the end of the entry's line, from the `#` on; None where nothing does.
+        aside: what it says.
+    """
+
+    begin: int
+    end: int
+    above: tuple[str, ...]
+    beside: tuple[int, int] | None
+    aside: tuple[str, ...]
+
+    @property
+    def text(self) -> str:
+        """What it says, one line after the other."""
+        return "\n".join((*self.above, *self.aside))
+
+
+def lines_of_comment(path: str, text: str) -> list[str]:
+    """Return a comment as it stands in a file, line by line; blank lines at its ends are left out.
+
+    Raises:
+        EditError: it is too long, or has characters that files of tasks can't have.
+    """
+    if len(text) > LONGEST:
+        raise EditError(path, f"a comment may have {LONGEST} characters, not {len(text)}; shorten it")
+    lines = [line.expandtabs(4).rstrip() for line in text.splitlines()]
+    strange = _STRANGE.search("".join(lines))
+    if strange:
+        raise EditError(path, f"a comment can't have the character {strange.group()!r}; leave it out")
+    while lines and not lines[-1]:
+        del lines[-1]
+    while lines and not lines[0]:
+        del lines[0]
+    return [f"# {line}".rstrip() for line in lines]
+
+
+def found_at(text: str, inside: YamlMapping, key: str) -> Found:
+    """Return where the comment of an entry of a tidy mapping stands."""
+    keys = list(inside.entries)
+    index, entry = keys.index(key), inside.entries[key]
+    end = begin = line_start(text, entry.start)
+    limit = region_end(text, inside.entries[keys[index - 1]]) if index else 0
+    above: list[str] = []
+    while begin > limit:
+        line = text[line_start(text, begin - 1) : begin].strip()
+        if not line.startswith("#"):
+            break
+        above.insert(0, _uncommented(line))
+        begin = line_start(text, begin - 1)
+    beside = _beside(text, entry)
+    aside = (_uncommented(text[slice(*beside)]),) if beside else ()
+    return Found(begin, end, tuple(above), beside, aside)
+
+
+def _beside(text: str, entry: YamlEntry) -> tuple[int, int] | None:
+    if isinstance(entry.value, YamlMapping) and not entry.value.flow:
+        at = text.index(":", entry.key_end) + 1
+    else:
+        at = content_end(text, entry)
+    rest = text[at : line_end(text, at)]
+    found = rest.strip()
+    begin = at + len(rest) - len(rest.lstrip())
+    return (begin, begin + len(found)) if found.startswith("#") else None
+
+
+def _uncommented(line: str) -> str:
+    """Return what a line says that begins with `#`."""
+    return line.removeprefix("#").removeprefix(" ").rstrip()
+
+
+_MARK = "\ufeff"
+
+
+@dataclass(frozen=True)
+class Head:
+    """Where the comment at the top of a file stands.
+
+    Attributes:
+        begin: offset of its first line; where one would go, if there is none.
+        end: offset after its last line.
+        spelled: its lines as they are, with their ends.
+        after: offset after the blank lines that set it off from what follows.
+    """
+
+    begin: int
+    end: int
+    spelled: tuple[str, ...]
+    after: int
+
+    @property
+    def text(self) -> str:
+        """What it says, one line after the other."""
+        return "\n".join(self.said)
+
+    @property
+    def said(self) -> tuple[str, ...]:
+        """What its lines say, without their signs."""
+        return tuple(_uncommented(line.strip()) for line in self.spelled)
+
+
+def head_at(text: str, tree: YamlMapping) -> Head:
+    """Return where the comment at the top of a file stands, given its syntax."""
+    end = _end(text, tree)
+    at = len(_MARK) if text.startswith(_MARK) else 0
+    runs: list[list[tuple[int, str]]] = [[]]
+    while at < end:
+        line = text[at : line_end(text, at)]
+        if line.strip() and not line.lstrip().startswith("#"):
+            runs.append([])  # `---`: what says something may stand before it or after it
+        else:
+            runs[-1].append((at, line))
+        at += len(line)
+    run = next((run for run in runs if any(line.strip() for _, line in run)), [])
+    marked = [number for number, (_, line) in enumerate(run) if line.strip()]
+    if not marked:
+        return Head(end, end, (), end)
+    lines = run[marked[0] : marked[-1] + 1]
+    last, line = lines[-1]
+    after = sum(map(len, (blank for _, blank in run[marked[-1] + 1 :])), last + len(line))
+    return Head(lines[0][0], last + len(line), tuple(line for _, line in lines), after)
+
+
+def _end(text: str, tree: YamlMapping) -> int:
+    """Return the offset before which everything is the file's and no entry's."""
+    entries = list(tree.entries)
+    if entries[:1] == ["root"] and is_tidy(text, tree):
+        return found_at(text, tree, "root").begin
+    first = tree.span[0] if tree.flow else tree.entries[entries[0]].start
+    return max(line_start(text, first), len(_MARK) if text.startswith(_MARK) else 0)
+
+
+def rewritten(head: Head, comment: str, newline: str) -> tuple[int, int, str]:
+    """Return what to put where so that a head says something else: (begin, end, text).
+
+    Lines that stay keep their spelling; where all go, the blank lines below go too.
+
+    Raises:
+        EditError: no file can hold the comment.
+    """
+    lines = lines_of_comment("", comment)
+    if not lines:
+        return head.begin, head.after, ""
+    wanted = [_uncommented(line) for line in lines]
+    written: list[str] = []
+    for what, begin, end, first, last in SequenceMatcher(None, head.said, wanted, autojunk=False).get_opcodes():
+        same = what == "equal"
+        written += head.spelled[begin:end] if same else [line + newline for line in lines[first:last]]
+    return head.begin, head.end, "".join(written)
+
+
+class Comment(BaseCommand):
+    """A node has another comment in its file; in place of the lines right above it and of the end of its first line."""
+
+    do: Literal["comment"] = "comment"
+    path: str
+    """Empty for the task, whose comment is the lines at the top of the file."""
+    text: str
+    """Its lines without `#`; empty for none."""
+
+    def in_words(self) -> str:
+        return f"comment on {said(self.path)}" if self.text.strip() else f"no comment on {said(self.path)}"
+
+    def plan(self, editing: Editing) -> None:
+        place: Place = editing.place(self.path) or (HEAD,)
+        lines_of_comment(self.path, self.text)
+        editing.take(Remark(at=place[:-1], key=place[-1], text=self.text))
+
+
+def comment_of(document: Document, path: str) -> str:
+    """Return the comment of a node, of the task for an empty path, without its signs; empty where it has none.
+
+    Raises:
+        EditError: there is no such node.
+    """
+    if path == "":
+        return head_at(document.text, document.tree).text
+    *above, key = Editing(document.task).place(path)
+    inside = document.tree
+    for step in above:
+        inner = inside.entries[step].value
+        if not isinstance(inner, YamlMapping):
+            return ""
+        inside = inner
+    return found_at(document.text, inside, key).text if is_tidy(document.text, inside) else ""

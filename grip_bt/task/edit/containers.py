@@ -1,0 +1,330 @@
+"""Commands that put neighbours into a new container, and take a container away."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import Field
+
+from grip_bt.base.errors import EditError, listing
+from grip_bt.base.frozen import FrozenDict
+
+from ..model import AnyNode, Leaf, Meaning, Name, StateMachine, Subtask, Task
+from ..walking import children_of, outcomes_of
+from .change_kind import STANDARD, chain, edges_of, expect_kind, holds_nodes_of_kind, slot_of_kind
+from .command import BaseCommand, kind_in_words, said
+from .editing import Editing, expect_free, slot
+from .nodes import child_of
+from .steps import Place
+
+_SHOWN = 3
+"""So many names of several are in a title; the others are counted."""
+
+
+class Wrap(BaseCommand):
+    """Neighbours go into a new container, which takes their place and what leads to them.
+
+    Edges and exits for labels of theirs other than success and failure become outcomes of the new container, so that
+    they lead where they led.
+    """
+
+    do: Literal["wrap"] = "wrap"
+    paths: tuple[str, ...] = Field(min_length=1)
+    """Children of one container that stand side by side; or the root alone."""
+    kind: str
+    name: Name
+    """Name of the container; of the child where the root is wrapped, since the root has none."""
+    fields: FrozenDict[str, Any] = FrozenDict()
+    """Keys of the container that it needs or that differ from defaults: `{times: 3}`."""
+
+    def in_words(self) -> str:
+        return f"wrap {_several(self.paths)} in {kind_in_words(self.kind)}"
+
+    def plan(self, editing: Editing) -> None:
+        expect_kind(self.paths[0], self.kind)
+        if not holds_nodes_of_kind(self.kind):
+            raise EditError(self.paths[0], f"a {self.kind} holds no nodes; choose a container")
+        shell = _Shell(self)
+        if self.paths == ("/",):
+            _wrap_root(editing, shell)
+            return
+        parent, names, container = _neighbours(editing, self)
+        if slot_of_kind(self.kind) == "child" and len(names) > 1:
+            raise EditError(parent, f"a {self.kind} has one child; wrap {listing(names)} in a sequence first")
+        expect_free(container, parent, self.name)
+        shell.initial = names[0]
+        if isinstance(container, StateMachine):
+            _take_edges(editing, shell, parent, names)
+        else:
+            _take_exits(editing, shell, parent, names)
+        at = (*editing.place(parent), slot(container))
+        editing.put(at, self.name, shell.record(), list(children_of(container)).index(names[0]))
+        for position, name in enumerate(names):
+            editing.shift(at, name, (*at, self.name, slot_of_kind(self.kind)), position)
+
+
+class Unwrap(BaseCommand):
+    """A container goes and its children take its place."""
+
+    do: Literal["unwrap"] = "unwrap"
+    path: str
+
+    def in_words(self) -> str:
+        return f"unwrap {said(self.path)}"
+
+    def plan(self, editing: Editing) -> None:
+        node = editing.container(self.path)
+        names = list(children_of(node))
+        if self.path == "/":
+            _unwrap_root(editing, node, names)
+            return
+        parent, name, container = editing.parent(self.path, "")
+        if len(names) != 1 and (slot(container) == "child" or isinstance(container, StateMachine) and not names):
+            raise EditError(self.path, f"{parent} needs exactly one node here, not {listing(names, 'none')}")
+        taken = [n for n in names if n in children_of(container) and n != name]
+        if taken:
+            raise EditError(self.path, f"{parent} has its own {listing(taken)}; rename one of each first")
+        place, at = editing.place(self.path), (*editing.place(parent), slot(container))
+        _rehome(editing, node, place, container, editing.place(parent))
+        if isinstance(container, StateMachine):
+            _give_edges(editing, node, place, container, name)
+        else:
+            _give_exits(editing, node, place, editing.place(parent), name)
+        inner = (*place, slot(node))
+        index = list(children_of(container)).index(name)
+        if name in names:
+            aside = name
+            while aside in names or aside in children_of(container):
+                aside += "_"
+            editing.rekey(at, name, aside)
+            name, inner = aside, (*at, aside, slot(node))
+        for position, child in enumerate(names):
+            editing.shift(inner, child, at, index + position)
+        editing.drop(at, name)
+
+
+def _several(paths: tuple[str, ...]) -> str:
+    shown = ", ".join(said(path) for path in paths[:_SHOWN])
+    return shown if len(paths) <= _SHOWN else f"{shown} and {len(paths) - _SHOWN} more"
+
+
+class _Shell:
+    """The new container: what of its neighbours' edges and exits goes on it."""
+
+    def __init__(self, command: Wrap):
+        self.kind, self.fields = command.kind, dict(command.fields)
+        self.name = command.name
+        self.initial = ""
+        self.outcomes: dict[str, Meaning] = {}
+        self.exits: dict[str, str] = {}
+        self.on: dict[str, str] = {}
+
+    @property
+    def machine(self) -> bool:
+        return self.kind == "state_machine"
+
+    def record(self) -> dict[str, Any]:
+        """Return the container as it stands in a file, still without children."""
+        made: dict[str, Any] = {"kind": self.kind}
+        if self.machine:
+            made["initial"] = self.initial
+            self.outcomes = self.outcomes or {label: label for label in STANDARD}  # type: ignore[misc]
+        parts = {"outcomes": self.outcomes, "exits": self.exits, "on": self.on}
+        made |= {key: value for key, value in parts.items() if value}
+        return {**made, **self.fields, slot_of_kind(self.kind): {}}
+
+
+def _neighbours(editing: Editing, command: Wrap) -> tuple[str, list[str], AnyNode]:
+    found = [editing.parent(path, "is wrapped alone") for path in command.paths]
+    parent, _, container = found[0]
+    names = [name for _, name, _ in found]
+    order = list(children_of(container))
+    first = order.index(names[0])
+    if any(p != parent for p, _, _ in found) or order[first : first + len(names)] != names:
+        raise EditError(parent, "only children of one container that stand side by side, in their order, are wrapped")
+    return parent, names, container
+
+
+def _wrap_root(editing: Editing, shell: _Shell) -> None:
+    root, name = editing.task.root, shell.name
+    shell.initial = name
+    if root.on or shell.machine:
+        _pass_edges(editing, shell, ("root",), name, root, editing.task)
+    aside = "x-aside"
+    while aside in editing.draft.mapping(()):
+        aside += "-"
+    inner = ("root", slot_of_kind(shell.kind))
+    editing.rekey((), "root", aside)
+    editing.put((), "root", shell.record())
+    editing.shift((), aside, inner)
+    editing.rekey(inner, aside, name)
+
+
+def _take_edges(editing: Editing, shell: _Shell, parent: str, names: list[str]) -> None:
+    """Let a container within a state machine lead where its children led, and be entered where they were."""
+    machine, place = editing.node(parent), editing.place(parent)
+    assert isinstance(machine, StateMachine)
+    at = (*place, slot(machine))
+    if not shell.machine and len(names) > 1:
+        raise EditError(parent, f"states become a state_machine; wrap {listing(names)} one by one, or in that")
+    outside = {name: child for name, child in machine.children.items() if name not in names}
+    entered = {t for child in outside.values() for t in child.on.values() if t in names}
+    entered |= {machine.initial} & set(names)
+    if len(entered) > 1:
+        raise EditError(parent, f"{listing(sorted(entered))} are entered from outside; a container has one entry")
+    shell.initial = next(iter(entered), names[0])
+    for name, child in outside.items():
+        for outcome, target in child.on.items():
+            if target in names:
+                editing.set((*at, name, "on"), outcome, shell.name)
+    if machine.initial in names:
+        editing.set(place, "initial", shell.name)
+    if not shell.machine:
+        _pass_edges(editing, shell, (*at, names[0]), names[0], machine.children[names[0]], machine)
+        return
+    for name in names:
+        for outcome, target in machine.children[name].on.items():
+            if target not in names and target not in shell.outcomes:
+                shell.outcomes[target] = _meaning(machine.children[name], outcome, machine, target)
+                shell.on[target] = target
+
+
+def _pass_edges(
+    editing: Editing, shell: _Shell, record: Place, name: str, node: AnyNode, around: StateMachine | Task
+) -> None:
+    """Take the `on` of the only child; what isn't success or failure becomes an outcome of the container."""
+    on = dict(node.on)
+    within: dict[str, str] = {}
+    for outcome, target in on.items():
+        label = outcome.replace(".", "_")
+        if shell.machine:
+            label = outcome.partition(".")[0]
+            within[outcome] = label
+        elif outcome.partition(".")[0] in STANDARD:
+            shell.on[outcome] = shell.name if target == name else target
+            continue
+        else:
+            shell.exits[f"{name}.{outcome}"] = label
+        shell.outcomes[label] = _meaning(node, outcome, around, target)
+        shell.on[label if not shell.machine else outcome] = shell.name if target == name else target
+    if shell.machine:
+        known = outcomes_of(node) if not isinstance(node, Leaf | Subtask) else {label: label for label in STANDARD}
+        for label, meaning in known.items():
+            within.setdefault(label, label)
+            shell.outcomes.setdefault(label, meaning)  # type: ignore[arg-type]
+        editing.set(record, "on", within)
+    elif on:
+        editing.drop(record, "on")
+
+
+def _take_exits(editing: Editing, shell: _Shell, parent: str, names: list[str]) -> None:
+    """Let labels of the children that end the container around them do so from within the new one."""
+    container, place = editing.node(parent), editing.place(parent)
+    within = chain(None if len(names) == 1 else container, names)
+    for key, exit_ in editing.entries(place, "exits").items():
+        name, _, outcome = key.partition(".")
+        if name not in names:
+            continue
+        label = exit_ if exit_ not in STANDARD else key.replace(".", "_")
+        if label in shell.outcomes:
+            label = key.replace(".", "_")
+        shell.outcomes[label] = _meaning(children_of(container)[name], outcome, container, exit_)
+        if shell.machine:
+            within[name][outcome] = label
+        else:
+            shell.exits[key] = label
+        editing.rekey((*place, "exits"), key, f"{shell.name}.{label}")
+    if shell.machine:
+        reached = {t for on in within.values() for t in on.values()}
+        shell.outcomes |= {label: label for label in STANDARD if label in reached}  # type: ignore[misc]
+        for name, on in within.items():
+            editing.set((*place, slot(container), name), "on", on)
+
+
+def _meaning(node: AnyNode, outcome: str, around: Any, target: str) -> Meaning:
+    """Return what a label most likely means: as declared below, else as declared above, else by its name."""
+    label = outcome.partition(".")[0]
+    below = node.meaning if isinstance(node, Leaf | Subtask) else outcomes_of(node)
+    above = around.outcomes
+    found = below.get(label) or above.get(target)
+    return found or ("failure" if label == "failure" else "success")
+
+
+def _unwrap_root(editing: Editing, node: AnyNode, names: list[str]) -> None:
+    if len(names) != 1:
+        raise EditError("/", f"a task has one root; this one would leave {listing(names, 'none')}")
+    _rehome(editing, node, ("root",), editing.task, ())
+    inner = ("root", slot(node))
+    record = (*inner, names[0])
+    on = {
+        outcome: node.on.get(label, label)
+        for outcome, label in edges_of(node)[names[0]].items()
+        if label not in names and node.on.get(label, label) in editing.task.outcomes
+    }
+    _set_on(editing, record, on if node.on or isinstance(node, StateMachine) else {})
+    aside = "x-aside"
+    while aside in editing.draft.mapping(()) or aside in names:
+        aside += "-"
+    editing.rekey(inner, names[0], aside)
+    editing.shift(inner, aside, ())
+    editing.drop((), "root")
+    editing.rekey((), aside, "root")
+
+
+def _rehome(editing: Editing, node: AnyNode, place: Place, around: AnyNode | Task, to: Place) -> None:
+    """Let the variables of the container be those of the one around it."""
+    own = list(getattr(node, "data", ()))
+    if not own:
+        return
+    both = [name for name in own if name in getattr(around, "data", ())]
+    if both:
+        where = "the task" if to == () else "the container around it"
+        raise EditError("/".join(place[2::2]), f"{where} has its own {listing(both)}; rename a variable first")
+    if "data" not in editing.draft.mapping(to):
+        editing.shift(place, "data", to)
+        return
+    for name in own:
+        editing.shift((*place, "data"), name, (*to, "data"))
+
+
+def _give_edges(editing: Editing, node: AnyNode, place: Place, machine: StateMachine, name: str) -> None:
+    """Connect the children to where the container led, and what led to the container to its first child."""
+    names = list(children_of(node))
+    first = node.initial if isinstance(node, StateMachine) and node.initial in names else names[0]
+    at = place[:-1]
+    for sibling, child in machine.children.items():
+        for outcome, target in child.on.items():
+            if target == name != sibling:
+                editing.set((*at, sibling, "on"), outcome, first)
+    if machine.initial == name:
+        editing.set(at[:-1], "initial", first)
+    for inner, edges in edges_of(node).items():
+        on: dict[str, str] = {}
+        for outcome, label in edges.items():
+            if label in names:
+                on[outcome] = label
+                continue
+            for exit_, target in node.on.items():
+                base, dot, code = exit_.partition(".")
+                if base == label and (not dot or "." not in outcome):
+                    on[f"{outcome}{dot}{code}"] = first if target == name else target
+        _set_on(editing, (*place, slot(node), inner), on)
+
+
+def _give_exits(editing: Editing, node: AnyNode, place: Place, around: Place, name: str) -> None:
+    """Let the labels of the children that left the container around it through this one leave it themselves."""
+    old = {key: exit_ for key, exit_ in editing.entries(around, "exits").items() if child_of(key) == name}
+    for key in old:
+        editing.drop_in(around, "exits", key)
+    for child, edges in edges_of(node).items():
+        for outcome, label in edges.items():
+            if f"{name}.{label}" in old and label not in children_of(node):
+                editing.set_in(around, "exits", f"{child}.{outcome}", old[f"{name}.{label}"])
+        _set_on(editing, (*place, slot(node), child), {})
+
+
+def _set_on(editing: Editing, record: Place, on: dict[str, str]) -> None:
+    if on:
+        editing.set(record, "on", on)
+    elif "on" in editing.draft.mapping(record):
+        editing.drop(record, "on")

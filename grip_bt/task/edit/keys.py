@@ -1,0 +1,235 @@
+"""Commands on single keys of a node or of the task."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import Field
+
+from grip_bt.base.errors import EditError, listing, nearest
+
+from ..model import AnyNode, Meaning, StateMachine
+from ..shape import CHILDREN, FREE, keys_of
+from ..walking import children_of, outcomes_of
+from .command import BaseCommand, said
+from .editing import Editing, kind_of
+from .steps import Place
+
+_STRUCTURE = {
+    "grip": "the version of the format stays",
+    "kind": "use `change_kind`",
+    "root": "use `add`, `wrap` or `move`",
+    **dict.fromkeys(CHILDREN, "use `add`, `remove` or `move`"),
+}
+
+_IN_WORDS: dict[tuple[str, ...], str] = {
+    ("doc",): "documentation",
+    ("with",): "parameters",
+    ("in",): "inputs",
+    ("out",): "outputs",
+}
+
+
+class Set(BaseCommand):
+    """A key of a node or of the task has a value: `["times"]`, `["with", "arm"]`, `["x-note"]`."""
+
+    do: Literal["set"] = "set"
+    path: str
+    key: tuple[str, ...] = Field(min_length=1)
+    value: Any
+
+    def in_words(self) -> str:
+        return f"set {_key(self.path, self.key)}{_value(self.value)}"
+
+    def plan(self, editing: Editing) -> None:
+        place, *inner = _keys(editing, self.path, self.key)
+        *above, last = inner
+        for depth, key in enumerate(above):
+            at = (*place, *above[:depth])
+            if key not in editing.draft.mapping(at):
+                value = self.value
+                for below in reversed(inner[depth + 1 :]):
+                    value = {below: value}
+                editing.put(at, key, value)
+                return
+        editing.set((*place, *above), last, self.value)
+
+
+class Unset(BaseCommand):
+    """A key of a node or of the task goes, so that its default holds."""
+
+    do: Literal["unset"] = "unset"
+    path: str
+    key: tuple[str, ...] = Field(min_length=1)
+
+    def in_words(self) -> str:
+        return f"unset {_key(self.path, self.key)}"
+
+    def plan(self, editing: Editing) -> None:
+        place, *inner = _keys(editing, self.path, self.key)
+        *above, last = inner
+        if len(above) == 1 and last in editing.entries(place, above[0]):
+            editing.drop_in(place, above[0], last)
+        else:
+            editing.drop((*place, *above), last)
+
+
+class Connect(BaseCommand):
+    """An outcome of a node leads to `target`.
+
+    In a state machine to a sibling or to an outcome of the machine; at the root to an outcome of the task; in any other
+    container to one of its outcomes (an entry of its `exits`).
+    """
+
+    do: Literal["connect"] = "connect"
+    path: str
+    outcome: str
+    """An outcome, or `outcome.code`."""
+    target: str
+
+    def in_words(self) -> str:
+        return f"connect {self.outcome} of {said(self.path)} to {self.target}"
+
+    def plan(self, editing: Editing) -> None:
+        record, field, key = _edge(editing, self.path, self.outcome)
+        allowed = _targets(editing, self.path)
+        if self.target not in allowed:
+            message = f"can't lead to {self.target!r}{nearest(self.target, allowed)} (it may lead to: "
+            hint = "" if field == "on" else "; edges between siblings need a state_machine: `change_kind`"
+            raise EditError(self.path, f"{message}{listing(allowed)}){hint}")
+        editing.set_in(record, field, key, self.target)
+
+
+class Disconnect(BaseCommand):
+    """An outcome of a node leads nowhere any more."""
+
+    do: Literal["disconnect"] = "disconnect"
+    path: str
+    outcome: str
+
+    def in_words(self) -> str:
+        return f"disconnect {self.outcome} of {said(self.path)}"
+
+    def plan(self, editing: Editing) -> None:
+        record, field, key = _edge(editing, self.path, self.outcome)
+        there = editing.entries(record, field)
+        if key not in there:
+            ends = [k.removeprefix(f"{self.path.rpartition('/')[2]}.") for k in there]
+            raise EditError(self.path, f"{self.outcome!r} leads nowhere (what does: {listing(ends)})")
+        editing.drop_in(record, field, key)
+
+
+class Bind(BaseCommand):
+    """A port of a leaf reads from or writes to a variable."""
+
+    do: Literal["bind"] = "bind"
+    path: str
+    side: Literal["in", "out"]
+    port: str
+    variable: str
+
+    def in_words(self) -> str:
+        return f"{self.port} of {said(self.path)} {'reads' if self.side == 'in' else 'writes'} {self.variable}"
+
+    def plan(self, editing: Editing) -> None:
+        _leaf(editing, self.path, "ports")
+        editing.set_in(editing.place(self.path), self.side, self.port, self.variable)
+
+
+class Unbind(BaseCommand):
+    """A port of a leaf has no variable any more."""
+
+    do: Literal["unbind"] = "unbind"
+    path: str
+    side: Literal["in", "out"]
+    port: str
+
+    def in_words(self) -> str:
+        return f"{self.port} of {said(self.path)} {'reads' if self.side == 'in' else 'writes'} no variable"
+
+    def plan(self, editing: Editing) -> None:
+        _leaf(editing, self.path, "ports")
+        place = editing.place(self.path)
+        there = editing.entries(place, self.side)
+        if self.port not in there:
+            hint = nearest(self.port, there)
+            raise EditError(self.path, f"the port {self.port!r} isn't bound{hint} (bound are: {listing(there)})")
+        editing.drop_in(place, self.side, self.port)
+
+
+class SetMeaning(BaseCommand):
+    """An outcome of a node, or of the task, means success or failure; for a leaf, None is what its manifest says."""
+
+    do: Literal["set_meaning"] = "set_meaning"
+    path: str
+    outcome: str
+    meaning: Meaning | None
+
+    def in_words(self) -> str:
+        return f"{self.outcome} of {said(self.path)} means {self.meaning or 'what its manifest says'}"
+
+    def plan(self, editing: Editing) -> None:
+        place = editing.place(self.path)
+        holder = editing.task if self.path == "" else editing.node(self.path)
+        if "meaning" in type(holder).model_fields:
+            if self.meaning is not None:
+                editing.set_in(place, "meaning", self.outcome, self.meaning)
+            elif self.outcome in editing.entries(place, "meaning"):
+                editing.drop_in(place, "meaning", self.outcome)
+            return
+        if "outcomes" not in type(holder).model_fields:
+            raise EditError(self.path, f"the outcomes of a {kind_of(holder)} keep their meanings")
+        if self.meaning is None:
+            raise EditError(self.path, f"the outcome {self.outcome!r} needs a meaning: success or failure")
+        if self.path == "" and "outcomes" not in editing.draft.mapping(()):
+            editing.put((), "outcomes", {**editing.task.outcomes, self.outcome: self.meaning})
+        else:
+            editing.set_in(place, "outcomes", self.outcome, self.meaning)
+
+
+def _key(path: str, key: tuple[str, ...]) -> str:
+    key = key[1:] if key[0] == "with" and len(key) > 1 else key
+    return f"{_IN_WORDS.get(key, '/'.join(key))} of {said(path)}"
+
+
+def _value(value: Any) -> str:
+    """Return a short value in words; empty for one that is no word."""
+    if isinstance(value, bool):
+        return " to yes" if value else " to no"
+    if isinstance(value, int | float | str) and 0 < len(str(value)) <= 20:
+        return f" to {value}"
+    return ""
+
+
+def _keys(editing: Editing, path: str, key: tuple[str, ...]) -> tuple[Place, *tuple[str, ...]]:
+    shape = type(editing.task if path == "" else editing.node(path))
+    allowed = keys_of(shape)
+    first = key[0]
+    if first in _STRUCTURE:
+        raise EditError(path, f"{first!r} isn't set like other keys: {_STRUCTURE[first]}")
+    if first not in allowed and not first.startswith(FREE):
+        raise EditError(path, f"there is no key {first!r}{nearest(first, allowed)} (there are: {listing(allowed)})")
+    return (editing.place(path), *key)
+
+
+def _edge(editing: Editing, path: str, outcome: str) -> tuple[Place, str, str]:
+    """Return the record, the field and the key that hold where an outcome leads."""
+    if path == "/" or isinstance(editing.parent(path, "")[2], StateMachine):
+        return editing.place(path), "on", outcome
+    above, name, _ = editing.parent(path, "")
+    return editing.place(above), "exits", f"{name}.{outcome}"
+
+
+def _targets(editing: Editing, path: str) -> list[str]:
+    if path == "/":
+        return list(editing.task.outcomes)
+    container = editing.parent(path, "")[2]
+    siblings = children_of(container) if isinstance(container, StateMachine) else ()
+    return [*siblings, *outcomes_of(container)]  # type: ignore[arg-type]
+
+
+def _leaf(editing: Editing, path: str, what: str) -> AnyNode:
+    node = editing.node(path)
+    if not {"in", "out"} <= set(keys_of(type(node))):
+        raise EditError(path, f"a {kind_of(node)} has no {what}; leaves have")
+    return node
