@@ -190,9 +190,16 @@ def catalogue_of(project: Project) -> Catalog:
             manifests += find_manifests(project.folder / folder)
     if file.nodes is not None:
         manifests += find_python_nodes(project.folder / file.nodes)
-    whole = Catalog.builtin().with_manifests(manifests).with_(tasks=TaskFolder(project.folder))
-    whole = whole.with_(code=AllowedImports(file.code, project.folder))
-    return whole.with_(named=partial(message_names, project)).with_(equipment=partial(equipment_of, project))
+    return (
+        Catalog.builtin()
+        .with_manifests(manifests)
+        .with_(
+            tasks=TaskFolder(project.folder),
+            named=partial(message_names, project),
+            equipment=partial(equipment_of, project),
+            code=AllowedImports(file.code, project.folder),
+        )
+    )
 
 
 def message_names(project: Project) -> Mapping[str, set[str]] | None:
