@@ -17,9 +17,8 @@ from grip_bt.base.expression import parse_expression
 from grip_bt.base.frozen import FrozenDict
 from grip_bt.base.python_literals import py
 from grip_bt.task.catalog.component_file import FEEDBACK, ComponentFile
+from grip_bt.task.catalog.manifest import InputPort, Manifest, OutputPort, manifest_text
 from grip_bt.task.catalog.ros_config import INTEGER_TYPES, FieldSpec, InterfaceSpec
-from grip_bt.task.catalog.manifest import InputPort, Manifest, OutputPort
-from grip_bt.task.catalog.manifest import manifest_text
 from grip_bt.task.model import Meaning
 
 from .contract import INPUT, FieldsOf, check_contract, input_ports, output_ports, port_type

@@ -15,7 +15,7 @@ from grip_bt.base.errors import (
     UnknownNameError,
 )
 from grip_bt.base.message_store import MessageLibrary, names
-from grip_bt.task.catalog import Catalog, AllowedImports, TaskFolder, find_manifests, find_python_nodes
+from grip_bt.task.catalog import AllowedImports, Catalog, TaskFolder, find_manifests, find_python_nodes
 from grip_bt.task.catalog.project_parts import UNFIT, UNMOVED, Equipment, Equipped, Trouble
 from grip_bt.task.catalog.sensors import sensor_manifest
 
