@@ -9,8 +9,8 @@ from grip_bt.task import dumps, loads
 from grip_bt.task.canonical import data_of
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.edit import AnyCommand, Convert, Group, Inline, Patch, apply, path_after, title_of
+from grip_bt.task.edit.documents import differences
 from grip_bt.task.edit.draft import Draft, deep
-from grip_bt.task.edit.rewriting import differences
 from grip_bt.task.edit.steps import Place, Put, Rekey, Shift, Step
 from grip_bt.task.model import Task
 from grip_bt.task.shape import CHILDREN

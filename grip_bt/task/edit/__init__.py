@@ -5,14 +5,12 @@ from .command import BaseCommand
 from .commands import AnyCommand, Applied, Command, Group, Patch, apply, command_of, title_of
 from .comment import Comment, comment_of
 from .containers import Unwrap, Wrap
-from .documents import Edited, apply_to_document
-from .history import History, Moment
-from .history_file import history_path, load_history, save_history
+from .documents import Edited, apply_to_document, rewrite
+from .history import History, Moment, history_path, load_history, save_history
 from .keys import Bind, Connect, Disconnect, Set, SetMeaning, Unbind, Unset
 from .nodes import Add, Move, Remove, Rename
 from .outcomes import RenameOutcome
 from .paste import Clip, Paste, clip_of
-from .rewriting import rewrite
 from .steps import path_after
 from .variables import Declare, RenameVariable, Undeclare
 

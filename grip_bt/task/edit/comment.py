@@ -13,8 +13,8 @@ from grip_bt.base.yaml.tree import YamlEntry, YamlMapping
 from ..document import Document
 from .command import BaseCommand, said
 from .editing import Editing
-from .regions import content_end, is_tidy, line_end, line_start, region_end
 from .steps import HEAD, Place, Remark
+from .text_places import content_end, is_tidy, line_end, line_start, region_end
 
 LONGEST = 10_000
 """Characters of a comment."""

@@ -1,18 +1,80 @@
-"""Commands applied to documents: the text changes only where the command does, and the inverse gives the bytes back."""
+"""Commands applied to documents: the text changes only where the command does, and the inverse gives the bytes back.
+
+A text typed by a person is a command too: the steps from the old task to the new one, and the very bytes. So it stands
+in the same history, and what lives beside a task (layout, breakpoints, a selection) follows it.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from hashlib import blake2b
+from math import isfinite
+from typing import Any
+
+from pydantic import BaseModel
 
 from grip_bt.base.errors import DocumentError, EditError
+from grip_bt.task.canonical import data_of
+from grip_bt.task.document import Document, read_text
+from grip_bt.task.model import Task
+from grip_bt.task.shape import CHILDREN, FREE
 
-from ..document import Document, read_text
-from ..model import Task
-from .alike import alike, said_alike
 from .commands import AnyCommand, Patch, Restore, Splice, apply
-from .steps import Assign, Put, Remark, Step, path_after
+from .draft import deep
+from .steps import Assign, Drop, Place, Put, Rekey, Remark, Shift, Step, is_record, path_after
 from .text import Text
+
+
+def alike(one: Any, other: Any) -> bool:
+    """Tell whether two parts of tasks are equal: their values, the types of these, and the order of entries.
+
+    `==` of Python takes 1 for True and 1.0, and doesn't look at the order of a mapping. As in JSON, in which edits are
+    kept, numbers without an end and those that are none count as null.
+    """
+    if one is other:
+        return True
+    kind = type(one)
+    if kind is str:
+        return type(other) is str and bool(one == other)
+    if isinstance(one, dict):
+        if not isinstance(other, dict) or len(one) != len(other):
+            return False
+        return all(k is m or k == m for k, m in zip(one, other, strict=True)) and _each_alike(
+            one.values(), other.values()
+        )
+    if isinstance(one, list | tuple):
+        return isinstance(other, list | tuple) and len(one) == len(other) and _each_alike(one, other)
+    if kind is not type(other):
+        return _as_json(one) is None and _as_json(other) is None
+    if isinstance(one, BaseModel):
+        return _each_alike(vars(one).values(), vars(other).values())
+    return bool(one == other) if kind is not float else repr(_as_json(one)) == repr(_as_json(other))
+
+
+def _as_json(value: Any) -> Any:
+    return None if type(value) is float and not isfinite(value) else value
+
+
+def said_alike(one: Any, other: Any) -> bool:
+    """Tell whether two parts that are alike also say and leave out the same keys, and hold the very same numbers."""
+    if one is other:
+        return True
+    if isinstance(one, BaseModel):
+        same = one.model_fields_set == other.model_fields_set
+        return same and all(said_alike(getattr(one, name), getattr(other, name)) for name in one.model_fields_set)
+    if isinstance(one, dict):
+        return all(said_alike(value, other[key]) for key, value in one.items())
+    if isinstance(one, list | tuple):
+        return all(map(said_alike, one, other))
+    return type(one) is type(other) and (type(one) is not float or repr(one) == repr(other))
+
+
+def _each_alike(some: Any, others: Any) -> bool:
+    for one, other in zip(some, others, strict=True):
+        if one is not other and not alike(one, other):
+            return False
+    return True
 
 
 @dataclass(frozen=True)
@@ -91,3 +153,102 @@ def _with_source(step: Step, source: str | None) -> Step:
 def digest_of(text: str) -> str:
     """Return what tells whether a text is still the one that an inverse was made for."""
     return blake2b(text.encode(errors="surrogatepass"), digest_size=16).hexdigest()
+
+
+TITLE = "edit the text"
+
+
+def rewrite(document: Document, text: str, title: str = TITLE) -> Patch:
+    """Return the command that gives a document another text.
+
+    Raises:
+        DocumentError: the text isn't a task.
+    """
+    after = read_text(text, document.source)
+    steps = tuple(differences(_data(document), _data(after)))
+    restore = Restore(digest=digest_of(document.text), splices=(_splice(document.text, text),))
+    return Patch(title=title, steps=steps, restore=restore)
+
+
+def _data(document: Document) -> dict[str, Any]:
+    found = deep(data_of(document.task))
+    assert isinstance(found, dict)
+    return found
+
+
+def differences(old: dict[str, Any], new: dict[str, Any], at: Place = ()) -> Iterator[Step]:
+    """Yield steps that make one mapping of a file, at a place, into another one."""
+    if is_record(at):
+        yield from _of_record(old, new, at)
+    else:
+        yield from _of_list(old, new, at)
+    for key, value in new.items():
+        before = old.get(key, value)
+        if isinstance(before, dict) and isinstance(value, dict):
+            yield from differences(before, value, (*at, key))
+        elif not same_data(before, value):
+            yield Assign(at=at, key=key, value=value)
+
+
+def _of_record(old: dict[str, Any], new: dict[str, Any], at: Place) -> Iterator[Step]:
+    """Drop and put the keys of a record; the order of free keys counts, so that they go and come when it changes."""
+    free = [key for key in old if key.startswith(FREE)], [key for key in new if key.startswith(FREE)]
+    again = free[0] if free[0] != free[1] else []
+    for key in [k for k in old if k not in new or k in again]:
+        old.pop(key)
+        yield Drop(at=at, key=key)
+    for key, value in new.items():
+        if key not in old:
+            old[key] = value
+            yield Put(at=at, key=key, value=value)
+
+
+def _of_list(old: dict[str, Any], new: dict[str, Any], at: Place) -> Iterator[Step]:
+    """Make the keys of a list by name those of another one, in its order."""
+    if at and at[-1] in CHILDREN:
+        yield from _renamed(old, new, at)
+    for key in [k for k in old if k not in new]:
+        old.pop(key)
+        yield Drop(at=at, key=key)
+    order = list(old)
+    for index, key in enumerate(new):
+        if key not in old:
+            old[key] = new[key]
+            order.insert(index, key)
+            yield Put(at=at, key=key, value=new[key], index=index)
+        elif order[index] != key:
+            order.remove(key)
+            order.insert(index, key)
+            yield Shift(at=at, key=key, to=at, index=index)
+
+
+def _renamed(old: dict[str, Any], new: dict[str, Any], at: Place) -> Iterator[Step]:
+    """Rename children whose name is all that has changed."""
+    fresh = [key for key in new if key not in old]
+    for gone in [key for key in old if key not in new]:
+        match = next((key for key in fresh if same_data(new[key], old[gone])), None)
+        if match is not None:
+            fresh.remove(match)
+            entries = [(match if key == gone else key, value) for key, value in old.items()]
+            old.clear()
+            old.update(entries)
+            yield Rekey(at=at, key=gone, to=match)
+
+
+def same_data(one: Any, other: Any) -> bool:
+    """Tell whether two values stand for the same in a file: 1, 1.0 and true are three things, and order counts."""
+    if type(one) is not type(other):
+        return False
+    if isinstance(one, dict):
+        return list(one) == list(other) and all(same_data(value, other[key]) for key, value in one.items())
+    if isinstance(one, list):
+        return len(one) == len(other) and all(same_data(a, b) for a, b in zip(one, other, strict=True))
+    return bool(one == other or (one != one and other != other))
+
+
+def _splice(old: str, new: str) -> Splice:
+    """Return the one piece in which two texts differ."""
+    shorter = min(len(old), len(new))
+    start = next((i for i in range(shorter) if old[i] != new[i]), shorter)
+    end = next((i for i in range(shorter - start) if old[-1 - i] != new[-1 - i]), shorter - start)
+    return Splice(start=start, old=old[start : len(old) - end], new=new[start : len(new) - end])

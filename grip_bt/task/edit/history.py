@@ -1,48 +1,50 @@
 """Undo and redo over commands, with branches: what was undone and then overwritten stays reachable.
 
 A history holds a bounded number of moments. What is forgotten first are the oldest ends of branches on which the
-document isn't; then its own beginning.
+document isn't; then its own beginning. It is kept as a file beside its task, `tasks/.grip/history/pick.yaml.json`, with
+the text that it ended with. When the task's file was changed since by something else, that change is one more moment,
+so that nothing that was done before is lost.
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Annotated, Literal
 
-from grip_bt.base.errors import EditError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from ..document import Document
+from grip_bt.base.errors import DocumentError, EditError
+from grip_bt.base.files import replace_text
+
+from ..document import Document, read_text
 from .commands import AnyCommand, Patch, title_of
-from .documents import Edited, apply_to_document
-
-
-@dataclass(frozen=True)
-class Moment:
-    """One state of a document in a history.
-
-    Attributes:
-        number: its number; 0 is what the history began with.
-        parent: the moment that it was made from; None for the first.
-        title: what was done, in a few words.
-    """
-
-    number: int
-    parent: int | None
-    title: str
-
+from .documents import Edited, apply_to_document, rewrite
 
 LIMIT = 1000
 """Moments that a history holds, unless it is told otherwise."""
+VERSION = 1
+LARGEST = 20_000_000
+"""Bytes of a file; a larger history is stored without its oldest moments."""
+OUTSIDE = "changed outside"
 
 
-@dataclass
-class Kept:
-    """A moment with the way from and to its parent, and the moments made from it, the one left last at the end."""
+class Moment(BaseModel):
+    """One state of a document in a history, with the way from and to the one before."""
 
-    moment: Moment
-    back: Patch | None
+    model_config = ConfigDict(extra="forbid")
+
+    number: Annotated[int, Field(ge=0)]
+    """0 is what the history began with."""
+    parent: int | None
+    """The moment that it was made from; None for the first."""
+    title: str
+    """What was done, in a few words."""
+    back: Patch | None = None
     forth: Patch | None = None
-    children: list[int] = field(default_factory=list)
+    children: list[int] = []
+    """The moments made from it, the one left last at the end."""
 
 
 class History:
@@ -52,18 +54,18 @@ class History:
     """
 
     def __init__(self, document: Document, limit: int = LIMIT):
-        self._kept = {0: Kept(Moment(0, None, "opened"), None)}
+        self._moments = {0: Moment(number=0, parent=None, title="opened")}
         self._at = 0
         self._next = 1
         self._limit = max(limit, 1)
         self._document = document
 
     @classmethod
-    def restored(cls, document: Document, kept: Iterable[Kept], at: int, limit: int = LIMIT) -> History:
+    def restored(cls, document: Document, moments: Iterable[Moment], at: int, limit: int = LIMIT) -> History:
         """Return a history as it was: its document, its moments, and the number of the one at which it is."""
         history = cls(document, limit)
-        history._kept = {each.moment.number: each for each in kept}
-        history._at, history._next = at, max(history._kept) + 1
+        history._moments = {each.number: each.model_copy(update={"children": [*each.children]}) for each in moments}
+        history._at, history._next = at, max(history._moments) + 1
         history._forget()
         return history
 
@@ -75,27 +77,22 @@ class History:
     @property
     def at(self) -> Moment:
         """The moment at which the document is."""
-        return self._kept[self._at].moment
+        return self._moments[self._at]
 
     @property
     def moments(self) -> tuple[Moment, ...]:
         """All moments, in the order in which they were made."""
-        return tuple(kept.moment for kept in self._kept.values())
-
-    @property
-    def kept(self) -> tuple[Kept, ...]:
-        """All moments with the ways between them, for whoever stores them."""
-        return tuple(self._kept.values())
+        return tuple(self._moments.values())
 
     @property
     def can_undo(self) -> bool:
         """Whether something can be undone here."""
-        return self._kept[self._at].back is not None
+        return self._moments[self._at].back is not None
 
     @property
     def can_redo(self) -> bool:
         """Whether something was undone here that can be done again."""
-        return bool(self._kept[self._at].children)
+        return bool(self._moments[self._at].children)
 
     def do(self, command: AnyCommand) -> Edited:
         """Carry out a command (one gesture: several are a `Group`) and keep how to undo it.
@@ -105,8 +102,8 @@ class History:
         """
         edited = apply_to_document(self._document, command)
         number, self._next = self._next, self._next + 1
-        self._kept[number] = Kept(Moment(number, self._at, title_of(command)), edited.inverse)
-        self._kept[self._at].children.append(number)
+        self._moments[number] = Moment(number=number, parent=self._at, title=title_of(command), back=edited.inverse)
+        self._moments[self._at].children.append(number)
         self._at, self._document = number, edited.document
         self._forget()
         return edited
@@ -117,12 +114,12 @@ class History:
         Raises:
             EditError: this is the first.
         """
-        kept = self._kept[self._at]
-        if kept.back is None or kept.moment.parent is None:
+        moment = self._moments[self._at]
+        if moment.back is None or moment.parent is None:
             raise EditError("", "there is nothing to undo")
-        edited = apply_to_document(self._document, kept.back)
-        kept.forth = edited.inverse
-        self._take(kept.moment.parent, kept.moment.number, edited)
+        edited = apply_to_document(self._document, moment.back)
+        moment.forth = edited.inverse
+        self._take(moment.parent, moment.number, edited)
         return edited
 
     def redo(self, number: int | None = None) -> Edited:
@@ -131,16 +128,19 @@ class History:
         Raises:
             EditError: nothing was undone here, or there is no such moment.
         """
-        children = self._kept[self._at].children
+        children = self._moments[self._at].children
         if not children or (number is not None and number not in children):
             raise EditError(
-                "", "there is nothing to redo" if number is None else f"moment {number} isn't made from here"
+                "",
+                "there is nothing to redo"
+                if number is None
+                else f"revision {number} doesn't follow from the current one",
             )
-        kept = self._kept[children[-1] if number is None else number]
-        assert kept.forth is not None
-        edited = apply_to_document(self._document, kept.forth)
-        kept.back = edited.inverse
-        self._take(kept.moment.number, kept.moment.number, edited)
+        moment = self._moments[children[-1] if number is None else number]
+        assert moment.forth is not None
+        edited = apply_to_document(self._document, moment.forth)
+        moment.back = edited.inverse
+        self._take(moment.number, moment.number, edited)
         return edited
 
     def go(self, number: int) -> tuple[Edited, ...]:
@@ -149,58 +149,174 @@ class History:
         Raises:
             EditError: there is no such moment.
         """
-        if number not in self._kept:
+        if number not in self._moments:
             forgotten = " any more" if 0 <= number < self._next else ""
-            raise EditError("", f"there is no moment {number}{forgotten}; the last is {max(self._kept)}")
+            raise EditError("", f"there is no moment {number}{forgotten}; the last is {max(self._moments)}")
         up = self._line(self._at)
         down = []
         at: int = number
         while at not in up:
             down.append(at)
-            parent = self._kept[at].moment.parent
+            parent = self._moments[at].parent
             assert parent is not None
             at = parent
         done = [self.undo() for _ in range(up.index(at))]
         return (*done, *(self.redo(step) for step in reversed(down)))
 
-    def replace(self, text: Document) -> None:
-        """Take a document that was changed from outside (a person edited the text) as the one of this moment.
-
-        What was done before can still be undone: the text then changes where the commands had changed it.
-        """
-        self._document = text
-
     def _forget(self) -> None:
         """Keep no more moments than the limit; numbers stay."""
-        while len(self._kept) > self._limit:
+        while len(self._moments) > self._limit:
             line = set(self._line(self._at))
-            loose = next((n for n, kept in self._kept.items() if n not in line and not kept.children), None)
+            loose = next((n for n, moment in self._moments.items() if n not in line and not moment.children), None)
             self._forget_end(loose) if loose is not None else self._forget_beginning()
 
     def _forget_end(self, number: int) -> None:
-        parent = self._kept.pop(number).moment.parent
+        parent = self._moments.pop(number).parent
         assert parent is not None, "the beginning is on every line"
-        self._kept[parent].children.remove(number)
+        self._moments[parent].children.remove(number)
 
     def _forget_beginning(self) -> None:
-        first = next(iter(self._kept))
-        begin = self._kept[self._kept.pop(first).children[0]]
-        begin.moment = replace(begin.moment, parent=None)
-        begin.back = begin.forth = None
+        first = next(iter(self._moments))
+        begin = self._moments[self._moments.pop(first).children[0]]
+        begin.parent = begin.back = begin.forth = None
 
     def _line(self, number: int) -> list[int]:
         line: list[int] = []
         at: int | None = number
         while at is not None:
             line.append(at)
-            at = self._kept[at].moment.parent
+            at = self._moments[at].parent
         return line
 
     def _take(self, number: int, used: int, edited: Edited) -> None:
         """Be at a moment; the branch that was used last is the one that a redo takes."""
-        parent = self._kept[used].moment.parent
+        parent = self._moments[used].parent
         assert parent is not None
-        siblings = self._kept[parent].children
+        siblings = self._moments[parent].children
         siblings.remove(used)
         siblings.append(used)
         self._at, self._document = number, edited.document
+
+
+class _Stored(BaseModel):
+    """What the file holds."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    grip_history: Literal[1]
+    text: str
+    at: int
+    moments: list[Moment] = Field(min_length=1)
+
+
+def history_path(task: Path | str) -> Path:
+    """Return where the history of a task file is kept."""
+    task = Path(task)
+    return task.parent / ".grip" / "history" / f"{task.name}.json"
+
+
+def save_history(history: History, path: Path) -> None:
+    """Write a history in one step: whoever reads the file sees the old one or the new one.
+
+    Raises:
+        DocumentError: it can't be written.
+    """
+    text, limit = stored(history), len(history.moments)
+    while len(text.encode()) > LARGEST and limit > 1:
+        limit //= 2
+        history = History.restored(history.document, history.moments, history.at.number, limit)
+        text = stored(history)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        replace_text(path, text)
+    except OSError as error:
+        raise DocumentError(f"can't be written: {error.strerror or error}", str(path)) from error
+
+
+def stored(history: History) -> str:
+    """Return a history as the text of its file."""
+    made = _Stored(grip_history=1, text=history.document.text, at=history.at.number, moments=list(history.moments))
+    return json.dumps(made.model_dump(mode="json"), ensure_ascii=False) + "\n"
+
+
+def load_history(path: Path, document: Document, limit: int = LIMIT) -> History:
+    """Return the history of a task whose file holds `document` now; a new one where there is no file.
+
+    Args:
+        path: the history's file, as `history_path` names it.
+        document: the task as it is.
+        limit: moments that the history holds.
+
+    Raises:
+        DocumentError: the file is damaged or of a newer version; delete it, and begin with a new history.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        return History(document, limit)
+    except (OSError, UnicodeDecodeError) as error:
+        raise DocumentError(
+            f"the edit history can't be read: {error}; delete the file to start a new one", str(path)
+        ) from None
+    history = restored(text, document.source, limit, str(path))
+    if history.document.text != document.text:
+        history.do(rewrite(history.document, document.text, OUTSIDE))
+    return history
+
+
+def restored(text: str, source: str, limit: int = LIMIT, where: str = "") -> History:
+    """Return the history that a text holds; `source` names its task and `where` the file in messages.
+
+    Raises:
+        DocumentError: it holds none.
+    """
+    try:
+        found = json.loads(text)
+        version = found.get("grip_history") if isinstance(found, dict) else None
+        if isinstance(version, int) and version > VERSION:
+            newer = f"version {version} of the edit history is newer than this version of GRIP reads ({VERSION})"
+            raise DocumentError(f"{newer}; run `pip install -U grip-bt`", where)
+        kept = _checked(_Stored.model_validate_json(text))
+        document = read_text(kept.text, source)
+    except (ValueError, ValidationError, RecursionError) as error:
+        words = str(error).splitlines()[0]
+        raise DocumentError(
+            f"the edit history is corrupt ({words}); delete the file to start a new one", where
+        ) from None
+    except DocumentError as error:
+        if where == error.source:
+            raise
+        words = error.message.splitlines()[0]
+        raise DocumentError(
+            f"the edit history is corrupt ({words}); delete the file to start a new one", where
+        ) from None
+    return History.restored(document, kept.moments, kept.at, limit)
+
+
+def _corrupt(words: str, where: str) -> DocumentError:
+    return DocumentError(f"the edit history is corrupt ({words}); delete the file to start a new one", where)
+
+
+def _checked(found: _Stored) -> _Stored:
+    """Refuse moments that aren't one tree with a way back from each.
+
+    Raises:
+        ValueError: they aren't.
+    """
+    numbers = [m.number for m in found.moments]
+    parents = {m.number: m.parent for m in found.moments}
+    children = sorted((m.number, child) for m in found.moments for child in m.children)
+    if numbers != sorted(set(numbers)) or found.at not in parents:
+        raise ValueError("moments without an order")
+    if children != sorted((parent, n) for n, parent in parents.items() if parent is not None):
+        raise ValueError("moments that don't hang together")
+    if any(parent is None for parent in list(parents.values())[1:]) or parents[numbers[0]] is not None:
+        raise ValueError("moments without a beginning")
+    if any(parent >= n for n, parent in parents.items() if parent is not None):
+        raise ValueError("moments before their parents")
+    line: set[int | None] = {found.at}
+    for number in reversed(numbers):
+        line |= {parents[number]} if number in line else set()
+    if any((m.back is None) != (m.parent is None) or (m.forth is None and m.number not in line) for m in found.moments):
+        raise ValueError("moments without a way back or forth")
+    return found

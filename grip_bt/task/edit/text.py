@@ -25,11 +25,25 @@ from grip_bt.base.yaml.tree import (
 from grip_bt.base.yaml.writer import in_braces
 
 from ..canonical import lines_of
-from .braces import fits, is_odd, spread, with_another, without
 from .commands import Splice
 from .comment import found_at, head_at, lines_of_comment, rewritten
-from .regions import ODD, content_end, dedented, indented, is_tidy, line_end, line_start, region_end, region_start
 from .steps import Assign, Drop, Place, Put, Rekey, Remark, Step, is_head, path_of, position_of
+from .text_places import (
+    ODD,
+    content_end,
+    dedented,
+    fits,
+    indented,
+    is_odd,
+    is_tidy,
+    line_end,
+    line_start,
+    region_end,
+    region_start,
+    spread,
+    with_another,
+    without,
+)
 
 
 class Text:

@@ -11,7 +11,7 @@ from grip_bt.base.errors import DocumentError, EditError
 from grip_bt.task import read_text
 from grip_bt.task.document import Document
 from grip_bt.task.edit import AnyCommand, Edited, Group, History, Patch, command_of, path_after, rewrite
-from grip_bt.task.edit.history_file import history_path, load_history, save_history
+from grip_bt.task.edit.history import history_path, load_history, save_history
 from grip_bt.task.edit.steps import Step
 from grip_bt.task.layout import Layout, read_layout, write_layout
 from grip_gui.editing.files import ChangedOnDiskError, Recovery, StaleEditError, TextFile, UnfinishedTextError, Unsaved

@@ -13,7 +13,7 @@ from random_commands import commands
 from grip_bt.base.errors import EditError
 from grip_bt.task import load, loads, read_text
 from grip_bt.task.edit import Rename, apply, apply_to_document
-from grip_bt.task.edit.alike import alike, said_alike
+from grip_bt.task.edit.documents import alike, said_alike
 
 EXAMPLES = sorted((Path(__file__).parents[3] / "examples").rglob("tasks/*.yaml"))
 TEXT = "grip: 1\nname: t\nroot: {kind: sequence, children: {a: {node: flow/wait, with: WITH}}}\n"

@@ -86,14 +86,6 @@ def test_a_group_is_one_moment():
     assert history.document.text == TEXT
 
 
-def test_what_was_done_before_is_undone_where_the_text_was_changed_from_outside():
-    history = History(read_text(TEXT))
-    history.do(Remove(path="a"))
-    history.replace(read_text(history.document.text.replace("name: a", "name: other  # mine")))
-    history.undo()
-    assert history.document.text == TEXT.replace("name: a", "name: other  # mine")
-
-
 def test_nothing_to_undo_or_redo_and_refused_commands_leave_the_history_alone():
     history = History(read_text(TEXT))
     with pytest.raises(EditError, match="nothing to undo"):

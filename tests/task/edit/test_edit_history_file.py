@@ -12,7 +12,7 @@ from random_texts import with_comments
 from grip_bt.base.errors import DocumentError, EditError
 from grip_bt.task import dumps, read_text
 from grip_bt.task.edit import History, Remove, Rename, Set, history_path, load_history, save_history
-from grip_bt.task.edit.history_file import restored, stored
+from grip_bt.task.edit.history import restored, stored
 
 unhurried = settings(
     deadline=None, max_examples=40, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large]
@@ -107,15 +107,18 @@ def test_a_change_from_outside_is_one_more_moment(tmp_path):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (lambda data: data.update(grip_history=2), "a history of version 2, and this grip reads 1; update grip"),
-        (lambda data: data.update(text="grip: 1\n"), "is damaged .* is missing"),
+        (
+            lambda data: data.update(grip_history=2),
+            "version 2 of the edit history is newer than this version of GRIP reads",
+        ),
+        (lambda data: data.update(text="grip: 1\n"), "is corrupt .* is missing"),
         (lambda data: data.update(at=9), "moments without an order"),
-        (lambda data: data["moments"].pop(0), "is damaged"),
+        (lambda data: data["moments"].pop(0), "is corrupt"),
         (lambda data: data["moments"][1].update(back=None), "without a way back"),
         (lambda data: data["moments"][2].update(forth=None), "without a way back or forth"),
         (lambda data: data["moments"][0].update(children=[1]), "don't hang together"),
-        (lambda data: data["moments"][1]["back"].update(steps=[{"step": "burn"}]), "is damaged"),
-        (lambda data: data.clear(), "is damaged"),
+        (lambda data: data["moments"][1]["back"].update(steps=[{"step": "burn"}]), "is corrupt"),
+        (lambda data: data.clear(), "is corrupt"),
     ],
 )
 def test_a_damaged_history_is_refused_and_says_what_to_do(tmp_path, change, words):
@@ -131,7 +134,7 @@ def test_a_damaged_history_is_refused_and_says_what_to_do(tmp_path, change, word
     path.write_text(json.dumps(data))
     with pytest.raises(DocumentError, match=words) as caught:
         load_history(path, read_text(TEXT))
-    assert "update grip" in str(caught.value) or "delete it to begin anew" in str(caught.value)
+    assert "pip install -U" in str(caught.value) or "delete the file to start a new one" in str(caught.value)
 
 
 def test_a_history_that_cannot_be_written_is_a_typed_error(tmp_path):

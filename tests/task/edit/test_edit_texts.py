@@ -10,7 +10,7 @@ from random_texts import with_comments
 from grip_bt.base.errors import EditError
 from grip_bt.task import Leaf, dumps, fmt, loads, read_text, walk
 from grip_bt.task.edit import apply, apply_to_document, command_of
-from grip_bt.task.edit.regions import is_tidy, line_start, region_end
+from grip_bt.task.edit.text_places import is_tidy, line_start, region_end
 
 unhurried = settings(
     deadline=None, max_examples=50, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large]
