@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 from grip_bt.base.errors import listing, nearest
 from grip_bt.base.issue import Issue
-from grip_bt.nodes.control import Edges
 from grip_bt.task.catalog import Manifest
+from grip_bt.task.edges import Edges
 from grip_bt.task.model import Leaf, Parallel, Subtask, Task
 from grip_bt.task.walking import outcomes_of
 

@@ -11,8 +11,8 @@ from typing import Any
 
 from grip_bt.base.errors import GripError, InvalidTaskError, SubtaskError
 from grip_bt.base.issue import Issue
-from grip_bt.nodes.control import Edges
 from grip_bt.task.catalog import Catalog, Manifest, check_value, manifest_of_task, parse_type
+from grip_bt.task.edges import Edges
 from grip_bt.task.model import (
     AnyNode,
     Container,

@@ -7,10 +7,10 @@ from typing import Any
 from py_trees.behaviour import Behaviour
 
 from grip_bt.nodes import control
-from grip_bt.nodes.control import Edges
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.node import Node
 from grip_bt.task import model
+from grip_bt.task.edges import Edges
 
 from .kinds import NoEqual
 

@@ -6,8 +6,8 @@ from typing import Any
 
 from grip_bt.base.errors import NotExpressibleError
 from grip_bt.compilers.resolve import Part
-from grip_bt.nodes.control import Edges
 from grip_bt.task import model
+from grip_bt.task.edges import Edges
 
 from .choosers import chooser
 from .conditions import function_of

@@ -7,7 +7,6 @@ from .condition import Condition, Conditional, conditional
 from .container import PLAIN, Container, Face
 from .decorators import Force, Invert, Repeat, Retry, Timeout
 from .dispatch import MAX_TRANSITIONS, Dispatch
-from .edges import Edges
 from .guard import Guard
 from .parallel import End, Match, Parallel, Ruling, decide, first_reason
 from .prompt import PromptParallel, ReactiveSwitch
@@ -24,7 +23,6 @@ __all__ = [
     "Container",
     "Cooldown",
     "Dispatch",
-    "Edges",
     "End",
     "Face",
     "Fallback",

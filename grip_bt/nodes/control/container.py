@@ -11,9 +11,9 @@ from py_trees.common import Status
 
 from grip_bt.base.ports import Context
 from grip_bt.base.values import Failure
+from grip_bt.task.edges import Edges
 
 from ..node import STATUS, Node
-from .edges import Edges
 
 PLAIN: Mapping[str, str] = {"success": "success", "failure": "failure"}
 

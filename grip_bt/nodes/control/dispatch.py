@@ -10,10 +10,10 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from grip_bt.base.errors import LivelockError
+from grip_bt.task.edges import Edges
 
 from ..node import STATUS, Node
 from .container import Container, Face
-from .edges import Edges
 
 MAX_TRANSITIONS = 1000
 """Transitions in one tick that are taken for a loop without end."""

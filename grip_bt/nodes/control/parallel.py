@@ -16,10 +16,10 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import ParallelPolicy, Status
 
 from grip_bt.base.values import Failure
+from grip_bt.task.edges import Edges
 
 from ..node import LABEL, STATUS
 from .container import Container, Face
-from .edges import Edges
 
 Policy = Literal["all", "any"]
 Cancel = Literal["halt", "ask", "join"]

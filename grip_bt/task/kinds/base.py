@@ -16,7 +16,7 @@ whoever resumes a run may ask twice.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import reduce
 from operator import or_
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Protocol
@@ -77,6 +77,8 @@ class Ended(NamedTuple):
     failure: Any = None
 
 
+ChildEnds = Sequence[Sequence[tuple[Ended, str | None]]]
+"""For each child, how it can end, and the outcome that an exit of the container makes of that."""
 Step = Run | Next | Stay | End
 
 
@@ -92,6 +94,9 @@ class Questions(Protocol):
     names: Sequence[str]
     ends: Sequence[Ended | None]
     kept: Any
+
+    def at(self, name: str) -> int:
+        """Return the position of a child."""
 
     def now(self) -> Any:
         """Return the time of the run's clock."""
@@ -186,6 +191,7 @@ class Kind(BaseNode):
             item of the list at `reads`.
         shown: which composite of py_trees its behaviour is.
         resets: whether all children are reset on entry, as py_trees' Sequence and Parallel do.
+        by_edges: whether the children's own `on` says where their ends lead.
         concurrent: whether children run at the same time; `Questions.ends` is kept for it.
         late_exits: whether `exits` are the kind's own to ask for; else they are taken as soon as a child has ended.
     """
@@ -201,6 +207,7 @@ class Kind(BaseNode):
     puts: ClassVar[tuple[str, ...]] = ()
     shown: ClassVar[Shown] = ""
     resets: ClassVar[bool] = False
+    by_edges: ClassVar[bool] = False
     concurrent: ClassVar[bool] = False
     late_exits: ClassVar[bool] = False
 
@@ -262,6 +269,24 @@ class Kind(BaseNode):
 
     def over(self, state: Any, q: Questions) -> None:
         """Note that an activation has ended or was halted."""
+
+    def explorable(self, ends: ChildEnds) -> bool:
+        """Tell whether its ways are few enough to be listed; if not, `possible` and `flow` answer for it."""
+        return True
+
+    def possible(self, ends: ChildEnds) -> tuple[set[str], int]:
+        """Return the outcomes that the children's ends may lead to, and how many children may be run."""
+        raise NotImplementedError
+
+    def flow(self, ends: ChildEnds, after: Callable[[int, int], Mapping[str, int]], state: int) -> dict[str, int]:
+        """Return outcome -> what is surely written then.
+
+        Args:
+            ends: of each child.
+            after: child, what is written before it -> outcome -> what is written after it, as a set of bits.
+            state: what is written on entry.
+        """
+        raise NotImplementedError
 
     def all_outcomes(self) -> Mapping[str, Meaning]:
         """Return every outcome that it can end with by itself or by an exit, and its meaning."""

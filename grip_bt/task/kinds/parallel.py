@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import reduce
+from math import prod
+from operator import and_
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
@@ -10,7 +13,10 @@ from pydantic import Field, model_validator
 from grip_bt.base.frozen import FrozenDict
 
 from ..parts import Meaning, Name, Shape
-from .base import Composite, End, Ended, Questions, Run, Shown, Stay, Step
+from .base import ChildEnds, Composite, End, Ended, Questions, Run, Shown, Stay, Step
+
+FEW = 50
+"""Ends of children, each with each, up to which all ways of a parallel are listed: three children of two ends, for example."""
 
 
 class ParallelRule(Shape):
@@ -103,6 +109,58 @@ class Parallel(Composite):
         """Whether it waits for all children, whose order doesn't matter."""
         return self.cancel == "join" and self.order is None and bool(self.children)
 
+    def explorable(self, ends: ChildEnds) -> bool:
+        """Tell whether a few children have a few ends: these come in any order, of which there are many."""
+        return prod(len(each) + 1 for each in ends) <= FEW
+
+    def possible(self, ends: ChildEnds) -> tuple[set[str], int]:
+        """Return what one child decides, and what all do; with rules, everything that they name."""
+        if self.rules or self.wait_for is not None:
+            named = {"success", "failure", *self.exits.values(), *(rule.then for rule in self.rules)}
+            return named, len(ends)
+        one, every = self._meanings
+        found = {target for each in ends for _, target in each if target is not None}
+        meanings = [{end.meaning for end, target in each if target is None} for each in ends]
+        if any(one in each for each in meanings):
+            found.add(one)
+        if all(every in each for each in meanings):
+            found.add(every)
+        return found, len(ends)
+
+    def flow(self, ends: ChildEnds, after: Callable[[int, int], Mapping[str, int]], state: int) -> dict[str, int]:
+        """Return what is surely written: others may have been interrupted, unless they are waited for."""
+        afters = [after(i, state) for i in range(len(ends))]
+        joined = state
+        for there in afters if self.cancel != "halt" else ():
+            joined |= reduce(and_, there.values()) if there else 0
+        if self.rules or self.wait_for is not None:  # who has ended then, only a run can tell
+            return dict.fromkeys(self.possible(ends)[0], joined)
+        one, every = self._meanings
+        found: dict[str, int] = {}
+        together, all_can = state, True
+        for each, there in zip(ends, afters, strict=True):
+            last: int | None = None
+            for end, target in each:
+                if end.outcome not in there:
+                    continue
+                written = there[end.outcome]
+                if target is not None:
+                    found[target] = found.get(target, written) & written
+                elif end.meaning == one:
+                    found[one] = found.get(one, written | joined) & (written | joined)
+                else:
+                    last = written if last is None else last & written
+            all_can = all_can and last is not None
+            together |= last or 0
+        if all_can:
+            found[every] = found.get(every, together) & together
+        return found
+
+    @property
+    def _meanings(self) -> tuple[Meaning, Meaning]:
+        """The meaning that decides when one child ends with it, and the one that takes all of them."""
+        return ("failure", "success") if self.policy == "all" else ("success", "failure")
+
     def begin(self, state: Any, q: Questions) -> Step:
         """Run all children."""
         return Run(tuple(range(len(q.names))), None)
@@ -146,7 +204,7 @@ class Parallel(Composite):
         return self._by_policy([end.meaning for end in there], complete)
 
     def _by_policy(self, meanings: list[str], complete: bool) -> str | None:
-        one, every = ("failure", "success") if self.policy == "all" else ("success", "failure")
+        one, every = self._meanings
         if not meanings and complete:
             return "success"
         return one if one in meanings else every if complete else None

@@ -19,6 +19,7 @@ class StateMachine(Declaring):
     rank: ClassVar[int] = 40
     sign: ClassVar[str] = "◎"
     example: ClassVar[Mapping[str, Any]] = {"initial": "", "outcomes": {"success": "success", "failure": "failure"}}
+    by_edges: ClassVar[bool] = True
     kind: Literal["state_machine"]
     initial: str
     outcomes: FrozenDict[Name, Meaning] = Field(min_length=1)
@@ -32,7 +33,7 @@ class StateMachine(Declaring):
 
     def begin(self, state: Any, q: Questions) -> Step:
         """Run the initial child, or the one to which the last transition leads."""
-        return Run((q.names.index(self.initial if state is None else state),))
+        return Run((q.at(self.initial if state is None else state),))
 
     def ended(self, state: Any, child: int, end: Ended, q: Questions) -> Step:
         """Go where the end leads; a child's name wins over an outcome that is called the same."""

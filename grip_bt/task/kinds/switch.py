@@ -51,7 +51,7 @@ class Switch(Composite):
         child = q.match("on_value", list(self.literals()), self.default)
         if not child:
             return End("failure", Reason("no_case", f"no case is for {q.value('on_value')!r}"))
-        return Run((q.names.index(child),), 0, True)
+        return Run((q.at(child),), 0, True)
 
     def again(self, state: Any, running: tuple[int, ...], q: Questions) -> Step:
         """Look at the value again."""

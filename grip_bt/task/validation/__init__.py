@@ -67,5 +67,5 @@ def _checked(task: Task, catalog: Catalog, document: Document | None, subtasks: 
     check_outcomes(survey, possible)
     check_reach(survey, possible)
     check_parallel(survey)
-    check_dataflow(survey)
+    check_dataflow(survey, possible)
     return survey

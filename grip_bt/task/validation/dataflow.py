@@ -8,29 +8,13 @@ in one round is missing in the last.
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
-from grip_bt.task import (
-    Cooldown,
-    Fallback,
-    Force,
-    ForEach,
-    Foreign,
-    Guard,
-    Invert,
-    Leaf,
-    Loop,
-    Parallel,
-    Repeat,
-    Sequence,
-    StateMachine,
-    Subtask,
-    Switch,
-    Timeout,
-)
+from grip_bt.task import Foreign, Leaf, Subtask
+from grip_bt.task.kind_analysis import flow
 
 from .ends import root_target
+from .possible import Possible
 from .survey import Spot, Survey
 
 States = dict[str, int]
@@ -49,8 +33,9 @@ class DataFlow:
         ends: outcome of the root -> the variables that are surely written then.
     """
 
-    def __init__(self, survey: Survey):
+    def __init__(self, survey: Survey, possible: Possible | None = None):
         self.missing: dict[tuple[str, tuple[str, ...]], str] = {}
+        self._child_ends = (possible or Possible(survey)).ends
         self._known: dict[tuple[str, int], States] = {}
         self._leaves: dict[tuple[str, int], States] = {}
         start = 0
@@ -94,25 +79,27 @@ class DataFlow:
         node = spot.node
         if isinstance(node, _PORTED):
             return self._leaf(spot, node, state)
+        if isinstance(node, Foreign):
+            return dict.fromkeys(spot.outcomes, state)
         for name in node.data:  # a scope begins anew each time its container is entered
             declared = spot.scope[name]
             state = state | declared.bit if declared.has_value else state & ~declared.bit
-        self._expressions(spot, state, ("if", "while", "on_value"))
-        if isinstance(node, Sequence):
-            return self._in_order(spot, state, "success")
-        if isinstance(node, Fallback):
-            return self._in_order(spot, state, "failure")
-        if isinstance(node, Foreign):
-            return dict.fromkeys(spot.outcomes, state)
-        if isinstance(node, Parallel):
-            return self._parallel(spot, node, state)
-        if isinstance(node, StateMachine):
-            return self._machine(spot, node, state)
-        if isinstance(node, Switch):
-            return self._switch(spot, node, state)
-        if isinstance(node, ForEach):
-            return self._for_each(spot, node, state)
-        return self._decorated(spot, state)
+
+        def after(name: str, before: int) -> States:
+            return self._after(spot.children[name], before)
+
+        def bit_of(key: str) -> int:
+            return spot.scope[getattr(node, key)].bit
+
+        def read(key: str, there: int) -> None:
+            if key not in node.reads:
+                self._expressions(spot, there, (key.rstrip("_"),))
+                return
+            declared = spot.scope.get(getattr(node, key))
+            if declared is not None and not declared.bit & there:
+                self.missing[spot.path, (key,)] = declared.name
+
+        return flow(node, self._child_ends[spot.path], state, after, bit_of, read)
 
     def _leaf(self, spot: Spot, node: Leaf | Subtask, state: int) -> States:
         manifest = spot.manifest
@@ -137,116 +124,6 @@ class DataFlow:
                     after[outcome] |= declared.bit
         return after
 
-    def _ends(self, spot: Spot, child: Spot, after: States) -> Iterator[tuple[str, bool, int]]:
-        """Yield what each end of a child is to its container: an exit (True) or a meaning, and the state there."""
-        exits: Mapping[str, str] = getattr(spot.node, "exits", {})
-        refined = {k.rpartition(".")[0]: v for k, v in exits.items() if k.count(".") == 2}
-        for label, state in after.items():
-            key = f"{child.name}.{label}"
-            if key in refined:
-                yield refined[key], True, state
-            if key in exits:
-                yield exits[key], True, state
-            elif label in child.outcomes:  # what an exit leads to needn't be there
-                yield child.outcomes[label], False, state
-
-    def _in_order(self, spot: Spot, state: int, goes_on: str) -> States:
-        found: States = {}
-        plain = not getattr(spot.node, "exits", {})
-        for child in spot.children.values():
-            if plain and child.plain and child.known is not None and not child.writes and not child.reads & ~state:
-                reached = False
-                for meaning, _ in child.known.ends:
-                    if meaning == goes_on:
-                        reached = True
-                    else:
-                        _meet(found, meaning, state)
-                if not reached:
-                    return found
-                continue
-            going_on: States = {}
-            for label, is_exit, there in self._ends(spot, child, self._after(child, state)):
-                _meet(going_on if label == goes_on and not is_exit else found, label, there)
-            if goes_on not in going_on:
-                return found
-            state = going_on[goes_on]
-        _meet(found, goes_on, state)
-        return found
-
-    def _parallel(self, spot: Spot, node: Parallel, state: int) -> States:
-        one, every = ("failure", "success") if node.policy == "all" else ("success", "failure")
-        if node.rules or node.wait_for is not None:  # who has ended then, only a run can tell
-            afters = [self._after(child, state) for child in spot.children.values()]
-            for after in afters if node.cancel != "halt" else ():
-                state |= _met(after) if after else 0
-            labels = {"success", "failure", *node.exits.values(), *(rule.then for rule in node.rules)}
-            return dict.fromkeys(labels & spot.outcomes.keys(), state)
-        found: States = {}
-        decided: States = {}
-        together, joined, all_can = state, state, True
-        for child in spot.children.values():
-            after = self._after(child, state)
-            ends: States = {}
-            for label, is_exit, there in self._ends(spot, child, after):
-                _meet(found if is_exit else decided if label == one else ends, label, there)
-            if node.cancel != "halt" and after:
-                joined |= _met(after)
-            all_can = all_can and every in ends
-            together |= ends.get(every, 0)
-        if one in decided:  # the others may have been interrupted, unless they are joined
-            _meet(found, one, decided[one] | joined)
-        if all_can:
-            _meet(found, every, together)
-        return found
-
-    def _switch(self, spot: Spot, node: Switch, state: int) -> States:
-        found: States = {} if node.default else {"failure": state}
-        for name, child in spot.children.items():
-            if name in node.cases or name == node.default:
-                for label, _, there in self._ends(spot, child, self._after(child, state)):
-                    _meet(found, label, there)
-        return found
-
-    def _for_each(self, spot: Spot, node: ForEach, state: int) -> States:
-        declared = spot.scope.get(node.items)
-        if declared is not None and not declared.bit & state:
-            self.missing[spot.path, ("items",)] = node.items
-        return {**self._decorated(spot, state | spot.scope[node.item].bit), "success": state}
-
-    def _decorated(self, spot: Spot, state: int) -> States:
-        node = spot.node
-        found: States = {}
-        for child in spot.children.values():
-            for label, is_exit, there in self._ends(spot, child, self._after(child, state)):
-                if is_exit:
-                    _meet(found, label, there)
-                elif isinstance(node, Invert):
-                    _meet(found, "failure" if label == "success" else "success", there)
-                elif isinstance(node, Force):
-                    _meet(found, node.as_, there)
-                elif not (isinstance(node, Repeat | Loop) and node.times is None and label == "success"):
-                    _meet(found, "failure" if isinstance(node, Loop) else label, there)
-        if isinstance(node, Timeout | Guard | Cooldown):
-            _meet(found, "failure", state)
-        if isinstance(node, Loop) and node.while_:
-            _meet(found, "success", state)
-        return found
-
-    def _machine(self, spot: Spot, node: StateMachine, state: int) -> States:
-        found: States = {}
-        before: States = {node.initial: state}
-        todo = deque(name for name in (node.initial,) if name in spot.children)
-        while todo:
-            name = todo.popleft()
-            child = spot.children[name]
-            for label, there in self._after(child, before[name]).items():
-                for target in _targets(child.node.on, label):
-                    if target in node.outcomes:
-                        _meet(found, target, there)
-                    if target in spot.children and _meet(before, target, there):
-                        todo.append(target)
-        return found
-
 
 def _targets(on: Mapping[str, str], label: str) -> list[str]:
     """Return where a label leads, with any failure code."""
@@ -260,16 +137,9 @@ def _meet(states: States, label: str, state: int) -> bool:
     return states[label] != old
 
 
-def _met(states: States) -> int:
-    met = -1
-    for state in states.values():
-        met &= state
-    return met
-
-
-def check_dataflow(survey: Survey) -> None:
+def check_dataflow(survey: Survey, possible: Possible) -> None:
     """Find reads of variables that some path hasn't written, and note which outputs of the task are written when."""
-    flow = DataFlow(survey)
+    flow = DataFlow(survey, possible)
     survey.written = _written(survey, flow.ends)
     for (path, keys), name in flow.missing.items():
         reader = f"the port {keys[1]!r}" if keys[0] == "in" else f"`{keys[0]}`"

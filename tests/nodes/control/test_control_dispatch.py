@@ -7,8 +7,9 @@ from control_world import World, leaf
 from py_trees.common import Status
 
 from grip_bt.base.errors import LivelockError
-from grip_bt.nodes.control import Dispatch, Edges, Face
+from grip_bt.nodes.control import Dispatch, Face
 from grip_bt.nodes.control.dispatch import MAX_TRANSITIONS
+from grip_bt.task.edges import Edges
 
 
 def pick(**more: object) -> dict[str, object]:

@@ -1,0 +1,364 @@
+"""Every way that a container can go: each question of its kind is answered with every answer in turn.
+
+Possible outcomes, surely written variables and drawings are made of it (`kind_analysis`), and transitions of machines.
+"""
+
+from __future__ import annotations
+
+import json
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cached_property
+from typing import Any, NamedTuple, NoReturn
+
+from .edges import Edges
+from .kinds.base import ChildEnds, End, Ended, Kind, Next, Run, Stay, Step
+from .parts import Case
+
+LIMIT = 20000
+"""Steps of one exploration; beyond them a kind is taken to be able to do everything."""
+
+
+class TooManyError(Exception):
+    """The kind has too many states."""
+
+
+class _NoWayError(Exception):
+    """A document names a child that isn't there; a rule of the validation says so."""
+
+
+class _Unknown:
+    """A value of which nothing is known: a kind that compares it has looked at data."""
+
+    def __add__(self, other: object) -> _Unknown:
+        return self
+
+    __sub__ = __radd__ = __rsub__ = __add__
+
+    def __format__(self, spec: str) -> str:
+        return "?"
+
+    def __repr__(self) -> str:
+        return "?"
+
+    def _refuse(self, *_: object) -> NoReturn:
+        raise TypeError("a kind asks about data, and never looks at it")
+
+    __eq__ = __lt__ = __le__ = __gt__ = __ge__ = __bool__ = __len__ = _refuse
+    __hash__ = object.__hash__
+
+
+UNKNOWN: Any = _Unknown()
+START = ("start",)
+
+
+class Labels:
+    """With what the children can end, and where labels lead.
+
+    Args:
+        ends: child -> its possible outcomes and their meanings, in the order of the children.
+        exits: of the container.
+        edges: of its children.
+    """
+
+    def __init__(self, ends: Mapping[str, Sequence[tuple[str, str]]], exits: Edges, edges: Edges):
+        self.ends, self.exits, self.edges = ends, exits, edges
+        self.names = tuple(ends)
+        self.ways: list[Way] | None = None
+        self._codes: dict[tuple[str, str], dict[str, None]] = {}
+        for (child, outcome, code), _ in (*exits, *edges):
+            if code is not None:
+                self._codes.setdefault((child, outcome), {})[code] = None
+
+    @cached_property
+    def all(self) -> ChildEnds:
+        """Every end of every child, with the outcome that an exit makes of it."""
+        return [[(end, self.exit(end)) for end in self.of(name)] for name in self.names]
+
+    def exit(self, end: Ended) -> str | None:
+        """Return the outcome that an end is mapped to."""
+        return self.exits.target(end.child, end.outcome, end.code)
+
+    def of(self, child: str) -> Iterator[Ended]:
+        """Yield every end of a child that may matter: each outcome, and each with each code that an edge names."""
+        for outcome, meaning in self.ends[child]:
+            yield Ended(child, outcome, meaning)
+            for code in self._codes.get((child, outcome), ()):
+                yield Ended(child, outcome, meaning, code)
+
+
+class Oracle:
+    """Answers a kind's questions by the given answers, and after them by the first that there is."""
+
+    def __init__(self, labels: Labels, answers: tuple[int, ...] = (), ends: Sequence[Ended | None] = ()):
+        self.labels, self.answers, self.ends = labels, answers, ends
+        self.names: Sequence[str] = labels.names
+        self.asked: list[tuple[str, ...]] = []
+        self.trail: list[int] = []
+        self.reads: list[str] = []
+        self.puts: list[str] = []
+        self.kept: Any = UNKNOWN
+
+    def _ask(self, *answers: str) -> int:
+        at = len(self.trail)
+        self.asked.append(answers)
+        self.trail.append(self.answers[at] if at < len(self.answers) else 0)
+        return self.trail[-1]
+
+    @property
+    def said(self) -> tuple[str, ...]:
+        """The answers that were given."""
+        return tuple(answers[i] for answers, i in zip(self.asked, self.trail, strict=True))
+
+    def at(self, name: str) -> int:
+        """Return the position of a child."""
+        if name not in self.names:
+            raise _NoWayError
+        return self.names.index(name)
+
+    def now(self) -> Any:
+        """Return a time."""
+        return UNKNOWN
+
+    def deadline(self, seconds: float) -> Any:
+        """Return a time."""
+        return UNKNOWN
+
+    def passed(self, at: Any) -> bool:
+        """Answer both."""
+        return bool(self._ask("before", "after"))
+
+    def up(self, count: Any) -> Any:
+        """Return a number."""
+        return UNKNOWN
+
+    def reached(self, count: Any, limit: int) -> bool:
+        """Answer both."""
+        return bool(self._ask("again", "enough"))
+
+    def pick(self, count: Any, size: int) -> int:
+        """Answer every number."""
+        return self._ask(*(f"turn {i + 1}" for i in range(size)))
+
+    def holds(self, key: str) -> bool:
+        """Answer both."""
+        self.reads.append(key)
+        return not self._ask("true", "false")
+
+    def value(self, key: str) -> Any:
+        """Return a value."""
+        return UNKNOWN
+
+    def match(self, key: str, literals: Sequence[tuple[str, Case]], default: str) -> str:
+        """Answer each literal, and that none is equal."""
+        self.reads.append(key)
+        answers = (*(json.dumps(literal) for _, literal in literals), "else")
+        return (*(child for child, _ in literals), default)[self._ask(*answers)]
+
+    def items(self, key: str) -> Any:
+        """Return a list."""
+        self.reads.append(key)
+        return UNKNOWN
+
+    def empty(self, left: Any) -> bool:
+        """Answer both."""
+        return bool(self._ask("next", "none"))
+
+    def take(self, left: Any) -> tuple[Any, Any]:
+        """Return a value and a list."""
+        return UNKNOWN, UNKNOWN
+
+    def put(self, key: str, value: Any) -> None:
+        """Note what is written."""
+        self.puts.append(key)
+
+    def exit(self, end: Ended) -> str | None:
+        """Return where the document leads."""
+        return self.labels.exit(end)
+
+    def edge(self, end: Ended) -> str:
+        """Return where the document leads; nowhere is no way."""
+        target = self.labels.edges.target(end.child, end.outcome, end.code)
+        if target is None:
+            raise _NoWayError
+        return target
+
+    def ask(self, text: str) -> None:
+        """Do nothing."""
+
+
+class Way(NamedTuple):
+    """One step of the graph.
+
+    Attributes:
+        at: the vertex.
+        child: who ends, None where nobody does.
+        end: how.
+        answers: under which answers.
+        reads: keys that are read.
+        puts: keys that are written.
+        step: what the kind says; None where a child goes on running.
+        to: the vertex to which it leads, None for an end.
+    """
+
+    at: Any
+    child: int | None
+    end: Ended | None
+    answers: tuple[str, ...]
+    reads: tuple[str, ...]
+    puts: tuple[str, ...]
+    step: Step | None
+    to: Any
+
+
+def answered(
+    labels: Labels, call: Callable[[Oracle], Step], ends: Sequence[Ended | None] = ()
+) -> Iterator[tuple[Step, Oracle]]:
+    """Yield what `call` returns for every combination of answers."""
+    todo: deque[tuple[int, ...]] = deque([()])
+    while todo:
+        oracle = Oracle(labels, todo.popleft(), ends)
+        try:
+            step = call(oracle)
+        except _NoWayError:
+            step = None
+        for at in range(len(oracle.answers), len(oracle.trail)):
+            todo.extend((*oracle.trail[:at], other) for other in range(1, len(oracle.asked[at])))
+        if step is not None:
+            yield step, oracle
+
+
+def explore(kind: Kind, labels: Labels) -> Iterator[Way]:
+    """Yield every way; a vertex is START, or (running, to be ticked yet in this tick, state, ends).
+
+    A child that was ticked may have ended or go on running; when nobody is left to be ticked the kind settles.
+
+    Raises:
+        TooManyError: there are too many.
+    """
+    seen, todo, steps = {START}, deque([START]), 0
+    while todo:
+        at = todo.popleft()
+        for way in _ways(kind, labels, at):
+            steps += 1
+            if steps > LIMIT:
+                raise TooManyError
+            yield way
+            if way.to is not None and way.to not in seen:
+                seen.add(way.to)
+                todo.append(way.to)
+
+
+def _ways(kind: Kind, labels: Labels, at: Any) -> Iterator[Way]:
+    if at == START:
+        yield from _taken(kind, labels, at, lambda q: kind.begin(None, q))
+        return
+    running, due, state, ends = at
+    if type(state) is Next:
+        yield from _taken(kind, labels, at, lambda q: kind.begin(state.state, q))
+    elif due:
+        child, rest = due[0], due[1:]
+        left = tuple(i for i in running if i != child)
+        for end in labels.of(labels.names[child]):
+            taken = None if kind.late_exits else labels.exit(end)
+            if taken is not None:
+                yield Way(at, child, end, ("exit",), (), (), End(taken), None)
+                continue
+            now = (*ends[:child], end, *ends[child + 1 :]) if kind.concurrent else ()
+
+            def ended(q: Oracle, end: Ended = end) -> Step:
+                return kind.ended(state, child, end, q)
+
+            yield from _taken(kind, labels, at, ended, child, end, left, rest, now)
+        if rest or kind.settles or kind.reactive:  # it goes on running
+            yield Way(at, None, None, (), (), (), None, (running, rest, state, ends))
+    elif kind.settles:
+        for step, oracle in answered(labels, lambda q: kind.settle(state, q), ends):
+            yield from _further(kind, labels, at, step, oracle)
+    else:
+        yield from _further(kind, labels, at, Stay(state), Oracle(labels))
+
+
+def _further(kind: Kind, labels: Labels, at: Any, step: Step, oracle: Oracle) -> Iterator[Way]:
+    """Yield what comes after everybody was ticked: an end, or the next tick."""
+    running, _, _, ends = at
+    if type(step) is End:
+        yield Way(at, None, None, oracle.said, tuple(oracle.reads), (), step, None)
+        return
+    assert type(step) is Stay, "a kind settles by staying or by an end"
+    if kind.reactive:
+        yield from _taken(kind, labels, at, lambda q: kind.again(step.state, running, q), None, None, running, (), ends)
+    else:
+        yield Way(at, None, None, oracle.said, (), (), step, (running, running, step.state, ends))
+
+
+def _taken(
+    kind: Kind,
+    labels: Labels,
+    at: Any,
+    call: Callable[[Oracle], Step],
+    child: int | None = None,
+    end: Ended | None = None,
+    running: tuple[int, ...] = (),
+    rest: tuple[int, ...] = (),
+    ends: tuple[Ended | None, ...] = (),
+) -> Iterator[Way]:
+    for step, oracle in answered(labels, call, ends):
+        to: Any = None
+        if type(step) is Run:
+            again = set(step.children) if kind.concurrent else ()
+            kept = tuple(None if i in again else e for i, e in enumerate(ends or (None,) * len(again)))
+            to = (step.children, step.children, step.state, kept)
+        elif type(step) is Next:
+            to = ((), (), step, ())
+        elif type(step) is Stay:
+            to = (running, rest, step.state, ends)
+        yield Way(at, child, end, oracle.said, tuple(oracle.reads), tuple(oracle.puts), step, to)
+
+
+_SHARED = frozenset({"doc", "precondition", "on", "x", "data", "outcomes", "children", "child", "exits"})
+_MOST = 500
+_graphs: dict[Any, list[Way] | None] = {}
+
+
+def graph(kind: Kind, labels: Labels) -> list[Way]:
+    """Return every way of `explore`, remembered by the shape of the node where names don't matter.
+
+    Raises:
+        TooManyError: there are too many.
+    """
+    if labels.ways is not None:
+        return labels.ways
+    labels.ways = ways = _graph(kind, labels)
+    return ways
+
+
+def _graph(kind: Kind, labels: Labels) -> list[Way]:
+    shape = _shape(kind, labels)
+    if shape is None:
+        return list(explore(kind, labels))
+    if shape not in _graphs:
+        if len(_graphs) >= _MOST:
+            _graphs.clear()
+        try:
+            _graphs[shape] = list(explore(kind, labels))
+        except TooManyError:
+            _graphs[shape] = None
+    found = _graphs[shape]
+    if found is None:
+        raise TooManyError
+    return found
+
+
+def _shape(kind: Kind, labels: Labels) -> Any:
+    """Return what nodes have in common whose ways are alike; None where names of children or labels matter."""
+    if labels.exits or labels.edges:
+        return None
+    said = [type(kind).__name__]
+    for field in type(kind).model_fields:
+        if field not in _SHARED:
+            value = getattr(kind, field)
+            if isinstance(value, Mapping | list) and value or field in ("initial", "default") and value:
+                return None
+            said.append(repr(bool(value) if field in (*kind.conditions, *kind.values) else value))
+    return *said, *map(tuple, labels.ends.values())

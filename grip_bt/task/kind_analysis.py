@@ -1,0 +1,149 @@
+"""What is known of a container from all its ways: with what it may end, what is written then, what is drawn."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Mapping
+
+from .edges import Edges
+from .exploration import START, Labels, TooManyError, Way, explore, graph
+from .kinds.base import End, Kind, Run
+
+_PLAIN = frozenset({"true", "false", "after", "before", "next", "none", "again", "enough"})
+"""Answers that don't say which child is run."""
+
+
+def edges_of(kind: Kind) -> tuple[Edges, Edges]:
+    """Return where a container's exits lead, and its children's own edges."""
+    return Edges.of_exits(kind.exits), Edges.of_children({name: child.on for name, child in kind.below.items()})
+
+
+def possible(kind: Kind, labels: Labels) -> tuple[set[str], set[str]]:
+    """Return the outcomes with which a container may end, and the children that may be run."""
+    if not kind.explorable(labels.all):
+        outcomes, run = kind.possible(labels.all)
+        return outcomes, set(labels.names[:run])
+    found: set[str] = set()
+    reached: set[str] = set()
+    try:
+        for way in graph(kind, labels):
+            if type(way.step) is End:
+                found.add(way.step.outcome)
+            if way.to is not None:
+                reached.update(labels.names[i] for i in way.to[1])
+    except TooManyError:
+        return set(kind.all_outcomes()), set(labels.names)
+    return found, reached
+
+
+def flow(
+    kind: Kind,
+    labels: Labels,
+    state: int,
+    after: Callable[[str, int], Mapping[str, int]],
+    bit_of: Callable[[str], int],
+    read: Callable[[str, int], None],
+) -> dict[str, int]:
+    """Return outcome -> the variables that are surely written when a container ends with it, as a set of bits.
+
+    Args:
+        kind: the container.
+        labels: its children's ends.
+        state: what is written on entry.
+        after: child, what is written before -> outcome -> what is written after.
+        bit_of: a key that the kind puts into -> the variable's bit.
+        read: called with a key, and what is written when it is read.
+    """
+    if not kind.explorable(labels.all):
+        return kind.flow(labels.all, lambda child, before: after(labels.names[child], before), state)
+    ways: dict[object, list[Way]] = {}
+    for way in graph(kind, labels):
+        ways.setdefault(way.at, []).append(way)
+    found: dict[str, int] = {}
+    before: dict[object, int] = {START: state}
+    todo: deque[object] = deque([START])
+    while todo:
+        at = todo.popleft()
+        here = before[at]
+        for way in ways.get(at, ()):
+            for key in way.reads:
+                read(key, here)
+            there = here
+            for key in way.puts:
+                there |= bit_of(key)
+            if way.child is not None and way.end is not None:
+                # of children that run together, none may rely on what another writes
+                ends = after(labels.names[way.child], state if kind.concurrent else here)
+                if way.end.outcome not in ends:
+                    continue
+                there |= ends[way.end.outcome]
+            if type(way.step) is End:
+                found[way.step.outcome] = found.get(way.step.outcome, there) & there
+            elif way.to is not None:
+                old = before.get(way.to)
+                new = there if old is None else old & there
+                if new != old:
+                    before[way.to] = new
+                    todo.append(way.to)
+    return found
+
+
+Drawn = dict[tuple[str, str, bool], list[str]]
+"""(child or empty, child or outcome, whether it is an outcome) -> labels."""
+
+
+def links(kind: Kind) -> Drawn:
+    """Return what is drawn among a container's children.
+
+    Where labels lead is data of the document and drawn as it stands, reachable or not, except to what isn't there;
+    order and choice are explored. A start is drawn where there is a choice, or labels decide.
+    """
+    exits, edges = edges_of(kind)
+    names = kind.below.keys()
+    found: Drawn = {}
+    if kind.by_edges:
+        for name in _starts(kind):
+            found["", name, False] = []
+        for (child, outcome, code), target in edges:
+            if target in names or target in kind.outcomes:
+                found.setdefault((child, target, target not in names), []).append(_label(outcome, code))
+        return found
+    if not kind.late_exits:
+        found = _order(kind)
+    for (child, outcome, code), target in exits:
+        if child in names:
+            found.setdefault((child, target, True), []).append(_label(outcome, code))
+    return found
+
+
+def _label(outcome: str, code: str | None) -> str:
+    return outcome if code is None else f"{outcome}.{code}"
+
+
+def _plain(kind: Kind) -> Labels:
+    return Labels({name: [("success", "success"), ("failure", "failure")] for name in kind.below}, Edges(), Edges())
+
+
+def _starts(kind: Kind) -> dict[str, list[str]]:
+    """Return each child that may be run first -> under which answers."""
+    starts: dict[str, list[str]] = {}
+    for way in explore(kind, _plain(kind)):
+        if way.at != START:
+            break  # the ways from the start come first
+        if type(way.step) is Run:
+            starts.setdefault(list(kind.below)[way.step.children[0]], []).extend(way.answers)
+    return starts
+
+
+def _order(kind: Kind) -> Drawn:
+    """Return who follows whom, and who is chosen; a child that is run again isn't drawn."""
+    names, found = list(kind.below), Drawn()
+    starts = _starts(kind)
+    if len(starts) > 1 or any(answer not in _PLAIN for said in starts.values() for answer in said):
+        found = {("", target, False): said for target, said in starts.items()}
+    for way in explore(kind, _plain(kind)):
+        if type(way.step) is Run and way.child is not None and way.end is not None:
+            source, target = names[way.child], names[way.step.children[0]]
+            if source != target:
+                found[source, target, False] = ["else"] if way.end.meaning == "failure" else []
+    return found
