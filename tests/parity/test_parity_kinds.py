@@ -1,0 +1,109 @@
+"""What the kinds' automata say without a run: every end that happens was foreseen, and short cuts are as exploration."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import parity_world as world
+import pytest
+from parity_generate import make_case
+
+from grip_bt.base.errors import InvalidTaskError
+from grip_bt.task import Task
+from grip_bt.task.exploration import UNKNOWN, Oracle, TooManyError, explore
+from grip_bt.task.kind_analysis import flow, possible
+from grip_bt.task.kinds import KINDS
+from grip_bt.task.kinds.base import Kind
+from grip_bt.task.validation.possible import Possible
+from grip_bt.task.validation.survey import Survey
+
+SEEDS = range(int(os.environ.get("GRIP_FUZZ_KINDS", "150")))
+
+
+@pytest.fixture(scope="module")
+def surveys() -> list[tuple[dict[str, Any], Survey, Possible]]:
+    found = []
+    for seed in SEEDS:
+        case = make_case(seed)
+        try:
+            survey = Survey(Task.model_validate(case["task"]), world.catalog_of(case))
+        except (InvalidTaskError, ValueError, KeyError):
+            continue
+        found.append((case, survey, Possible(survey)))
+    return found
+
+
+def containers(surveys):
+    for _, survey, ends in surveys:
+        for spot in survey.spots:
+            if spot.path in ends.ends:
+                yield spot.node, ends.ends[spot.path]
+
+
+def test_every_end_of_a_run_was_foreseen(surveys) -> None:
+    seen = 0
+    for case, survey, ends in surveys:
+        labels = {spot.path: ends.labels(spot) for spot in survey.spots}
+        try:
+            run = world.run_tree(case)
+        except InvalidTaskError:
+            continue
+        for path, *event in run.events:
+            if event[0] == "exit" and path in labels:
+                seen += 1
+                assert event[1] in labels[path], f"{path} of {case} ended with {event[1]}"
+    assert seen > len(SEEDS)
+
+
+def test_what_is_worked_out_by_hand_is_what_exploration_finds(surveys, monkeypatch) -> None:
+    compared = set()
+    for kind, labels in list(containers(surveys)):
+        if type(kind).possible is Kind.possible or not kind.explorable(labels.all):
+            continue
+
+        def after(child: str, before: int, names=labels.names) -> dict[str, int]:
+            return {end.outcome: before | 2 << names.index(child) for end in labels.of(child)}
+
+        def both():
+            return possible(kind, labels), flow(kind, labels, 1, after, lambda key: 0, lambda key, here: None)
+
+        explored = both()
+        with monkeypatch.context() as patch:
+            patch.setattr(type(kind), "explorable", lambda self, ends: False)
+            by_hand = both()
+        assert explored[0][0] <= by_hand[0][0]
+        assert explored[0][1] <= by_hand[0][1]
+        for outcome, written in explored[1].items():
+            assert by_hand[1][outcome] & ~written == 0, f"{kind!r} ends with {outcome}"
+        compared.add(kind.kind)
+    assert compared == {"sequence", "fallback", "parallel"}
+
+
+def test_a_kind_asks_before_it_puts(surveys, monkeypatch) -> None:
+    ask, put = Oracle._ask, Oracle.put
+
+    def asked(self, *answers: str) -> int:
+        assert not self.puts, "a resumed run may ask twice, and must not write twice"
+        return ask(self, *answers)
+
+    monkeypatch.setattr(Oracle, "_ask", asked)
+    puts = set()
+    monkeypatch.setattr(Oracle, "put", lambda self, key, value: (puts.add(key), put(self, key, value)))
+    explored = set()
+    for kind, labels in containers(surveys):
+        try:
+            for _ in explore(kind, labels):
+                pass
+        except TooManyError:
+            assert not kind.explorable(labels.all)
+        explored.add(kind.kind)
+    assert puts
+    assert explored == KINDS.keys() - {"subtask", "foreign"}
+
+
+@pytest.mark.parametrize("look", [lambda x: x == 1, lambda x: x < 1, bool, len, lambda x: x >= x], ids=str)
+def test_a_kind_that_looks_at_data_is_found_out(look) -> None:
+    with pytest.raises(TypeError, match="asks about data"):
+        look(UNKNOWN)
+    assert f"{UNKNOWN - 1:g}" == "?"
