@@ -1,4 +1,4 @@
-"""What the kinds' automata say without a run: every end that happens was foreseen, and short cuts are as exploration."""
+"""What the kinds say without a run: every end that happens was foreseen, and short cuts are as exploration."""
 
 from __future__ import annotations
 
@@ -41,6 +41,15 @@ def containers(surveys):
                 yield spot.node, ends.ends[spot.path]
 
 
+def found_of(kind, labels):
+    """Return the outcomes of a container with the children that may run, and what is written then: a bit a child."""
+
+    def after(child: str, before: int) -> dict[str, int]:
+        return {end.outcome: before | 2 << labels.names.index(child) for end in labels.of(child)}
+
+    return possible(kind, labels), flow(kind, labels, 1, after, lambda key: 0, lambda key, here: None)
+
+
 def test_every_end_of_a_run_was_foreseen(surveys) -> None:
     seen = 0
     for case, survey, ends in surveys:
@@ -62,16 +71,10 @@ def test_what_is_worked_out_by_hand_is_what_exploration_finds(surveys, monkeypat
         if type(kind).possible is Kind.possible or not kind.explorable(labels.all):
             continue
 
-        def after(child: str, before: int, names=labels.names) -> dict[str, int]:
-            return {end.outcome: before | 2 << names.index(child) for end in labels.of(child)}
-
-        def both():
-            return possible(kind, labels), flow(kind, labels, 1, after, lambda key: 0, lambda key, here: None)
-
-        explored = both()
+        explored = found_of(kind, labels)
         with monkeypatch.context() as patch:
             patch.setattr(type(kind), "explorable", lambda self, ends: False)
-            by_hand = both()
+            by_hand = found_of(kind, labels)
         assert explored[0][0] <= by_hand[0][0]
         assert explored[0][1] <= by_hand[0][1]
         for outcome, written in explored[1].items():

@@ -16,7 +16,7 @@ from ..parts import Meaning, Name, Shape
 from .base import ChildEnds, Composite, End, Ended, Questions, Run, Shown, Stay, Step
 
 FEW = 50
-"""Ends of children, each with each, up to which all ways of a parallel are listed: three children of two ends, for example."""
+"""Ends of children, each with each, up to which all ways of a parallel are listed: three children of two ends, say."""
 
 
 class ParallelRule(Shape):
