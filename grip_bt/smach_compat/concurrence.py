@@ -12,7 +12,7 @@ from ._settings import errors_of_user_code, settings
 from .container import Container
 from .exceptions import InvalidStateError, InvalidTransitionError, InvalidUserCodeError
 from .state import State
-from .user_data import NOTHING, Remapping, UserData
+from .user_data import NOTHING, Remapper, Remapping, UserData
 
 _POLL = 0.1  # [s] how often a shutdown is looked for while children are being joined
 
@@ -149,7 +149,7 @@ class Concurrence(Container):
 
     # --- execution ---
 
-    def execute(self, parent_ud: Any = None) -> str:
+    def execute(self, parent_ud: UserData | Remapper | None = None) -> str:
         """Run all children and wait for them.
 
         Returns:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import threading
 import traceback
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from types import TracebackType
 from typing import Any, ClassVar, TypeVar
@@ -73,7 +73,7 @@ class Container(State):
         """Raise InvalidStateError or InvalidTransitionError when it can't be executed."""
         raise NotImplementedError
 
-    def check_state_spec(self, label: str, state: State, transitions: dict[str, Any]) -> None:
+    def check_state_spec(self, label: str, state: State, transitions: Mapping[str, str | None]) -> None:
         """Check that a state has all the outcomes that its transitions name.
 
         Raises:
@@ -215,16 +215,16 @@ class Container(State):
         """Return what a state sees of the userdata while it is executed once."""
         return Remapper(self.userdata, state.get_registered_input_keys(), state.get_registered_output_keys(), remapping)
 
-    def _copy_input_keys(self, parent_ud: Any, ud: Any) -> None:
+    def _copy_input_keys(self, parent_ud: UserData | Remapper | None, ud: UserData) -> None:
         if parent_ud is not None:
             _copy_keys(self.get_registered_input_keys(), parent_ud, ud, "input")
 
-    def _copy_output_keys(self, ud: Any, parent_ud: Any) -> None:
+    def _copy_output_keys(self, ud: UserData, parent_ud: UserData | Remapper | None) -> None:
         if parent_ud is not None:
             _copy_keys(self.get_registered_output_keys(), ud, parent_ud, "output")
 
 
-def _copy_keys(keys: Iterable[str], source: Any, target: Any, kind: str) -> None:
+def _copy_keys(keys: Iterable[str], source: UserData | Remapper, target: UserData | Remapper, kind: str) -> None:
     for key in keys:
         try:
             target[key] = source[key]

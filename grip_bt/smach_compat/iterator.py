@@ -11,7 +11,7 @@ from ._settings import errors_of_user_code
 from .container import Container
 from .exceptions import InvalidStateError, InvalidUserCodeError
 from .state import State
-from .user_data import NOTHING, UserData
+from .user_data import NOTHING, Remapper, UserData
 
 
 class Iterator(Container):
@@ -124,7 +124,7 @@ class Iterator(Container):
 
     # --- execution ---
 
-    def execute(self, parent_ud: Any = None) -> Any:
+    def execute(self, parent_ud: UserData | Remapper | None = None) -> Any:
         """Execute the state for each item.
 
         Returns:

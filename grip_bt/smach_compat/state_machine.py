@@ -12,7 +12,7 @@ from ._settings import errors_of_user_code, settings
 from .container import Container
 from .exceptions import InvalidStateError, InvalidTransitionError, InvalidUserCodeError
 from .state import State
-from .user_data import NOTHING, Remapping, UserData
+from .user_data import NOTHING, Remapper, Remapping, UserData
 
 
 class StateMachine(Container):
@@ -40,7 +40,7 @@ class StateMachine(Container):
 
         self._current_label: str | None = None
         self._current_state: Any = None
-        self._current_transitions: dict[str, str | None] | None = None
+        self._current_transitions: dict[str, Any] | None = None
         self._preempted_label: str | None = None
         self._preempted_state: State | None = None
         self._is_running = False
@@ -195,7 +195,7 @@ class StateMachine(Container):
 
     # --- execution ---
 
-    def execute(self, parent_ud: Any = None) -> str | None:
+    def execute(self, parent_ud: UserData | Remapper | None = None) -> str | None:
         """Run from the initial state to an outcome.
 
         Returns:
@@ -221,7 +221,7 @@ class StateMachine(Container):
             self._is_running = False
             return outcome
 
-    def _run(self, parent_ud: Any) -> str | None:
+    def _run(self, parent_ud: UserData | Remapper | None) -> str | None:
         # The request itself is kept: one that came before the execution preempts the initial state.
         self._preempted_label = self._preempted_state = None
         self._set_current_state(self._initial_state_label)
