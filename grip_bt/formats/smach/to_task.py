@@ -7,12 +7,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from grip_bt.nodes.smach_leaf import task_name
-from grip_bt.task import FrozenDict, Leaf, Parallel, StateMachine, Task, Variable
+from grip_bt.task import FrozenDict, Leaf, Parallel, StateMachine, Task, Variable, walking
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.model import AnyNode, Meaning, ParallelRule
 from grip_bt.task.validation import validate
-from grip_bt.task.validation.dataflow import DataFlow
-from grip_bt.task.validation.survey import Survey
 
 from .containers import (
     ParallelRules,
@@ -38,7 +36,6 @@ from .userdata import (
     copy_in_first,
     copy_out_last,
     mark_unwritten,
-    nodes_of,
 )
 
 Ends = Mapping[str, str]
@@ -304,7 +301,7 @@ class TaskMaker:
     def _checked(self, node: AnyNode, outcomes: Mapping[str, Meaning]) -> Task:
         catalog = Catalog.builtin().with_manifests(spec.manifest for spec in self.leaves.specs.values())
         task = self._task(node, outcomes, set())
-        missing = set(DataFlow(Survey(task, catalog, None)).missing.values()) | set(self.variables.first)
+        missing = _read_too_early(task, catalog) | set(self.variables.first)
         task = self._task(mark_unwritten(node, missing), outcomes, missing)
         for issue in validate(task, catalog).issues:
             if issue.severity == "error":
@@ -313,7 +310,7 @@ class TaskMaker:
 
     def _task(self, node: AnyNode, outcomes: Mapping[str, Meaning], missing: set[str]) -> Task:
         data = self.variables.declared(missing)
-        local = {name for each in nodes_of(node) for name in getattr(each, "data", {})}
+        local = {name for _, each in walking.walk(node) for name in getattr(each, "data", {})}
         return Task(
             grip=1,
             name=self.name,
@@ -322,3 +319,10 @@ class TaskMaker:
             data={name: declared for name, declared in data.items() if name not in local},
             root=node,
         )
+
+
+def _read_too_early(task: Task, catalog: Catalog) -> set[str]:
+    """Return the variables that a leaf may read before anything has written them."""
+    nodes = dict(walking.walk(task.root))
+    early = [issue for issue in validate(task, catalog).issues if issue.code == "read-before-write"]
+    return {str(nodes[issue.path].in_[str(issue.key[1])]) for issue in early}  # type: ignore[union-attr]  # of leaves

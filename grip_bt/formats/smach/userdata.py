@@ -7,7 +7,7 @@ never cleared, so the variables belong to the task and not to the containers.
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -203,13 +203,6 @@ def mark_unwritten(node: AnyNode, missing: set[str]) -> AnyNode:
         return node.model_copy(update={"with_": FrozenDict({"unwritten": unwritten})}) if unwritten else node
     children = {name: mark_unwritten(child, missing) for name, child in children_of(node).items()}
     return node.model_copy(update={"children": FrozenDict(children)})
-
-
-def nodes_of(node: AnyNode) -> Iterable[AnyNode]:
-    """Yield a node and all below it."""
-    yield node
-    for child in children_of(node).values():
-        yield from nodes_of(child)
 
 
 def as_machine(node: AnyNode, ends: Mapping[str, str], outcomes: Mapping[str, Meaning]) -> StateMachine:
