@@ -36,7 +36,7 @@ from grip_bt.nodes.observer import Silent
 from grip_bt.runtime import Runner
 from grip_bt.task import read_text
 from grip_bt.task.model import Task
-from grip_sim.tables import table_world
+from grip_sim.specs import table_world
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 PHASES = ("none", "closing", "lifting", "showing", "carrying", "over the crate")
@@ -194,7 +194,7 @@ class Session:
 
     def after(self, seconds: float, then: Any) -> None:
         """Call when so much simulated time has passed; time passes for it also while nothing moves."""
-        wait = self.simulation._client.move("wait", seconds=seconds)
+        wait = self.simulation.move("wait", seconds=seconds)
         wait.add_done_callback(then)
 
     def drop(self, name: str, kind: str, rng: np.random.Generator) -> None:

@@ -28,13 +28,15 @@ import pinocchio as pin
 from grip_bt.base.errors import UnfitSolverError
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.values import Grasp, JointState, Pose
-from grip_bt.commanders.collision import CollisionChecker
-from grip_bt.commanders.ik import SOLVERS, Target, solve
-from grip_bt.commanders.model import RobotModel
-from grip_bt.commanders.planning.motions import answer
+from grip_bt.commanders.description.load import build_robot
+from grip_bt.commanders.description.ready import ROBOTS
+from grip_bt.commanders.kinematics.collision import CollisionChecker
+from grip_bt.commanders.kinematics.ik import SOLVERS, solver
+from grip_bt.commanders.kinematics.model import RobotModel
+from grip_bt.commanders.kinematics.target import Target
+from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.paths import interpolated
 from grip_bt.commanders.planning.requests import ChooseGrasp, PlanningSettings, PlanTo, Situation
-from grip_bt.commanders.robots import ROBOTS, build_robot
 from grip_bt.commanders.scene import Box, PlanningScene, SceneObject, SceneSnapshot
 
 TABLE = {
@@ -100,15 +102,15 @@ def kinematics(model: RobotModel, count: int = 2000) -> dict[str, float]:
     free_targets = [Target(chain.grasp_pose(q)) for q in random_configurations(model, count, 2) if checker.free(q)]
     for name in SOLVERS:
         try:
-            solve(chain, targets[0], np.random.default_rng(1), kinematics=name)
+            next(solver(name)(chain, targets[0], np.random.default_rng(1)), None)
         except UnfitSolverError:
             continue
-        for what, wanted, accept in (("IK", targets, None), ("IK free of collision", free_targets, checker.free)):
+        for what, wanted, free in (("IK", targets, False), ("IK free of collision", free_targets, True)):
             seconds: list[float] = []
             solved, rng = 0, np.random.default_rng(1)
             for target, seed in zip(wanted, seeds, strict=False):
                 with timed(seconds, time.perf_counter):
-                    solved += solve(chain, target, rng, (seed,), 40, accept, name) is not None
+                    solved += any(not free or checker.free(q) for q in solver(name)(chain, target, rng, (seed,), 40))
             figures[f"{what}, {name}, solved"] = solved / len(wanted)
             figures |= spread(f"{what}, {name}", seconds)
     return figures
@@ -199,7 +201,8 @@ def _above_table(checker: CollisionChecker, rng: np.random.Generator) -> np.ndar
     yaw, pitch = rng.uniform(-np.pi, np.pi), rng.uniform(0, np.pi / 2)
     rotation = pin.exp3(np.array([0, 0, yaw])) @ pin.exp3(np.array([0, pitch, 0]))
     position = [rng.uniform(0.35, 0.65), rng.uniform(-0.4, 0.4), rng.uniform(0.12, 0.55)]
-    return solve(checker.chain, Target(pin.SE3(rotation, np.array(position))), rng, accept=checker.free)
+    found = solver("damped_least_squares")(checker.chain, Target(pin.SE3(rotation, np.array(position))), rng)
+    return next((q for q in found if checker.free(q)), None)
 
 
 def grasps(model: RobotModel, count: int = 20) -> dict[str, float]:

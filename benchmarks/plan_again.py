@@ -30,15 +30,17 @@ from searches import SOLVED
 
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.values import JointState
-from grip_bt.commanders.collision import CollisionChecker
-from grip_bt.commanders.model import RobotModel
-from grip_bt.commanders.planning import free, motions
-from grip_bt.commanders.planning.free import MotionCheck
+from grip_bt.commanders.description.load import build_robot
+from grip_bt.commanders.description.ready import ROBOTS
+from grip_bt.commanders.kinematics.collision import CollisionChecker
+from grip_bt.commanders.kinematics.model import RobotModel
+from grip_bt.commanders.planning import answer
+from grip_bt.commanders.planning import search as planning_search
 from grip_bt.commanders.planning.paths import length
 from grip_bt.commanders.planning.requests import PlanTo
-from grip_bt.commanders.robots import ROBOTS, build_robot
+from grip_bt.commanders.planning.search import MotionCheck
+from grip_bt.commanders.planning.service import PlanningProcess
 from grip_bt.commanders.scene import SceneSnapshot
-from grip_bt.commanders.worker import PlanningProcess
 
 Array = NDArray[np.float64]
 MOVED = ("tower", "block", "wide_block")
@@ -95,16 +97,19 @@ def answer_keeping(
         return kept[-1]
 
     search: Callable[..., Any] = SOLVED if warm is None else lambda *arguments: repaired(warm, *arguments)
-    with mock.patch.object(free, "_solved", search), mock.patch.object(free, "shortened", shortened):
+    with (
+        mock.patch.object(planning_search, "_solved", search),
+        mock.patch.object(planning_search, "shortened", shortened),
+    ):
         began = time.process_time()
         try:
-            long = length(motions.answer(model, query, lambda: False).trajectory.positions)
+            long = length(answer.answer(model, query, lambda: False).trajectory.positions)
         except ExpectedError:
             long = float("nan")
         return time.process_time() - began, long, kept[-1] if kept else None
 
 
-SHORTENED = free.shortened
+SHORTENED = planning_search.shortened
 
 
 def repaired(

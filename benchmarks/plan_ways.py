@@ -26,12 +26,13 @@ from shortenings import SHORTENINGS
 
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.values import JointState
-from grip_bt.commanders.collision import CollisionChecker
-from grip_bt.commanders.model import RobotModel
-from grip_bt.commanders.planning import free, motions
+from grip_bt.commanders.description.load import build_robot
+from grip_bt.commanders.description.ready import ROBOTS
+from grip_bt.commanders.kinematics.collision import CollisionChecker
+from grip_bt.commanders.kinematics.model import RobotModel
+from grip_bt.commanders.planning import answer, search
 from grip_bt.commanders.planning.paths import length
 from grip_bt.commanders.planning.requests import PlanningSettings, PlanTo, Situation
-from grip_bt.commanders.robots import ROBOTS, build_robot
 from grip_bt.commanders.scene import SceneSnapshot
 
 Way = Callable[..., Any]
@@ -76,7 +77,7 @@ def ways_of(model: RobotModel) -> dict[str, Way]:
         return found
 
     return {
-        "as it is": free._solved,
+        "as it is": search._solved,
         "OMPL's own range": searches.own_range,
         "state by state": searches.one_by_one,
         "own trees": searches.own_trees,
@@ -112,7 +113,7 @@ def in_turns(model: RobotModel, asked: list[PlanTo], ways: dict[str, Way]) -> di
             with searched_by(ways[name]) as searching:
                 began = time.process_time()
                 try:
-                    path = motions.answer(model, query, lambda: False).trajectory.positions
+                    path = answer.answer(model, query, lambda: False).trajectory.positions
                     long = length(path)
                 except ExpectedError:
                     long = float("nan")
@@ -131,7 +132,7 @@ def searched_by(way: Way) -> Iterator[list[float]]:
         with motion.timed(spent):
             return way(*arguments)
 
-    with mock.patch.object(free, *(("shortened", way) if way in SHORTENINGS.values() else ("_solved", timed))):
+    with mock.patch.object(search, *(("shortened", way) if way in SHORTENINGS.values() else ("_solved", timed))):
         yield spent
 
 

@@ -20,14 +20,15 @@ from plan_ways import queries
 
 from grip_bt.base.failures import CanceledError, ExpectedError
 from grip_bt.base.values import JointState, PathConstraint, Pose
-from grip_bt.commanders.collision import CollisionChecker
-from grip_bt.commanders.model import RobotModel
-from grip_bt.commanders.planning.free import planners
-from grip_bt.commanders.planning.motions import answer
+from grip_bt.commanders.description.load import build_robot
+from grip_bt.commanders.description.ready import ROBOTS
+from grip_bt.commanders.kinematics.collision import CollisionChecker
+from grip_bt.commanders.kinematics.model import RobotModel
+from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.requests import PlanningSettings, PlanTo, Situation
-from grip_bt.commanders.robots import ROBOTS, build_robot
+from grip_bt.commanders.planning.search import planners
+from grip_bt.commanders.planning.service import PlanningProcess
 from grip_bt.commanders.scene import Box, SceneObject, SceneSnapshot
-from grip_bt.commanders.worker import PlanningProcess
 
 ANYWHERE = PathConstraint(box=Pose(), size=(9.0, 9.0, 9.0))
 

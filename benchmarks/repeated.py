@@ -40,7 +40,7 @@ def one(seed: int, target: str, journal: str, late: bool) -> None:
 
 def delay_answers() -> None:
     """Have everything that isn't physics come late, each time by another random time."""
-    from grip_bt.commanders.worker import PlanningProcess
+    from grip_bt.commanders.planning.service import PlanningProcess
     from grip_bt.ros.component import RosComponent
     from grip_bt.runtime.workers import Workers
 

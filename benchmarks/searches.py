@@ -16,10 +16,10 @@ import ompl.base as ob
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from grip_bt.commanders.collision import CollisionChecker
-from grip_bt.commanders.planning import free
-from grip_bt.commanders.planning.free import MotionCheck, halving
-from grip_bt.commanders.planning.trees import Tree, joined, stepped
+from grip_bt.commanders.kinematics.collision import CollisionChecker
+from grip_bt.commanders.planning import search
+from grip_bt.commanders.planning.search import MotionCheck, halving
+from grip_bt.commanders.planning.tree_planners import Tree, joined, stepped
 
 Array = NDArray[np.float64]
 REACH = 0.65
@@ -28,7 +28,7 @@ REACH = 0.65
 
 def own_range(*arguments: Any) -> Array | None:
     """OMPL's RRTConnect with the range that it takes by itself, a fifth of the space's diagonal."""
-    with mock.patch.object(free, "_STEP", 0.0):
+    with mock.patch.object(search, "_STEP", 0.0):
         return SOLVED(*arguments)
 
 
@@ -40,11 +40,11 @@ def one_by_one(*arguments: Any) -> Array | None:
         information.setStateValidityCheckingResolution(motion_free.resolution / extent)
         return information.getMotionValidator()  # the default
 
-    with mock.patch.object(free, "_MotionValidator", setup):
+    with mock.patch.object(search, "_MotionValidator", setup):
         return SOLVED(*arguments)
 
 
-SOLVED = free._solved
+SOLVED = search._solved
 
 
 def own_trees(

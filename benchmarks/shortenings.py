@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grip_bt.commanders.planning import paths
-from grip_bt.commanders.planning.free import MotionCheck
+from grip_bt.commanders.planning.search import MotionCheck
 
 Array = NDArray[np.float64]
 SHORTENED = paths.shortened

@@ -11,8 +11,8 @@ import time
 import numpy as np
 
 from grip_bt.base.values import Pose
-from grip_sim import start_simulation, table_world
-from grip_sim.specs import ObjectSpec, WorldSpec
+from grip_sim import start_simulation
+from grip_sim.specs import ObjectSpec, WorldSpec, table_world
 from grip_sim.world import World
 
 ROUNDS, STEPS, STARTS = 5, 240, 5

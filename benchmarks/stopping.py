@@ -109,13 +109,13 @@ def simulated_physics(count: int) -> None:
     from plain_client import swing
     from stopping import BEYOND, Stopped
 
-    from grip_sim import WorldSpec
     from grip_sim.motions import Follow
+    from grip_sim.specs import WorldSpec
     from grip_sim.world import World
 
     world, rng, row = World(WorldSpec()), np.random.default_rng(5), Row("simulated (its physics)", "cancel, stop")
     robot = world.robot
-    rows = robot.group_rows("arm")
+    rows = robot.rows(robot.description.group("arm"))
     limits, home = robot.accelerations(rows), robot.positions()[rows]
     there = home + np.array([0.5, 0, 0.2, 0, 0, 0, 0.4])
     for moment in rng.uniform(0.0, 0.9, count) * SECONDS:
@@ -250,7 +250,7 @@ def served() -> Iterator[Wire]:
     """Run `grip sim`."""
     from simulated_robot import ARM, ARM_ACTION, simulated_robot
 
-    from grip_bt.commanders.robots import build_robot
+    from grip_bt.commanders.description.load import build_robot
     from grip_bt.ros.domain import free_domain
     from grip_bt.ros.interfaces.bundled import provide
 

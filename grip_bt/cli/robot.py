@@ -8,10 +8,10 @@ import sys
 from pathlib import Path
 
 from grip_bt.base.errors import GripError
-from grip_bt.commanders.description.facts import facts, told
-from grip_bt.commanders.description.findings import Finding
-from grip_bt.commanders.description.load import Inspected
-from grip_bt.commanders.robots import ROBOTS
+from grip_bt.commanders.description.files import Finding
+from grip_bt.commanders.description.from_files import Inspected
+from grip_bt.commanders.description.ready import ROBOTS
+from grip_bt.commanders.description.summary import facts, told
 
 WHAT = (
     "a ready-made robot, a .urdf, .xacro or .xml (MJCF) file, a .yaml file with what `robot:` may hold, a MoveIt "
@@ -77,8 +77,7 @@ def run_list(args: argparse.Namespace) -> int:
 
 def _inspected(args: argparse.Namespace) -> Inspected:
     """Return the robot; whatever keeps it from being read is a finding too."""
-    from grip_bt.commanders.description.load import inspect_robot  # here, since `robot list` needs no extra
-    from grip_bt.commanders.description.sources import config_of
+    from grip_bt.commanders.description.load import config_of, inspect_robot  # `robot list` needs no extra
 
     more = {
         "srdf": str(Path(args.srdf).resolve()) if args.srdf else None,
@@ -96,7 +95,7 @@ def _of_model(inspected: Inspected) -> list[Finding]:
     """Return what only shows when the kinematics and the shapes are made, such as a mesh that can't be read."""
     if inspected.description is None:
         return []
-    from grip_bt.commanders.model import RobotModel
+    from grip_bt.commanders.kinematics.model import RobotModel
 
     try:
         RobotModel(inspected.description)

@@ -16,9 +16,8 @@ from grip_bt.base.ports import Executor
 from grip_bt.base.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory, WayPoint
 from grip_bt.base.values.joints import MOVE_GROUP
 
-from .ik.target import FREE
-from .jogging import approaching, bounded, jogged, lasting
-from .joint_names import require_joints
+from .joined import require_joints
+from .kinematics.target import FREE
 from .planning.requests import (
     CheckTogether,
     ChooseGrasp,
@@ -32,15 +31,15 @@ from .planning.requests import (
     Request,
     Situation,
 )
+from .planning.service import PlanningService
 from .scene import PlanningScene
-from .steering import HOLD
-from .stream import Stream, Twist, velocity_of
+from .steered_motion import Stream, Twist, velocity_of
+from .steering import HOLD, approaching, bounded, jogged, lasting
 from .taught import Taught
 from .trajectory.limits import refuse_beyond_limits
-from .worker import PlanningService
 
 if TYPE_CHECKING:
-    from .model import RobotModel
+    from .kinematics.model import RobotModel
 
 END_TOLERANCE = 0.05
 """A motion that ends further than this [rad] from its last point did not succeed."""

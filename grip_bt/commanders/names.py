@@ -19,6 +19,6 @@ PLANNERS = (
     "RRTstar",
     "SORRTstar",
 )
-"""What `planning.free.planners()` returns; a test compares them."""
+"""What `planning.search.planners()` returns; a test compares them."""
 SOLVERS = ("damped_least_squares", "trac_ik", "analytic")
 """The keys of `ik.SOLVERS`; likewise."""

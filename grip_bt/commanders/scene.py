@@ -186,7 +186,7 @@ class PlanningScene:
 
     def mesh(self, file: str, scale: Sequence[float] = (1.0, 1.0, 1.0), hollow: bool = False) -> Mesh:
         """Read a mesh file; see `ports.Scene`."""
-        from .meshes import load_mesh
+        from .kinematics.shapes import load_mesh
 
         x, y, z = scale
         beside = {folder.name: folder for folder in self._folder.iterdir() if folder.is_dir()}
@@ -205,10 +205,6 @@ class PlanningScene:
     def set_box(self, name: str, size: Sequence[float], pose: Pose) -> None:
         """Add or replace a box; see `ports.Scene`."""
         self.put(name, Box(tuple(size)), pose)  # type: ignore[arg-type]
-
-    def set_cylinder(self, name: str, radius: float, height: float, pose: Pose) -> None:
-        """Add or replace a cylinder about the z axis of `pose` in world; lengths in m."""
-        self.put(name, Cylinder(radius, height), pose)
 
     def remove(self, name: str) -> None:
         """Remove an object; nothing happens when it isn't there.

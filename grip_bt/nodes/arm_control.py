@@ -6,7 +6,7 @@ import numpy as np
 
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, Pose
-from grip_bt.commanders.jogging import twist_towards
+from grip_bt.commanders.steering import twist_towards
 
 from .arm import ArmLeaf
 from .leaf import Status

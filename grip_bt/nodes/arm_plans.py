@@ -9,7 +9,7 @@ from grip_bt.base.failures import PathInvalidError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Arm
 from grip_bt.base.values import JointState, Plan, Pose
-from grip_bt.commanders.together import execute_together
+from grip_bt.commanders.joined import execute_together
 
 from .arm import ArmLeaf, KeepingLeaf
 from .keeping import read_keep, verify_keep

@@ -8,7 +8,7 @@ from dataclasses import replace
 from grip_bt.base.failures import SensorError
 from grip_bt.base.ports import Context
 from grip_bt.base.values import JointState
-from grip_bt.commanders.stillness import Stillness
+from grip_bt.commanders.trajectory.limits import Stillness
 
 LOOK = 0.05
 """How often it is looked at whether they are [s]."""

@@ -3,7 +3,6 @@
 from grip_sim.referee import ObjectTruth
 from grip_sim.rendering import render_support
 from grip_sim.simulation import Simulation, start_simulation
-from grip_sim.specs import WorldSpec
-from grip_sim.tables import table_world
+from grip_sim.specs import WorldSpec, table_world
 
 __all__ = ["ObjectTruth", "Simulation", "WorldSpec", "render_support", "start_simulation", "table_world"]

@@ -5,9 +5,9 @@ import signal
 import socket
 import sys
 
+from grip_sim.connection import ClosedError, pack, receive
 from grip_sim.server import Server
 from grip_sim.specs import WorldSpec
-from grip_sim.wire import ClosedError, pack, receive
 
 
 def main() -> int:

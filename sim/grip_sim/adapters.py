@@ -11,8 +11,8 @@ from grip_bt.base.arrays import Array
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import CameraInfo, DepthImage, Image, JointState, Pose, RgbdFrame, Trajectory
 from grip_sim.client import SimClient
+from grip_sim.connection import Reply
 from grip_sim.referee import ObjectTruth
-from grip_sim.replies import Reply
 
 
 def _state(reply: Reply) -> JointState:

@@ -11,7 +11,7 @@ import socket
 import threading
 from collections.abc import Callable
 from functools import partial
-from typing import Any
+from typing import Any, Self
 
 from numpy.typing import NDArray
 
@@ -19,10 +19,8 @@ from grip_bt.base.errors import SimulatorLostError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import InTurnOf
 from grip_sim.clock import SimClock
-from grip_sim.process import SimProcess
-from grip_sim.replies import Reply, complete, end
+from grip_sim.connection import Arrays, ClosedError, Reply, SimProcess, complete, end, pack, receive
 from grip_sim.specs import WorldSpec
-from grip_sim.wire import Arrays, ClosedError, pack, receive
 
 START_TIME, ANSWER_TIME, CLOSE_TIME = 300.0, 120.0, 1.0
 SILENCE = 120.0
@@ -135,6 +133,12 @@ class SimClient:
                 thread.join(CLOSE_TIME)  # not for ever: a callback may wait for whoever closes
         self._connection.close()
         self._process.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
     # --- requests ---
 

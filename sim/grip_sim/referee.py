@@ -12,8 +12,7 @@ from grip_bt.base.values import Pose
 from grip_sim.specs import GRAVITY, ObjectSpec
 
 if TYPE_CHECKING:  # the client imports this module, and must not import sapien
-    from grip_sim.contacts import Contact
-    from grip_sim.world import World
+    from grip_sim.world import Contact, World
 
 Status = Literal["held", "placed", "fallen", "standing", "lying", "elsewhere"]
 LOW, STILL, STILL_TURN, BELOW = 0.14, 0.05, 0.6, -0.05

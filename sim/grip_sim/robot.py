@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from grip_bt.base.arrays import Array, Indices
-from grip_bt.commanders.robots import Mimic, RobotDescription
-from grip_bt.commanders.trajectory.braking import accelerations_of
+from grip_bt.commanders.description.robot import Mimic, RobotDescription
+from grip_bt.commanders.trajectory.stopping import accelerations_of
 from grip_sim.physics import ignore_each_other, physx, sapien
 
 HAND_FRICTION = 1.0
@@ -59,14 +59,6 @@ class SimRobot:
     def rows(self, names: Sequence[str]) -> Indices:
         """Return the indices of joints, for the other methods."""
         return np.array([self._rows[name] for name in names], dtype=np.intp)
-
-    def group_rows(self, group: str) -> Indices:
-        """Return the indices of a group's joints.
-
-        Raises:
-            UnknownNameError: there is no such group.
-        """
-        return self.rows(self.description.group(group))
 
     def place(self, positions: Mapping[str, float]) -> None:
         """Put joints at positions [rad] at once, at rest; for the start of a world only."""

@@ -5,18 +5,17 @@ from __future__ import annotations
 import select
 import socket
 import time
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from grip_bt.base.errors import GripError
 from grip_bt.base.values import Pose
-from grip_bt.commanders.trajectory.braking import even_ramp
+from grip_bt.commanders.trajectory.stopping import even_ramp
+from grip_sim.connection import Arrays, ClosedError, pack, receive
 from grip_sim.motions import STILL, Brake, Ended, Follow, Motion, MoveHand, Wait
 from grip_sim.referee import judge
 from grip_sim.specs import WorldSpec
-from grip_sim.wire import Arrays, ClosedError, pack, receive
 from grip_sim.world import World
 
 STEPS_PER_LOOK = 4
@@ -27,6 +26,9 @@ PATIENCE = 1.0
 """Where a motion is expected to be amended, time stands still for so long at most [s of ours]."""
 TELL_TIME = 0.02
 """While something moves, the client is told the time this often [s of ours]."""
+SILENT = frozenset({"follow", "move_hand", "wait", "go", "stand", "go_freely"})
+"""Calls that aren't answered at once: motions are when they end, and what is said of turns never is."""
+Answer = tuple[dict[str, Any], Arrays | None]
 _LOOSE = -(1 << 40)
 """The number of the motion that brakes joints which nothing drives; no call has it."""
 _LOOK = 0.002
@@ -54,30 +56,6 @@ class Server:
         self._motions: dict[int, Motion] = {}
         self._told = self._due = 0.0
         self._waits_since: float | None = None
-        self._calls: dict[str, Callable[..., Any]] = {
-            "follow": self._follow,
-            "passed": self._passed,
-            "amend": self._amend,
-            "expect": self._expect,
-            "move_hand": self._move_hand,
-            "wait": self._wait,
-            "pause": self._pause,
-            "resume": self._resume,
-            "take_turns": self._take_turns,
-            "go": self._go,
-            "stand": self._stand,
-            "go_freely": self._go_freely,
-            "stop": self._stop,
-            "cancel": self._cancel,
-            "state": self._state,
-            "contacts": self._contacts,
-            "look": self._look,
-            "truth": self._truth,
-            "fingerprint": self._fingerprint,
-            "move_object": self._move_object,
-            "kept": self._kept,
-            "put_back": self._put_back,
-        }
 
     def serve(self) -> None:
         """Obey until the client is gone."""
@@ -115,7 +93,7 @@ class Server:
             self._hold = None
             return
         if self._going:
-            self._stand()
+            self._call_stand()
         self._in_turns = False
         for number in list(self._motions):
             self._brake(number)
@@ -151,7 +129,9 @@ class Server:
     def _obey(self, fields: dict[str, Any], arrays: Arrays) -> None:
         number, call = fields.pop("id"), fields.pop("call")
         try:
-            answer = self._calls[call](number, **fields, **arrays)
+            if (handler := getattr(self, f"_call_{call}", None)) is None:
+                raise LookupError("there is no such call")
+            answer: Answer | None = handler(number, **fields, **arrays)
         except GripError as error:
             self._send({"id": number, "error": "refused", "message": str(error)})
             return
@@ -159,8 +139,8 @@ class Server:
             message = f"{call}: {type(error).__name__}: {error}"
             self._send({"id": number, "error": "refused", "message": message})
             return
-        if answer is not None:
-            said, data = answer
+        if answer is not None or call not in SILENT:
+            said, data = answer or ({}, None)
             self._send({"id": number, **said}, data)
 
     def _advance(self) -> None:
@@ -168,14 +148,14 @@ class Server:
         for _ in range(STEPS_PER_LOOK):
             if self._in_turns:
                 if self._until is not None and self.world.time >= self._until:
-                    return self._stand()
+                    return self._call_stand()
             elif self._pace is None and self._awaited():
                 return
             ends = [(number, end) for number, motion in self._motions.items() if (end := motion.advance(self.world))]
             for number, end in ends:
                 self._finish(number, end)
             if ends and self._in_turns:
-                return self._stand()
+                return self._call_stand()
             if not self._motions and not self._in_turns:
                 return
             self.world.step()
@@ -230,41 +210,38 @@ class Server:
     def _send(self, fields: dict[str, Any], arrays: Arrays | None = None) -> None:
         self._connection.sendall(pack({"time": self.world.time, **fields}, arrays))
 
-    # --- what may be called ---
+    # --- what may be called: `_call_` and the name of the call ---
 
-    def _pause(self, number: int) -> Any:
+    def _call_pause(self, number: int) -> None:
         """Let no time pass; what moves stays where it is, as it is."""
         self._frozen = True
-        return {}, None
 
-    def _resume(self, number: int) -> Any:
+    def _call_resume(self, number: int) -> None:
         self._frozen = False
-        return {}, None
 
-    def _take_turns(self, number: int) -> Any:
+    def _call_take_turns(self, number: int) -> None:
         self._in_turns, self._going = True, False
-        return {}, None
 
-    def _go(self, number: int, until: float | None) -> None:
+    def _call_go(self, number: int, until: float | None) -> None:
         """Go on up to a moment [s], or to the end of a motion."""
         self._until, self._going = until, True
         if not self._in_turns:  # the robot was told to hold
-            self._stand()
+            self._call_stand()
 
-    def _stand(self, number: int = 0) -> None:
+    def _call_stand(self, number: int = 0) -> None:
         """Stand still, and say so behind everything that was said before."""
         if self._going:
             self._going = False
             self._send({"id": 0, "stands": True})
 
-    def _go_freely(self, number: int) -> None:
+    def _call_go_freely(self, number: int) -> None:
         self._in_turns = self._going = False
 
     def _allow_motion(self) -> None:
         if self._held:
             raise GripError("the robot was told to hold by whoever watches over this run; nothing moves any more")
 
-    def _follow(self, number: int, names: list[str], times: Any, positions: Any, velocities: Any = None) -> None:
+    def _call_follow(self, number: int, names: list[str], times: Any, positions: Any, velocities: Any = None) -> None:
         self._allow_motion()
         robot, rows = self.world.robot, self.world.robot.rows(names)
         motion = Follow(robot, rows, times, positions, velocities, self.world.time)
@@ -280,40 +257,39 @@ class Server:
         found = (m for m in self._motions.values() if isinstance(m, Follow) and set(m.rows) == rows)
         return next(found, None)
 
-    def _passed(self, number: int, names: list[str]) -> Any:
+    def _call_passed(self, number: int, names: list[str]) -> Answer:
         motion = self._following(names)
         return {"passed": None if motion is None else motion.passed(self.world.time)}, None
 
-    def _amend(self, number: int, names: list[str], at: float, times: Any, positions: Any, velocities: Any) -> Any:
+    def _call_amend(
+        self, number: int, names: list[str], at: float, times: Any, positions: Any, velocities: Any
+    ) -> Answer:
         motion = self._following(names)
         amended = motion is not None and motion.amend(self.world.time, at, times, positions, velocities)
         return {"amended": amended}, None
 
-    def _expect(self, number: int, names: list[str], at: float | None) -> Any:
+    def _call_expect(self, number: int, names: list[str], at: float | None) -> None:
         motion = self._following(names)
         if motion is not None:
             motion.expects = at
-        return {}, None
 
-    def _move_hand(self, number: int, names: list[str], goal: Any, duration: float, limit: float | None) -> None:
+    def _call_move_hand(self, number: int, names: list[str], goal: Any, duration: float, limit: float | None) -> None:
         self._allow_motion()
         robot, rows = self.world.robot, self.world.robot.rows(names)
         self._replace(rows)
         robot.limit_torque(rows, limit)
         self._motions[number] = MoveHand(robot, rows, goal, duration, self.world.time)
 
-    def _wait(self, number: int, seconds: float) -> None:
+    def _call_wait(self, number: int, seconds: float) -> None:
         self._motions[number] = Wait(self.world.time + seconds)
 
-    def _stop(self, number: int, names: list[str]) -> Any:
+    def _call_stop(self, number: int, names: list[str]) -> None:
         for moving in self._moving(self.world.robot.rows(names)):
             self._brake(moving)
-        return {}, None
 
-    def _cancel(self, number: int, motion: int) -> Any:
+    def _call_cancel(self, number: int, motion: int) -> None:
         if motion in self._motions:
             self._brake(motion)
-        return {}, None
 
     def _moving(self, rows: Any) -> list[int]:
         return [number for number, motion in self._motions.items() if np.intersect1d(motion.rows, rows).size]
@@ -323,7 +299,7 @@ class Server:
         for number in self._moving(rows):
             self._finish(number, Ended("canceled", "another motion has taken the place of this one"))
 
-    def _state(self, number: int, names: list[str]) -> Any:
+    def _call_state(self, number: int, names: list[str]) -> Answer:
         return self._measured(self.world.robot.rows(names))
 
     def _measured(self, rows: Any) -> tuple[dict[str, Any], Arrays | None]:
@@ -333,28 +309,26 @@ class Server:
         arrays = {"position": state.position, "velocity": state.velocity, "effort": state.effort}
         return {"names": list(state.names)}, arrays
 
-    def _contacts(self, number: int) -> Any:
+    def _call_contacts(self, number: int) -> Answer:
         return {"contacts": dict(self.world.hand_contacts())}, None
 
-    def _look(self, number: int, camera: str) -> Any:
+    def _call_look(self, number: int, camera: str) -> Answer:
         frame = self.world.look(camera)
         return {}, {"image": frame.image, "depth": frame.depth}
 
-    def _truth(self, number: int) -> Any:
+    def _call_truth(self, number: int) -> Answer:
         return {"truth": [verdict.to_json() for verdict in judge(self.world)]}, None
 
-    def _fingerprint(self, number: int) -> Any:
+    def _call_fingerprint(self, number: int) -> Answer:
         return {"fingerprint": self.world.fingerprint()}, None
 
-    def _move_object(self, number: int, name: str, position: list[float], quaternion: list[float]) -> Any:
+    def _call_move_object(self, number: int, name: str, position: list[float], quaternion: list[float]) -> None:
         self.world.move_object(name, Pose(position, quaternion))
-        return {}, None
 
-    def _kept(self, number: int) -> Any:
+    def _call_kept(self, number: int) -> Answer:
         return {}, self.world.kept()
 
-    def _put_back(self, number: int, **kept: Any) -> Any:
+    def _call_put_back(self, number: int, **kept: Any) -> None:
         if self._motions:
             raise GripError("a world is put back while nothing moves in it")
         self.world.put_back(kept)
-        return {}, None

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 from grip_bt.base.arrays import Array
 from grip_bt.base.errors import UnknownNameError
-from grip_bt.base.ports import InTurnOf
 from grip_bt.commanders.description.load import load_robot
 from grip_sim.adapters import SimCamera, SimExecutor, SimHand, SimReferee, check_positive
 from grip_sim.client import SimClient
-from grip_sim.clock import SimClock
 from grip_sim.geometry import camera_info
 from grip_sim.specs import WorldSpec
 
@@ -18,7 +16,7 @@ SETTLE = 0.5
 """How long objects are left to come to rest at the start [s]."""
 
 
-class Simulation:
+class Simulation(SimClient):
     """A running simulator. Physics advances only while something is under way. Implements `grip_bt.base.ports.Stepped`.
 
     Attributes:
@@ -27,22 +25,11 @@ class Simulation:
     """
 
     def __init__(self, spec: WorldSpec, pace: float | None = None, hold: int | None = None):
-        self.spec = spec
         if pace is not None:
             check_positive("pace", pace)
         self._robot = load_robot(spec.robot)  # first: an unknown robot is found before a process runs
-        self._client = SimClient(spec, pace, hold)
-        self.referee = SimReferee(self._client)
-
-    @property
-    def clock(self) -> SimClock:
-        """The run's clock."""
-        return self._client.clock
-
-    @property
-    def pid(self) -> int:
-        """The simulator's process."""
-        return self._client.pid
+        super().__init__(spec, pace, hold)
+        self.spec, self.referee = spec, SimReferee(self)
 
     def executor(self, group: str) -> SimExecutor:
         """Return what moves a group of joints.
@@ -50,11 +37,11 @@ class Simulation:
         Raises:
             UnknownNameError: the robot has no such group.
         """
-        return SimExecutor(self._client, self._robot.group(group))
+        return SimExecutor(self, self._robot.group(group))
 
     def hand(self, group: str) -> SimHand:
         """Return what moves the fingers of a group, likewise."""
-        return SimHand(self._client, self._robot.group(group))
+        return SimHand(self, self._robot.group(group))
 
     def camera(self, name: str) -> SimCamera:
         """Return a camera.
@@ -65,7 +52,7 @@ class Simulation:
         cameras = {camera.name: camera for camera in self.spec.cameras}
         if name not in cameras:
             raise UnknownNameError("camera", name, cameras)
-        return SimCamera(self._client, name, camera_info(cameras[name]))
+        return SimCamera(self, name, camera_info(cameras[name]))
 
     def settle(self, seconds: float = SETTLE) -> None:
         """Let simulated time pass and wait for it.
@@ -73,13 +60,13 @@ class Simulation:
         Raises:
             SimulatorLostError: the simulator ended meanwhile.
         """
-        wait = self._client.move("wait", seconds=seconds)
+        wait = self.move("wait", seconds=seconds)
         wait.wait()
         wait.result()
 
     def kept(self) -> dict[str, Array]:
         """Return everything that moves in the world, and how, for `put_back` in another process."""
-        return dict(self._client.ask("kept").arrays)
+        return dict(self.ask("kept").arrays)
 
     def put_back(self, kept: Mapping[str, Array]) -> None:
         """Bring everything that moves to where it was kept, in a world of the same spec.
@@ -87,52 +74,21 @@ class Simulation:
         Raises:
             GripError: it was another world, or something moves.
         """
-        self._client.ask("put_back", dict(kept))
+        self.ask("put_back", dict(kept))
 
     def pause(self) -> None:
         """Have the world stand still in the middle of whatever moves, and the clock with it; see `Pausable`."""
-        self._client.ask("pause")
+        self.ask("pause")
         self.clock.pause()
 
     def resume(self) -> None:
         """Have the world go on."""
         self.clock.resume()
-        self._client.ask("resume")
-
-    @property
-    def sent(self) -> int:
-        """How many requests the simulator was sent."""
-        return self._client.sent
+        self.ask("resume")
 
     def keep_to_simulated(self, only: bool) -> None:
         """Have the clock show simulated time alone, or let ours go on in it while nothing moves."""
         self.clock.keep_to_simulated(only)
-
-    def take_turns(self, in_turn: InTurnOf, stood: Callable[[], None]) -> None:
-        """Have simulated time stand still but for `go`; see `grip_bt.base.ports.Stepped`."""
-        self._client.take_turns(in_turn, stood)
-
-    def go(self, until: float | None) -> bool:
-        """Have it go on up to a moment [s], or until a motion ends; False when the simulator is lost."""
-        return self._client.go(until)
-
-    def stand(self) -> None:
-        """Have it stand still now."""
-        self._client.stand()
-
-    def go_freely(self) -> None:
-        """Have it go by itself again."""
-        self._client.go_freely()
-
-    def close(self) -> None:
-        """End the simulator's process."""
-        self._client.close()
-
-    def __enter__(self) -> Simulation:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
 
 def start_simulation(spec: WorldSpec, pace: float | None = None, hold: int | None = None) -> Simulation:

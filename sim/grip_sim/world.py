@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,12 +13,36 @@ from grip_bt.base.arrays import Array
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.values import Pose
 from grip_bt.commanders.description.load import load_robot
-from grip_bt.commanders.robots import RobotDescription
+from grip_bt.commanders.description.robot import RobotDescription
 from grip_sim.camera import Frame, RayCamera, Target
-from grip_sim.contacts import Contact
 from grip_sim.physics import make_scene, physx, sapien
 from grip_sim.robot import SimRobot
-from grip_sim.specs import BoxSpec, ObjectSpec, WorldSpec
+from grip_sim.specs import BoxSpec, ObjectSpec, Vector, WorldSpec
+
+
+class Contact(NamedTuple):
+    """Two bodies that touch.
+
+    Attributes:
+        first: the one's name.
+        second: the other's.
+        push: force on the first along the surface's normal, without friction, in world [N].
+    """
+
+    first: str
+    second: str
+    push: Vector
+
+    @property
+    def force(self) -> float:
+        """How hard they press on each other [N]."""
+        return float(np.linalg.norm(self.push))
+
+    def push_on(self, name: str) -> Vector:
+        """Return the force on one of the two, in world [N]."""
+        x, y, z = self.push
+        return (x, y, z) if name == self.first else (-x, -y, -z)
+
 
 TOUCH = 1e-3
 """Contact forces below this are none [N]."""

@@ -9,8 +9,8 @@ import pytest
 
 from grip_bt.base.values import JointState
 from grip_bt.cli.__main__ import main
-from grip_bt.commanders.model import RobotModel
-from grip_bt.commanders.robots import panda_allegro
+from grip_bt.commanders.description.load import build_robot
+from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.runtime import JournalReader
 
 PROJECT = "grip: 1\nrobot: panda_allegro\narms: {right: {hand: right_hand}}\nhands: {right_hand: {}}\nworld: table\n"
@@ -52,7 +52,7 @@ def test_a_task_goes_round_its_corners(tmp_path, capsys, robot):
         return
     assert written["planned"] == pytest.approx([0.03, 0.03])
     assert written["moved"] == [pytest.approx(0.04), 0.0]
-    model, trajectory = RobotModel(panda_allegro()), written["plan"].trajectory
+    model, trajectory = RobotModel(build_robot("panda_allegro")), written["plan"].trajectory
     way = np.stack([model.grasp_pose(JointState(trajectory.names, row)).position for row in trajectory.positions])
     for offset in ([0.0, 0.12, 0.0], [0.0, 0.12, 0.1]):
         away = np.linalg.norm(way - written["before"].moved(offset).position, axis=1)

@@ -16,7 +16,7 @@ import pytest
 
 from grip_bt.app.runs.replay import find_run
 from grip_bt.cli.__main__ import main
-from grip_bt.commanders.robots import build_robot
+from grip_bt.commanders.description.load import build_robot
 from grip_bt.runtime import JournalReader
 
 TASK = """\

@@ -8,9 +8,9 @@ import pytest
 
 from grip_bt.base.values import JointState
 from grip_bt.cli.__main__ import main
-from grip_bt.commanders.model import RobotModel
-from grip_bt.commanders.planning.motions import CONSTRAINT_SLACK
-from grip_bt.commanders.robots import panda_allegro
+from grip_bt.commanders.description.load import build_robot
+from grip_bt.commanders.kinematics.model import RobotModel
+from grip_bt.commanders.planning.paths import CONSTRAINT_SLACK
 from grip_bt.runtime import JournalReader
 
 PROJECT = "grip: 1\nrobot: panda_allegro\narms: {right: {hand: right_hand}}\nhands: {right_hand: {}}\nworld: table\n"
@@ -61,7 +61,7 @@ def test_a_task_keeps_its_cup_upright(tmp_path, capsys, robot):
         written = {name: reader.value(event) for name, event in reader.variables(run).items()}
     if robot == "sim":
         level, trajectory = written["level"], written["plan"].trajectory
-        model = RobotModel(panda_allegro())
+        model = RobotModel(build_robot("panda_allegro"))
         way = [model.grasp_pose(JointState(trajectory.names, row), group="arm") for row in trajectory.positions]
         assert all(level.kept_by(pose, CONSTRAINT_SLACK) for pose in way)
         assert way[-1].position - way[0].position == pytest.approx([0.1, 0.35, -0.05], abs=0.01)

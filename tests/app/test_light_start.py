@@ -13,7 +13,7 @@ HEAVY = {"ompl", "toppra", "scipy", "coal", "sapien", "pytracik"}
 @pytest.mark.parametrize(
     ("modules", "spared"),
     [
-        ("grip_bt.commanders.worker", HEAVY - {"coal", "pytracik"}),
+        ("grip_bt.commanders.planning.service", HEAVY - {"coal", "pytracik"}),
         ("grip_bt.app.runs.process, grip_bt.app.runs.motion_record", HEAVY),
     ],
 )

@@ -1,7 +1,7 @@
 import pytest
 from table_top import robot_model
 
-from grip_bt.commanders.model import RobotModel
+from grip_bt.commanders.kinematics.model import RobotModel
 
 
 @pytest.fixture

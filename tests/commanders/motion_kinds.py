@@ -15,10 +15,9 @@ from table_top import PATIENCE, robot_model, room
 
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.values import JointState, Trajectory, WayPoint
-from grip_bt.commanders.collision import CollisionChecker
-from grip_bt.commanders.held import rest_of
-from grip_bt.commanders.jogging import jogged, lasting
-from grip_bt.commanders.planning.motions import answer
+from grip_bt.commanders.kinematics.collision import CollisionChecker
+from grip_bt.commanders.pausing import rest_of
+from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.requests import (
     PlanAlong,
     PlanningSettings,
@@ -30,8 +29,8 @@ from grip_bt.commanders.planning.requests import (
     Situation,
 )
 from grip_bt.commanders.scene import SceneSnapshot
-from grip_bt.commanders.steering import HOLD, spliced
-from grip_bt.commanders.trajectory.braking import stop_ramp
+from grip_bt.commanders.steering import HOLD, jogged, lasting, spliced
+from grip_bt.commanders.trajectory.stopping import stop_ramp
 
 PERIOD = 1e-3
 """Controllers take their set points at this period [s]."""

@@ -17,7 +17,7 @@ import robot_files
 from grip_bt.base.errors import GripError
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.load import load_robot
-from grip_bt.commanders.model import RobotModel
+from grip_bt.commanders.kinematics.model import RobotModel
 
 WORDS = ["", "nan", "inf", "-1", "0", "1e308", "base", "l6", "j1", "fixed", "revolute", "continuous", "planar", "\x00"]
 PIECES = [

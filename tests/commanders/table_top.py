@@ -10,10 +10,10 @@ from functools import cache
 import numpy as np
 
 from grip_bt.base.values import Grasp, JointState, Pose
-from grip_bt.commanders.collision import CollisionChecker
-from grip_bt.commanders.model import RobotModel
+from grip_bt.commanders.description.load import build_robot
+from grip_bt.commanders.kinematics.collision import CollisionChecker
+from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.commanders.planning.requests import PlanningSettings, PlanTo, Situation
-from grip_bt.commanders.robots import build_robot
 from grip_bt.commanders.scene import PlanningScene
 
 CRATE = np.array([0.48, -0.40])

@@ -16,7 +16,7 @@ from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, Plan, Pose, Trajectory
 from grip_bt.commanders.arm import ArmCommander, ArmSetup
 from grip_bt.commanders.fake import FakeExecutor
-from grip_bt.commanders.planning.motions import answer
+from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.requests import PlanningSettings, PlanTo
 
 

@@ -8,15 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from grip_bt.base.values import Trajectory
-from grip_bt.commanders.trajectory.braking import (
-    ACCELERATION,
-    LATER,
-    accelerations_of,
-    even_ramp,
-    paced,
-    stop_ramp,
-)
-from grip_bt.commanders.trajectory.smooth import braking_times, each_by_itself
+from grip_bt.commanders.trajectory.jerk_limited import braking_times, each_by_itself
+from grip_bt.commanders.trajectory.stopping import ACCELERATION, LATER, accelerations_of, even_ramp, paced, stop_ramp
 
 SEEDS = st.integers(0, 10**6)
 

@@ -11,10 +11,10 @@ from scipy.interpolate import BPoly
 from table_top import robot_model
 
 from grip_bt.base.values import Pose, Trajectory
-from grip_bt.commanders.collision import CollisionChecker, recent_checker
+from grip_bt.commanders.kinematics.collision import CollisionChecker, recent_checker
 from grip_bt.commanders.planning.continuous import continuously_free, first_touch
-from grip_bt.commanders.planning.free import halving
 from grip_bt.commanders.planning.paths import interpolated
+from grip_bt.commanders.planning.search import halving
 from grip_bt.commanders.scene import Box, Cylinder, SceneObject, SceneSnapshot
 
 SCENE = SceneSnapshot(
@@ -57,7 +57,7 @@ def cpu_times():
 @pytest.mark.parametrize("cores", [1, 2])
 def test_a_large_batch_is_shared_evenly_by_as_many_threads_as_there_are_cores(chain, monkeypatch, cores):
     """Told by how long each thread worked, since a loaded machine may give them one core in turns."""
-    monkeypatch.setattr("grip_bt.commanders.collision.os.cpu_count", lambda: cores)
+    monkeypatch.setattr("grip_bt.commanders.kinematics.collision.os.cpu_count", lambda: cores)
     checker, rows = CollisionChecker(chain, SceneSnapshot()), random_rows(chain, 4000, seed=1)
     checker.free_each(rows[:100])  # threads are made when they are first needed
     before = cpu_times()

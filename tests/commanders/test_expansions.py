@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from grip_bt.base.errors import DocumentError
-from grip_bt.commanders.description import expansions, xacro_files
+from grip_bt.commanders.description import xacro_files
+from grip_bt.commanders.description.files import noting_files
 from grip_bt.commanders.description.packages import Packages
-from grip_bt.commanders.description.reading import noting_files
 
 OUTER = (
     '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="n" default="a"/>'
@@ -69,7 +69,7 @@ def test_a_wrong_file_is_not_kept(file):
 
 
 def test_what_is_damaged_or_too_much_goes(file, monkeypatch):
-    monkeypatch.setattr(expansions, "MOST", 2)
+    monkeypatch.setattr(xacro_files, "MOST", 2)
     for n in "abcd":
         text = expand(file, n=n)
     kept = list(file.parent.glob("cache/**/*.json"))

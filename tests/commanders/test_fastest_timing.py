@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from grip_bt.commanders.model import Limits
-from grip_bt.commanders.trajectory import library
-from grip_bt.commanders.trajectory.reachability import squared_velocities
+from grip_bt.commanders.kinematics.model import Limits
 from grip_bt.commanders.trajectory.timing import Allowed, _curve, timed
+from grip_bt.commanders.trajectory.topp_ra import squared_velocities, squared_velocities_of_library
 
 
 def ours(rows, points, velocity, acceleration):
@@ -16,7 +15,7 @@ def ours(rows, points, velocity, acceleration):
 
 
 def of_the_library(rows, grid, velocity, acceleration):
-    return library.squared_velocities(grid, *_curve(rows), velocity, acceleration)
+    return squared_velocities_of_library(grid, *_curve(rows), velocity, acceleration)
 
 
 @pytest.mark.parametrize("seed", range(30))

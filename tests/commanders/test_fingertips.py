@@ -7,7 +7,7 @@ from table_top import named, robot_model
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import NoIkError
 from grip_bt.base.values import JointState
-from grip_bt.commanders.ik.fingertips import TOLERANCE, fingertip_positions, fingertip_posture
+from grip_bt.commanders.kinematics.fingertips import TOLERANCE, fingertip_positions, fingertip_posture
 
 
 @pytest.fixture(scope="module")

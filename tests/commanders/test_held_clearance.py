@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from grip_bt.base.values import JointState, Pose
-from grip_bt.commanders.collision import HELD_SLACK, CollisionChecker
-from grip_bt.commanders.model import RobotModel
-from grip_bt.commanders.robots import build_robot
+from grip_bt.commanders.description.load import build_robot
+from grip_bt.commanders.kinematics.collision import HELD_SLACK, CollisionChecker
+from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.commanders.scene import PlanningScene
 
 

@@ -3,14 +3,15 @@
 import numpy as np
 import pinocchio as pin
 import pytest
+from ik_search import nearest, solve
 from table_top import named, robot_model
 
 from grip_bt.base.errors import UnfitSolverError, UnknownNameError
-from grip_bt.commanders.ik import SOLVERS, Target, nearest, solve, solver
-from grip_bt.commanders.ik.damped_least_squares import TOLERANCE, solve_from
-from grip_bt.commanders.ik.target import FREE
-from grip_bt.commanders.model import RobotModel
-from grip_bt.commanders.robots import build_robot
+from grip_bt.commanders.description.load import build_robot
+from grip_bt.commanders.kinematics.damped_least_squares import TOLERANCE, solve_from
+from grip_bt.commanders.kinematics.ik import SOLVERS, solver
+from grip_bt.commanders.kinematics.model import RobotModel
+from grip_bt.commanders.kinematics.target import FREE, Target
 
 FITS = [(name, robot) for name in SOLVERS for robot in ("panda_allegro", "ur10_allegro")]
 FITS.remove(("analytic", "panda_allegro"))  # seven joints

@@ -8,8 +8,8 @@ from table_top import named, robot_model, situation
 
 from grip_bt.base.failures import ConstraintBrokenError
 from grip_bt.base.values import JointState, PathConstraint, Pose, WayPoint
-from grip_bt.commanders.planning.constraints import CONSTRAINT_SLACK
-from grip_bt.commanders.planning.motions import answer
+from grip_bt.commanders.planning.answer import answer
+from grip_bt.commanders.planning.paths import CONSTRAINT_SLACK
 from grip_bt.commanders.planning.requests import PlanThrough
 from grip_bt.commanders.scene import SceneSnapshot
 
@@ -61,7 +61,7 @@ def test_a_searched_way_goes_where_the_constraint_lets_it():
 @pytest.mark.parametrize(
     ("box", "words"),
     [
-        ([0, 0, 3], "the start breaks what the path must keep to"),
+        ([0, 0, 3], "the start violates the path constraint"),
         ([0, 0, 0], "segment 1 of 3: the straight way leaves what the motion must keep to; search it"),
     ],
 )

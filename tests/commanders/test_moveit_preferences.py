@@ -16,7 +16,7 @@ from grip_bt.base.errors import UnknownNameError
 from grip_bt.cli.__main__ import main
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.load import inspect_robot, load_robot
-from grip_bt.commanders.robots.description import Preference
+from grip_bt.commanders.description.robot import Preference
 
 PLANNING = """planner_configs:
   Both: {type: geometric::RRTConnect, range: 0.7}

@@ -10,12 +10,11 @@ import pytest
 from grip_bt.base.errors import MissingPartError
 from grip_bt.base.values import JointState
 from grip_bt.cli.__main__ import main
-from grip_bt.commanders.collision import CollisionChecker
 from grip_bt.commanders.description import packages
 from grip_bt.commanders.description.config import RobotConfig
-from grip_bt.commanders.description.load import inspect_robot, load_robot
-from grip_bt.commanders.model import RobotModel
-from grip_bt.commanders.robots import build_robot
+from grip_bt.commanders.description.load import build_robot, inspect_robot, load_robot
+from grip_bt.commanders.kinematics.collision import CollisionChecker
+from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.commanders.scene import PlanningScene
 
 WAYS = {

@@ -9,7 +9,7 @@ from table_top import CRATE, named, place_things, robot_model, room, side_grasps
 
 from grip_bt.base.failures import ExpectedError, NoGraspError
 from grip_bt.base.values import Pose
-from grip_bt.commanders.planning.motions import answer
+from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.requests import ChooseGrasp, PlanStraight, PlanTo
 
 SCENES = 30

@@ -26,11 +26,11 @@ from grip_bt.base.failures import (
     StartInCollisionError,
 )
 from grip_bt.base.values import JointState, Pose
-from grip_bt.commanders.collision import CollisionChecker
-from grip_bt.commanders.planning.free import planners
-from grip_bt.commanders.planning.motions import answer
+from grip_bt.commanders.kinematics.collision import CollisionChecker
+from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.paths import interpolated
 from grip_bt.commanders.planning.requests import ChooseGrasp, PlanningSettings, PlanStraight, PlanTo
+from grip_bt.commanders.planning.search import planners
 
 
 def never():

@@ -11,9 +11,9 @@ from table_top import endless_request, place_things, robot_model, room, side_gra
 
 from grip_bt.base.failures import TimeOutError
 from grip_bt.base.values import WayPoint
+from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.budget import BACKSTOP, RATE, REAL, Budget, Clocks
 from grip_bt.commanders.planning.grasps import GraspSearch, GraspTrial
-from grip_bt.commanders.planning.motions import answer
 from grip_bt.commanders.planning.requests import ChooseGrasp, PlanThrough, PlanTo
 
 

@@ -14,12 +14,12 @@ from table_top import endless_request, named, place_things, robot_model, room, s
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import CanceledError, GoalInCollisionError, PlannerLostError
 from grip_bt.base.values import JointState, Pose
-from grip_bt.commanders import worker
-from grip_bt.commanders.collision import CollisionChecker
-from grip_bt.commanders.planning.free import planners
-from grip_bt.commanders.planning.motions import answer
+from grip_bt.commanders.kinematics.collision import CollisionChecker
+from grip_bt.commanders.planning import service
+from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.requests import ChooseGrasp, PlanTo
-from grip_bt.commanders.worker import PlanningProcess
+from grip_bt.commanders.planning.search import planners
+from grip_bt.commanders.planning.service import PlanningProcess
 
 
 @pytest.fixture(scope="module")
@@ -95,7 +95,9 @@ def test_cancelling_ends_an_endless_plan(planner):
 
 @pytest.mark.parametrize("search", ["RRTConnect", "PRM"])
 def test_a_plan_ends_itself_when_it_is_cancelled_and_its_process_goes_on(planner, monkeypatch, search):
-    monkeypatch.setattr("grip_bt.commanders.worker.CANCEL_GRACE", 300.0)  # nothing but the search itself may end it
+    monkeypatch.setattr(
+        "grip_bt.commanders.planning.service.CANCEL_GRACE", 300.0
+    )  # nothing but the search itself may end it
     assert planner.wait_until_ready()
     pid = planner.pid
     operation = planner.submit(endless_request(search))
@@ -196,7 +198,7 @@ def test_whoever_is_interested_is_told_of_a_death_and_of_no_other_end():
 
 
 def test_a_process_that_cannot_start_is_reported_not_started_for_ever(monkeypatch, capfd):
-    monkeypatch.setattr(worker, "PROGRAM", "grip_bt.commanders.no_such_module")
+    monkeypatch.setattr(service, "PROGRAM", "grip_bt.commanders.no_such_module")
     with PlanningProcess(robot_model().description) as process:
         assert not process.wait_until_ready()
         operation = process.submit(reachable_request())
@@ -244,8 +246,8 @@ def test_callers_on_several_threads_get_their_own_answers(planner):
 
 PARENT = """
 import sys, time
-from grip_bt.commanders.robots import build_robot
-from grip_bt.commanders.worker import PlanningProcess
+from grip_bt.commanders.description.load import build_robot
+from grip_bt.commanders.planning.service import PlanningProcess
 planner = PlanningProcess(build_robot("panda_allegro"))
 planner.wait_until_ready()
 print(planner.pid, flush=True)

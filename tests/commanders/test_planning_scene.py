@@ -4,6 +4,7 @@ import pytest
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.ports import Scene
 from grip_bt.base.values import Pose
+from grip_bt.base.values.solids import Cylinder
 from grip_bt.commanders.scene import PlanningScene
 
 
@@ -34,7 +35,7 @@ def test_it_satisfies_the_port(scene):
 def test_a_snapshot_does_not_see_later_changes(scene):
     before = scene.snapshot()
     scene.remove("mug")
-    scene.set_cylinder("can", 0.03, 0.1, Pose([0.5, 0, 0.05]))
+    scene.put("can", Cylinder(0.03, 0.1), Pose([0.5, 0, 0.05]))
     assert set(before.objects) == {"table", "mug"}
     assert set(scene.names()) == {"table", "can"}
 

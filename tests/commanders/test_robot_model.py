@@ -1,15 +1,12 @@
-import xml.etree.ElementTree as ET
-
 import numpy as np
 import pinocchio as pin
 import pytest
 from table_top import AT_TABLES, named, place_things, robot_model, room
 
 from grip_bt.base.values import JointState, Pose
-from grip_bt.commanders.collision import CollisionChecker
-from grip_bt.commanders.robots.assembly import load_urdf
-from grip_bt.commanders.robots.parts import PACKAGE, asset_folder
-from grip_bt.commanders.shapes import simplified
+from grip_bt.commanders.description.packages import Packages
+from grip_bt.commanders.kinematics.collision import CollisionChecker
+from grip_bt.commanders.kinematics.shapes import simplified
 
 
 def random_configurations(chain, count, seed=0):
@@ -37,7 +34,8 @@ def test_home_is_free_and_its_neighbours_in_the_hand_do_not_count(name):
 def test_simplified_shapes_find_every_collision_that_the_originals_find():
     """The meshes of a UR5 against their hulls, and the capsules of a Panda against the shapes that they replace."""
     for urdf in ("ur_description/urdf/ur5_robot.urdf", "panda_description/urdf/panda_collision.urdf"):
-        text = ET.tostring(load_urdf(asset_folder() / "robots" / urdf, {PACKAGE: asset_folder()}), encoding="unicode")
+        assets = Packages().find("example-robot-data")
+        text = (assets / "robots" / urdf).read_text().replace("package://example-robot-data", str(assets))
         model = pin.buildModelFromXML(text)
         raw, simple = (pin.buildGeomFromUrdfString(model, text, pin.GeometryType.COLLISION) for _ in range(2))
         shapes = simplified(simple.geometryObjects)

@@ -1,4 +1,6 @@
 import pickle
+import xml.etree.ElementTree as ET
+from dataclasses import fields
 
 import numpy as np
 import pytest
@@ -8,15 +10,35 @@ from table_top import robot_model
 from grip_bt.base.errors import InvalidRobotError
 from grip_bt.base.failures import StartInCollisionError
 from grip_bt.base.values import JointState
-from grip_bt.commanders.collision import CollisionChecker
+from grip_bt.commanders.description.compose import KEYED
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.load import inspect_robot, load_robot
-from grip_bt.commanders.model import RobotModel
-from grip_bt.commanders.planning.motions import answer
+from grip_bt.commanders.description.robot import RobotDescription
+from grip_bt.commanders.kinematics.collision import CollisionChecker
+from grip_bt.commanders.kinematics.model import RobotModel
+from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.requests import PlanningSettings, PlanTo, Situation
 from grip_bt.commanders.scene import PlanningScene
 
 NOTHING = PlanningScene({}).snapshot()
+
+
+def test_every_field_of_a_robot_has_its_part_in_putting_robots_together():
+    others = {"name", "urdf", "base_link", "grasp_frame", "hand_links", "disabled_pairs", "end_effectors"}
+    assert {field.name for field in fields(RobotDescription)} == others | set(KEYED)
+
+
+def test_robots_in_one_world_keep_their_own_colours_where_materials_share_a_name(tmp_path):
+    config = {"name": "pair", "robots": {}}
+    for name, colour in (("left", "1 0 0 1"), ("right", "0 0 1 1")):
+        text = urdf().replace('">', f'"><material name="paint"><color rgba="{colour}"/></material>', 1)
+        visual = '<visual><geometry><sphere radius="0.1"/></geometry><material name="paint"/></visual>'
+        at = text.index("<inertial") if "<inertial" in text else text.index("<collision")
+        (tmp_path / f"{name}.urdf").write_text(text[:at] + visual + text[at:])
+        config["robots"][name] = {"robot": {"urdf": f"{name}.urdf"}}
+    robot = load_robot(RobotConfig.model_validate(config), tmp_path)
+    colours = [c.get("rgba") for c in ET.fromstring(robot.urdf).iterfind("link/visual/material/color")]
+    assert colours == ["1 0 0 1", "0 0 1 1"]
 
 
 @pytest.fixture

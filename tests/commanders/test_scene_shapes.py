@@ -9,9 +9,9 @@ from table_top import named, robot_model
 from grip_bt.base.errors import DocumentError, UnknownNameError
 from grip_bt.base.values import Pose
 from grip_bt.base.values.solids import Box, CellMap, Cylinder, Mesh, Sphere
-from grip_bt.commanders.collision import CollisionChecker
-from grip_bt.commanders.meshes import hull_of, load_mesh
-from grip_bt.commanders.robot_links import joints_of_fingers, limits_of_joints, links_of_groups
+from grip_bt.commanders.description.tree import joints_of_fingers, limits_of_joints, links_of_groups
+from grip_bt.commanders.kinematics.collision import CollisionChecker
+from grip_bt.commanders.kinematics.shapes import hull_of, load_mesh
 from grip_bt.commanders.scene import PlanningScene, SceneObject, SceneSnapshot
 
 CUBE = np.array([(x, y, z) for x in (-0.05, 0.05) for y in (-0.05, 0.05) for z in (-0.05, 0.05)])

@@ -9,12 +9,11 @@ from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Steerable
 from grip_bt.base.values import Pose, Trajectory
 from grip_bt.commanders.arm import ArmCommander, ArmSetup
-from grip_bt.commanders.collision import recent_checker
 from grip_bt.commanders.fake import FakeExecutor, OnClock
-from grip_bt.commanders.jogging import approaching
-from grip_bt.commanders.planning.motions import answer
+from grip_bt.commanders.kinematics.collision import recent_checker
+from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.requests import PlanningSettings, PlanOnward
-from grip_bt.commanders.steering import HOLD, SAMPLING, spliced, steered
+from grip_bt.commanders.steering import HOLD, SAMPLING, approaching, spliced, steered
 from grip_bt.runtime.clock import ManualClock
 
 TICK = 0.05

@@ -11,9 +11,9 @@ from table_top import named, robot_model, situation
 
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.values import JointState, Pose, WayPoint
-from grip_bt.commanders.planning.lines import OFF, TURNED
-from grip_bt.commanders.planning.motions import answer
+from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.requests import PlanStraight, PlanThrough
+from grip_bt.commanders.planning.straight import OFF, TURNED
 from grip_bt.commanders.scene import SceneSnapshot
 
 

@@ -10,7 +10,7 @@ from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Executor
 from grip_bt.base.values import JointState, Pose, Trajectory
 from grip_bt.commanders.fake import FakeArm, FakeExecutor, OnClock
-from grip_bt.commanders.together import JoinedExecutor, all_of, execute_together
+from grip_bt.commanders.joined import JoinedExecutor, all_of, execute_together
 from grip_bt.runtime.clock import ManualClock
 
 

@@ -5,20 +5,19 @@ import dataclasses
 import numpy as np
 import pinocchio as pin
 import pytest
+from ik_search import solve
 from table_top import joined, named, robot_model
 
 from grip_bt.base.failures import ConstraintBrokenError, NoIkError, TimeOutError
 from grip_bt.base.values import JointState, PathConstraint, Pose
-from grip_bt.commanders.collision import CollisionChecker
-from grip_bt.commanders.ik import Target, solve
-from grip_bt.commanders.planning.bitrrt import CLEARANCES, costs
+from grip_bt.commanders.kinematics.collision import CollisionChecker
+from grip_bt.commanders.kinematics.target import Target
+from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.budget import Budget
-from grip_bt.commanders.planning.constraints import excess, kept
-from grip_bt.commanders.planning.free import plan_free, settable
-from grip_bt.commanders.planning.motions import CONSTRAINT_SLACK, answer
-from grip_bt.commanders.planning.paths import interpolated
+from grip_bt.commanders.planning.paths import CONSTRAINT_SLACK, excess, interpolated, kept
 from grip_bt.commanders.planning.requests import PlanningSettings, PlanTo, Situation
-from grip_bt.commanders.planning.trees import Tree
+from grip_bt.commanders.planning.search import plan_free, settable
+from grip_bt.commanders.planning.tree_planners import CLEARANCES, Tree, costs
 from grip_bt.commanders.scene import Box, SceneObject, SceneSnapshot
 
 LEVEL = pin.rpy.rpyToMatrix(0, np.pi / 2, 0)
@@ -126,7 +125,7 @@ def test_parameters_of_a_planner_change_its_search(model, checker, monkeypatch):
     one, other = level_at(checker, 0.5, -0.3, 0.3), level_at(checker, 0.5, 0.3, 0.3)
     assert settable("RRT") == {"range", "goal_bias"}
     assert settable("BiTRRT") == settable("PRM") == frozenset()
-    monkeypatch.setattr("grip_bt.commanders.planning.free.shortened", lambda path, *_: path)
+    monkeypatch.setattr("grip_bt.commanders.planning.search.shortened", lambda path, *_: path)
     longest = {}
     for size in (0.2, 1.0):
         given = {"range": size, "goal_bias": 0.05, "nonsense": 1.0}
@@ -139,7 +138,7 @@ def test_parameters_of_a_planner_change_its_search(model, checker, monkeypatch):
 def test_without_a_range_rrt_connect_grows_in_short_steps(checker, monkeypatch, given):
     """0 is what MoveIt's files have for "the planner's own"."""
     one, other = level_at(checker, 0.5, -0.3, 0.3), level_at(checker, 0.5, 0.3, 0.3)
-    monkeypatch.setattr("grip_bt.commanders.planning.free.shortened", lambda path, *_: path)
+    monkeypatch.setattr("grip_bt.commanders.planning.search.shortened", lambda path, *_: path)
     for seed in range(4):
         path = plan_free(checker, one, other, "RRTConnect", seed, Budget(600.0), lambda: False, parameters=given)
         assert np.linalg.norm(np.diff(path, axis=0), axis=1).max() <= 0.25 * np.sqrt(7) + 1e-6

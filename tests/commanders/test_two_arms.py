@@ -10,15 +10,15 @@ from grip_bt.base.failures import OutOfLimitsError, PathInvalidError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, Plan, Pose, Trajectory
 from grip_bt.commanders.arm import ArmCommander, ArmSetup
-from grip_bt.commanders.collision import CollisionChecker
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.load import load_robot
 from grip_bt.commanders.fake import FakeExecutor, OnClock
-from grip_bt.commanders.model import RobotModel
-from grip_bt.commanders.planning.motions import answer
+from grip_bt.commanders.joined import execute_together
+from grip_bt.commanders.kinematics.collision import CollisionChecker
+from grip_bt.commanders.kinematics.model import RobotModel
+from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.requests import CheckTogether, PlanningSettings, Situation
 from grip_bt.commanders.scene import Box, Carrier, SceneObject, SceneSnapshot
-from grip_bt.commanders.together import execute_together
 from grip_bt.commanders.trajectory.splines import eased
 from grip_bt.runtime.clock import ManualClock
 

@@ -34,12 +34,12 @@ from simulated_rigs import (
 
 from grip_bt.base.failures import ExecutionAbortedError
 from grip_bt.base.values import JointState, Pose
+from grip_bt.commanders.description.load import build_robot
 from grip_bt.commanders.fake import FakeArm, FakeExecutor, FakeHand, OnClock
 from grip_bt.commanders.fake.hand import BRAKING
 from grip_bt.commanders.hand import HandCommander
-from grip_bt.commanders.held import HeldHand, held
-from grip_bt.commanders.robots import build_robot
-from grip_bt.commanders.together import JoinedExecutor
+from grip_bt.commanders.joined import JoinedExecutor
+from grip_bt.commanders.pausing import HeldHand, held
 from grip_bt.runtime.clock import ManualClock
 
 
@@ -93,9 +93,9 @@ def fake_arm() -> Iterator[ArmRig]:
 def commanded_arm() -> Iterator[ArmRig]:
     """The real commander, planning in its process, on a fake executor."""
     from grip_bt.commanders.arm import ArmCommander, ArmSetup
-    from grip_bt.commanders.model import RobotModel
+    from grip_bt.commanders.kinematics.model import RobotModel
+    from grip_bt.commanders.planning.service import PlanningProcess
     from grip_bt.commanders.scene import PlanningScene
-    from grip_bt.commanders.worker import PlanningProcess
 
     clock = ManualClock()
     model = RobotModel(build_robot("panda_allegro"))

@@ -16,7 +16,7 @@ from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Arm, Executor, Hand, HandPort
 from grip_bt.base.values import JointState
 from grip_bt.commanders.planning.requests import PlanningSettings
-from grip_bt.commanders.trajectory.braking import ACCELERATION
+from grip_bt.commanders.trajectory.stopping import ACCELERATION
 
 PATIENT = PlanningSettings(time_limit=PATIENCE)
 """A plan may take what a slow machine needs."""

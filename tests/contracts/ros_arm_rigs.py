@@ -16,9 +16,9 @@ from ros_rigs import SERVERS, THEIRS, spoilt
 from server_process import serving
 
 from grip_bt.base.values import JointState, Pose, Trajectory
-from grip_bt.commanders.held import held
-from grip_bt.commanders.model import RobotModel
-from grip_bt.commanders.robots import build_robot
+from grip_bt.commanders.description.load import build_robot
+from grip_bt.commanders.kinematics.model import RobotModel
+from grip_bt.commanders.pausing import held
 
 ROBOT = "panda_allegro"
 
@@ -56,7 +56,7 @@ def move_group_executor(ros_move_group: tuple[Any, Any]) -> Iterator[ExecutorRig
 
 @contextmanager
 def arm_of_controllers(ros_robot: tuple[Any, Any]) -> Iterator[ArmRig]:
-    from grip_bt.commanders.worker import PlanningProcess
+    from grip_bt.commanders.planning.service import PlanningProcess
     from grip_bt.ros.controllers import TrajectoryExecutor
 
     bus, states = ros_robot
@@ -70,7 +70,7 @@ def arm_of_controllers(ros_robot: tuple[Any, Any]) -> Iterator[ArmRig]:
 def arm_of_move_group(ros_move_group: tuple[Any, Any]) -> Iterator[ArmRig]:
     """MoveIt plans and moves; our planner answers what is about given motions, as in a project."""
     from grip_bt.app.wiring.planners import PlannerByName
-    from grip_bt.commanders.worker import PlanningProcess
+    from grip_bt.commanders.planning.service import PlanningProcess
     from grip_bt.ros.moveit import Mount, MoveGroup, MoveGroupPlanner
 
     bus, _ = ros_move_group

@@ -15,11 +15,11 @@ from patience import PATIENCE, until
 from server_process import serving
 
 from grip_bt.base.values import JointState
+from grip_bt.commanders.description.load import build_robot
 from grip_bt.commanders.hand import HandCommander
-from grip_bt.commanders.held import HeldHand
-from grip_bt.commanders.robots import build_robot
-from grip_bt.commanders.together import JoinedExecutor
-from grip_bt.commanders.trajectory.braking import ACCELERATION
+from grip_bt.commanders.joined import JoinedExecutor
+from grip_bt.commanders.pausing import HeldHand
+from grip_bt.commanders.trajectory.stopping import ACCELERATION
 
 SERVERS = Path(__file__).parents[1] / "ros" / "data"
 NAMES = ("joint_a", "joint_b")

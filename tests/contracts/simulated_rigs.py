@@ -13,11 +13,11 @@ from patience import PATIENCE
 
 from grip_bt.base.errors import GripError
 from grip_bt.base.values import JointState, Pose, Trajectory
+from grip_bt.commanders.description.load import build_robot
 from grip_bt.commanders.hand import HandCommander
-from grip_bt.commanders.robots import build_robot
-from grip_bt.commanders.worker import PlanningProcess
-from grip_sim import Simulation, WorldSpec, start_simulation
-from grip_sim.specs import ObjectSpec
+from grip_bt.commanders.planning.service import PlanningProcess
+from grip_sim import Simulation, start_simulation
+from grip_sim.specs import ObjectSpec, WorldSpec
 
 AT = np.array([0.2319, 0.6334, -0.4097, -2.4792, 2.2391, 1.4242, -1.3702])
 """Arm positions at which the open hand surrounds what stands at `SPOT` [rad]."""
@@ -125,7 +125,7 @@ def commanded_simulated_hand() -> Iterator[HandRig]:
 def commanded_simulated_arm() -> Iterator[ArmRig]:
     """The real commander, planning in its process, on simulated joints."""
     from grip_bt.commanders.arm import ArmCommander, ArmSetup
-    from grip_bt.commanders.model import RobotModel
+    from grip_bt.commanders.kinematics.model import RobotModel
     from grip_bt.commanders.scene import PlanningScene
 
     model, spec = RobotModel(build_robot("panda_allegro")), WorldSpec()

@@ -18,8 +18,8 @@ from grip_bt.app.runs.motion_record import FINE, Bodies, coarse, motion_file
 from grip_bt.base.message_store.library import MessageLibrary
 from grip_bt.base.values import Grasp, JointState, PointCloud, Pose
 from grip_bt.base.values.solids import CellMap, Mesh
-from grip_bt.commanders.model import RobotModel
-from grip_bt.commanders.robots import build_robot
+from grip_bt.commanders.description.load import build_robot
+from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.runtime import Journal
 from grip_bt.runtime.run_log import Noted
 from grip_bt.runtime.value_codec import snapshot

@@ -12,8 +12,8 @@ from patience import PATIENCE
 from grip_bt.base.failures import CanceledError, NoPlanError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, Trajectory
-from grip_bt.commanders.held import HeldExecutor
-from grip_bt.commanders.together import all_of
+from grip_bt.commanders.joined import all_of
+from grip_bt.commanders.pausing import HeldExecutor
 from grip_bt.nodes.motion import first_of, tolerant
 
 ros = partial(pytest.param, marks=pytest.mark.ros)

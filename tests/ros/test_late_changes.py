@@ -9,8 +9,8 @@ import pytest
 from controller_model import ModelController, ModelExecutor, ModelTime
 
 from grip_bt.base.operation import Operation
+from grip_bt.commanders.steered_motion import Stream, velocity_of
 from grip_bt.commanders.steering import steered
-from grip_bt.commanders.stream import Stream, velocity_of
 
 NAMES = ("a", "b", "c")
 MOTIONS = int(os.environ.get("GRIP_FUZZ_DELAYS", "300"))

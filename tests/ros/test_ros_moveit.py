@@ -45,7 +45,7 @@ def robot():
 
 @pytest.fixture(scope="module")
 def model(robot):
-    from grip_bt.commanders.model import RobotModel
+    from grip_bt.commanders.kinematics.model import RobotModel
 
     return RobotModel(robot)
 

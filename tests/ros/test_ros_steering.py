@@ -12,8 +12,8 @@ from ros_bench import ended
 
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Steerable
+from grip_bt.commanders.steered_motion import Stream, velocity_of
 from grip_bt.commanders.steering import steered
-from grip_bt.commanders.stream import Stream, velocity_of
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 NAMES = ("joint_a", "joint_b")
@@ -50,7 +50,7 @@ def test_a_steered_motion_goes_on_and_ends_soon_after_the_last_word(bus, states,
     else:
         executor = StreamedExecutor(bus, "/stream/commands", NAMES, states)
     assert isinstance(executor, Steerable)
-    monkeypatch.setattr("grip_bt.commanders.stream.HOLD", HOLD)
+    monkeypatch.setattr("grip_bt.commanders.steered_motion.HOLD", HOLD)
     stream, amended, begin, longest = Stream(executor, plan_step), [], states.state(NAMES).position, 0
     amend, deadline = executor.amend, time.monotonic() + 5 * PATIENCE
     executor.amend = lambda tail, at: amended.append(amend(tail, at)) or amended[-1]

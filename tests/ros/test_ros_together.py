@@ -11,7 +11,7 @@ from ros_bench import ended, stands
 
 from grip_bt.base.failures import CanceledError, ExecutionAbortedError
 from grip_bt.base.values import Trajectory
-from grip_bt.commanders.together import JoinedExecutor, all_of
+from grip_bt.commanders.joined import JoinedExecutor, all_of
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 SIDES = {"left": "left_joint", "right": "right_joint"}

@@ -16,7 +16,7 @@ import grip_bt as grip
 from grip_bt.base.failures import NoPlanError
 from grip_bt.base.operation import Operation
 from grip_bt.commanders.fake import FakeArm
-from grip_bt.commanders.fake.schedule import OnClock
+from grip_bt.commanders.fake.joints import OnClock
 from grip_bt.compilers import to_tree
 from grip_bt.runtime import Journal, JournalReader, ManualClock, RunContext, Runner
 from grip_bt.task.catalog import Catalog, Manifest, read_python_nodes

@@ -16,7 +16,7 @@ from runtime_world import TARGETS, Started, leaf
 from grip_bt.base.errors import MissingPartError, UnknownNameError
 from grip_bt.base.ports import Context, Pausable
 from grip_bt.commanders.fake import FakeArm
-from grip_bt.commanders.fake.schedule import OnClock
+from grip_bt.commanders.fake.joints import OnClock
 from grip_bt.compilers import to_tree
 from grip_bt.nodes.function import leaf as leaf_of
 from grip_bt.runtime import ManualClock, RunContext, Runner, WallClock

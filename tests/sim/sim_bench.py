@@ -10,7 +10,7 @@ from patience import PATIENCE
 
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, Pose, Trajectory
-from grip_bt.commanders.robots import build_robot
+from grip_bt.commanders.description.load import build_robot
 from grip_sim import Simulation
 from grip_sim.specs import ObjectSpec, WorldSpec
 

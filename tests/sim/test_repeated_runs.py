@@ -10,7 +10,7 @@ from same_run import compared
 
 from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.base.operation import Operation
-from grip_bt.commanders.worker import PlanningProcess
+from grip_bt.commanders.planning.service import PlanningProcess
 
 pytestmark = pytest.mark.sim
 PROJECT = """grip: 1

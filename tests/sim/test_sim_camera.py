@@ -9,8 +9,7 @@ import pytest
 
 from grip_bt.base.values import DepthImage, Image, Pose, RgbdFrame
 from grip_sim.geometry import camera_info
-from grip_sim.specs import CameraSpec, ObjectSpec, WorldSpec
-from grip_sim.tables import PICK_X, PICK_Y, table_world
+from grip_sim.specs import PICK_X, PICK_Y, CameraSpec, ObjectSpec, WorldSpec, table_world
 
 pytestmark = pytest.mark.sim
 CYLINDER = ObjectSpec("cylinder", "cylinder", 0.03, 0.16, (0.46, 0.05, 0.08), colour=(200, 60, 40))

@@ -12,8 +12,8 @@ from grip_bt.base.errors import GripError, SimulatorLostError
 from grip_bt.base.failures import CanceledError, ExecutionAbortedError
 from grip_sim import client as client_module
 from grip_sim.client import SimClient
+from grip_sim.connection import ClosedError, pack, receive
 from grip_sim.specs import WorldSpec
-from grip_sim.wire import ClosedError, pack, receive
 
 
 class Played:

@@ -10,9 +10,10 @@ from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import CanceledError, ExecutionAbortedError
 from grip_bt.base.ports import Executor, HandPort
 from grip_bt.base.values import JointState, Trajectory
-from grip_bt.commanders.robots import build_robot
-from grip_sim import WorldSpec, start_simulation
+from grip_bt.commanders.description.load import build_robot
+from grip_sim import start_simulation
 from grip_sim.motions import MoveHand
+from grip_sim.specs import WorldSpec
 from grip_sim.world import World
 
 pytestmark = pytest.mark.sim
@@ -117,7 +118,7 @@ def test_stopping_the_hand_leaves_the_arm_on_its_way(bench):
 @pytest.mark.parametrize("moment", [0.05, 0.3, 0.6])
 def test_fingers_that_are_stopped_are_at_rest_soon_after_braking_at_their_limits(moment):
     world, hand = World(WorldSpec()), build_robot("panda_allegro").named_states["hand"]
-    robot, rows = world.robot, world.robot.group_rows("hand")
+    robot, rows = world.robot, world.robot.rows(world.robot.description.group("hand"))
     names = robot.measure(rows).names
     thumb = set(hand["open"].names[-4:])  # would meet the fingers
     opened, closed = hand["open"].as_mapping(), hand["closed"].as_mapping()

@@ -13,7 +13,7 @@ from patience import PATIENCE, until
 from sim_bench import SPEC, Bench
 
 from grip_bt.base.errors import SimulatorLostError, UnknownNameError
-from grip_sim import process as process_module
+from grip_sim import connection as process_module
 from grip_sim import start_simulation
 from grip_sim.specs import ObjectSpec, WorldSpec
 
@@ -24,7 +24,7 @@ from grip_sim import WorldSpec, start_simulation
 simulation = start_simulation(WorldSpec())
 print(simulation.pid, flush=True)
 if sys.argv[1] == "moving":
-    simulation._client.move("wait", seconds=1e9)
+    simulation.move("wait", seconds=1e9)
 threading.Event().wait()
 """
 

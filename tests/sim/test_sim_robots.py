@@ -30,7 +30,7 @@ def test_the_second_finger_of_a_gripper_follows_the_first():
     from grip_sim.world import World
 
     world = World(WorldSpec(robot="panda"))
-    world.robot.drive(world.robot.group_rows("hand"), np.array([0.01]))
+    world.robot.drive(world.robot.rows(world.robot.description.group("hand")), np.array([0.01]))
     for _ in range(120):
         world.step()
     fingers = world.robot.measure(world.robot.rows(("panda_finger_joint1", "panda_finger_joint2")))
@@ -42,7 +42,7 @@ def test_the_second_finger_of_a_gripper_follows_the_first():
 )
 def test_a_gripper_holds_a_box_between_its_fingers(name, holding):
     """The box hangs in the air: nothing but friction at the fingers keeps it there."""
-    from grip_bt.commanders.model import RobotModel
+    from grip_bt.commanders.kinematics.model import RobotModel
     from grip_sim.specs import ObjectSpec
     from grip_sim.world import World
 
@@ -53,7 +53,7 @@ def test_a_gripper_holds_a_box_between_its_fingers(name, holding):
     x, y, z = (float(c) for c in tcp.position)
     thing = ObjectSpec("thing", "box", 0.015, 0.05, (x, y, z - 0.01), float(np.arctan2(*tcp.rotation()[1::-1, 1])), 0.1)
     world = World(WorldSpec(robot=name, objects=(thing,)))
-    row = world.robot.group_rows("hand")
+    row = world.robot.rows(world.robot.description.group("hand"))
     begin = world.object_pose("thing")
     opened, closed = (robot.named_state("hand", state).position[0] for state in ("open", "closed"))
     for step in range(360):
@@ -70,7 +70,7 @@ def test_a_torque_limit_is_that_of_the_joints_that_follow_too():
 
     world = World(WorldSpec(robot="panda"))
     both = world.robot.rows(("panda_finger_joint1", "panda_finger_joint2"))
-    world.robot.limit_torque(world.robot.group_rows("hand"), 5.0)
+    world.robot.limit_torque(world.robot.rows(world.robot.description.group("hand")), 5.0)
     assert world.robot.kept()["limits"][both].tolist() == [5.0, 5.0]
 
 
@@ -80,10 +80,10 @@ def test_what_a_robot_hides_of_the_view_is_known_from_its_joints_and_its_descrip
     from dataclasses import replace
 
     from grip_bt.base.values import DepthImage, JointState
-    from grip_bt.commanders.model import RobotModel
+    from grip_bt.commanders.kinematics.model import RobotModel
     from grip_bt.nodes.sight import robot_pixels
     from grip_sim.geometry import camera_info
-    from grip_sim.tables import table_world
+    from grip_sim.specs import table_world
     from grip_sim.world import World
 
     robot = load_robot(name)

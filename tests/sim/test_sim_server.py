@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from sim_bench import SPEC
 
-from grip_bt.commanders.robots import build_robot
-from grip_sim.wire import ClosedError, pack, receive
+from grip_bt.commanders.description.load import build_robot
+from grip_sim.connection import ClosedError, pack, receive
 
 pytestmark = pytest.mark.sim
 ARM = list(build_robot("panda_allegro").group("arm"))

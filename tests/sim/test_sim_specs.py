@@ -10,8 +10,20 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from grip_sim.specs import BoxSpec, CameraSpec, CrateSpec, ObjectSpec, TableSpec, WorldSpec
-from grip_sim.tables import CLEARANCE, HEIGHT, PICK_X, PICK_Y, RADIUS, table_world
+from grip_sim.specs import (
+    CLEARANCE,
+    HEIGHT,
+    PICK_X,
+    PICK_Y,
+    RADIUS,
+    BoxSpec,
+    CameraSpec,
+    CrateSpec,
+    ObjectSpec,
+    TableSpec,
+    WorldSpec,
+    table_world,
+)
 
 SEEDS = st.integers(0, 2**32 - 1)
 LENGTHS = st.floats(0.001, 2.0)

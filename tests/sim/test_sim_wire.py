@@ -14,8 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays_of
 
-from grip_sim import wire
-from grip_sim.wire import ClosedError, pack, receive
+from grip_sim import connection
+from grip_sim.connection import ClosedError, pack, receive
 
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(),
@@ -95,11 +95,11 @@ def test_a_stream_that_ends_within_a_message_is_closed(data):
 
 def test_an_oversized_message_is_refused_before_it_is_read():
     with pytest.raises(ClosedError, match="a message of"):
-        sent(struct.pack("!II", 10, wire.LARGEST))
+        sent(struct.pack("!II", 10, connection.LARGEST))
 
 
 def test_an_oversized_message_is_not_sent(monkeypatch):
-    monkeypatch.setattr(wire, "LARGEST", 1000)
+    monkeypatch.setattr(connection, "LARGEST", 1000)
     with pytest.raises(ValueError, match="at most 1000"):
         pack({}, {"a": np.zeros(1000)})
 

@@ -12,8 +12,7 @@ from patience import PATIENCE
 
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.values import Pose
-from grip_sim.specs import GRAVITY, ObjectSpec, WorldSpec
-from grip_sim.tables import table_world
+from grip_sim.specs import GRAVITY, ObjectSpec, WorldSpec, table_world
 
 pytestmark = pytest.mark.sim
 SCRIPT = """
@@ -23,7 +22,7 @@ from grip_sim.world import World
 
 world = World(WorldSpec.from_json(json.loads(sys.argv[1])))
 robot = world.robot
-rows = robot.group_rows("arm")
+rows = robot.rows(robot.description.group("arm"))
 for step in range(120):
     robot.drive(rows, robot.targets(rows) + float(sys.argv[2]))
     world.step()
@@ -51,7 +50,7 @@ def advance(world, seconds):
 
 
 def wave(world, by):
-    rows = world.robot.group_rows("arm")
+    rows = world.robot.rows(world.robot.description.group("arm"))
     for _ in range(120):
         world.robot.drive(rows, world.robot.targets(rows) + by)
         world.step()
@@ -109,7 +108,7 @@ def test_a_hand_that_touches_nothing_has_no_contacts(settled):
 
 
 def test_contacts_of_fingers_with_one_another_are_none_of_the_hand(settled):
-    hand = settled.robot.group_rows("hand")
+    hand = settled.robot.rows(settled.robot.description.group("hand"))
     closed = settled.robot.description.named_state("hand", "closed")
     settled.robot.drive(hand, closed.ordered(settled.robot.description.group("hand")))
     advance(settled, 1.0)
@@ -157,7 +156,7 @@ def test_two_things_of_one_name_are_refused(make_world, names):
 
 def test_a_limited_drive_gives_no_more_than_its_limit(settled):
     robot = settled.robot
-    rows = robot.group_rows("hand")
+    rows = robot.rows(robot.description.group("hand"))
     robot.limit_torque(rows, 0.1)
     robot.drive(rows, robot.targets(rows) + 1.0)
     efforts = []
@@ -169,7 +168,7 @@ def test_a_limited_drive_gives_no_more_than_its_limit(settled):
 
 def test_what_was_kept_is_put_back_in_another_world_of_the_same_kind(make_world):
     one, other = make_world(table_world(3)), make_world(table_world(3))
-    rows = one.robot.group_rows("arm")
+    rows = one.robot.rows(one.robot.description.group("arm"))
     one.robot.drive(rows, one.robot.positions()[rows] + 0.2)
     for _ in range(60):
         one.step()

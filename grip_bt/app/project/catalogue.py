@@ -26,12 +26,12 @@ from .frames import frames_in_doubt
 from .packages import components_in_need, packages_here, sensors_in_need
 
 if TYPE_CHECKING:
-    from grip_bt.commanders.robots import RobotDescription
+    from grip_bt.commanders.description.robot import RobotDescription
     from grip_bt.task.catalog.project_parts import Equipment
 
 if TYPE_CHECKING:
-    from grip_bt.commanders.description.reading import Stamps
-    from grip_bt.commanders.robots import RobotDescription
+    from grip_bt.commanders.description.files import Stamps
+    from grip_bt.commanders.description.robot import RobotDescription
     from grip_bt.commanders.taught import Taught
 
     from .folder import Project
@@ -63,7 +63,7 @@ def equipment_of(project: Project) -> Equipment:
 
 def _robot(project: Project) -> RobotDescription | GripError | None:
     """Return the robot, or what is wrong with it; None where there is none, or its models aren't installed."""
-    from grip_bt.commanders.description.reading import as_they_were, noting_files, stamps_of
+    from grip_bt.commanders.description.files import as_they_were, noting_files, stamps_of
 
     if project.file.robot is None:
         return None
@@ -106,7 +106,7 @@ def _hands(
     links: list[str],
     troubles: tuple[Trouble, ...],
 ) -> dict[str, Equipped]:
-    from grip_bt.commanders.robot_links import joints_of_fingers, links_of_groups
+    from grip_bt.commanders.description.tree import joints_of_fingers, links_of_groups
 
     found = {}
     for name, hand in project.file.hands.items():

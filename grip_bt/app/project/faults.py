@@ -17,7 +17,7 @@ from .config import ArmConfig
 from .folder import Project
 
 if TYPE_CHECKING:
-    from grip_bt.commanders.robots import RobotDescription
+    from grip_bt.commanders.description.robot import RobotDescription
 
 TAUGHT = "taught.yaml"
 """File of a project in which taught states and poses are kept."""

@@ -14,7 +14,7 @@ from grip_bt.commanders.description.config import RobotConfig
 from .config import FILE_NAME, ProjectFile
 
 if TYPE_CHECKING:
-    from grip_bt.commanders.robots import RobotDescription
+    from grip_bt.commanders.description.robot import RobotDescription
     from grip_bt.commanders.scene import SceneObject
 
 

@@ -19,10 +19,10 @@ from ..project.folder import Project
 from .parts import Resources
 
 if TYPE_CHECKING:
-    from grip_bt.commanders.model import RobotModel
+    from grip_bt.commanders.description.robot import RobotDescription
+    from grip_bt.commanders.kinematics.model import RobotModel
     from grip_bt.commanders.planning.requests import PlanningSettings
-    from grip_bt.commanders.robots import RobotDescription
-    from grip_bt.commanders.worker import PlanningService
+    from grip_bt.commanders.planning.service import PlanningService
 
 
 def open_commanders(
@@ -51,9 +51,9 @@ def open_commanders(
         UnknownNameError: the project names a group or a hand that isn't there.
     """
     from grip_bt.commanders.arm import ArmCommander, ArmSetup
+    from grip_bt.commanders.description.tree import joints_of_fingers, limits_of_joints, links_of_groups
     from grip_bt.commanders.hand import HandCommander
-    from grip_bt.commanders.model import RobotModel
-    from grip_bt.commanders.robot_links import joints_of_fingers, limits_of_joints, links_of_groups
+    from grip_bt.commanders.kinematics.model import RobotModel
     from grip_bt.commanders.scene import Carrier, PlanningScene
     from grip_bt.commanders.taught import Taught
 
@@ -156,7 +156,7 @@ def settings_of(arm: ArmConfig, robot: RobotDescription, seed: int, where: str =
 
 def joined_executors(project: Project, executors: Mapping[str, Executor]) -> dict[str, Executor]:
     """Return an executor for each arm that joins others, all of which are right as `check_arms` says."""
-    from grip_bt.commanders.together import JoinedExecutor
+    from grip_bt.commanders.joined import JoinedExecutor
 
     return {
         name: JoinedExecutor(*(executors[part] for part in arm.arms))
@@ -178,7 +178,7 @@ def _reached(
     frame: str,
 ) -> JointState:
     """Return the posture that brings fingertips to positions; those in no frame are in the grasp frame of the arm."""
-    from grip_bt.commanders.ik.fingertips import fingertip_posture
+    from grip_bt.commanders.kinematics.fingertips import fingertip_posture
 
     places = {name: np.array(position, dtype=float) for name, position in targets.items()}
     return fingertip_posture(model, places, posture, group, frame=frame or model.grasp_frame_of(arm_group))

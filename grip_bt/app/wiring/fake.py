@@ -24,7 +24,7 @@ from .fake_values import CAMERA, GRASP, HandFacts, arm_states, description_of, e
 from .parts import Resources
 
 if TYPE_CHECKING:
-    from grip_bt.commanders.robots import RobotDescription
+    from grip_bt.commanders.description.robot import RobotDescription
 
 
 def open_robot(project: Project, resources: Resources) -> None:

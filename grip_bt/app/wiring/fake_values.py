@@ -31,7 +31,7 @@ from grip_bt.commanders.fake import FakeArm
 from ..project.folder import Project
 
 if TYPE_CHECKING:
-    from grip_bt.commanders.robots import RobotDescription
+    from grip_bt.commanders.description.robot import RobotDescription
 
 CAMERA = CameraInfo(
     64, 48, np.array([[60.0, 0, 32], [0, 60.0, 24], [0, 0, 1]]), Pose((0.5, 0.1, 1.3), (0, 0.70710678, -0.70710678, 0))
@@ -169,7 +169,7 @@ def hand_facts(robot: RobotDescription | None, group: str) -> HandFacts:
     known = {} if robot is None else robot.named_states.get(group, {})
     if robot is None or not {"open", "closed"} <= set(known):
         return _two_fingers(known)
-    from grip_bt.commanders.robot_links import joints_of_fingers
+    from grip_bt.commanders.description.tree import joints_of_fingers
 
     joints, fingers = robot.group(group), joints_of_fingers(robot, group)
     begin, end = (known[name].ordered(joints) for name in ("open", "closed"))

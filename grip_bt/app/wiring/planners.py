@@ -16,14 +16,14 @@ from ..project.folder import Project
 
 if TYPE_CHECKING:
     from grip_bt.base.values import Plan
+    from grip_bt.commanders.description.robot import RobotDescription
     from grip_bt.commanders.planning.requests import ChosenGrasp, Request
-    from grip_bt.commanders.robots import RobotDescription
-    from grip_bt.commanders.worker import PlanningService, Searcher
+    from grip_bt.commanders.planning.service import PlanningService, Searcher
     from grip_bt.ros.client.bus import Bus
 
 
 class PlannerByName:
-    """Implements `commanders.worker.PlanningService`: a search goes to who its arm's settings name.
+    """Implements `planning.service.PlanningService`: a search goes to who its arm's settings name.
 
     Args:
         own: answers what nobody else is named for, every request about a motion that is given, and motions

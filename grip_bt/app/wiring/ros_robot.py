@@ -43,8 +43,8 @@ def open_robot(project: Project, resources: Resources, seed: int, stack: ExitSta
         SwitchError: a controller can't be made active.
     """
     try:
-        from grip_bt.commanders.held import HeldHand, held
-        from grip_bt.commanders.worker import PlanningProcess
+        from grip_bt.commanders.pausing import HeldHand, held
+        from grip_bt.commanders.planning.service import PlanningProcess
         from grip_bt.ros.client.bus import Bus
         from grip_bt.ros.controllers import JointStates
     except ImportError as error:

@@ -176,7 +176,7 @@ def _room(simulation: Simulation) -> str:
     from grip_bt.base.values import Pose
     from grip_bt.base.values.solids import Box
     from grip_bt.commanders.scene import SceneObject
-    from grip_bt.commanders.scene_writer import scene_text
+    from grip_bt.commanders.scene_file import scene_text
 
     boxes = simulation.spec.boxes()
     return scene_text("room", [SceneObject(box.name, Box(box.size), Pose(box.centre), fixed=True) for box in boxes])

@@ -45,8 +45,9 @@ def open_robot(
     file = project.file
     check_world(project)
     try:
-        from grip_bt.commanders.worker import PlanningProcess
-        from grip_sim import start_simulation, table_world
+        from grip_bt.commanders.planning.service import PlanningProcess
+        from grip_sim import start_simulation
+        from grip_sim.specs import table_world
     except ImportError as error:
         raise MissingPartError(f"the simulator ({error})", "pip install 'grip-bt[sim]', or make demo") from None
 

@@ -4,14 +4,11 @@ Whatever takes time returns an `Operation`. Motions end with what was *measured*
 trouble ends an operation with an `ExpectedError`, whose code becomes the failure reason of the leaf.
 """
 
-from .context import Context
-from .external import Component, Ros
+from .context import Clock, Context, InTurnOf, Pausable, Stepped
+from .external import Component, Messages, Ros
 from .hands import Hand, HandPort
-from .messages import Messages
 from .motion import FREEDOMS, Arm, Executor, Steerable
-from .scene import Scene
-from .sensing import Camera, Sensor
-from .timing import Clock, InTurnOf, Pausable, Stepped
+from .world import Camera, Scene, Sensor
 
 __all__ = [
     "Arm",

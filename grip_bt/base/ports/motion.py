@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Literal, Protocol, get_args, runtime_checkable
 
 from grip_bt.base.operation import Operation
-from grip_bt.base.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory, WayPoint
+from grip_bt.base.values import JointState, Plan, Pose, Trajectory
+from grip_bt.base.values.goals import Grasp, PathConstraint, WayPoint
 
 Free = Literal["none", "x", "y", "z", "orientation"]
 FREEDOMS: tuple[Free, ...] = get_args(Free)

@@ -1,19 +1,130 @@
-"""A `RobotDescription` of a checked URDF, its SRDF and what a configuration adds."""
+"""A `RobotDescription` of a checked URDF, its SRDF and what a configuration says on top."""
 
 from __future__ import annotations
 
+import copy
+import math
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
 
+from grip_bt.base.errors import DocumentError, MissingPartError, UnknownNameError
 from grip_bt.base.values import JointState
 
-from ..moveit_package.settings import JointLimits
-from ..robots.description import Drive, RobotDescription
 from .config import RobotConfig
-from .groups import resolve
-from .roles import roles
-from .srdf import Srdf
-from .tree import Joint, Tree
+from .files import errors
+from .moveit_files import JointLimits
+from .packages import Packages
+from .robot import Drive, EndEffector, RobotDescription
+from .roles import frame_of, roles
+from .srdf import Group, Srdf, check_srdf, resolve
+from .tree import HELD, Joint, Tree
+from .xml import numbers
+
+
+def with_config(srdf: Srdf, config: RobotConfig) -> Srdf:
+    """Return an SRDF with a configuration's groups and end effectors added; those of the same name are replaced."""
+    groups = {
+        name: Group(name, g.joints, g.links, (g.chain,) if g.chain else (), g.groups)
+        for name, g in config.groups.items()
+    }
+    ends = {end.name: end for end in srdf.end_effectors}
+    for name, end in config.end_effectors.items():
+        ends[name] = EndEffector(name, end.group, end.parent_link, end.parent_group)
+    return replace(srdf, groups={**srdf.groups, **groups}, end_effectors=tuple(ends.values()))
+
+
+def with_states(srdf: Srdf, config: RobotConfig, tree: Tree) -> Srdf:
+    """Return an SRDF without errors with a configuration's states added.
+
+    Raises:
+        DocumentError: a state lists another number of positions than its group has joints.
+        UnknownNameError: there is no such group.
+    """
+    joints = resolve(srdf, tree)
+    states = {group: dict(named) for group, named in srdf.states.items()}
+    for group, named in config.states.items():
+        if group not in joints:
+            raise UnknownNameError("group", group, joints, where="states")
+        for name, positions in named.items():
+            states.setdefault(group, {})[name] = _by_joint(positions, joints[group], f"states/{group}/{name}")
+    return replace(srdf, states=states)
+
+
+def _by_joint(positions: dict[str, float] | list[float], joints: tuple[str, ...], where: str) -> Mapping[str, float]:
+    if isinstance(positions, dict):
+        return positions
+    if len(positions) != len(joints):
+        raise DocumentError(
+            f"{where} lists {len(positions)} positions, and the group has {len(joints)} joints: {', '.join(joints)}"
+        )
+    return dict(zip(joints, positions, strict=True))
+
+
+TURNS = 2 * math.pi
+"""A continuous joint is planned with within so much [rad] to both sides."""
+NO_EFFORT = 100.0
+"""Effort limit [N m or N] of joints that have none."""
+
+
+def normal(
+    robot: ET.Element, name: str, folder: Path, packages: Packages, limits: Mapping[str, JointLimits]
+) -> ET.Element:
+    """Return a copy of a URDF without errors.
+
+    Args:
+        robot: its tree.
+        folder: that relative mesh paths start in.
+        packages: for `package://`.
+        limits: joint -> limits that override its own.
+    """
+    result = ET.Element("robot", name=name)
+    result.extend(copy.deepcopy(e) for e in robot if e.tag in ("material", "link", "joint"))
+    for link in result.findall("link"):
+        _with_found_meshes(link, folder, packages)
+    for joint in result.findall("joint"):
+        _with_limits(joint, limits.get(joint.get("name", ""), JointLimits()))
+    return result
+
+
+def _with_found_meshes(link: ET.Element, folder: Path, packages: Packages) -> None:
+    """Make mesh paths absolute; leave out what is only seen and isn't there."""
+    for visual in [*link.findall("visual"), *link.findall("collision")]:
+        for mesh in visual.iter("mesh"):
+            try:
+                path = packages.resolve(mesh.get("filename", ""), folder)
+            except MissingPartError:
+                path = Path()
+            mesh.set("filename", str(path))
+            if visual.tag == "visual" and not path.is_file():
+                link.remove(visual)
+
+
+def _with_limits(joint: ET.Element, override: JointLimits) -> None:
+    kind = joint.get("type", "")
+    if kind in HELD:
+        joint.set("type", "fixed")
+    if joint.get("type") == "fixed":
+        return
+    if (axis := joint.find("axis")) is not None:
+        x, y, z = numbers(axis, "xyz", 3, "1 0 0")
+        length = math.hypot(x, y, z)
+        axis.set("xyz", f"{x / length!r} {y / length!r} {z / length!r}")
+    limit = joint.find("limit")
+    if limit is None:
+        limit = ET.SubElement(joint, "limit")
+    if kind == "continuous":
+        joint.set("type", "revolute")
+        limit.set("lower", repr(-TURNS))
+        limit.set("upper", repr(TURNS))
+        limit.set("velocity", limit.get("velocity", repr(math.pi)))
+    for key in ("lower", "upper", "velocity"):
+        if (value := getattr(override, key)) is not None:
+            limit.set(key, repr(value))
+    if float(limit.get("effort", "0")) <= 0:
+        limit.set("effort", repr(NO_EFFORT))
+
 
 RISE = 0.5
 """A joint without an acceleration limit reaches its velocity limit in so many seconds."""
@@ -109,3 +220,46 @@ def _drive(joint: Joint, in_hand: bool) -> Drive:
 def _acceleration(joint: Joint, limits: Mapping[str, JointLimits]) -> float:
     given = limits.get(joint.name, JointLimits()).acceleration
     return given if given is not None and given > 0 else joint.velocity / RISE
+
+
+def with_additions(robot: RobotDescription, config: RobotConfig) -> RobotDescription:
+    """Return a robot with what a configuration adds to it.
+
+    Raises:
+        DocumentError: an addition names something that isn't there.
+        UnknownNameError: likewise.
+    """
+    tree = Tree(ET.fromstring(robot.urdf))
+    known = Srdf(groups={name: Group(name, joints) for name, joints in robot.groups.items()})
+    srdf = with_config(known, config)
+    if wrong := errors(check_srdf(srdf, tree)):
+        raise DocumentError("; ".join(finding.message for finding in wrong), f"robot {robot.name}")
+    srdf = with_states(srdf, config, tree)
+    if wrong := errors(check_srdf(srdf, tree)):
+        raise DocumentError("; ".join(finding.message for finding in wrong), f"robot {robot.name}")
+    groups = resolve(srdf, tree)
+    states = {g: dict(named) for g, named in robot.named_states.items()}
+    for group, named in named_states_of(srdf, groups, tree).items():
+        states.setdefault(group, {}).update(named)
+    own = {group: frame_of(frame) for group, frame in config.grasp_frames.items()}
+    for frame in own.values():
+        if frame.link not in tree.links:
+            raise UnknownNameError("link", frame.link, tree.links, where=f"robot {robot.name}: grasp_frames")
+    inherited = {
+        group: robot.grasp_frames[first]
+        for group, written in config.groups.items()
+        if (first := next((g for g in written.groups if g in robot.grasp_frames), None)) is not None
+    }
+    return replace(
+        robot,
+        groups=groups,
+        named_states=states,
+        grasp_frames={**inherited, **robot.grasp_frames, **own},
+        grasp_frame=next(iter(own.values()), robot.grasp_frame),
+        finger_links={
+            **robot.finger_links,
+            **{f: v for fingers in config.fingers.values() for f, v in fingers.items()},
+        },
+        drives={**robot.drives, **drives_of(groups, config)},
+        acceleration_limits={**robot.acceleration_limits, **accelerations_of(groups, tree, config)},
+    )

@@ -1,42 +1,54 @@
-"""Robots from configurations: the files are read, checked as a whole, and made into a `RobotDescription`."""
+"""Robots by one word or from configurations: files are read, checked as a whole, and made into a description.
+
+Ready-made robots are built on this machine from models that installed packages carry.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
-from grip_bt.base.errors import DocumentError, InvalidRobotError, UnknownNameError
+from grip_bt.base.errors import DocumentError, InvalidRobotError, MissingPartError, UnknownNameError
+from grip_bt.base.yaml.models import check_model, document_error, read_model
+from grip_bt.base.yaml.tree import YamlMapping, parse, read_file, to_data
 
-from ..moveit_package import MoveItPackage
-from ..robots.description import RobotDescription
+from .compose import Placed, in_one_world, namespaced, on_arm
 from .config import RobotConfig
-from .findings import Finding, errors, finding_of
-from .joining import Placed, in_one_world, namespaced, on_arm
-from .single import Loaded, load_single
-from .sources import config_of, is_ready_made
+from .files import Finding, errors, finding_of, note
+from .from_files import Inspected, load_single
+from .ready import EXTRAS, ROBOTS
+from .robot import RobotDescription
+
+PROJECT = "grip.yaml"
 
 
-@dataclass(frozen=True)
-class Inspected:
-    """A robot with everything that was found about it.
+@cache
+def build_robot(name: str) -> RobotDescription:
+    """Return a ready-made robot.
 
-    Attributes:
-        findings: errors and warnings of all its files.
-        description: the robot; None where a finding is an error.
-        packages: the MoveIt configuration packages that it was read from.
+    Raises:
+        UnknownNameError: there is no such robot.
+        MissingPartError: its model files aren't installed.
     """
-
-    findings: tuple[Finding, ...]
-    description: RobotDescription | None = None
-    packages: tuple[MoveItPackage, ...] = ()
+    if name not in ROBOTS:
+        raise UnknownNameError("robot", name, ROBOTS)
+    try:
+        return load_robot(str(ROBOTS[name]))
+    except (InvalidRobotError, MissingPartError) as error:
+        for package, extra in EXTRAS.items():  # the file is ours and right: what lacks is what it speaks of
+            if f"package {package!r}" in str(error):
+                what = f"the model of the robot {name!r}, in the package {package!r},"
+                raise MissingPartError(what, f"pip install 'grip-bt[{extra}]'") from None
+        raise
 
 
 def load_robot(source: str | RobotConfig, folder: Path | None = None) -> RobotDescription:
     """Return a robot.
 
     Args:
-        source: a ready-made robot's name, a path of a file or folder (see `sources.config_of`), or a configuration.
+        source: a ready-made robot's name, a path of a file or folder (see `config_of`), or a configuration.
         folder: that relative paths begin in; the current one when None.
 
     Raises:
@@ -60,9 +72,7 @@ def inspect_robot(source: str | RobotConfig, folder: Path | None = None) -> Insp
     """
     folder, named = (folder or Path()).resolve(), ""
     if isinstance(source, str):
-        if is_ready_made(source):
-            from ..robots import build_robot
-
+        if source in ROBOTS:
             return Inspected((), build_robot(source))
         named = Path(source).stem
         try:
@@ -88,8 +98,7 @@ def _inspected(config: RobotConfig, folder: Path) -> Inspected:
             return _together((arm, hand), None)
         name = config.name or f"{arm.description.name}_{hand.description.name}"
         return _together((arm, hand), on_arm(arm.description, hand.description, config.mount, name, config))
-    loaded: Loaded = load_single(config, folder)
-    return Inspected(loaded.findings, loaded.description, loaded.packages)
+    return load_single(config, folder)
 
 
 def _ready_made(name: str, config: RobotConfig, folder: Path) -> Inspected:
@@ -100,10 +109,7 @@ def _ready_made(name: str, config: RobotConfig, folder: Path) -> Inspected:
     """
     if not config.arguments:
         return inspect_robot(name, folder)
-    from ..robots import READY, ROBOTS
-
-    file = READY / f"{name}.yaml"
-    own, place = config_of(str(file), folder) if name in ROBOTS and file.is_file() else (None, folder)
+    own, place = config_of(str(ROBOTS[name]), folder) if name in ROBOTS else (None, folder)
     if own is None or own.xacro is None:
         raise DocumentError(f"the ready-made robot {name!r} takes no arguments", str(folder))
     given = own.model_copy(update={"arguments": {**own.arguments, **config.arguments}})
@@ -141,3 +147,48 @@ def _renamed(inspected: Inspected, config: RobotConfig, file: str) -> Inspected:
     if config.name or file:
         description = replace(description, name=config.name or file)
     return replace(inspected, description=description)
+
+
+def config_of(word: str, folder: Path) -> tuple[RobotConfig, Path]:
+    """Return the configuration that a path stands for, and the folder that its relative paths begin in.
+
+    `*.urdf`, `*.xacro` and `*.xml` (MJCF) are robots by themselves, `*.yaml` holds a configuration, a `grip.yaml` under
+    `robot:`. A folder is a project, or a MoveIt configuration package.
+
+    Raises:
+        UnknownNameError: there is neither such a file nor such a ready-made robot.
+        DocumentError: the file is of another kind, or its configuration is wrong.
+    """
+    path = (folder / Path(word).expanduser()).resolve()
+    if path.is_dir() and not (path / PROJECT).is_file():
+        return RobotConfig(moveit=str(path)), path.parent
+    if path.is_dir():
+        path = path / PROJECT
+    note(path)
+    if not path.is_file():
+        if "/" in word or path.suffix:
+            raise DocumentError("there is no such file", str(path))
+        raise UnknownNameError("robot", word, ROBOTS, where="not a file, and not a ready-made robot")
+    kinds = {".urdf": "urdf", ".xacro": "xacro", ".xml": "mjcf"}
+    if path.suffix in kinds:
+        return RobotConfig(**{kinds[path.suffix]: str(path)}), path.parent
+    if path.name == PROJECT:
+        return _of_project(path), path.parent
+    if path.suffix in (".yaml", ".yml"):
+        return read_model(path, RobotConfig), path.parent
+    raise DocumentError(
+        "a robot is a .urdf, .xacro, .xml (MJCF) or .yaml file, or a MoveIt package's folder", str(path)
+    )
+
+
+def _of_project(path: Path) -> RobotConfig:
+    tree = parse(read_file(path), str(path))
+    entry = tree.entries.get("robot") if isinstance(tree, YamlMapping) else None
+    if entry is None:
+        raise DocumentError("the project names no `robot:`", str(path))
+    if isinstance(word := to_data(entry.value), str):
+        return RobotConfig(ready=word)
+    config, faults = check_model(entry.value, RobotConfig)
+    if config is None:
+        raise document_error(faults, str(path))
+    return config

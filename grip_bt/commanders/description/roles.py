@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 from grip_bt.base.values import Pose
 
-from ..robots.description import EndEffector, GraspFrame
 from .config import FrameConfig, RobotConfig
+from .robot import EndEffector, GraspFrame
 from .srdf import Srdf
 from .tree import Joint, Tree
 

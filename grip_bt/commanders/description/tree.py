@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from ..robots.description import Mimic
+from .robot import Mimic, RobotDescription
 
 MOVABLE = ("revolute", "continuous", "prismatic")
 HELD = ("floating", "planar")
@@ -44,6 +44,11 @@ class Joint:
     def movable(self) -> bool:
         """Whether it moves."""
         return self.type in MOVABLE
+
+    @property
+    def limited(self) -> bool:
+        """Whether it has limits of its position."""
+        return self.lower < self.upper
 
 
 class Tree:
@@ -127,3 +132,42 @@ def _joint(element: ET.Element) -> Joint:
 def _link(joint: ET.Element, tag: str) -> str:
     end = joint.find(tag)
     return "" if end is None else end.get("link", "")
+
+
+def links_of_groups(robot: RobotDescription, groups: Mapping[str, str]) -> dict[str, tuple[str, ...]]:
+    """Return the links that the joints of groups move, up to the next joint of another group.
+
+    Args:
+        robot: its URDF and its groups.
+        groups: name, such as an arm's in the project, -> group of the robot.
+
+    Raises:
+        UnknownNameError: the robot has no such group.
+    """
+    tree = Tree(ET.fromstring(robot.urdf))
+    found = {}
+    for name, group in groups.items():
+        mine = robot.group(group)
+        links = [joint.child for joint in tree.joints.values() if joint.name in mine]
+        for link in links:  # it grows while it is walked through; joints of no group, fixed ones mostly, belong to it
+            outwards = [joint.child for joint in tree.below(link) if joint.name not in robot.joints]
+            links += [child for child in outwards if child not in links]
+        found[name] = tuple(dict.fromkeys(links))
+    return found
+
+
+def joints_of_fingers(robot: RobotDescription, group: str) -> dict[str, tuple[str, ...]]:
+    """Return the joints of a hand's group that move each of its fingers: finger -> joints, from the palm outwards.
+
+    Raises:
+        UnknownNameError: the robot has no such group.
+    """
+    joints, mine = Tree(ET.fromstring(robot.urdf)).joints, robot.group(group)
+    found = {f: tuple(j for j in mine if joints[j].child in links) for f, links in robot.finger_links.items()}
+    return {finger: joints for finger, joints in found.items() if joints}
+
+
+def limits_of_joints(robot: RobotDescription, group: str) -> dict[str, tuple[float, float]]:
+    """Return the position limits [rad or m] of those of a group's joints that have some, as the URDF says."""
+    joints = Tree(ET.fromstring(robot.urdf)).joints
+    return {name: (joints[name].lower, joints[name].upper) for name in robot.group(group) if joints[name].limited}

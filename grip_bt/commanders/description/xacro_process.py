@@ -1,20 +1,105 @@
-"""Expands one xacro file, in a process of its own: `python -m grip_bt.commanders.description.xacro_process`.
+"""The process that expands a xacro file: it computes, and does nothing else.
 
 A xacro file computes; one that never ends, or fills the memory, ends this process and nothing else. It reads a JSON
 object `{"file", "arguments", "packages"}` from stdin and writes `{"text", "files"}` or `{"error"}` to stdout; `files`
-are those that it read. `$(find NAME)`
-looks where `package://` does; the xacro package itself would ask ROS. Expressions of the file compute and do nothing
-else: `xacro_guard` sees to it.
+are those that it read. `$(find NAME)` looks where `package://` does; the xacro package itself would ask ROS.
+
+What the `xacro` package lets through is refused here. It looks for `__` in the outermost part of an expression alone,
+so that a lambda hides anything, and gives `$(eval ...)` all of Python. Here every name of an expression is looked at,
+`$(eval ...)` gets what `${...}` has, and an audit hook (PEP 578) refuses what starts, sends, writes or removes things.
 """
 
 from __future__ import annotations
 
+import ast
 import contextlib
 import json
 import os
 import resource
 import sys
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import AsyncGeneratorType, CodeType, CoroutineType, FrameType, GeneratorType, TracebackType
+from typing import Any
+
+_BUILTINS: dict[str, object] = {
+    b.__name__: b
+    for b in (
+        *(abs, all, any, bool, dict, divmod, enumerate, float, int, len, list, map, max, min, range, round, set),
+        *(sorted, str, sum, tuple, zip),
+    )
+}
+_INSIDES = frozenset(
+    name
+    for type_ in (AsyncGeneratorType, CodeType, CoroutineType, FrameType, GeneratorType, TracebackType)
+    for name in dir(type_)
+    if name.partition("_")[0] in ("ag", "co", "cr", "f", "gi", "tb")
+)
+"""Attributes by which a generator leads to the modules of the interpreter."""
+_ACTS = (
+    *("subprocess.", "os.system", "os.exec", "os.posix_spawn", "os.spawn", "os.fork", "os.startfile", "os.putenv"),
+    *("os.remove", "os.rename", "os.rmdir", "os.mkdir", "os.link", "os.symlink", "os.chmod", "os.chown", "os.truncate"),
+    *("os.kill", "shutil.", "socket.", "ctypes.", "webbrowser.", "tempfile.", "pty.", "sqlite3.", "urllib."),
+)
+_WRITES = frozenset("wax+")
+
+
+class UnsafeExpressionError(Exception):
+    """An expression of a file that wants more than values."""
+
+
+def guard(xacro: Any) -> None:
+    """Have the `xacro` package refuse expressions that do something; for good, in this process.
+
+    Args:
+        xacro: the module.
+    """
+    inner, arguments = xacro.safe_eval, xacro.substitution_args
+    evaluate = arguments._eval
+
+    def guarded(expression: str, globals: Any, locals: Any = None) -> Any:
+        look_at(expression)
+        return inner(expression, globals, locals)
+
+    def of_arguments(text: str, context: Any) -> str:
+        look_at(text)
+        return str(evaluate(text, context))
+
+    def with_few(text: str, globals: Any, locals: Mapping[str, Any]) -> Any:
+        return eval(text, {"__builtins__": _BUILTINS}, locals)
+
+    xacro.safe_eval, arguments._eval, arguments.eval = guarded, of_arguments, with_few
+    for name in ("vars", "type"):  # by these a text in quotes becomes an attribute
+        xacro._global_symbols["python"].pop(name, None)
+
+
+def look_at(expression: str) -> None:
+    """Refuse an expression that goes behind values.
+
+    Raises:
+        UnsafeExpressionError: it names something that begins with `_`, or the insides of Python's own objects.
+    """
+    try:
+        tree = ast.parse(expression.strip(), mode="eval")
+    except SyntaxError:
+        return  # said by xacro, in its words
+    for node in ast.walk(tree):
+        name = node.attr if isinstance(node, ast.Attribute) else node.id if isinstance(node, ast.Name) else ""
+        if name.startswith("_") or (isinstance(node, ast.Attribute) and name in _INSIDES):
+            raise UnsafeExpressionError(f"`{name}` isn't for expressions of a robot's description: they only compute")
+
+
+def forbid_acts() -> Callable[[str, tuple[Any, ...]], None]:
+    """Refuse, from here on in this process, what starts, sends, writes or removes anything; return the audit hook."""
+
+    def hook(event: str, args: tuple[Any, ...]) -> None:
+        writes = event == "open" and isinstance(args[1], str) and not _WRITES.isdisjoint(args[1])
+        if writes or event.startswith(_ACTS):
+            raise UnsafeExpressionError(f"a robot's description may not do this: {event}")
+
+    sys.addaudithook(hook)
+    return hook
+
 
 MEMORY = 1024**3
 SECONDS = 20
@@ -39,7 +124,6 @@ def _expanded(file: str, arguments: dict[str, str], packages: dict[str, str]) ->
     from grip_bt.base.errors import GripError
 
     from .packages import Packages
-    from .xacro_guard import UnsafeExpressionError, forbid_acts, guard
 
     guard(xacro)
     known = Packages({name: Path(folder) for name, folder in packages.items()}, (Path(file),))

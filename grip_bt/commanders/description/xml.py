@@ -12,7 +12,7 @@ from xml.parsers import expat
 
 from grip_bt.base.errors import DocumentError, listing
 
-from .reading import note
+from .files import note
 
 DEEPEST = 200
 LARGEST = 64 * 1024 * 1024

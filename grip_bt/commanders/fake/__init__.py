@@ -5,14 +5,10 @@ script is a sequence with one entry per request: an `ExpectedError` to fail with
 they do as asked.
 """
 
-from .arm import FakeArm
-from .camera import FakeCamera
-from .component import FakeComponent
-from .executor import FakeExecutor
+from .gantry import FakeArm
 from .hand import FakeHand
-from .ros import FakeRos
-from .schedule import AtOnce, OnClock, Schedule
-from .sensor import FakeSensor
+from .joints import AtOnce, FakeExecutor, OnClock, Schedule
+from .sources import FakeCamera, FakeComponent, FakeRos, FakeSensor
 
 __all__ = [
     "AtOnce",

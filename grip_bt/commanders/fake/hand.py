@@ -12,9 +12,9 @@ from grip_bt.base.failures import CanceledError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, Trajectory
 
-from ..joint_names import same_joints
-from ..trajectory.braking import stop_ramp
-from .schedule import AtOnce, Schedule, Script, steps_of
+from ..joined import same_joints
+from ..trajectory.stopping import stop_ramp
+from .joints import AtOnce, Schedule, Script, steps_of
 
 BRAKING = 40.0
 """How hard its fingers brake, as those of an Allegro hand [rad/s^2]."""

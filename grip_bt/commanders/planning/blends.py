@@ -12,7 +12,7 @@ import numpy as np
 
 from grip_bt.base.arrays import Array, Path
 
-from ..model import Chain
+from ..kinematics.model import Chain
 
 RESOLUTION = 0.02
 """Joint step [rad] with which a segment is looked at for where it crosses the ball."""

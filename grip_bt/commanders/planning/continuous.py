@@ -15,8 +15,8 @@ import numpy as np
 from grip_bt.base.arrays import Array, Mask, Path
 from grip_bt.base.values import Trajectory
 
-from ..collision import CollisionChecker
-from ..trajectory.smooth import quintic_jerks
+from ..kinematics.collision import CollisionChecker
+from ..trajectory.jerk_limited import quintic_jerks
 from ..trajectory.splines import cubics
 
 FINE = (1e-3, 1e-4)

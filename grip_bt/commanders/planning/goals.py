@@ -13,10 +13,11 @@ from grip_bt.base.failures import ConstraintBrokenError, GoalInCollisionError, N
 from grip_bt.base.values import JointState, Pose
 from grip_bt.base.values.pose import check_frame
 
-from ..collision import CollisionChecker
-from ..ik import Target, solver
-from ..model import Chain
-from .constraints import kept
+from ..kinematics.collision import CollisionChecker
+from ..kinematics.ik import solver
+from ..kinematics.model import Chain
+from ..kinematics.target import Target
+from .paths import kept
 from .requests import PlanTo
 
 _GOALS = 4

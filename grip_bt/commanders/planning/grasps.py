@@ -13,14 +13,15 @@ from grip_bt.base.failures import CanceledError, NoGraspError, NoPlanError, Time
 from grip_bt.base.values import Grasp, JointState, Pose
 from grip_bt.base.values.pose import check_frame
 
-from ..collision import CollisionChecker
-from ..ik import Target, solver
-from ..model import Chain, RobotModel
+from ..kinematics.collision import CollisionChecker
+from ..kinematics.ik import solver
+from ..kinematics.model import Chain, RobotModel
+from ..kinematics.target import Target
 from ..scene import SceneSnapshot
 from .budget import REAL, Budget, Clocks
-from .free import RESOLUTION, plan_free
 from .paths import interpolated
 from .requests import ChosenGrasp, Situation
+from .search import RESOLUTION, Search
 from .straight import BrokenLineError, straight_path
 
 TARGET_WITHIN = 0.03
@@ -197,16 +198,7 @@ class GraspTrial:
             return True  # the plan itself will tell that the start is in collision
         whole = Budget(_LONGEST, self._search.clocks)
         try:
-            plan_free(
-                checker,
-                start,
-                pre,
-                settings.planner,
-                settings.seed,
-                whole.part(_PATIENCE),
-                canceled,
-                parameters=dict(settings.parameters),
-            )
+            Search(checker, settings, None, canceled).path(start, pre, whole.part(_PATIENCE))
         except (NoPlanError, TimeOutError):
             if whole.out_of_time:
                 raise

@@ -1,4 +1,4 @@
-"""The planning process: `python -m grip_bt.commanders.planning.process`, started by `commanders.worker`.
+"""The planning process: `python -m grip_bt.commanders.planning.process`, started by `planning.service`.
 
 It reads frames from stdin and writes frames to a private copy of stdout; a frame is a pickled tuple behind its
 length. Both ends are one program on one machine, so pickle is safe here; nothing from outside gets in.
@@ -75,8 +75,8 @@ def main() -> None:
     os.dup2(2, 1)  # what libraries print must not get between the frames
     inbox = Inbox(sys.stdin.buffer)
 
-    from ..model import RobotModel
-    from .motions import answer
+    from ..kinematics.model import RobotModel
+    from .answer import answer
 
     _, description = inbox.requests.get()
     model = RobotModel(description)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import get_args
 
+from grip_bt.base.ports.motion import Free
 from grip_bt.base.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory, WayPoint
 
-from ..ik.target import Free
 from ..scene import SceneSnapshot
 from ..trajectory import Timing
 
@@ -17,7 +17,7 @@ class PlanningSettings:
     """How to plan: the fields of an arm in a project file.
 
     Attributes:
-        planner: an OMPL planner by its name; see `planning.free.planners`.
+        planner: an OMPL planner by its name; see `planning.search.planners`.
         kinematics: an inverse kinematics solver by its name; see `ik.SOLVERS`.
         speed: part of the velocity limits to use, in (0, 1].
         acceleration: part of the acceleration limits, in (0, 1]; None: as `speed`.
@@ -25,7 +25,7 @@ class PlanningSettings:
         attempts: how often to search with other random numbers before giving up.
         margin: distance to keep from the scene's objects where start and goal leave room for it [m].
         seed: the same request with the same seed gives the same plan.
-        parameters: of the planner, such as `("range", 0.3)`; see `planning.free.settable`.
+        parameters: of the planner, such as `("range", 0.3)`; see `planning.search.settable`.
         timing: who finds the fastest velocities along a path; see `trajectory.timing`.
         jerk: part of the jerk limits to use, in (0, 1]; None: jerk isn't looked at.
     """

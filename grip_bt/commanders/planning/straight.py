@@ -1,17 +1,33 @@
-"""Straight motions of the grasp frame: chains of nearby solutions of the inverse kinematics."""
+"""Straight motions of the grasp frame: chains of nearby solutions of the inverse kinematics.
+
+A spline through configurations on a line is off the line between them, by the more the further they are apart. So
+what was timed is measured against its lines, and where it is off by too much, configurations are set closer. Where two
+lines meet at a corner no spline would stay on both of them: there the motion comes to rest.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Sequence
+from typing import TypeVar
+
 import numpy as np
 import pinocchio as pin
+from scipy.spatial.transform import Rotation
 
-from grip_bt.base.arrays import Array, Path
-from grip_bt.base.values import Pose
+from grip_bt.base.arrays import Array, Mask, Path
+from grip_bt.base.failures import NoIkError, PathInvalidError
+from grip_bt.base.values import Pose, Trajectory
 from grip_bt.base.values.pose import check_frame
 
-from ..ik.damped_least_squares import solve_from
-from ..ik.target import Target
-from ..model import Chain
+from ..kinematics.collision import CollisionChecker
+from ..kinematics.damped_least_squares import solve_from
+from ..kinematics.model import Chain, RobotModel
+from ..kinematics.target import Target
+from ..trajectory.splines import joined
+from .checks import chain_and_checker, drawn_in, refuse_collisions, timed_free
+from .paths import interpolated
+from .requests import PlanningSettings, PlanStraight
+from .search import RESOLUTION
 
 STEP = 0.015
 """Distance of the grasp frame between two solutions [m]."""
@@ -80,3 +96,133 @@ def closer(chain: Chain, path: Path, times: int) -> Path:
             rows.append(guess if q is None else q)
         rows.append(other)
     return np.stack(rows)
+
+
+T = TypeVar("T")
+OFF = 1e-3
+"""A straight motion is at most so far off its line [m]."""
+TURNED = 0.01
+"""Its orientation is at most so far from those on the line [rad]."""
+FINER = (1, 2, 4, 8, 16)
+"""How many times closer than usual configurations on a line are set, one after the other."""
+_BEND = 0.1
+"""Where the joints' direction turns by more than this [rad], lines meet at a corner."""
+
+
+Ball = tuple[Array, float]
+"""A centre in world, shape (3,), and a radius [m]."""
+
+
+class Lines:
+    """Where a grasp frame may be that keeps to straight lines.
+
+    Args:
+        ends: poses of the grasp frame in world where each line begins and ends.
+        balls: places where it needn't: centre in world, shape (3,), and radius [m].
+    """
+
+    def __init__(self, ends: Iterable[tuple[pin.SE3, pin.SE3]], balls: Sequence[Ball] = ()):
+        self._lines = [_Line(one, other) for one, other in ends]
+        self._balls = balls
+
+    def kept_by(self, chain: Chain, positions: Array) -> bool:
+        """Tell whether a motion through the rows, shape (k, n), stays on the lines; half-way between rows too."""
+        between = (positions[1:] + positions[:-1]) / 2
+        poses = [chain.grasp_pose(q) for q in np.concatenate([positions, between])]
+        places = np.stack([pose.translation for pose in poses])
+        rotations = np.stack([pose.rotation for pose in poses])
+        good = np.zeros(len(poses), dtype=bool)
+        for centre, radius in self._balls:
+            good |= np.linalg.norm(places - centre, axis=1) <= radius
+        for line in self._lines:
+            good |= line.has(places, rotations)
+        return bool(good.all())
+
+
+class _Line:
+    def __init__(self, begin: pin.SE3, end: pin.SE3):
+        self._begin, self._way = begin.copy(), end.translation - begin.translation
+        turn = pin.log3(begin.rotation.T @ end.rotation)
+        angle = float(np.linalg.norm(turn))
+        self._length, self._axis = float(self._way @ self._way), turn / angle if angle > 1e-6 else np.zeros(3)
+
+    def has(self, places: Array, rotations: Array) -> Mask:
+        """Tell which poses are on it; places of shape (m, 3), rotations of shape (m, 3, 3), in world."""
+        offsets = places - self._begin.translation
+        parts = np.clip(offsets @ self._way / max(self._length, 1e-12), 0.0, 1.0)
+        off = np.linalg.norm(offsets - np.outer(parts, self._way), axis=1)
+        turns = Rotation.from_matrix(self._begin.rotation.T @ rotations).as_rotvec()
+        aside = np.linalg.norm(turns - np.outer(turns @ self._axis, self._axis), axis=1)
+        return (off <= OFF) & (aside <= TURNED)
+
+
+def plan_straight(model: RobotModel, request: PlanStraight) -> Trajectory:
+    """Plan straight lines of the grasp frame; it comes to rest where they meet at a corner.
+
+    Raises:
+        NoIkError: part of a line is out of reach; `data['fraction']` tells how far one gets.
+        PathInvalidError: a joint would jump, or something would be touched; `data['pairs']` names what.
+    """
+    situation = request.situation
+    chain, checker = chain_and_checker(model, situation, margin=0.0)
+    start, goals = drawn_in(chain, situation), [world_pose(pose) for pose in request.poses]
+    lines = _paths(chain, start, goals)
+    refuse_collisions(checker, interpolated(np.concatenate([lines[0], *(line[1:] for line in lines[1:])]), RESOLUTION))
+    pieces, begin = [], 0
+    for k in range(1, len(lines) + 1):
+        if k == len(lines) or _meet_at_a_corner(lines[k - 1], lines[k]):
+            pieces.append(_followed(chain, checker, lines[begin:k], situation.settings))
+            begin = k
+    return joined(pieces)
+
+
+def finer_and_finer(attempt: Callable[[int], T | None]) -> T:
+    """Return the first motion that stays on its lines.
+
+    Args:
+        attempt: makes one whose configurations are so many times closer than usual; None where it is off its lines.
+
+    Raises:
+        PathInvalidError: the finest one is off them still.
+    """
+    for finer in FINER:
+        found = attempt(finer)
+        if found is not None:
+            return found
+    raise PathInvalidError(
+        f"the straight motion can't be followed within {OFF * 1e3:g} mm of its line: the arm is near a singularity"
+    )
+
+
+def _paths(chain: Chain, start: Array, goals: list[pin.SE3]) -> list[Path]:
+    lines: list[Path] = []
+    for k, goal in enumerate(goals):
+        try:
+            lines.append(straight_path(chain, lines[-1][-1] if lines else start, goal))
+        except BrokenLineError as broken:
+            error = PathInvalidError if broken.jump else NoIkError
+            raise error(f"line {k + 1} of {len(goals)}: {broken}", fraction=broken.fraction) from broken
+    return lines
+
+
+def _followed(chain: Chain, checker: CollisionChecker, lines: list[Path], settings: PlanningSettings) -> Trajectory:
+    """Time lines from rest to rest that lead on from one another."""
+    wanted = Lines([ends_of(chain, line) for line in lines])
+
+    def attempt(finer: int) -> Trajectory | None:
+        rows = [lines[0][:1], *(closer(chain, line, finer)[1:] for line in lines)]
+        trajectory = timed_free(checker, np.concatenate(rows), settings)
+        return trajectory if wanted.kept_by(chain, trajectory.positions) else None
+
+    return finer_and_finer(attempt)
+
+
+def ends_of(chain: Chain, path: Path) -> tuple[pin.SE3, pin.SE3]:
+    """Return the poses of the grasp frame where a path, shape (k, n), begins and ends."""
+    return chain.grasp_pose(path[0]), chain.grasp_pose(path[-1])
+
+
+def _meet_at_a_corner(one: Path, other: Path) -> bool:
+    before, after = one[-1] - one[-2], other[1] - other[0]
+    lengths = float(np.linalg.norm(before) * np.linalg.norm(after))
+    return lengths < 1e-12 or float(before @ after) < np.cos(_BEND) * lengths

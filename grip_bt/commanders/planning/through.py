@@ -16,27 +16,22 @@ import numpy as np
 from grip_bt.base.arrays import Array, Path
 from grip_bt.base.failures import (
     ConstraintBrokenError,
-    ExpectedError,
     NoIkError,
-    NoPlanError,
     PathInvalidError,
-    TimeOutError,
 )
 from grip_bt.base.values import JointState, PathConstraint, Pose, Trajectory, WayPoint
 
-from ..collision import CollisionChecker
-from ..model import Chain, RobotModel
-from ..trajectory.joining import joined
-from .beginning import chain_and_checker, finely_free, free_start, refuse_collisions, timed_free
+from ..kinematics.collision import CollisionChecker
+from ..kinematics.model import Chain, RobotModel
+from ..trajectory.splines import joined
 from .blends import OUTSIDE, SMALLEST, Leg, corner, distinct, largest_radius, within, without_ends
 from .budget import REAL, Budget, Clocks
-from .constraints import CONSTRAINT_SLACK, kept
-from .free import RESOLUTION, plan_constrained, plan_free
+from .checks import chain_and_checker, finely_free, free_start, refuse_collisions, timed_free
 from .goals import goals_of
-from .lines import Ball, Lines, ends_of, finer_and_finer
-from .paths import interpolated
+from .paths import interpolated, kept
 from .requests import PlanThrough, PlanTo
-from .straight import BrokenLineError, closer, straight_path, world_pose
+from .search import RESOLUTION, Search, first_success
+from .straight import Ball, BrokenLineError, Lines, closer, ends_of, finer_and_finer, straight_path, world_pose
 
 _SHRUNK = (1.0, 0.5, 0.25, 0.125)
 ROUNDING = 1e-3
@@ -59,9 +54,7 @@ def plan_through(
     settings = request.situation.settings
     budget = Budget(settings.time_limit, clocks)
     chain, checker = chain_and_checker(model, request.situation, margin=0.0)
-    start = free_start(chain, checker, request.situation)
-    if request.constraint is not None and not kept(request.constraint, chain, start[None, :]):
-        raise ConstraintBrokenError("the start breaks what the path must keep to; widen its tolerances or its box")
+    start = free_start(chain, checker, request.situation, request.constraint)
     searched = any(not point.straight for point in request.way_points)
     attempts = settings.attempts if searched else 1
     for attempt in range(attempts):
@@ -82,7 +75,7 @@ def _followed(
     paths = [closer(chain, s, finer) if line else s for s, line in zip(segments, lines, strict=True)]
     asked = [point.radius for point in request.way_points[:-1]]
     parts, radii = rounded(chain, checker, paths, asked, request.constraint)
-    trajectory = _timed(chain, checker, parts, request)
+    trajectory = _timed(checker, parts, request)
     wanted = Lines(
         [ends_of(chain, s) for s, line in zip(segments, lines, strict=True) if line],
         [
@@ -174,8 +167,9 @@ def _segments(
             if point.straight:
                 segments.append(np.stack([start, goals[0]]))
             else:
-                search = partial(_search, checker, to, start, RESOLUTION / 2 ** min(attempt, 2), canceled)
-                segments.append(_first(search, goals, budget))
+                search = partial(Search(checker, ask, request.constraint, canceled).path, start)
+                finer = RESOLUTION / 2 ** min(attempt, 2)
+                segments.append(first_success([partial(search, goal, resolution=finer) for goal in goals], budget))
         if point.straight:
             _refuse_leaving(request.constraint, chain, segments[-1], where)
         start = segments[-1][-1]
@@ -199,51 +193,9 @@ def _line(chain: Chain, start: Array, point: WayPoint, where: str) -> Path:
         raise error(f"{where}: {broken}", fraction=broken.fraction) from broken
 
 
-def _search(
-    checker: CollisionChecker,
-    to: PlanTo,
-    start: Array,
-    resolution: float,
-    canceled: Callable[[], bool],
-    goal: Array,
-    budget: Budget,
-) -> Path:
-    settings = to.situation.settings
-    if to.constraint is not None:
-        return plan_constrained(checker, to.constraint, start, goal, settings.seed, budget, canceled, resolution)
-    return plan_free(
-        checker,
-        start,
-        goal,
-        settings.planner,
-        settings.seed,
-        budget,
-        canceled,
-        resolution,
-        dict(settings.parameters),
-    )
-
-
-def _first(search: Callable[..., Path], goals: list[Array], budget: Budget) -> Path:
-    """Return the path to the first goal that is reached, each having its share of the time."""
-    failure: ExpectedError = NoPlanError("there is no goal to plan to")
-    for k, goal in enumerate(goals):
-        try:
-            return search(goal=goal, budget=budget.share(len(goals) - k))
-        except (NoPlanError, TimeOutError) as error:
-            if budget.out_of_time:
-                raise
-            failure = error
-    raise failure
-
-
-def _timed(chain: Chain, checker: CollisionChecker, parts: list[Path], request: PlanThrough) -> Trajectory:
+def _timed(checker: CollisionChecker, parts: list[Path], request: PlanThrough) -> Trajectory:
     """Time each part, from rest to rest, and join them."""
-    settings, constraint = request.situation.settings, request.constraint
-
-    def keeping(trajectory: Trajectory) -> bool:
-        return constraint is None or kept(constraint, chain, trajectory.positions, CONSTRAINT_SLACK)
-
+    settings = request.situation.settings
     for part in parts:
         refuse_collisions(checker, interpolated(part, RESOLUTION))
-    return joined([timed_free(checker, part, settings, keeping) for part in parts])
+    return joined([timed_free(checker, part, settings, request.constraint) for part in parts])

@@ -107,3 +107,17 @@ def slowed(trajectory: Trajectory, velocity: Array, acceleration: Array, jerk: A
 
 def _largest(values: Array) -> Array:
     return np.abs(values).max(axis=0, initial=0.0)
+
+
+def joined(pieces: list[Trajectory]) -> Trajectory:
+    """Return trajectories of the same joints, each of which begins at rest where the one before ends, as one."""
+    first, *more = pieces
+    times, end = [first.times], first.duration
+    for piece in more:
+        times.append(piece.times[1:] + end)
+        end += piece.duration
+    rows = {
+        name: np.concatenate([getattr(first, name), *(getattr(piece, name)[1:] for piece in more)])
+        for name in ("positions", "velocities", "accelerations")
+    }
+    return Trajectory(first.names, np.concatenate(times), **rows)

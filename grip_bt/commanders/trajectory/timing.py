@@ -12,10 +12,10 @@ from grip_bt.base.arrays import Array
 from grip_bt.base.failures import PathInvalidError
 from grip_bt.base.values import Trajectory
 
-from ..model import Limits
+from ..kinematics.model import Limits
 from . import Timing
-from .reachability import squared_velocities
 from .splines import averaged, slowed, smoothed
+from .topp_ra import squared_velocities, squared_velocities_of_library
 
 SAMPLING = 0.01
 """Time between two points of a trajectory [s]; of a short one, down to `_SHORTEST`."""
@@ -158,9 +158,7 @@ def _curve(knots: Array) -> tuple[Array, BSpline]:
 def _drive(at: Array, curve: BSpline, allowed: Allowed, timing: Timing) -> _Drive:
     grid = _grid(at)
     if timing == "toppra":
-        from .library import squared_velocities as by_the_library  # a second to import, and seldom asked for
-
-        squared = by_the_library(grid, at, curve, allowed.velocity, allowed.acceleration)
+        squared = squared_velocities_of_library(grid, at, curve, allowed.velocity, allowed.acceleration)
     else:
         squared = squared_velocities(grid, curve(grid, 1), curve(grid, 2), allowed.velocity, allowed.acceleration)
     return _Drive(grid, squared)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from grip_bt.base.failures import CanceledError, ExecutionAbortedError, ExpectedError, SensorError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, Trajectory
-from grip_bt.commanders.stillness import Stillness
+from grip_bt.commanders.trajectory.limits import Stillness
 
 from .joint_states import JointStates
 

@@ -16,7 +16,7 @@ from shape_msgs.msg import MeshTriangle, SolidPrimitive
 from grip_bt.base.failures import GoalRejectedError
 from grip_bt.base.values import JointState, Pose
 from grip_bt.base.values.solids import Box, CellMap, Cylinder, Mesh, Solid, Sphere
-from grip_bt.commanders.robots import RobotDescription
+from grip_bt.commanders.description.robot import RobotDescription
 
 from ..client.types import load_type
 from ..convert_geometry import header, pose_to_message

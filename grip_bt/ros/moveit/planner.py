@@ -22,6 +22,7 @@ from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, Plan, Pose, Trajectory
 from grip_bt.base.values.joints import MOVE_GROUP
 from grip_bt.base.values.pose import check_frame
+from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.planning.requests import (
     ChooseGrasp,
     ChosenGrasp,
@@ -29,8 +30,7 @@ from grip_bt.commanders.planning.requests import (
     PlanTo,
     Situation,
 )
-from grip_bt.commanders.robots import RobotDescription
-from grip_bt.commanders.worker import Search
+from grip_bt.commanders.planning.service import Search
 
 from ..client.types import load_type
 from ..convert_geometry import joints_to_message, pose_to_message, pose_to_stamped, trajectory_from_message
@@ -49,7 +49,7 @@ CLEARING = 3.0
 
 
 class MoveGroupPlanner:
-    """Implements `commanders.worker.PlanningService`.
+    """Implements `planning.service.PlanningService`.
 
     Requests are answered one after the other, because move_group has one scene. An arm's `kinematics` and `margin`
     don't reach MoveIt, which has settings of its own for them; speed, acceleration, time and attempts do.

@@ -11,7 +11,7 @@ from typing import Any
 
 from grip_bt.base.failures import GoalRejectedError, PlannerLostError, ServerLostError
 from grip_bt.base.operation import Operation
-from grip_bt.commanders.robots import RobotDescription
+from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.scene import ANYTHING, SceneObject, SceneSnapshot
 
 from ..client.types import load_type

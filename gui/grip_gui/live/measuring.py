@@ -49,7 +49,7 @@ def measured(robot: str, part: str, what: str, joints: Mapping[str, float] | Non
 
 def _of_joints(project: Project, part: str, what: str, joints: JointState) -> Any:
     """Return the joints, or where they bring an arm's grasp frame."""
-    from grip_bt.commanders.model import RobotModel
+    from grip_bt.commanders.kinematics.model import RobotModel
 
     if what == "joints":
         return joints

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from grip_bt.base.interpreter import python_command
-from grip_bt.commanders.description.reading import Stamps
+from grip_bt.commanders.description.files import Stamps
 
 from .robot_facts import read_from
 

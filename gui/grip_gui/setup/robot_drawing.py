@@ -21,7 +21,7 @@ from grip_bt.app.runs.motion_record import coarse
 from grip_bt.base.errors import GripError
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.load import load_robot
-from grip_bt.commanders.meshes import load_mesh
+from grip_bt.commanders.kinematics.shapes import load_mesh
 from grip_gui.processes import answer_question
 
 _HERE = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)

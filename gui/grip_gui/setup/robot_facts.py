@@ -13,10 +13,10 @@ from pydantic import ValidationError
 from grip_bt.base.errors import GripError, InvalidRobotError
 from grip_bt.base.yaml.tree import parse, to_data
 from grip_bt.commanders.description.config import RobotConfig
+from grip_bt.commanders.description.files import Stamps, as_they_were, noting_files, stamps_of
 from grip_bt.commanders.description.load import load_robot
-from grip_bt.commanders.description.reading import Stamps, as_they_were, noting_files, stamps_of
+from grip_bt.commanders.description.ready import ROBOTS
 from grip_bt.commanders.names import PLANNERS, SOLVERS
-from grip_bt.commanders.robots import ROBOTS
 from grip_bt.task.catalog.ros_config import MOVE_GROUP
 
 _MOST = 16

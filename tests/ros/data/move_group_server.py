@@ -32,12 +32,12 @@ from grip_bt.base.failures import (
 from grip_bt.base.values import JointState, PathConstraint, Pose
 from grip_bt.base.values.solids import Box, Cylinder, Mesh, Sphere
 from grip_bt.commanders.description.load import load_robot
-from grip_bt.commanders.model import RobotModel
-from grip_bt.commanders.planning.beginning import chain_and_checker
+from grip_bt.commanders.kinematics.model import RobotModel
+from grip_bt.commanders.planning.answer import plan_to
+from grip_bt.commanders.planning.checks import chain_and_checker
 from grip_bt.commanders.planning.goals import goals_of
-from grip_bt.commanders.planning.lines import plan_straight
-from grip_bt.commanders.planning.motions import plan_to
 from grip_bt.commanders.planning.requests import PlanningSettings, PlanStraight, PlanTo, Situation
+from grip_bt.commanders.planning.straight import plan_straight
 from grip_bt.commanders.scene import SceneObject, SceneSnapshot
 from grip_bt.ros.convert_geometry import pose_from_message, trajectory_to_message
 

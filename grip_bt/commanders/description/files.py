@@ -1,0 +1,216 @@
+"""A robot's files: which were read, what was found about them, and YAML with MoveIt's and ROS's tags."""
+
+from __future__ import annotations
+
+import math
+import reprlib
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import yaml
+
+from grip_bt.base.errors import DocumentError, GripError, nearest
+
+Stamps = tuple[tuple[str, int, int], ...]
+"""Of each file: its path, when it was written [ns] and its size [B]; 0 and -1 where it isn't there."""
+_files: ContextVar[set[Path] | None] = ContextVar("files", default=None)
+
+
+@contextmanager
+def noting_files() -> Iterator[set[Path]]:
+    """Collect the files that are read by this thread from here on."""
+    outer, files = _files.get(), set[Path]()
+    token = _files.set(files)
+    try:
+        yield files
+    finally:
+        _files.reset(token)
+        if outer is not None:
+            outer |= files
+
+
+def note(*paths: Path) -> None:
+    """Say that files are read, or looked for."""
+    files = _files.get()
+    if files is not None:
+        files.update(path.absolute() for path in paths)
+
+
+def stamps_of(files: Iterable[Path | str]) -> Stamps:
+    """Return what tells whether files are still as they were."""
+    return tuple(_stamp(str(file)) for file in sorted(map(str, files)))
+
+
+def as_they_were(stamps: Iterable[Iterable[object]]) -> bool:
+    """Tell whether no file has changed since its stamp was taken."""
+    return all(tuple(stamp) == _stamp(str(next(iter(stamp)))) for stamp in stamps)
+
+
+def _stamp(file: str) -> tuple[str, int, int]:
+    try:
+        found = Path(file).stat()
+    except OSError:
+        return file, 0, -1
+    return file, found.st_mtime_ns, found.st_size
+
+
+Severity = Literal["error", "warning"]
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One of them.
+
+    Attributes:
+        severity: an `error` keeps the robot from being used.
+        code: what kind it is, such as `missing-mesh`.
+        message: what is wrong and what to do.
+        source: the file; empty where there is none.
+        line: 1-based line, or None.
+    """
+
+    severity: Severity
+    code: str
+    message: str
+    source: str = ""
+    line: int | None = None
+
+    def __str__(self) -> str:
+        place = self.source + (f":{self.line}" if self.line is not None else "")
+        return f"{place + ': ' if place else ''}{self.severity} [{self.code}] {self.message}"
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return it as JSON data."""
+        return asdict(self)
+
+
+def finding_of(error: GripError) -> Finding:
+    """Return an error of reading as a finding."""
+    if isinstance(error, DocumentError):
+        return Finding("error", "bad-file", error.message, error.source, error.line)
+    return Finding("error", "bad-robot", str(error))
+
+
+def errors(findings: Iterable[Finding]) -> list[Finding]:
+    """Return those that keep the robot from being used."""
+    return [finding for finding in findings if finding.severity == "error"]
+
+
+LARGEST = 4 * 1024 * 1024
+brief = reprlib.Repr().repr
+
+
+class _Loader(yaml.SafeLoader):  # type: ignore[misc]  # PyYAML has no types
+    pass
+
+
+def _turned(factor: float) -> Any:
+    def construct(loader: yaml.SafeLoader, node: yaml.Node) -> float:
+        try:
+            return float(loader.construct_scalar(node)) * factor
+        except (ValueError, TypeError):
+            raise yaml.constructor.ConstructorError(
+                None, None, "an angle has to be a number", node.start_mark
+            ) from None
+
+    return construct
+
+
+_Loader.add_constructor("!degrees", _turned(math.pi / 180))
+_Loader.add_constructor("!radians", _turned(1.0))
+
+
+def read_yaml(path: Path) -> dict[str, Any]:
+    """Return a file's mapping; an empty file is an empty one. A ROS 2 parameter file gives its parameters.
+
+    Raises:
+        DocumentError: it isn't YAML, or isn't a mapping.
+    """
+    note(path)
+    if path.stat().st_size > LARGEST:
+        raise DocumentError(f"it has more than {LARGEST // 2**20} MiB", str(path))
+    try:
+        data = yaml.load(path.read_bytes(), _Loader)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark
+        place = (mark.line + 1, mark.column + 1) if mark is not None else (None, None)
+        raise DocumentError(f"isn't YAML: {error.problem or error}", str(path), *place) from None
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
+        raise DocumentError(f"isn't YAML: {' '.join(str(error).split())}", str(path)) from None
+    if data is None:
+        return {}
+    if not isinstance(data, dict):
+        raise DocumentError(f"has to hold a mapping, not a {type(data).__name__}", str(path))
+    return _parameters(data)
+
+
+def _parameters(data: dict[Any, Any]) -> dict[str, Any]:
+    """Return what a ROS 2 parameter file wraps in `node: ros__parameters:`."""
+    if len(data) == 1:
+        (inner,) = data.values()
+        if isinstance(inner, dict) and isinstance(inner.get("ros__parameters"), dict):
+            return _parameters(inner["ros__parameters"])
+    return {str(key): value for key, value in data.items()}
+
+
+class Reading:
+    """Takes entries out of a mapping that was read from a file, and says where what has to be.
+
+    Args:
+        source: the file.
+    """
+
+    def __init__(self, source: Path):
+        self.source = str(source)
+
+    def mapping(self, value: object, where: str) -> Mapping[str, Any]:
+        """Return a mapping with keys as text; nothing is an empty one.
+
+        Raises:
+            DocumentError: it is something else.
+        """
+        if value is None:
+            return {}
+        if not isinstance(value, dict):
+            raise DocumentError(f"{where} has to be a mapping, not {brief(value)}", self.source)
+        return {str(key): entry for key, entry in value.items()}
+
+    def number(self, value: object, where: str) -> float:
+        """Return a finite number.
+
+        Raises:
+            DocumentError: it is something else.
+        """
+        try:
+            number = float(value) if isinstance(value, (int, float, str)) and not isinstance(value, bool) else math.nan
+        except (ValueError, OverflowError):
+            number = math.nan
+        if not math.isfinite(number):
+            raise DocumentError(f"{where} has to be a finite number, not {brief(value)}", self.source)
+        return number
+
+    def words(self, value: object, where: str) -> tuple[str, ...]:
+        """Return a list of texts.
+
+        Raises:
+            DocumentError: it is something else.
+        """
+        if value is None:
+            return ()
+        if not isinstance(value, list) or not all(isinstance(word, str) for word in value):
+            raise DocumentError(f"{where} has to be a list of names, not {brief(value)}", self.source)
+        return tuple(value)
+
+    def known(self, key: str, mapping: Mapping[str, Any], where: str) -> Any:
+        """Return an entry that mustn't be missing.
+
+        Raises:
+            DocumentError: it is.
+        """
+        if key not in mapping:
+            raise DocumentError(f"{where} lacks {key!r}{nearest(key, mapping)}", self.source)
+        return mapping[key]

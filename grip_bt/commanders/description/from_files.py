@@ -1,0 +1,199 @@
+"""One robot from its own files."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from grip_bt.base.errors import DocumentError, UnknownNameError, nearest
+
+from ..names import PLANNERS
+from .build import build, normal, with_config, with_states
+from .check_urdf import check_urdf
+from .config import RobotConfig
+from .files import Finding, errors, finding_of
+from .mjcf import excluded_pairs, urdf_of_mjcf
+from .moveit_files import JointLimits
+from .moveit_package import MoveItPackage, preferences_of, read_package
+from .packages import Packages
+from .robot import RobotDescription
+from .srdf import Srdf, check_srdf, read_srdf
+from .tree import Tree
+from .xacro_files import declared_arguments, expanded
+from .xml import read_xml
+
+
+@dataclass(frozen=True)
+class Inspected:
+    """A robot with everything that was found about it.
+
+    Attributes:
+        findings: errors and warnings of all its files.
+        description: the robot; None where a finding is an error.
+        packages: the MoveIt configuration packages that it was read from.
+    """
+
+    findings: tuple[Finding, ...]
+    description: RobotDescription | None = None
+    packages: tuple[MoveItPackage, ...] = ()
+
+
+def load_single(config: RobotConfig, folder: Path) -> Inspected:
+    """Return a robot from its own files.
+
+    Args:
+        config: with a `urdf`, `xacro`, `mjcf` or `moveit`.
+        folder: that relative paths begin in.
+    """
+    single = _Single(config, folder)
+    try:
+        return single.loaded()
+    except DocumentError as error:
+        return Inspected((*single.findings, finding_of(error)))
+
+
+class _Single:
+    def __init__(self, config: RobotConfig, folder: Path):
+        self.config, self.folder = config, folder
+        self.findings: list[Finding] = []
+        given = {name: folder / Path(place).expanduser() for name, place in config.packages.items()}
+        self.packages = Packages(given)
+        files = (config.urdf, config.xacro, config.srdf, config.moveit and f"{config.moveit}/package.xml")
+        self.packages = Packages(given, tuple(self._path(file) for file in files if file))
+        self.moveit: MoveItPackage | None = None
+
+    def loaded(self) -> Inspected:
+        if self.config.moveit is not None:
+            self.moveit = read_package(self._path(self.config.moveit), self.packages)
+            self.findings += self.moveit.findings
+        robot, source = self._urdf()
+        self.findings += check_urdf(robot, str(source), self.packages)
+        description = None if self._wrong() else self._described(robot, source)
+        packages = (self.moveit,) if self.moveit is not None else ()
+        return Inspected(tuple(self.findings), None if self._wrong() else description, packages)
+
+    def _described(self, robot: ET.Element, source: Path) -> RobotDescription | None:
+        tree = Tree(robot)
+        srdf = with_config(self._srdf(), self.config)
+        self.findings += check_srdf(srdf, tree)
+        if self._wrong():
+            return None
+        try:
+            added = with_states(srdf, self.config, tree)
+        except (DocumentError, UnknownNameError) as error:
+            self.findings.append(Finding("error", "bad-state", getattr(error, "message", str(error))))
+            return None
+        self.findings += [f for f in check_srdf(added, tree) if f not in self.findings]
+        limits = self.moveit.limits if self.moveit is not None else {}
+        initial = self.moveit.initial_positions if self.moveit is not None else {}
+        self.findings += _check_names(self.config, tree, added, limits, initial)
+        self.findings += _check_limits(limits, tree)
+        if self._wrong():
+            return None
+        name = self.config.name or robot.get("name") or "robot"
+        urdf = normal(robot, name, source.parent, self.packages, limits)
+        return self._with_preferences(build(urdf, added, self.config, limits, initial))
+
+    def _with_preferences(self, robot: RobotDescription) -> RobotDescription:
+        if self.moveit is None:
+            return robot
+        return replace(robot, preferences=preferences_of(self.moveit, robot.groups, PLANNERS))
+
+    def _urdf(self) -> tuple[ET.Element, Path]:
+        config = self.config
+        if config.mjcf is not None:
+            path = self._path(config.mjcf)
+            return urdf_of_mjcf(path), path
+        word = config.urdf or config.xacro
+        arguments: Mapping[str, object] = config.arguments
+        if word is not None:
+            path = self._path(word)
+        elif self.moveit is not None and self.moveit.urdf is not None:
+            path, arguments = self.moveit.urdf, {**self.moveit.arguments, **config.arguments}
+        else:
+            raise DocumentError("it doesn't tell where the URDF is; give it as `urdf:` or `xacro:`", str(self.folder))
+        if config.xacro is None and path.suffix != ".xacro":
+            if config.arguments:
+                self._warn("unused-arguments", "arguments are for xacro files; this URDF takes none", path)
+            return read_xml(path, "robot"), path
+        self._check_arguments(path)
+        return expanded(path, arguments, self.packages), path
+
+    def _srdf(self) -> Srdf:
+        path = None if self.config.srdf is None else self._path(self.config.srdf)
+        if path is None and self.moveit is not None:
+            path = self.moveit.srdf
+        if path is None:
+            if not self.config.groups:
+                self._warn("no-groups", "there is no SRDF and no `groups:`; nothing can be planned", None)
+            mjcf = self.config.mjcf
+            return Srdf() if mjcf is None else Srdf(disabled=excluded_pairs(self._path(mjcf)))
+        if path.suffix == ".xacro":
+            return read_srdf(expanded(path, self.config.arguments, self.packages), str(path))
+        return read_srdf(read_xml(path, "robot"), str(path))
+
+    def _check_arguments(self, path: Path) -> None:
+        declared = declared_arguments(path) if path.is_file() else ()
+        for name in self.config.arguments:
+            if name not in declared:
+                self._warn(
+                    "unknown-argument",
+                    f"the file declares no argument {name!r}{nearest(name, declared)} (it declares: "
+                    f"{', '.join(declared) or 'none'}); only a file that it includes can use it",
+                    path,
+                )
+
+    def _path(self, word: str) -> Path:
+        return self.packages.resolve(word, self.folder) if "://" in word else (self.folder / Path(word).expanduser())
+
+    def _wrong(self) -> bool:
+        return bool(errors(self.findings))
+
+    def _warn(self, code: str, message: str, path: Path | None) -> None:
+        self.findings.append(Finding("warning", code, message, "" if path is None else str(path)))
+
+
+def _check_names(
+    config: RobotConfig, tree: Tree, srdf: Srdf, limits: Mapping[str, JointLimits], initial: Mapping[str, float]
+) -> Iterator[Finding]:
+    """Yield what a configuration and a MoveIt package name that isn't there."""
+
+    def unknown(kind: str, name: str, allowed: object, where: str, severity: str = "error") -> Iterator[Finding]:
+        names = list(allowed)  # type: ignore[call-overload]
+        if name not in names:
+            message = f"{where}: there is no {kind} {name!r}{nearest(name, names)}"
+            yield Finding(severity, f"unknown-{kind}", message)  # type: ignore[arg-type]
+
+    for group, frame in config.grasp_frames.items():
+        yield from unknown("group", group, srdf.groups, "grasp_frames")
+        yield from unknown("link", frame.link, tree.links, f"grasp_frames/{group}")
+    for group, fingers in config.fingers.items():
+        yield from unknown("group", group, srdf.groups, "fingers")
+        for finger, links in fingers.items():
+            for link in links:
+                yield from unknown("link", link, tree.links, f"fingers/{group}/{finger}")
+    for group in config.drives:
+        yield from unknown("group", group, srdf.groups, "drives")
+    for name in config.accelerations:
+        yield from unknown("joint", name, [*srdf.groups, *tree.joints], "accelerations")
+    for where, joints in (("joint_limits.yaml", limits), ("initial_positions.yaml", initial)):
+        for name in joints:
+            yield from unknown("joint", name, tree.joints, where, "warning")
+
+
+def _check_limits(limits: Mapping[str, JointLimits], tree: Tree) -> Iterator[Finding]:
+    for name, limit in limits.items():
+        joint = tree.joints.get(name)
+        if joint is None or joint.type not in ("revolute", "prismatic"):
+            continue
+        lower = joint.lower if limit.lower is None else limit.lower
+        upper = joint.upper if limit.upper is None else limit.upper
+        if not lower < upper or (limit.velocity is not None and limit.velocity <= 0):
+            yield Finding(
+                "error",
+                "missing-limit",
+                f"joint_limits.yaml: joint {name!r} can't move: positions {lower:g} ... {upper:g}, velocity "
+                f"{joint.velocity if limit.velocity is None else limit.velocity:g}",
+            )

@@ -1,0 +1,214 @@
+"""What a robot is, as a value: its URDF, its groups of joints, its named states and its hand's grasp frame."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from types import MappingProxyType
+from typing import Any
+
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.values import JointState, Pose
+
+RESTING = ("home", "open", "ready", "default")
+"""Names of states in which a group rests, best first."""
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """A joint's position drive: torque = stiffness * error - damping * velocity, clamped.
+
+    Attributes:
+        stiffness: [N m/rad, or N/m where it slides].
+        damping: [N m s/rad, or N s/m].
+        limit: largest torque [N m], or force [N].
+        armature: rotor inertia seen at the joint [kg m^2]; light fingers need some to be stable.
+    """
+
+    stiffness: float
+    damping: float
+    limit: float
+    armature: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class GraspFrame:
+    """The frame that grasps are given in.
+
+    Its origin lies on the palm opposite the closing point, z leaves the palm, x runs along the fingers.
+
+    Attributes:
+        link: the link that carries it.
+        pose: the frame in that link.
+    """
+
+    link: str
+    pose: Pose
+
+
+@dataclass(frozen=True, slots=True)
+class Mimic:
+    """A joint that follows another one: position = multiplier * the other's + offset.
+
+    Attributes:
+        joint: the one that leads.
+        multiplier: [rad/rad], or m where one of them slides.
+        offset: [rad or m].
+    """
+
+    joint: str
+    multiplier: float = 1.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Preference:
+    """What a robot's files prefer for a field of an arm.
+
+    Attributes:
+        value: a planner's or a solver's name, or a factor; None where what they ask for isn't there.
+        source: the file that says so.
+        unknown: what it asks for, where that isn't there.
+        parameters: of planners: name -> parameter, such as `range` -> number.
+    """
+
+    value: str | float | None
+    source: str
+    unknown: str = ""
+    parameters: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class EndEffector:
+    """What an arm's group carries.
+
+    Attributes:
+        name: as the SRDF calls it.
+        group: group of the hand's joints; empty for a bare tool.
+        parent_link: the arm's link that it sits on.
+        parent_group: group of the arm.
+    """
+
+    name: str
+    group: str
+    parent_link: str
+    parent_group: str
+
+
+@dataclass(frozen=True, slots=True)
+class RobotDescription:
+    """Arms and hands, described for planning and for simulation.
+
+    Attributes:
+        name: the catalogue's name, such as `panda_allegro`.
+        urdf: URDF text; mesh paths are absolute on this machine.
+        base_link: the link that stands still; its frame is `world`.
+        groups: group -> its joints, in order. Groups may overlap, as one of two arms does.
+        named_states: group -> name -> state.
+        grasp_frame: the grasp frame of the hand, or of the first arm where there are several.
+        hand_links: every link of every hand.
+        finger_links: the hands' links that may touch an object while they close, finger by finger, thumb last.
+        drives: joint -> its drive.
+        acceleration_limits: joint -> [rad/s^2 or m/s^2], for timing; URDF knows only positions and velocities.
+        disabled_pairs: pairs of links that the vendor declares free of collision, each sorted.
+        grasp_frames: arm's group -> its grasp frame, where there are several arms.
+        hands: hand's group -> its links.
+        mimics: joint that follows another one -> whom and how. It belongs to no group.
+        rest: joint -> where it is unless told otherwise [rad or m]; joints that it lacks rest as `at_rest` says.
+        end_effectors: which hand sits on which arm.
+        preferences: group -> field of an arm, such as `planner` -> what the robot's files prefer.
+        jerk_limits: joint -> [rad/s^3 or m/s^3], for timing; of joints whose limit isn't known, nothing.
+    """
+
+    name: str
+    urdf: str
+    base_link: str
+    groups: Mapping[str, tuple[str, ...]]
+    named_states: Mapping[str, Mapping[str, JointState]]
+    grasp_frame: GraspFrame
+    hand_links: tuple[str, ...]
+    finger_links: Mapping[str, tuple[str, ...]]
+    drives: Mapping[str, Drive]
+    acceleration_limits: Mapping[str, float]
+    disabled_pairs: frozenset[tuple[str, str]] = field(default_factory=frozenset)
+    grasp_frames: Mapping[str, GraspFrame] = field(default_factory=dict)
+    hands: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    mimics: Mapping[str, Mimic] = field(default_factory=dict)
+    rest: Mapping[str, float] = field(default_factory=dict)
+    end_effectors: tuple[EndEffector, ...] = ()
+    preferences: Mapping[str, Mapping[str, Preference]] = field(default_factory=dict)
+    jerk_limits: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not self.hands and self.hand_links:
+            object.__setattr__(self, "hands", {"hand": self.hand_links})
+        for f in fields(self):
+            object.__setattr__(self, f.name, _read_only(getattr(self, f.name)))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Send read-only mappings as plain ones: those can't be pickled."""
+        return type(self), tuple(_plain(getattr(self, f.name)) for f in fields(self))
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """All joints of all groups, each once."""
+        return tuple(dict.fromkeys(j for joints in self.groups.values() for j in joints))
+
+    @property
+    def at_rest(self) -> dict[str, float]:
+        """Where joints are unless told otherwise [rad or m]: `rest`, over the groups' states `home` or `open`."""
+        positions: dict[str, float] = {}
+        for states in self.named_states.values():
+            known = next((states[name] for name in RESTING if name in states), None)
+            for joint, position in known.as_mapping().items() if known is not None else ():
+                positions.setdefault(joint, position)
+        return positions | dict(self.rest)
+
+    def opened(self, arm: str) -> JointState:
+        """Return the state `open` of the hands that an arm's group carries; no joints where it has none."""
+        mine = set(self.groups.get(arm, ()))
+        carried = [e.group for e in self.end_effectors if e.group and mine & set(self.groups.get(e.parent_group, ()))]
+        if not self.end_effectors:
+            carried = list(self.hands)
+        states = [self.named_states[hand]["open"] for hand in carried if "open" in self.named_states.get(hand, {})]
+        positions = {joint: q for state in states for joint, q in state.as_mapping().items()}
+        return JointState(tuple(positions), tuple(positions.values()))
+
+    def group(self, name: str) -> tuple[str, ...]:
+        """Return the joints of a group.
+
+        Raises:
+            UnknownNameError: there is no such group.
+        """
+        if name not in self.groups:
+            raise UnknownNameError("group", name, self.groups, where=f"robot {self.name}")
+        return self.groups[name]
+
+    def named_state(self, group: str, name: str) -> JointState:
+        """Return a named state of a group.
+
+        Raises:
+            UnknownNameError: there is no such group or state.
+        """
+        self.group(group)
+        states = self.named_states.get(group, {})
+        if name not in states:
+            raise UnknownNameError(f"state of group {group!r}", name, states, f"robot {self.name}")
+        return states[name]
+
+    def urdf_without_visuals(self) -> str:
+        """Return the URDF without `<visual>` elements, for a simulator that has no renderer."""
+        robot = ET.fromstring(self.urdf)
+        for link in robot.findall("link"):
+            for visual in link.findall("visual"):
+                link.remove(visual)
+        return ET.tostring(robot, encoding="unicode")
+
+
+def _read_only(value: Any) -> Any:
+    return MappingProxyType({k: _read_only(v) for k, v in value.items()}) if isinstance(value, Mapping) else value
+
+
+def _plain(value: Any) -> Any:
+    return {k: _plain(v) for k, v in value.items()} if isinstance(value, Mapping) else value

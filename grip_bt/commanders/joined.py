@@ -1,0 +1,188 @@
+"""Whether joints that somebody names are those of an arm."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from grip_bt.base.arrays import Array
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Arm
+from grip_bt.base.values import JointState, Plan, Trajectory
+
+
+def require_joints(names: Sequence[str], allowed: Sequence[str], arm: str) -> None:
+    """Verify that an arm has the joints that are named.
+
+    Raises:
+        UnknownNameError: it lacks one.
+    """
+    for name in names:
+        if name not in allowed:
+            raise UnknownNameError("joint", name, allowed, where=f"arm {arm!r}")
+
+
+def same_joints(position: ArrayLike, names: Sequence[str]) -> Array:
+    """Return a copy of the positions of these joints, shape (n,).
+
+    Raises:
+        ValueError: they are of another number of joints.
+    """
+    row = np.array(position, dtype=float)
+    if row.shape != (len(names),):
+        raise ValueError(f"the state is of another robot: this one has the joints {', '.join(names)}, not {row.shape}")
+    return row
+
+
+K = TypeVar("K")
+T = TypeVar("T")
+
+
+def all_of(starts: Mapping[K, Callable[[], Operation[T]]]) -> Operation[dict[K, T]]:
+    """Start operations and return one that succeeds, with each one's result, when all have succeeded.
+
+    When one fails, the others are cancelled; the whole ends with the first error when all have ended, so that nothing
+    moves any more then. Cancelling the whole cancels them all. What can't be started counts as failed.
+
+    Args:
+        starts: name -> function that starts its operation.
+    """
+    return _All(starts).whole
+
+
+class _All:
+    def __init__(self, starts: Mapping[Any, Callable[[], Operation[Any]]]):
+        self.whole: Operation[dict[Any, Any]] = Operation(on_cancel=self._cancel)
+        self._parts: dict[Any, Operation[Any]] = {}
+        self._lock = threading.Lock()
+        self._left = len(starts)
+        self._first: list[BaseException] = []
+        for name, start in starts.items():
+            self._parts[name] = _started(start) if not self._first else Operation.failed(self._first[0])
+            if self._first or self.whole.cancel_asked:  # another one has failed while this one was being started
+                self._parts[name].cancel()
+            self._parts[name].add_done_callback(partial(self._ended, self._parts[name]))
+        if not starts:
+            self.whole.succeed({})
+
+    def _cancel(self) -> None:
+        for part in list(self._parts.values()):
+            part.cancel()
+
+    def _ended(self, part: Operation[Any]) -> None:
+        try:
+            part.result()
+        except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it
+            with self._lock:
+                self._first.append(error)
+                first = len(self._first) == 1
+            if first:
+                self._cancel()
+        with self._lock:
+            self._left -= 1
+            last = self._left == 0
+        if last and self._first:
+            self.whole.fail(self._first[0])
+        elif last:
+            self.whole.succeed({name: each.result() for name, each in self._parts.items()})
+
+
+def _started(start: Callable[[], Operation[T]]) -> Operation[T]:
+    try:
+        return start()
+    except Exception as error:  # noqa: BLE001 - the others must be cancelled, then the owner raises it
+        return Operation.failed(error)
+
+
+def execute_together(parts: Mapping[str, tuple[Arm, Plan]]) -> Operation[dict[str, JointState]]:
+    """Execute plans of several arms at once; the quicker ones are slowed down, so that all end at the same time.
+
+    Each plan was made with the other arms where they were then. Before anything moves, the common motion is checked as
+    a whole, what the hands hold included.
+
+    Args:
+        parts: name -> arm and its plan.
+
+    Returns:
+        What was measured at the end, by name. It ends with PathInvalidError, and nothing has moved, where the arms
+        would meet.
+    """
+    longest = max((plan.trajectory.duration for _, plan in parts.values()), default=0.0)
+    slowed = {
+        name: (arm, replace(plan, trajectory=plan.trajectory.stretched(longest))) for name, (arm, plan) in parts.items()
+    }
+    starts = {name: partial(arm.execute, plan) for name, (arm, plan) in slowed.items()}
+    if len(slowed) < 2:
+        return all_of(starts)
+    first = next(iter(slowed.values()))[0]
+    return first.check_together([plan for _, plan in slowed.values()]).then(lambda _: all_of(starts))
+
+
+class JoinedExecutor:
+    """Several executors as one, for a group that spans several arms: a trajectory's columns go to whoever moves them.
+
+    Implements `ports.Executor`.
+
+    Args:
+        parts: executors of different joints; the order of joints is theirs, one after the other.
+    """
+
+    def __init__(self, *parts: Any):
+        self._parts = parts
+        self._names = tuple(name for part in parts for name in part.joint_names)
+        if len(set(self._names)) != len(self._names):
+            raise ValueError(f"two executors move the same joint: {sorted(self._names)}")
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints of all parts."""
+        return self._names
+
+    def state(self) -> JointState:
+        """Return the measured state of all joints; the time is that of the oldest measurement."""
+        return _merged([part.state() for part in self._parts])
+
+    def execute(self, trajectory: Trajectory) -> Operation[JointState]:
+        """Follow a trajectory of all joints; see `ports.Executor`.
+
+        Raises:
+            ValueError: it names other joints.
+        """
+        if set(trajectory.names) != set(self._names):
+            raise ValueError(f"the trajectory moves {trajectory.names}, these executors {self._names}")
+        starts = {k: _part_of(part, trajectory) for k, part in enumerate(self._parts)}
+        return all_of(starts).then(lambda ends: Operation.finished(_merged([ends[k] for k in starts])))
+
+    def stop(self) -> None:
+        """Hold where the joints are now."""
+        for part in self._parts:
+            part.stop()
+
+
+def _part_of(part: Any, whole: Trajectory) -> Callable[[], Operation[JointState]]:
+    columns = [whole.names.index(name) for name in part.joint_names]
+
+    def of(values: Any) -> Any:
+        return None if values is None else values[:, columns]
+
+    trajectory = Trajectory(
+        part.joint_names, whole.times, of(whole.positions), of(whole.velocities), of(whole.accelerations)
+    )
+    return lambda: part.execute(trajectory)
+
+
+def _merged(states: list[JointState]) -> JointState:
+    def joined(field: str) -> Any:
+        values = [getattr(state, field) for state in states]
+        return None if any(value is None for value in values) else np.concatenate(values)
+
+    names = tuple(name for state in states for name in state.names)
+    time = min(state.time for state in states)
+    return JointState(names, joined("position"), joined("velocity"), joined("effort"), time)

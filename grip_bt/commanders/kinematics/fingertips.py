@@ -1,0 +1,174 @@
+"""A hand's posture from where its fingertips shall be: one damped least squares descent for all fingers together.
+
+A fingertip is the origin of a finger's last link; any other link that the hand's joints move may be placed too. Its
+orientation doesn't matter: a finger of four joints can place its tip and not much more. Positions are given in a frame
+that the fingers don't move: the grasp frame of the hand's arm, or a link such as the palm.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from grip_bt.base.arrays import Array
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.failures import NoIkError
+from grip_bt.base.values import JointState
+
+from .model import GRASP_FRAME, RobotModel
+
+TOLERANCE = 1e-3
+"""Largest distance of a fingertip from its target [m]."""
+_FINISHED = 1e-5
+_STEPS = 60
+_RESTARTS = 12
+_DAMPING = 1e-5
+_MAX_STEP = 0.4
+
+
+def fingertip_positions(
+    model: RobotModel,
+    hand: JointState,
+    names: Iterable[str] | None = None,
+    group: str = "hand",
+    frame: str = GRASP_FRAME,
+) -> dict[str, Array]:
+    """Return where fingertips, or other links of a hand, are in a frame, each of shape (3,) [m].
+
+    Args:
+        names: fingers or links; every finger when they aren't given.
+        group: the hand's group of joints.
+        frame: as for `fingertip_posture`.
+
+    Raises:
+        UnknownNameError: there is no such finger, link or frame.
+    """
+    tips = _Tips(model, tuple(fingers_of(model, group) if names is None else names), group, frame)
+    places = tips.places(model.configuration(hand))
+    return dict(zip(tips.fingers, places, strict=True))
+
+
+def fingertip_posture(
+    model: RobotModel,
+    targets: Mapping[str, Array],
+    seed: JointState | None = None,
+    group: str = "hand",
+    rng: np.random.Generator | None = None,
+    frame: str = GRASP_FRAME,
+) -> JointState:
+    """Return positions of a hand's joints that bring its fingertips, or other links, to their targets.
+
+    Joints that move none of these fingers stay where `seed` has them.
+
+    Args:
+        targets: finger or link -> wanted position of its tip or origin in `frame`, shape (3,) [m].
+        seed: posture to begin at, and to stay near; the hand's `open` one when it isn't given.
+        group: the hand's group of joints.
+        rng: where restarts come from; seeded with 0 when it isn't given, so that the same question has the same answer.
+        frame: a grasp frame, or a link that the hand's joints don't move and that is fixed to its palm.
+
+    Raises:
+        UnknownNameError: there is no such finger, link or frame.
+        NoIkError: a tip stays further than 1 mm from its target; `data['distances']` tells how far, by finger.
+    """
+    tips = _Tips(model, tuple(targets), group, frame)
+    wanted = np.array([targets[name] for name in tips.fingers], dtype=float).reshape(len(tips.fingers), 3)
+    joints = model.description.group(group)
+    columns = np.array([model.model.joints[model.model.getJointId(name)].idx_q for name in joints])
+    begin = seed or model.description.named_state(group, "open")
+    best, shortest = model.configuration(begin), np.inf
+    for start in _starts(model, begin, columns, rng or np.random.default_rng(0)):
+        q = _descended(model, tips, wanted, start, columns)
+        longest = float(np.linalg.norm(tips.places(q) - wanted, axis=1).max())
+        if longest < shortest:
+            best, shortest = q, longest
+        if shortest < TOLERANCE:
+            return JointState(joints, best[columns])
+    distances = np.linalg.norm(tips.places(best) - wanted, axis=1)
+    far = {name: float(d) for name, d in zip(tips.fingers, distances, strict=True) if d >= TOLERANCE}
+    words = ", ".join(f"{name} stays {1000 * d:.0f} mm away" for name, d in far.items())
+    raise NoIkError(f"the hand can't reach these fingertip positions: {words}", distances=far)
+
+
+def fingers_of(model: RobotModel, group: str) -> dict[str, str]:
+    """Return finger -> link of its tip, of the fingers that a hand's joints move."""
+    links = {finger: links[-1] for finger, links in model.description.finger_links.items()}
+    return {finger: tip for finger, tip in links.items() if _moved_by(model, tip, group)}
+
+
+def _moved_by(model: RobotModel, frame: str, group: str) -> bool:
+    """Tell whether a group's joints move a frame."""
+    joints = {model.model.getJointId(name) for name in model.description.group(group)}
+    return bool(joints & set(model.model.supports[model.model.frames[model.model.getFrameId(frame)].parentJoint]))
+
+
+class _Tips:
+    """The frames of some fingers' tips or other links, seen from a frame of the palm."""
+
+    def __init__(self, model: RobotModel, names: tuple[str, ...], group: str, frame: str):
+        self.model, self.data = model.model, model.model.createData()
+        self.fingers = names
+        tips, robot = fingers_of(model, group), model.description.name
+        links = [str(f.name) for f in self.model.frames if f.type == pin.FrameType.BODY]
+        moved = {link for link in links if _moved_by(model, link, group)}
+        for name in names:
+            if name not in tips and name not in moved:
+                raise UnknownNameError("finger or link of the hand", name, (*tips, *sorted(moved)), robot)
+        grasps = [str(f.name) for f in self.model.frames if str(f.name).split("/")[0] == GRASP_FRAME]
+        still = [name for name in (*grasps, *links) if self._joint(name) == self._palm_joint(model, group)]
+        if frame not in still:
+            raise UnknownNameError("frame of the palm", frame, still, robot)
+        self.frames = [self.model.getFrameId(tips.get(name, name)) for name in names]
+        self.palm = self.model.getFrameId(frame)
+
+    def _joint(self, frame: str) -> int:
+        return int(self.model.frames[self.model.getFrameId(frame)].parentJoint)
+
+    def _palm_joint(self, model: RobotModel, group: str) -> int:
+        """Return the joint that carries the hand: the parent of its joint nearest to the base."""
+        joints = [self.model.getJointId(name) for name in model.description.group(group)]
+        return int(self.model.parents[min(joints)])
+
+    def places(self, q: Array) -> Array:
+        """Return the tips' positions in the grasp frame, shape (k, 3)."""
+        pin.framesForwardKinematics(self.model, self.data, q)
+        palm = self.data.oMf[self.palm]
+        return np.array([palm.actInv(self.data.oMf[tip].translation) for tip in self.frames]).reshape(-1, 3)
+
+    def jacobian(self, q: Array, columns: NDArray[np.int64]) -> Array:
+        """Return how the positions change with the joints in `columns`, which don't move the palm, shape (3 k, m)."""
+        pin.computeJointJacobians(self.model, self.data, q)
+        turn = self.data.oMf[self.palm].rotation.T
+        rows = []
+        for tip in self.frames:
+            frame = pin.getFrameJacobian(self.model, self.data, tip, pin.LOCAL_WORLD_ALIGNED)
+            rows.append(turn @ frame[:3, columns])
+        return np.vstack(rows)
+
+
+def _starts(
+    model: RobotModel, begin: JointState, columns: NDArray[np.int64], rng: np.random.Generator
+) -> Iterator[Array]:
+    first = model.configuration(begin)
+    yield first
+    for _ in range(_RESTARTS):
+        q = first.copy()
+        q[columns] = rng.uniform(model.model.lowerPositionLimit[columns], model.model.upperPositionLimit[columns])
+        yield q
+
+
+def _descended(model: RobotModel, tips: _Tips, wanted: Array, q: Array, columns: NDArray[np.int64]) -> Array:
+    lower, upper = model.model.lowerPositionLimit[columns], model.model.upperPositionLimit[columns]
+    q = q.copy()
+    for _ in range(_STEPS):
+        error = (wanted - tips.places(q)).ravel()
+        if np.abs(error).max() < _FINISHED:
+            break
+        jacobian = tips.jacobian(q, columns)
+        step = jacobian.T @ np.linalg.solve(jacobian @ jacobian.T + _DAMPING * np.eye(len(error)), error)
+        # Joint by joint: a finger that is far from its target must not slow down the others.
+        q[columns] = np.clip(q[columns] + np.clip(step, -_MAX_STEP, _MAX_STEP), lower, upper)
+    return q

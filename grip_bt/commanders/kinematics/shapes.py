@@ -1,0 +1,142 @@
+"""Collision shapes from solids and mesh files."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+import coal
+import numpy as np
+import pinocchio as pin
+
+from grip_bt.base.errors import DocumentError, UnknownNameError
+from grip_bt.base.values.solids import Mesh
+
+_TOUCH = 1e-4
+"""Two lengths nearer than this [m] are equal in a model file."""
+
+
+def simplified(objects: Iterable[pin.GeometryObject]) -> list[pin.GeometryObject]:
+    """Return collision objects that are quicker to check.
+
+    Meshes become their convex hulls, which contain them. A cylinder with two spheres of its radius at its ends,
+    all of one link, becomes the capsule that is their union.
+    """
+    convex = [_convex(o) for o in objects]
+    by_frame: dict[int, list[pin.GeometryObject]] = {}
+    for shape in convex:
+        by_frame.setdefault(shape.parentFrame, []).append(shape)
+    return [shape for shapes in by_frame.values() for shape in _with_capsules(shapes)]
+
+
+def _convex(shape: pin.GeometryObject) -> pin.GeometryObject:
+    if isinstance(shape.geometry, coal.BVHModelBase):
+        shape.geometry.buildConvexHull(True, "Qt")
+        shape.geometry = shape.geometry.convex
+    return shape
+
+
+def _with_capsules(shapes: list[pin.GeometryObject]) -> list[pin.GeometryObject]:
+    spheres = [s for s in shapes if isinstance(s.geometry, coal.Sphere)]
+    merged: set[str] = set()
+    for cylinder in (s for s in shapes if isinstance(s.geometry, coal.Cylinder)):
+        ends = [_sphere_at(spheres, cylinder, side) for side in (-1, 1)]
+        if all(ends):
+            cylinder.geometry = coal.Capsule(cylinder.geometry.radius, 2 * cylinder.geometry.halfLength)
+            merged.update(ends)  # type: ignore[arg-type]
+    return [s for s in shapes if s.name not in merged]
+
+
+def _sphere_at(spheres: list[pin.GeometryObject], cylinder: pin.GeometryObject, side: int) -> str | None:
+    """Return the name of the sphere that rounds one end of a cylinder, or None."""
+    end = cylinder.placement.act(np.array([0.0, 0.0, side * cylinder.geometry.halfLength]))
+    for sphere in spheres:
+        same_radius = abs(sphere.geometry.radius - cylinder.geometry.radius) < _TOUCH
+        if same_radius and np.linalg.norm(sphere.placement.translation - end) < _TOUCH:
+            return str(sphere.name)
+    return None
+
+
+PACKAGE = "package://"
+FORMATS = ("dae", "obj", "ply", "stl")
+
+
+def load_mesh(
+    file: str | Path,
+    scale: tuple[float, float, float] = (1.0, 1.0, 1.0),
+    *,
+    hollow: bool = False,
+    packages: Mapping[str, Path] | None = None,
+    folder: Path | None = None,
+) -> Mesh:
+    """Read a mesh file.
+
+    Args:
+        file: a path, relative to `folder`, or `package://NAME/PATH`.
+        scale: factors along x, y and z; 0.001 each for a file in mm.
+        hollow: keep its surface; without it, its convex hull is taken, which is solid and quicker to check.
+        packages: package name -> folder; what it lacks is looked for in the shares of `AMENT_PREFIX_PATH`.
+        folder: that relative paths begin in; the current one when None.
+
+    Raises:
+        DocumentError: there is no such file, or it isn't a mesh.
+        UnknownNameError: the package isn't known.
+    """
+    path = _found(str(file), packages or {}, folder)
+    if path.suffix.lower().lstrip(".") not in FORMATS:
+        raise DocumentError(f"a mesh is a file of one of the formats {', '.join(FORMATS)}", str(path))
+    if not path.is_file():
+        raise DocumentError("there is no such mesh file", str(path))
+    try:
+        surface = coal.MeshLoader().load(str(path), np.asarray(scale, dtype=float))
+        points = np.array(surface.vertices())
+    except ValueError as error:
+        reason = str(error).rpartition("message: ")[2].splitlines()
+        raise DocumentError(f"it can't be read as a mesh: {' '.join(reason[1:]) or reason[0]}", str(path)) from None
+    try:
+        if hollow:
+            corners = (surface.tri_indices(k) for k in range(surface.num_tris))
+            return Mesh(points, np.array([[each[0], each[1], each[2]] for each in corners], np.int32).reshape(-1, 3))
+        return hull_of(Mesh(points))
+    except ValueError as error:
+        raise DocumentError(str(error), str(path)) from None
+
+
+def hull_of(mesh: Mesh) -> Mesh:
+    """Return the hull of a mesh with no more points than its corners; what is checked depends on these only."""
+    return Mesh(np.array(_hull(mesh).points()), margin=mesh.margin)
+
+
+def coal_mesh(mesh: Mesh) -> coal.CollisionGeometry:
+    """Return the mesh as coal's convex body, or as its surface of triangles."""
+    if not mesh.hollow:
+        body = _hull(mesh)
+        body.setSweptSphereRadius(mesh.margin)
+        return body
+    surface = coal.BVHModelOBBRSS()
+    surface.beginModel(len(mesh.triangles), len(mesh.points))
+    surface.addVertices(np.array(mesh.points))
+    surface.addTriangles(np.array(mesh.triangles, dtype=np.int32))
+    surface.endModel()
+    return surface
+
+
+def _hull(mesh: Mesh) -> coal.ConvexBase:
+    rows = coal.StdVec_Vec3s()
+    rows.extend(list(np.array(mesh.points)))
+    return coal.Convex.convexHull(rows, True, "Qt")
+
+
+def _found(file: str, packages: Mapping[str, Path], folder: Path | None) -> Path:
+    if not file.startswith(PACKAGE):
+        return (folder or Path()) / Path(file).expanduser()
+    package, _, rest = file.removeprefix(PACKAGE).partition("/")
+    if package in packages:
+        return packages[package] / rest
+    prefixes = [Path(prefix) for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if prefix]
+    shares = [prefix / "share" / package for prefix in prefixes]
+    for share in shares:
+        if share.is_dir():
+            return share / rest
+    raise UnknownNameError("package", package, packages, where=file)

@@ -1,0 +1,140 @@
+"""Inverse kinematics by TRAC-IK, and the serial chains that it and the analytic solver work on.
+
+Two of its threads race, a Newton descent and sequential quadratic programming, and the first one that arrives wins:
+it is robust, and doesn't repeat. What it returns is checked against our own forward kinematics. The wheel takes whole
+poses only, so partial targets are solved by damped least squares.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Callable, Hashable, Iterable, Iterator
+from functools import wraps
+from typing import Any, TypeVar
+from weakref import WeakKeyDictionary
+
+import numpy as np
+import pinocchio as pin
+
+from grip_bt.base.arrays import Array
+
+from . import damped_least_squares
+from .model import Chain
+from .target import Target
+
+BASE, TIP = "base", "tip"
+_AXES = {"RX": 0, "RY": 1, "RZ": 2, "PX": 0, "PY": 1, "PZ": 2}
+Made = TypeVar("Made")
+
+
+def axis_of(joint: pin.JointModel) -> tuple[bool, Array]:
+    """Return whether a joint of one degree of freedom turns (else it slides), and its axis, shape (3,).
+
+    Raises:
+        ValueError: the joint has another number of degrees of freedom, or is continuous.
+    """
+    kind = joint.shortname().removeprefix("JointModel")
+    if kind in _AXES:
+        return kind[0] == "R", np.eye(3)[_AXES[kind]]
+    if kind in ("RevoluteUnaligned", "PrismaticUnaligned"):
+        return kind[0] == "R", np.array(joint.extract().axis)
+    raise ValueError(f"a {kind} joint has no single axis with limits")
+
+
+def moved_by(chain: Chain) -> list[int]:
+    """Return the ids of the joints that move the grasp frame, from the base on."""
+    return list(chain.model.supports[chain.model.frames[chain.frame].parentJoint])[1:]
+
+
+def urdf_of(chain: Chain) -> str:
+    """Return a URDF of nothing but the chain's kinematics, from link `base` to link `tip`, the grasp frame.
+
+    Raises:
+        ValueError: a joint has no single axis with limits.
+    """
+    model, robot = chain.model, ET.Element("robot", name="chain")
+    ET.SubElement(robot, "link", name=BASE)
+    parent = BASE
+    for joint in moved_by(chain):
+        turns, axis = axis_of(model.joints[joint])
+        column, name = model.joints[joint].idx_q, str(model.names[joint])
+        element = _joint(robot, name, "revolute" if turns else "prismatic", parent, name, model.jointPlacements[joint])
+        ET.SubElement(element, "axis", xyz=_numbers(axis))
+        lower, upper = (repr(float(limit[column])) for limit in (chain.limits.lower, chain.limits.upper))
+        ET.SubElement(element, "limit", lower=lower, upper=upper, velocity="1", effort="1")
+        parent = name
+    _joint(robot, TIP, "fixed", parent, TIP, model.frames[chain.frame].placement)
+    return ET.tostring(robot, encoding="unicode")
+
+
+def kept_with_chain(make: Callable[[Chain], Made]) -> Callable[[Chain], Made]:
+    """Return `make` as a function that keeps its result as long as the chain is alive."""
+    made: WeakKeyDictionary[Hashable, Made] = WeakKeyDictionary()
+
+    @wraps(make)
+    def kept(chain: Chain) -> Made:
+        if chain not in made:
+            made[chain] = make(chain)
+        return made[chain]
+
+    return kept
+
+
+def _joint(robot: ET.Element, name: str, kind: str, parent: str, child: str, place: pin.SE3) -> ET.Element:
+    ET.SubElement(robot, "link", name=child)
+    joint = ET.SubElement(robot, "joint", name=f"{name}_joint", type=kind)
+    ET.SubElement(joint, "parent", link=parent)
+    ET.SubElement(joint, "child", link=child)
+    angles = pin.rpy.matrixToRpy(place.rotation)
+    ET.SubElement(joint, "origin", xyz=_numbers(place.translation), rpy=_numbers(angles))
+    return joint
+
+
+def _numbers(values: Iterable[Any]) -> str:
+    return " ".join(repr(float(value)) for value in values)
+
+
+_TIME = 0.005
+"""Longest time of one attempt [s]; TRAC-IK's own default."""
+_NEAR = 0.3
+"""A seed whose grasp frame is this near the target [m + rad] is gone down from before the race."""
+_PRECISION = 1e-5
+"""Largest error in each direction [m, rad]: the norm of six of them stays below our tolerance."""
+
+
+def solutions(
+    chain: Chain, target: Target, rng: np.random.Generator, seeds: tuple[Array, ...] = (), restarts: int = 20
+) -> Iterator[Array]:
+    """Yield configurations that reach `target`; those from `seeds` come first."""
+    if target.free != "none":
+        yield from damped_least_squares.solutions(chain, target, rng, seeds, restarts)
+        return
+    for seed in seeds:
+        # The race may end anywhere; what lies next to a seed is found by going down from it.
+        near = target.distance(chain, np.clip(seed, chain.limits.lower, chain.limits.upper)) < _NEAR
+        q = damped_least_squares.solve_from(chain, target, seed) if near else None
+        if q is not None:
+            yield q
+    engine, lower, upper = _engine(chain), chain.limits.lower, chain.limits.upper
+    columns = [chain.model.joints[joint].idx_q for joint in moved_by(chain)]
+    place = pin.SE3ToXYZQUAT(target.pose)
+    for attempt in range(len(seeds) + restarts):
+        start = np.clip(seeds[attempt], lower, upper) if attempt < len(seeds) else rng.uniform(lower, upper)
+        code, *positions = _wheel().ik(engine, start[columns], *place)
+        q = start.copy()
+        q[columns] = positions
+        # The wheel's word isn't enough: what counts is our model of the robot.
+        if code >= 0 and chain.within_limits(q) and target.distance(chain, q) < damped_least_squares.TOLERANCE:
+            yield q
+
+
+@kept_with_chain
+def _engine(chain: Chain) -> Any:
+    wheel = _wheel()
+    return wheel.TRAC_IK(BASE, TIP, urdf_of(chain), _TIME, _PRECISION, wheel.SolveType.Speed)
+
+
+def _wheel() -> Any:
+    import pytracik
+
+    return pytracik

@@ -1,0 +1,394 @@
+"""Motions that are held in a pause and gone on with, over executors and hands that can only stop.
+
+Controllers of ROS, for one, know no pause: a motion is cancelled, so that the joints hold, and what is left of it is
+begun again from where they are measured to be, along the same path.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Mapping
+from typing import Generic, TypeVar
+
+import numpy as np
+
+from grip_bt.base.arrays import Array
+from grip_bt.base.failures import CanceledError, ExecutionAbortedError, ExpectedError
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Executor, HandPort, Steerable
+from grip_bt.base.values import JointState, Trajectory
+
+from .steering import spliced
+from .trajectory.jerk_limited import eased_down, jerks_of, smooth_start
+from .trajectory.splines import slowed
+from .trajectory.stopping import accelerations_of, paced
+
+J = TypeVar("J")
+RAMP = 5.0
+"""How long a motion may take at most to come up to its speed again [s]."""
+SHORTEST = 0.1
+"""A rest of a motion takes no less than this [s]."""
+ASIDE = 0.1
+"""Joints that are further from the path than this [rad or m] were moved by something else meanwhile."""
+_ASIDE_PART = 0.1
+"""What part of the joints' accelerations brings them back to the path; `paced` leaves as much."""
+_GRID, _DOUBT = 0.005, 0.01
+"""Spacing of the search for where on its path a motion is [s]; what a second that it is early or late weighs [rad]."""
+
+
+def rest_of(
+    trajectory: Trajectory, measured: Array, passed: float, acceleration: Array, jerk: Array | None = None
+) -> Trajectory:
+    """Return what is left of a trajectory that was stopped: the same path, from rest.
+
+    It begins at the point of the path that is nearest to where the joints are, by their distance and by the time, and
+    comes up to its speed as quickly as the joints' limits allow. What the joints are off the path fades meanwhile.
+
+    Args:
+        trajectory: what was under way.
+        measured: where its joints are, in its order.
+        passed: how long it had been under way [s].
+        acceleration: limits of its joints, shape (n,) [rad/s^2 or m/s^2].
+        jerk: likewise [rad/s^3 or m/s^3]; None for any.
+
+    Raises:
+        ExecutionAbortedError: the joints are too far from the path.
+    """
+    times = np.linspace(0.0, trajectory.duration, max(2, int(trajectory.duration / _GRID)))
+    away = np.abs(trajectory.sampled(times)[0] - measured).max(axis=1)
+    nearest = int((away + _DOUBT * np.abs(times - passed)).argmin())
+    if away[nearest] > ASIDE:
+        raise ExecutionAbortedError(
+            f"the joints were moved while the motion was held: they are {away[nearest]:.3f} off its path",
+            error=float(away[nearest]),
+        )
+    begin = float(times[nearest])
+    aside = measured - trajectory.at(begin)
+    fading = max(SHORTEST, float(np.sqrt(6 * np.abs(aside) / (_ASIDE_PART * acceleration)).max()))
+    if jerk is not None:
+        fading = max(fading, float(np.cbrt(60 * np.abs(aside) / (_ASIDE_PART * jerk)).max()))
+        return eased_down(
+            _fading(smooth_start(trajectory, begin, acceleration, jerk), aside, fading), acceleration, jerk
+        )
+    rest = paced(trajectory, begin, 0.0, 1.0, acceleration, RAMP).stretched(fading)
+    if rest.duration == 0.0:
+        rest = Trajectory(
+            rest.names, np.array([0.0, fading]), np.tile(rest.positions, (2, 1)), np.zeros((2, len(aside)))
+        )
+    part = np.clip(rest.times / fading, 0.0, 1.0)
+    assert rest.velocities is not None
+    whole = Trajectory(
+        rest.names,
+        rest.times,
+        rest.positions + np.outer(1 - 3 * part**2 + 2 * part**3, aside),
+        rest.velocities + np.outer(6 * (part**2 - part) / fading, aside),
+    )
+    return slowed(whole, np.full(len(aside), np.inf), acceleration)
+
+
+def _fading(rest: Trajectory, aside: Array, within: float) -> Trajectory:
+    """Return a trajectory that begins aside of its path, shape (n,), and is on it after a time [s], smoothly."""
+    if rest.duration == 0.0:
+        still = np.zeros((2, len(aside)))
+        rest = Trajectory(rest.names, np.array([0.0, within]), np.tile(rest.positions, (2, 1)), still, still)
+    rest = rest.stretched(within)
+    assert rest.velocities is not None
+    assert rest.accelerations is not None
+    part = np.clip(rest.times / within, 0.0, 1.0)
+    return Trajectory(
+        rest.names,
+        rest.times,
+        rest.positions + np.outer(1 - 10 * part**3 + 15 * part**4 - 6 * part**5, aside),
+        rest.velocities - np.outer(30 * (part - part**2) ** 2 / within, aside),
+        rest.accelerations - np.outer(60 * part * (1 - part) * (1 - 2 * part) / within**2, aside),
+    )
+
+
+class _Motion(Generic[J]):
+    """One motion, in as many parts as it takes."""
+
+    def __init__(self, job: J):
+        self.job = job
+        self.whole: Operation[JointState] = Operation()
+        self.part: Operation[JointState] | None = None
+        self.held = self.parted = self.starting = False
+        self.began = self.passed = 0.0
+
+
+class _Parts(Generic[J]):
+    """One motion at a time, done in parts; implements `grip_bt.base.ports.Pausable`.
+
+    Args:
+        do: begins a part.
+        rest: what is left of a job after so long [s]; ends the motion where it raises an `ExpectedError`.
+        now: the time [s].
+    """
+
+    def __init__(
+        self,
+        do: Callable[[J], Operation[JointState]],
+        rest: Callable[[J, float], J],
+        now: Callable[[], float] = time.monotonic,
+    ):
+        self._do, self._rest, self._now = do, rest, now
+        self._lock = threading.RLock()  # a part that ends while it is changed is heard of in the middle of that
+        self._paused = False
+        self._motion: _Motion[J] | None = None
+
+    def begin(self, job: J) -> Operation[JointState]:
+        """Begin a motion; one under way is cancelled. In a pause it waits for the end of that."""
+        self.stop()
+        motion = _Motion(job)
+        motion.whole = Operation(on_cancel=lambda: self._cancel(motion))
+        with self._lock:
+            self._motion = motion
+        self._start(motion)
+        return motion.whole
+
+    def stop(self) -> None:
+        """End the motion under way."""
+        motion = self._motion
+        if motion is not None:
+            motion.whole.cancel()
+
+    def pause(self) -> None:
+        """Stop the part that is under way and keep what is left."""
+        with self._lock:
+            self._paused = True
+            motion = self._motion
+        if motion is not None:
+            self._hold(motion)
+
+    def resume(self) -> None:
+        """Begin what is left, at once or as soon as the part before has ended."""
+        with self._lock:
+            self._paused = False
+            motion = self._motion
+            ready = motion is not None and motion.held and motion.part is None and not motion.starting
+        if motion is not None and ready:
+            self._go_on(motion)
+
+    def untouched(self) -> bool:
+        """Tell whether a motion is under way that never was held."""
+        with self._lock:
+            return self._untouched()
+
+    def amend(self, change: Callable[[J], J | None]) -> bool:
+        """Change the job of a motion that never was held; False, where `change` returns None, or there is none."""
+        with self._lock:
+            motion = self._motion
+            job = change(motion.job) if motion is not None and self._untouched() else None
+            if motion is None or job is None:
+                return False
+            motion.job = job
+            return True
+
+    def _untouched(self) -> bool:
+        motion = self._motion
+        return motion is not None and motion.part is not None and not motion.held and not motion.parted
+
+    def _start(self, motion: _Motion[J]) -> None:
+        with self._lock:
+            motion.held, motion.starting = self._paused, not self._paused
+        if not motion.starting:
+            if motion.whole.cancel_asked:
+                motion.whole.fail(CanceledError("the motion was stopped"))
+            return
+        part = self._do(motion.job)
+        with self._lock:
+            motion.part, motion.began, motion.passed, motion.starting = part, self._now(), 0.0, False
+            again = self._paused
+        part.add_done_callback(lambda: self._ended(motion, part))
+        if motion.whole.cancel_asked:
+            part.cancel()
+        elif again:
+            self._hold(motion)
+
+    def _hold(self, motion: _Motion[J]) -> None:
+        with self._lock:
+            part = motion.part
+            if part is None or motion.held:
+                return
+            motion.held = motion.parted = True
+            motion.passed = self._now() - motion.began
+        part.cancel()
+
+    def _ended(self, motion: _Motion[J], part: Operation[JointState]) -> None:
+        try:
+            result = part.result()
+        except CanceledError as error:
+            with self._lock:
+                goes_on = motion.held and not motion.whole.cancel_asked
+                motion.part = None
+                now = not self._paused
+            if not goes_on:
+                motion.whole.fail(error)
+            elif now:
+                self._go_on(motion)
+        except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it
+            motion.whole.fail(error)
+        else:
+            motion.whole.succeed(result)
+
+    def _go_on(self, motion: _Motion[J]) -> None:
+        with self._lock:
+            motion.starting = True
+        if motion.whole.cancel_asked:
+            motion.whole.fail(CanceledError("the motion was stopped"))
+            return
+        try:
+            if motion.parted:
+                motion.job = self._rest(motion.job, motion.passed)
+            self._start(motion)
+        except ExpectedError as error:
+            motion.whole.fail(error)
+        except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it
+            motion.whole.fail(error)
+
+    def _cancel(self, motion: _Motion[J]) -> None:
+        with self._lock:
+            part, starting = motion.part, motion.starting
+        if part is not None:
+            part.cancel()
+        elif not starting:  # it is held at rest
+            motion.whole.fail(CanceledError("the motion was stopped"))
+
+
+class HeldExecutor:
+    """Implements `grip_bt.base.ports.Executor` and `Pausable` over an executor that can be stopped.
+
+    A motion that is held ends with ExecutionAbortedError where the joints were moved by something else meanwhile.
+
+    Args:
+        executor: moves the joints, and can stop them.
+        accelerations: joint -> limit [rad/s^2 or m/s^2]; see `trajectory.stopping.accelerations_of`.
+        now: the executor's time [s].
+        jerks: joint -> limit [rad/s^3 or m/s^3], with which a motion is gone on with.
+    """
+
+    def __init__(
+        self,
+        executor: Executor,
+        accelerations: Mapping[str, float] | None = None,
+        now: Callable[[], float] = time.monotonic,
+        jerks: Mapping[str, float] | None = None,
+    ):
+        self._executor, self._accelerations, self._jerks = executor, accelerations or {}, jerks or {}
+        self._parts = _Parts(executor.execute, self._rest, now)
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints that it moves."""
+        return self._executor.joint_names
+
+    def state(self) -> JointState:
+        """Return the measured state of the joints."""
+        return self._executor.state()
+
+    def execute(self, trajectory: Trajectory) -> Operation[JointState]:
+        """Follow a trajectory, however often it is held; see `grip_bt.base.ports.Executor`."""
+        return self._parts.begin(trajectory)
+
+    def stop(self) -> None:
+        """Hold where the joints are now and end a motion under way."""
+        self._parts.stop()
+        self._executor.stop()
+
+    def pause(self) -> None:
+        """Hold the joints where they are, and keep what is left of a motion."""
+        self._parts.pause()
+
+    def resume(self) -> None:
+        """Go on with what is left."""
+        self._parts.resume()
+
+    def _rest(self, trajectory: Trajectory, passed: float) -> Trajectory:
+        try:
+            measured = self._executor.state().ordered(trajectory.names)
+        except ExpectedError as error:
+            raise ExecutionAbortedError(f"the motion was held, and {error.message}", cause=error.code) from None
+        names = trajectory.names
+        accelerations, jerks = accelerations_of(names, self._accelerations), jerks_of(names, self._jerks)
+        return rest_of(trajectory, measured, passed, accelerations, jerks)
+
+
+class HeldSteerable(HeldExecutor):
+    """Implements `Steerable` besides, over an executor that does.
+
+    A motion that was held in its middle isn't changed any more; it goes on to its end.
+    """
+
+    def __init__(
+        self,
+        executor: Executor,
+        accelerations: Mapping[str, float] | None = None,
+        now: Callable[[], float] = time.monotonic,
+        jerks: Mapping[str, float] | None = None,
+    ):
+        super().__init__(executor, accelerations, now, jerks)
+        assert isinstance(executor, Steerable)
+        self._steerable: Steerable = executor
+
+    def passed(self) -> float | None:
+        """Return for how long the motion under way has been followed [s]; None where it can't be changed."""
+        return self._steerable.passed() if self._parts.untouched() else None
+
+    def amend(self, tail: Trajectory, at: float) -> bool:
+        """Go on with another trajectory from a moment on; see `grip_bt.base.ports.Steerable`."""
+        return self._parts.amend(lambda whole: spliced(whole, tail, at) if self._steerable.amend(tail, at) else None)
+
+    def expect(self, at: float | None) -> None:
+        """Tell that an amendment is likely."""
+        self._steerable.expect(at)
+
+
+def held(
+    executor: Executor,
+    accelerations: Mapping[str, float] | None = None,
+    now: Callable[[], float] = time.monotonic,
+    jerks: Mapping[str, float] | None = None,
+) -> HeldExecutor:
+    """Return an executor that can be held, and steered where `executor` can be; see `HeldExecutor`."""
+    kind = HeldSteerable if isinstance(executor, Steerable) else HeldExecutor
+    return kind(executor, accelerations, now, jerks)
+
+
+class HeldHand:
+    """Implements `grip_bt.base.ports.HandPort` and `Pausable` over a hand that can be stopped."""
+
+    def __init__(self, hand: HandPort):
+        self._hand = hand
+        self._parts: _Parts[tuple[JointState, float, float | None]] = _Parts(
+            lambda job: hand.move(*job), lambda job, passed: (job[0], max(job[1] - passed, SHORTEST), job[2])
+        )
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints of the hand."""
+        return self._hand.joint_names
+
+    def state(self) -> JointState:
+        """Return the measured state."""
+        return self._hand.state()
+
+    def move(self, posture: JointState, duration: float, torque_limit: float | None = None) -> Operation[JointState]:
+        """Move towards a posture, however often it is held; see `grip_bt.base.ports.HandPort`."""
+        return self._parts.begin((posture, duration, torque_limit))
+
+    def contacts(self) -> Mapping[str, float]:
+        """Return the contact forces."""
+        return self._hand.contacts()
+
+    def stop(self) -> None:
+        """Hold the fingers where they are."""
+        self._parts.stop()
+        self._hand.stop()
+
+    def pause(self) -> None:
+        """Hold the fingers where they are, and keep what is left of a motion."""
+        self._parts.pause()
+
+    def resume(self) -> None:
+        """Go on with what is left."""
+        self._parts.resume()

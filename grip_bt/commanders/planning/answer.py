@@ -1,0 +1,205 @@
+"""Answers to planning requests: which plan each asks for, of whom."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from grip_bt.base.arrays import Array
+from grip_bt.base.failures import PathInvalidError
+from grip_bt.base.values import Plan, Trajectory
+from grip_bt.base.values.joints import MOVE_GROUP
+
+from ..kinematics.collision import CollisionChecker, recent_checker
+from ..kinematics.model import RobotModel
+from ..trajectory.limits import longer, refuse_beyond_limits
+from .budget import REAL, Budget, Clocks
+from .checks import allowed, chain_and_checker, free_start, timed_free
+from .continuous import first_touch
+from .goals import goals_of, out_of_limits, touching
+from .grasps import choose_grasp
+from .requests import (
+    CheckTogether,
+    ChooseGrasp,
+    ChosenGrasp,
+    PlanAlong,
+    PlanOnward,
+    PlanStraight,
+    PlanThrough,
+    PlanTo,
+    Request,
+)
+from .search import Search, first_success
+from .steering_step import plan_onward
+from .straight import plan_straight
+from .through import plan_through
+
+
+def check_together(model: RobotModel, request: CheckTogether) -> None:
+    """Check the common motion all along, as it is executed.
+
+    Raises:
+        OutOfLimitsError: a plan breaks its joints' limits.
+        PathInvalidError: something would be touched; `data` says after what `time` [s], and which `pairs`.
+        ValueError: two plans move the same joint.
+    """
+    plans, situation = request.plans, request.situation
+    named = [name for plan in plans for name in plan.trajectory.names]
+    if len(set(named)) != len(named):
+        raise ValueError(f"two plans move the same joint: {sorted(n for n in named if named.count(n) > 1)}")
+    for plan in plans:
+        if plan.planner != MOVE_GROUP:
+            refuse_beyond_limits(plan.trajectory, model.limits_of(plan.trajectory.names))
+    chain = model.joined_chain([plan.group for plan in plans], situation.start)
+    checker = CollisionChecker(chain, situation.scene)
+    if touched := first_touch(checker, *(plan.trajectory for plan in plans)):
+        at, pairs = touched
+        raise PathInvalidError(
+            f"after {at:.1f} s of the common motion, {touching(pairs)}; plan for a group of both"
+            " arms, or move one after the other",
+            pairs=pairs,
+            time=at,
+        )
+
+
+def plan_along(model: RobotModel, request: PlanAlong) -> Trajectory:
+    """Return the trajectory for all joints of the group; those that it doesn't name stay where they are.
+
+    Raises:
+        OutOfLimitsError: a joint would leave its limits of position, velocity or acceleration, at a point or between
+            two; `data['joints']` names it.
+        PathInvalidError: something would be touched; `data` says after what `time` [s], and which `pairs`.
+    """
+    given, situation = request.trajectory, request.situation
+    chain = model.chain(situation.group, situation.start)
+    positions = np.tile(situation.start.ordered(chain.joints), (len(given.times), 1))
+    columns = [chain.joints.index(name) for name in given.names]
+    positions[:, columns] = given.positions
+    for moment, row in zip(given.times, positions, strict=True):
+        if not chain.within_limits(row):
+            raise out_of_limits(chain, row, f"{moment:.2f} s after its beginning, the trajectory is")
+    checker = recent_checker(chain, situation.scene, situation.hand, 0.0)
+    if met := checker.pairs(positions[0]):
+        raise PathInvalidError(f"where the trajectory begins, {touching(met)}", pairs=met, time=0.0)
+    known = given.velocities is not None
+    whole = Trajectory(
+        chain.joints,
+        given.times,
+        positions,
+        _of_all(given.velocities if known else _smooth(given), columns, positions),
+        _of_all(given.accelerations if known else None, columns, positions),
+    )
+    if request.slow_down:
+        velocity, acceleration, _ = allowed(chain, situation.settings)
+        whole = whole.stretched(whole.duration * longer(whole, velocity, acceleration))
+    refuse_beyond_limits(whole, chain.limits)
+    if touched := first_touch(checker, whole):
+        at, pairs = touched
+        raise PathInvalidError(f"after {at:.1f} s of the trajectory, {touching(pairs)}", pairs=pairs, time=at)
+    return whole
+
+
+def _of_all(given: Array | None, columns: list[int], like: Array) -> Array | None:
+    """Return derivatives for all joints, shape (k, n): zero for those that stay."""
+    if given is None:
+        return None
+    whole = np.zeros_like(like)
+    whole[:, columns] = given
+    return whole
+
+
+def _smooth(given: Trajectory) -> Array:
+    """Return velocities at way points that have positions alone, shape (k, n), at rest at both ends.
+
+    They are those of the monotone cubic through the points (Fritsch and Butland 1984): no joint leaves what is between
+    two points.
+    """
+    if len(given.times) < 2:
+        return np.zeros_like(given.positions)
+    velocities: Array = PchipInterpolator(given.times, given.positions).derivative()(given.times)
+    velocities[[0, -1]] = 0.0
+    return velocities
+
+
+SEARCH = 0.03
+"""While a path is searched, no joint moves more than this [rad] between two checks; later attempts look closer."""
+
+
+def answer(
+    model: RobotModel, request: Request, canceled: Callable[[], bool], clocks: Clocks = REAL
+) -> Plan | ChosenGrasp | None:
+    """Answer a request.
+
+    Args:
+        canceled: asked often; True ends it.
+        clocks: what tells the time that a search may take.
+
+    Raises:
+        ExpectedError: with the reason why there is no answer.
+    """
+    begin = time.monotonic()
+    if isinstance(request, CheckTogether):
+        check_together(model, request)
+        return None
+    if isinstance(request, ChooseGrasp):
+        return choose_grasp(model, request.situation, request.grasps, canceled, clocks)
+    if isinstance(request, PlanStraight):
+        planner, trajectory = "straight", plan_straight(model, request)
+    elif isinstance(request, PlanThrough):
+        trajectory, radii = plan_through(model, request, canceled, clocks)
+        return Plan(request.situation.group, trajectory, "through", time.monotonic() - begin, radii)
+    elif isinstance(request, PlanOnward):
+        planner, trajectory = "onward", plan_onward(model, request)
+    elif isinstance(request, PlanAlong):
+        planner, trajectory = "given", plan_along(model, request)
+    else:
+        planner, trajectory = request.situation.settings.planner, plan_to(model, request, canceled, clocks)
+    return Plan(request.situation.group, trajectory, planner, time.monotonic() - begin)
+
+
+def plan_to(model: RobotModel, request: PlanTo, canceled: Callable[[], bool], clocks: Clocks = REAL) -> Trajectory:
+    """Plan a free path.
+
+    Raises:
+        StartInCollisionError: `data['pairs']` names what touches.
+        GoalInCollisionError: likewise; for a pose, of every solution that was found.
+        OutOfLimitsError: the goal breaks position limits; `data['joints']` names them.
+        NoIkError: nothing reaches the pose.
+        NoPlanError: no goal can be reached.
+        TimeOutError: not in time.
+        PathInvalidError: the timed path isn't free.
+        ConstraintBrokenError: start or goal break what the path must keep to.
+    """
+    situation = request.situation
+    settings = situation.settings
+    budget = Budget(settings.time_limit, clocks)
+    chain, checker = chain_and_checker(model, situation, margin=0.0)
+    start = free_start(chain, checker, situation, request.constraint)
+    goals = goals_of(chain, checker, request, start)
+    roomy = recent_checker(chain, situation.scene, situation.hand, settings.margin)
+    wide = roomy.free(start)
+    tries = [(goal, c) for goal in goals for c in ([roomy] if wide and roomy.free(goal) else []) + [checker]]
+    attempts = [
+        partial(_searched_and_timed, checker, Search(avoid, settings, request.constraint, canceled), start, goal)
+        for goal, avoid in tries
+    ]
+    return first_success(attempts, budget)
+
+
+def _searched_and_timed(
+    checker: CollisionChecker, search: Search, start: Array, goal: Array, budget: Budget
+) -> Trajectory:
+    """Search, time and check; a path that turns out to graze something is searched again, more finely."""
+    settings = search.settings
+    for attempt in range(settings.attempts):
+        path = search.path(start, goal, budget, attempt, SEARCH / 2 ** min(attempt, 2))
+        try:
+            return timed_free(checker, path, settings, search.constraint)
+        except PathInvalidError:
+            if attempt == settings.attempts - 1:
+                raise
+    raise AssertionError("unreachable")

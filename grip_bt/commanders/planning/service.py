@@ -1,0 +1,234 @@
+"""Planning in a process of its own: OMPL holds Python's lock, and a plan must not stop a task from ticking."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import IO, Any, Protocol
+
+from grip_bt.base.failures import CanceledError, PlannerLostError
+from grip_bt.base.interpreter import how_ended, python_command
+from grip_bt.base.operation import Operation
+from grip_bt.base.values import Plan
+
+from ..description.robot import RobotDescription
+from .process import read_frame, write_frame
+from .requests import ChooseGrasp, ChosenGrasp, PlanStraight, PlanTo, Request
+
+PROGRAM = "grip_bt.commanders.planning.process"
+CANCEL_GRACE = 0.04
+"""A cancelled request has this long [s] to end by itself; then the process is replaced."""
+
+
+class PlanningService(Protocol):
+    """Answers planning requests without blocking."""
+
+    def submit(self, request: Request) -> Operation[Plan | ChosenGrasp | None]:
+        """Ask; the operation ends with the answer, or with the `ExpectedError` that says why there is none."""
+
+
+Search = PlanTo | PlanStraight | ChooseGrasp
+"""The requests that ask for a way or a grasp. The others are about motions that are given, and ask for no planner."""
+
+
+class Searcher(Protocol):
+    """Answers the requests that search for something."""
+
+    def submit(self, request: Search) -> Operation[Plan | ChosenGrasp | None]:
+        """Ask; see `PlanningService`."""
+
+
+@dataclass
+class _Job:
+    number: int
+    request: Request
+    operation: Operation[Any]
+    sent_again: bool = False
+
+
+class PlanningProcess:
+    """Sends requests to a child process, one after the other.
+
+    The child is started at once and replaced when it dies; the request that it died over is sent once more. It ends
+    when this process ends, however that ends, since its stdin does.
+
+    Args:
+        told: of each child that died and that another one takes the place of, in words; on a thread of our own.
+    """
+
+    def __init__(self, robot: RobotDescription, told: Callable[[str], None] = lambda words: None):
+        self._robot, self._told = robot, told
+        self._given_up: subprocess.Popen[bytes] | None = None
+        self._lock = threading.Lock()
+        self._jobs: dict[int, _Job] = {}
+        self._numbers = 0
+        self._closed = False
+        self._ready = threading.Event()
+        self._settled = threading.Event()
+        self._stillborn = 0
+        self._spawn()
+
+    @property
+    def pid(self) -> int:
+        """The process id of the present child."""
+        return self._child.pid
+
+    def wait_until_ready(self, timeout: float = 300.0) -> bool:
+        """Block until the child has built its model, at most `timeout` [s]; requests may be sent before.
+
+        Returns:
+            False when it hasn't, or can't start at all.
+        """
+        self._settled.wait(timeout)
+        return self._ready.is_set()
+
+    def submit(self, request: Request) -> Operation[Plan | ChosenGrasp | None]:
+        """Send a request; see `PlanningService`.
+
+        Raises:
+            RuntimeError: it was closed.
+        """
+        with self._lock:
+            if self._closed:
+                raise RuntimeError("the planning process was closed")
+            self._numbers += 1
+            number = self._numbers
+            operation: Operation[Plan | ChosenGrasp | None] = Operation(on_cancel=lambda: self._cancel(number))
+            if self._stillborn >= 2:
+                return Operation.failed(_lost(self._child))
+            self._jobs[number] = _Job(number, request, operation)
+            self._send("plan", number, request)
+        return operation
+
+    def close(self) -> None:
+        """End the child; requests under way end as cancelled. Harmless when called again."""
+        with self._lock:
+            self._closed = True
+            child, jobs = self._child, list(self._jobs.values())
+            self._jobs.clear()
+        child.kill()
+        if threading.current_thread() is not self._reader:
+            self._reader.join()
+        for job in jobs:
+            job.operation.fail(CanceledError("the planning process was closed"))
+
+    def __enter__(self) -> PlanningProcess:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _spawn(self) -> None:
+        """Start a child. The lock is held, or nobody else knows this object yet."""
+        self._ready.clear()
+        self._settled.clear()
+        self._child = child = subprocess.Popen(
+            python_command("-m", PROGRAM),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            # Threads that wait by spinning would take a core from the simulator.
+            env={**os.environ, "OMP_WAIT_POLICY": "PASSIVE"},
+        )
+        self._send("robot", self._robot)
+        self._reader = threading.Thread(target=self._read, args=(child,), name="planner", daemon=True)
+        self._reader.start()
+
+    def _send(self, *message: Any) -> None:
+        """Send to the present child; when it is dead, its reader finds out and sends again."""
+        assert self._child.stdin is not None
+        try:
+            write_frame(self._child.stdin, message)
+        except (BrokenPipeError, ValueError):
+            return
+
+    def _read(self, child: subprocess.Popen[bytes]) -> None:
+        assert child.stdout is not None
+        while (message := read_frame(child.stdout)) is not None:
+            if message[0] == "ready":
+                self._ready.set()
+                self._settled.set()
+                continue
+            kind, number, value = message
+            with self._lock:
+                job = self._jobs.pop(number, None)
+            if job is None:
+                continue
+            if kind == "done":
+                job.operation.succeed(value)
+            else:
+                job.operation.fail(value)
+        child.wait()
+        child.stdout.close()
+        self._replace(child)
+        _close(child.stdin)
+
+    def _replace(self, dead: subprocess.Popen[bytes]) -> None:
+        """Start another child in place of a dead one and send it what is still wanted."""
+        with self._lock:
+            if self._closed or dead is not self._child:
+                return
+            self._stillborn = 0 if self._ready.is_set() else self._stillborn + 1
+            lost = self._lost_jobs()
+            if self._stillborn < 2:
+                self._spawn()
+                for job in self._jobs.values():
+                    self._send("plan", job.number, job.request)
+            wanted, other = len(self._jobs), self._child.pid
+        for job in lost:
+            job.operation.fail(_lost(dead))
+        if dead is not self._given_up and other != dead.pid:
+            again = ", and makes its plan anew" if wanted else ""
+            self._told(f"process {dead.pid} {how_ended(dead.returncode)}; process {other} takes its place{again}")
+
+    def _lost_jobs(self) -> list[_Job]:
+        """Take out the jobs that won't be sent again: the one that two children died over, or all if none can start."""
+        if self._stillborn >= 2:
+            self._settled.set()
+            lost = list(self._jobs.values())
+        else:
+            oldest = min(self._jobs.values(), key=lambda job: job.number, default=None)
+            lost = [oldest] if oldest is not None and oldest.sent_again else []
+            if oldest is not None:
+                oldest.sent_again = True
+        for job in lost:
+            del self._jobs[job.number]
+        return lost
+
+    def _cancel(self, number: int) -> None:
+        with self._lock:
+            if number not in self._jobs:
+                return
+            self._send("cancel", number)
+        timer = threading.Timer(CANCEL_GRACE, self._give_up, args=(number,))
+        timer.daemon = True
+        timer.start()
+
+    def _give_up(self, number: int) -> None:
+        """End a cancelled request whose work doesn't end; its process is replaced."""
+        with self._lock:
+            job = self._jobs.pop(number, None)
+            running = job is not None and all(other > number for other in self._jobs)
+            child = self._child
+        if job is None:
+            return
+        if running and self._ready.is_set():
+            self._given_up = child
+            child.kill()
+        job.operation.fail(CanceledError("planning was cancelled"))
+
+
+def _lost(dead: subprocess.Popen[bytes]) -> PlannerLostError:
+    how = how_ended(dead.returncode)
+    words = f"the planning process died twice: process {dead.pid} {how}; what it printed on stderr may tell why"
+    return PlannerLostError(words, exit_status=dead.returncode)
+
+
+def _close(pipe: IO[bytes] | None) -> None:
+    """Close a pipe whose other end is gone; what it still holds can't be delivered."""
+    if pipe is not None:
+        with suppress(BrokenPipeError):
+            pipe.close()

@@ -1,0 +1,190 @@
+"""The simulator's process, the messages to and from it, and how its answers end operations.
+
+Nothing is pickled, so nothing that is received can run.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import math
+import socket
+import struct
+import subprocess
+import threading
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grip_bt.base.errors import GripError
+from grip_bt.base.failures import CanceledError, ExecutionAbortedError, ExpectedError
+from grip_bt.base.interpreter import python_command
+from grip_bt.base.operation import Operation
+
+Arrays = Mapping[str, NDArray[Any]]
+LARGEST = 64 << 20
+"""Largest message [bytes]."""
+_LENGTHS = struct.Struct("!II")
+_KINDS = "biufc"
+
+
+class ClosedError(Exception):
+    """The other end is gone, or says what nobody understands."""
+
+
+def pack(fields: Mapping[str, Any], arrays: Arrays | None = None) -> bytes:
+    """Return one message.
+
+    Raises:
+        TypeError: an array doesn't hold plain numbers, or a field isn't JSON data.
+        ValueError: the message is too large.
+    """
+    blocks = {name: np.asarray(array) for name, array in (arrays or {}).items()}
+    for name, block in blocks.items():
+        if block.dtype.kind not in _KINDS:
+            raise TypeError(f"array {name!r} holds {block.dtype}; only plain numbers can be sent")
+    shapes = [[name, block.dtype.str, block.shape] for name, block in blocks.items()]
+    header = json.dumps({"fields": fields, "arrays": shapes}).encode()
+    size = len(header) + sum(block.nbytes for block in blocks.values())
+    if size > LARGEST:
+        raise ValueError(f"a message of {size} bytes; at most {LARGEST} can be sent")
+    body = b"".join(block.tobytes() for block in blocks.values())
+    return _LENGTHS.pack(len(header), len(body)) + header + body
+
+
+def receive(connection: socket.socket) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+    """Wait for one message and return its fields and its arrays, which are read-only.
+
+    Raises:
+        ClosedError: the other end is gone, or what it sent is no message.
+    """
+    header_length, body_length = _LENGTHS.unpack(_exactly(connection, _LENGTHS.size))
+    if header_length + body_length > LARGEST:
+        raise ClosedError(f"a message of {header_length + body_length} bytes")
+    header, body = _exactly(connection, header_length), _exactly(connection, body_length)
+    try:
+        content = json.loads(header)
+        return dict(content["fields"]), _arrays(content["arrays"], body)
+    except (ValueError, KeyError, TypeError) as error:
+        raise ClosedError(f"a message that can't be read: {error!r}") from None
+
+
+def _arrays(shapes: list[Any], body: bytes) -> dict[str, NDArray[Any]]:
+    arrays, offset = {}, 0
+    for name, dtype, shape in shapes:
+        count = math.prod(shape)
+        arrays[name] = np.frombuffer(body, np.dtype(dtype), count, offset).reshape(shape)
+        offset += arrays[name].nbytes
+    return arrays
+
+
+def _exactly(connection: socket.socket, count: int) -> bytes:
+    parts = []
+    while count:
+        try:
+            part = connection.recv(min(count, 1 << 20))
+        except OSError as error:
+            raise ClosedError(str(error)) from None
+        if not part:
+            raise ClosedError("end of stream")
+        parts.append(part)
+        count -= len(part)
+    return b"".join(parts)
+
+
+_ERRORS: dict[str, type[ExpectedError]] = {"aborted": ExecutionAbortedError, "canceled": CanceledError}
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Reply:
+    """An answer of the simulator.
+
+    Attributes:
+        fields: JSON data.
+        arrays: by name.
+        time: when it arrived, on the run's clock [s].
+    """
+
+    fields: Mapping[str, Any]
+    arrays: Mapping[str, NDArray[Any]]
+    time: float
+
+
+def complete(operation: Operation[Reply], reply: Reply) -> None:
+    """End an operation as the simulator says: with the reply, or with the error that the reply holds."""
+    error, message = reply.fields.get("error", ""), reply.fields.get("message", "")
+    if error in _ERRORS:
+        end(operation, _ERRORS[error](message, **reply.fields.get("data", {})))
+    else:
+        end(operation, GripError(message) if error else reply)
+
+
+def end(operation: Operation[Reply], outcome: Reply | GripError) -> None:
+    """End an operation; a callback that raises is logged, since it mustn't keep other operations from ending."""
+    try:
+        operation.succeed(outcome) if isinstance(outcome, Reply) else operation.fail(outcome)
+    except Exception:  # noqa: BLE001
+        _log.exception("a callback of a simulator's operation failed")
+
+
+LINES = 40
+"""How many of the last lines are kept for the message about its end."""
+
+
+class SimProcess:
+    """A child process that runs `python -m grip_sim`.
+
+    It ends by itself when the other end of its connection is gone, also when our process was killed.
+
+    Args:
+        connection: its end of a socket pair; may be closed here afterwards.
+        hold: file descriptor over which somebody else may have the robot hold; None for nobody.
+    """
+
+    def __init__(self, connection: socket.socket, hold: int | None = None):
+        descriptors = [connection.fileno(), *([] if hold is None else [hold])]
+        command = python_command("-m", "grip_sim", *map(str, descriptors))
+        # What it prints is kept from our standard output, which may carry a protocol.
+        self._process = subprocess.Popen(
+            command,
+            pass_fds=descriptors,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+        )
+        self._said: deque[bytes] = deque(maxlen=LINES)
+        self._listener = threading.Thread(target=self._listen, name="grip_sim_output", daemon=True)
+        self._listener.start()
+
+    @property
+    def pid(self) -> int:
+        """The process id."""
+        return self._process.pid
+
+    def end(self, patience: float) -> int:
+        """Wait for its end, kill it after `patience` [s], and return its exit status."""
+        try:
+            return self._process.wait(patience)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            return self._process.wait()
+
+    def last_words(self) -> str:
+        """Return what it printed last, at most 2000 characters."""
+        self._listener.join(1.0)  # after its end this takes no time
+        return b"".join(self._said).decode(errors="replace").strip()[-2000:]
+
+    def close(self) -> None:
+        """Give back the pipe; after the end."""
+        self._listener.join(1.0)
+        if not self._listener.is_alive() and self._process.stdout is not None:
+            self._process.stdout.close()
+
+    def _listen(self) -> None:
+        assert self._process.stdout is not None
+        self._said.extend(self._process.stdout)
