@@ -5,6 +5,7 @@ from __future__ import annotations
 from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
+from importlib.util import find_spec
 
 from grip_bt.base.errors import GripError, MissingPartError
 from grip_bt.base.values import Pose
@@ -44,12 +45,12 @@ def open_robot(
     """
     file = project.file
     check_world(project)
-    try:
-        from grip_bt.commanders.planning.service import PlanningProcess
-        from grip_sim import start_simulation
-        from grip_sim.specs import table_world
-    except ImportError as error:
-        raise MissingPartError(f"the simulator ({error})", "pip install 'grip-bt[sim]', or make demo") from None
+    for library in ("pinocchio", "sapien"):  # they are imported by processes of their own
+        if find_spec(library) is None:
+            raise MissingPartError(f"the simulator (no module {library!r})", "pip install 'grip-bt[sim]', or make demo")
+    from grip_bt.commanders.planning.service import PlanningProcess
+    from grip_sim import start_simulation
+    from grip_sim.specs import table_world
 
     progress("starting", "the simulator and the planner")
     description = project.description()
