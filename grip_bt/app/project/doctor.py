@@ -83,9 +83,10 @@ def _simulator() -> Finding:
 def _rendering() -> Finding:
     try:
         from grip_sim import render_support
+
+        return Finding("camera", "ok", render_support(), needed=False)
     except ImportError as error:
         return Finding("camera", "missing", str(error), INSTALL.format(extra="sim"), needed=False)
-    return Finding("camera", "ok", render_support(), needed=False)
 
 
 def _ros() -> Finding:

@@ -43,6 +43,7 @@ def open_robot(project: Project, resources: Resources, seed: int, stack: ExitSta
         SwitchError: a controller can't be made active.
     """
     try:
+        from grip_bt.commanders.kinematics.model import RobotModel  # noqa: F401  # a process of its own needs it
         from grip_bt.commanders.pausing import HeldHand, held
         from grip_bt.commanders.planning.service import PlanningProcess
         from grip_bt.ros.client.bus import Bus
