@@ -9,9 +9,10 @@ from grip_bt.base.errors import ExpressionError, listing, nearest
 from grip_bt.base.evaluation import condition_of, value_of
 from grip_bt.base.expression import Expression, parse_expression
 from grip_bt.base.issue import Issue
+from grip_bt.nodes.answers import Answers
 from grip_bt.nodes.control import Cases, Condition, Items, Passes, Rest, Rule
 from grip_bt.task import model
-from grip_bt.task.model import AnyNode
+from grip_bt.task.model import AnyNode, Kind
 from grip_bt.task.walking import expressions_of
 
 from .scopes import Cell, Scope, Scopes
@@ -67,6 +68,24 @@ def bind_rule(part: Part, scopes: Scopes) -> Rule | None:
     return None
 
 
+def answers_of(part: Part, scopes: Scopes) -> Answers:
+    """Return the answers of a run to the kind of a container, bound to the cells of the variables that it asks for."""
+    kind, path, scope = part.node, part.path, part.scope
+    assert isinstance(kind, Kind), "leaves ask nothing"
+    answers = Answers(path, [child.name for child in part.children], part.exits, part.edges)
+    for key, text in kind.expressions():
+        field = next(name for name in (*kind.conditions, *kind.values) if name.rstrip("_") == key)
+        if field in kind.conditions:
+            answers.conditions[field] = bind_condition(path, key, text, scope, scopes).holds
+        else:
+            answers.readers[field] = bind_value(path, key, text, scope, scopes)
+    for key in kind.reads:
+        answers.readers[key] = scopes.reader(path, key, _cell(scope, getattr(kind, key)))
+    for key in kind.puts:
+        answers.writers[key] = scopes.writer(path, key, _cell(scope, getattr(kind, key)))
+    return answers
+
+
 def bind_value(path: str, key: str, text: str, scope: Scope, scopes: Scopes) -> Callable[[], Any]:
     """Return what computes the expression at `key` of the node at `path`."""
     expression, cells = _cells(text, scope)
@@ -77,7 +96,11 @@ def _cells(text: str, scope: Scope) -> tuple[Expression, dict[str, Cell]]:
     expression = parse_expression(text)
     cells: dict[str, Cell] = {}
     for name in expression.names:
-        cell = scope.find(name)
-        assert cell is not None, "resolved variables are declared"
-        cells[name] = cell
+        cells[name] = _cell(scope, name)
     return expression, cells
+
+
+def _cell(scope: Scope, name: str) -> Cell:
+    cell = scope.find(name)
+    assert cell is not None, "resolved variables are declared"
+    return cell

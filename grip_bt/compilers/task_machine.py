@@ -9,12 +9,13 @@ from typing import Any
 
 from grip_bt.base.errors import NodeError
 from grip_bt.base.values import Failure
-from grip_bt.nodes.control import Condition, End, Ruling, first_reason
+from grip_bt.nodes.answers import Answers
+from grip_bt.nodes.control import Condition
 from grip_bt.nodes.observer import SILENT, Observer
 from grip_bt.smach_compat import Concurrence, State, StateMachine
+from grip_bt.task.kinds.base import CHILD, End, Ended, Kind, Next, Reason, Run, Step
 
 from .behaviour_state import MachineRun, Refined, TaskState, label, labels
-from .choice import Choice
 from .drive import Halted
 
 
@@ -86,6 +87,71 @@ class TaskContainer(TaskState):
         raise NotImplementedError
 
 
+class Decide(TaskState):
+    """The state that asks a container's kind what follows the last end.
+
+    Its outcomes are `do CHILD`, and the container's.
+
+    Args:
+        kind: of the container.
+        answers: what the kind is answered.
+        meaning: the container's outcomes and their meanings.
+        run: what the machine's states share.
+        refined: (outcome, code) pairs that have a label of their own.
+
+    Attributes:
+        children: label of a child's state -> its position, its state, and the meaning of its outcomes.
+        first: the state of the kind, where a child begins without asking.
+        state: the state of the kind.
+    """
+
+    def __init__(self, kind: Kind, answers: Answers, meaning: Mapping[str, str], run: MachineRun, refined: Refined):
+        State.__init__(self, [*(f"do {name}" for name in answers.names), *labels(meaning, refined)])
+        self.path, self.kind, self.answers, self.run = answers.path, kind, answers, run
+        self.meaning, self.refined = meaning, frozenset(refined)
+        self.children: dict[str, tuple[int, TaskState, Mapping[str, str]]] = {}
+        self.first: Any = None
+        self.state: Any = None
+        self._at = self._before = ""
+
+    def begin(self) -> None:
+        """Forget the last activation."""
+        self.state, self._at, self._before = self.first, "", ""
+
+    def moved(self, userdata: Any, active: list[str], *_: Any) -> None:
+        """Note which state the machine has come to."""
+        self._before, self._at = self._at, active[0]
+
+    def execute(self, userdata: Any) -> str:
+        """Ask; a stop is seen here too, since a loop may find nothing to tick."""
+        try:
+            self.run.turn()
+            last = self.children.get(self._before)
+            step = self.kind.begin(None, self.answers) if last is None else self._after(*last)
+            while type(step) is Next:
+                step = self.kind.begin(step.state, self.answers)
+        except NodeError as error:
+            self.run.fail(error)
+            raise
+        if type(step) is Run:
+            self.state = step.state
+            return f"do {self.answers.names[step.children[0]]}"
+        assert type(step) is End, "a kind whose children run one after the other goes on or ends"
+        self.outcome, why = step.outcome, step.reason
+        self.failure = why if why is None or isinstance(why, Failure) else None
+        if why is CHILD and last is not None:
+            self.failure = last[1].failure
+        elif isinstance(why, Reason):
+            self.failure = Failure(why.code, why.text)
+        return label(step.outcome, self.failure, self.refined)
+
+    def _after(self, child: int, state: TaskState, meaning: Mapping[str, str]) -> Step:
+        outcome, failure = state.outcome or "", state.failure
+        code = failure.code if failure is not None else None
+        end = Ended(self.answers.names[child], outcome, meaning[outcome], code, failure)
+        return self.kind.ended(self.state, child, end, self.answers)
+
+
 class TaskMachine(TaskContainer, StateMachine):
     """A container whose children run one after the other."""
 
@@ -98,22 +164,28 @@ class TaskMachine(TaskContainer, StateMachine):
     ):
         StateMachine.__init__(self, labels(meaning, refined))
         self.take(path, meaning, refined, enter)
-        self.choice: Choice | None = None
+        self.decide: Decide | None = None
         self._last: TaskState | None = None
         self.register_termination_cb(self._remember)
 
     def _remember(self, userdata: Any, terminal_states: list[str], outcome: str) -> None:
         self._last = self[terminal_states[0]]  # type: ignore[assignment]
 
+    def ask(self, decide: Decide) -> None:
+        """Have a state ask what follows."""
+        self.decide = decide
+        self.register_start_cb(decide.moved)
+        self.register_transition_cb(decide.moved)
+
     def execute(self, parent_ud: Any = None) -> Any:
-        """Execute; a rule learns when that begins and ends, whatever ends it."""
-        if self.choice is None:
+        """Execute; a kind that asks learns when that begins and ends, whatever ends it."""
+        if self.decide is None:
             return super().execute(parent_ud)
-        self.choice.rule.begin()
+        self.decide.begin()
         try:
             return super().execute(parent_ud)
         finally:
-            self.choice.rule.over()
+            self.decide.kind.over(self.decide.state, self.decide.answers)
 
     def reason(self) -> Failure | None:
         """Return the reason of the state that ended the machine."""
@@ -121,7 +193,7 @@ class TaskMachine(TaskContainer, StateMachine):
 
 
 class TaskConcurrence(TaskContainer, Concurrence):
-    """A parallel that joins: each child in its own thread; the rule is read when all have ended.
+    """A parallel that joins: each child in its own thread; its kind is asked when all have ended.
 
     `ends_of` holds, for the label of each child's state, the child's name and the meaning of its outcomes.
 
@@ -133,32 +205,34 @@ class TaskConcurrence(TaskContainer, Concurrence):
         self,
         path: str,
         meaning: Mapping[str, str],
-        ruling: Ruling,
+        kind: Kind,
+        answers: Answers,
         refined: Refined = (),
         enter: Callable[[], None] | None = None,
     ):
         Concurrence.__init__(self, labels(meaning, refined), default_outcome="failure", outcome_cb=self._choose)
         self.take(path, meaning, refined, enter)
-        self.ruling = ruling
+        self.kind, self.answers = kind, answers
         self.ends_of: dict[str, tuple[str, Mapping[str, str]]] = {}
 
-    def ends(self) -> list[End]:
-        """Return how each child has ended, in the document's order."""
-        result = []
+    def decided(self) -> tuple[str, Failure | None]:
+        """Return what the children's ends come to, in the document's order, and why."""
+        ends = []
         for state_label, (name, meaning) in self.ends_of.items():
             state: Any = self[state_label]
-            result.append(End(name, state.outcome, meaning[state.outcome], state.failure))
-        return result
+            code = state.failure.code if state.failure is not None else None
+            ends.append(Ended(name, state.outcome, meaning[state.outcome], code, state.failure))
+        self.answers.ends = ends
+        step = self.kind.settle(None, self.answers)
+        assert type(step) is End, "all have ended"
+        return step.outcome, step.reason if self.meaning[step.outcome] == "failure" else None
 
     def reason(self) -> Failure | None:
         """Return the reason of the first child that accounts for the outcome."""
-        return first_reason(self.ends(), self.ruling.exits, self.outcome or "failure")
+        return self.decided()[1]
 
     def _choose(self, outcomes: Mapping[str, str]) -> str:
-        ends = self.ends()
-        outcome = self.ruling.outcome(ends) or "failure"
-        failure = first_reason(ends, self.ruling.exits, outcome) if self.meaning[outcome] == "failure" else None
-        return label(outcome, failure, self.refined)
+        return label(*self.decided(), self.refined)
 
     def execute(self, parent_ud: Any = None) -> Any:
         """Bring a request that came before to the children, then execute."""
@@ -185,32 +259,3 @@ class TaskConcurrence(TaskContainer, Concurrence):
     def _ask_children(self) -> None:
         for child in self.get_children().values():
             child.request_preempt()
-
-
-class Count(TaskState):
-    """Counts the attempts of its machine; `again` or, when there were enough, `enough`.
-
-    Args:
-        child: whose attempts are counted; its reason becomes that of `enough`.
-        times: how many attempts there are in all.
-        refined: codes for which `enough` has a label of its own.
-    """
-
-    def __init__(self, child: TaskState, times: int, refined: Refined = ()):
-        State.__init__(self, labels(("again", "enough"), refined))
-        self.child, self.times, self.refined = child, times, frozenset(refined)
-        self.path = child.path
-        self.attempts = 0
-
-    def reset(self) -> None:
-        """Begin to count; called when the machine is entered."""
-        self.attempts = 0
-
-    def execute(self, userdata: Any) -> str:
-        """Count one attempt."""
-        self.attempts += 1
-        if self.attempts < self.times:
-            self.outcome, self.failure = "again", None
-            return "again"
-        self.outcome, self.failure = "enough", self.child.failure
-        return label("enough", self.failure, self.refined)

@@ -16,19 +16,18 @@ from grip_bt.nodes.observer import Observer
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog
 
-from .behaviour_state import BehaviourState, MachineRun, Planner, Refined, TaskState
-from .choice import Choice
-from .conditions import bind_condition, bind_rule
+from .behaviour_state import BehaviourState, MachineRun, Planner, Refined, TaskState, labels
+from .conditions import answers_of, bind_condition
 from .drive import Halted, Pacer, TaskEnd
 from .enclosing import enclose
 from .foreign import BehaviourFactory, adopter
 from .handing import hand_in, hand_out
 from .leaves import LeafFactory, implementation_of, release
+from .machine_table import AGAIN, asks, first_step, interrupts, kind_of, state_labels, table_of
 from .resolve import Part, Resolved, resolve
 from .scopes import Scopes
-from .task_machine import Count, TaskConcurrence, TaskContainer, TaskMachine
-from .to_tree import TreeBuilder, ruling_of
-from .transitions import COUNT, chooses, counts, interrupts, state_labels, table_of
+from .task_machine import Decide, TaskConcurrence, TaskContainer, TaskMachine
+from .to_tree import TreeBuilder
 
 _log = logging.getLogger("grip_bt.smach")
 
@@ -61,7 +60,7 @@ class MachineBuilder:
                 what = f"a {part.node.kind} that interrupts a running child, or has none,"
                 raise NotExpressibleError(part.path, what, "a machine of blocking states")
             state = BehaviourState(self.tree.build(part), self.run, needed)
-        elif isinstance(part.node, model.Parallel):
+        elif part.node.joins:
             state = self._concurrence(part, needed)
         else:
             state = self._machine(part, needed)
@@ -85,38 +84,27 @@ class MachineBuilder:
             for child in part.children:
                 state = self.build(child, table.refined[child.name])
                 TaskMachine.add(names[child.name], state, table.rows[names[child.name]])
-            if counts(part):
-                self._count(part, machine, needed)
-            if chooses(part):
-                self._choice(part, machine, needed)
+            if asks(part):
+                self._decide(part, machine, needed)
             machine.set_initial_state([table.initial])
         return machine
 
-    def _count(self, part: Part, machine: TaskMachine, needed: Refined) -> None:
-        """Add the state that counts attempts."""
-        assert isinstance(part.node, (model.Retry, model.Repeat)), "only these count"
-        assert part.node.times is not None, "without a number there is nothing to count"
-        end = "failure" if isinstance(part.node, model.Retry) else "success"
-        child = state_labels(part)[part.children[0].name]
-        codes = {code for outcome, code in needed if outcome == end == "failure"}
-        count = Count(self.states[part.children[0].path], part.node.times, {("enough", code) for code in codes})
-        row = {"again": child, "enough": end, **{f"enough.{code}": f"{end}.{code}" for code in codes}}
-        TaskMachine.add(COUNT, count, row)
-        machine.on_enter(count.reset)
-
-    def _choice(self, part: Part, machine: TaskMachine, needed: Refined) -> None:
-        """Add the state that asks the container's rule."""
-        rule = bind_rule(part, self.tree.scopes)
-        assert rule is not None, "a container that chooses has a rule"
-        names = state_labels(part)
-        ways = {child.name: names[child.name] for child in part.children}
-        choice = Choice(part.path, rule, list(ways), self.run, {(o, code) for o, code in needed if o == "failure"})
-        TaskMachine.add(COUNT, choice, {**choice.leads(ways), **{k: k for k in choice.ends()}})
-        machine.choice = choice
+    def _decide(self, part: Part, machine: TaskMachine, needed: Refined) -> None:
+        """Add the state that asks the container's kind."""
+        refined = {(outcome, code) for outcome, code in needed if part.meaning.get(outcome) == "failure"}
+        answers, names, first = answers_of(part, self.tree.scopes), state_labels(part), first_step(part)
+        decide = Decide(kind_of(part), answers, part.meaning, self.run, refined)
+        decide.first = first.state if first is not None else None
+        for i, child in enumerate(part.children):
+            decide.children[names[child.name]] = (i, self.states[child.path], child.meaning)
+        ways = {f"do {child.name}": names[child.name] for child in part.children}
+        TaskMachine.add(AGAIN, decide, {**ways, **{end: end for end in labels(part.meaning, refined)}})
+        machine.ask(decide)
 
     def _concurrence(self, part: Part, needed: Refined) -> TaskConcurrence:
         enter = part.scope.reset if part.declares else None
-        machine = TaskConcurrence(part.path, part.meaning, ruling_of(part), needed, enter)
+        answers = answers_of(part, self.tree.scopes)
+        machine = TaskConcurrence(part.path, part.meaning, kind_of(part), answers, needed, enter)
         names = state_labels(part)
         with machine:
             for child in part.children:
@@ -171,8 +159,8 @@ class CompiledMachine:
         for state in self.by_path.values():
             if isinstance(state, BehaviourState):
                 state.prepare(context)
-            elif isinstance(state, TaskMachine) and state.choice is not None:
-                state.choice.rule.context = context
+            elif isinstance(state, TaskMachine) and state.decide is not None:
+                state.decide.answers.context = context
 
     def release(self) -> None:
         """Undo `prepare`; nothing runs any more."""

@@ -22,7 +22,9 @@ from grip_bt.base.values import Failure
 from grip_bt.compilers import CompiledMachine, CompiledTree, Halted
 from grip_bt.compilers.behaviour_state import BehaviourState
 from grip_bt.compilers.probe import parts_of
+from grip_bt.compilers.task_machine import TaskMachine
 from grip_bt.nodes import Leaf, control
+from grip_bt.nodes.answers import Answers
 from grip_bt.nodes.observer import Observer
 from grip_bt.task import model, walking
 
@@ -133,10 +135,22 @@ class Reliving:
     def _take_time(self, node: Any) -> None:
         if isinstance(node, control.Timeout) and not isinstance(node.context, _Timed):
             node.context = _Timed(node.context, TimeoutClock(self.clock, self.recording, node.path))
-        rule = getattr(node, "rule", None) or getattr(getattr(node, "choice", None), "rule", None)
+        if isinstance(node, TaskMachine) and node.decide is not None:
+            self._take_answers(node.decide.answers)
+        rule = getattr(node, "rule", None)
         if isinstance(rule, control.Rest) and not isinstance(rule.context, _Timed):
             child = walking.join(node.path, rule.child)
             rule.context = _Timed(rule.context, CooldownClock(self.clock, self.recording, node.path, child, rule))
+
+    def _take_answers(self, answers: Answers) -> None:
+        """Have the recording say whether a time has come: then the child ran."""
+        child = walking.join(answers.path, answers.names[0])
+
+        def judge(at: float) -> bool:
+            refuses = None if self.clock.going else self.recording.refuses(answers.path, child)
+            return self.clock.now() >= at if refuses is None else not refuses
+
+        answers.judge = judge
 
     def restored(self, event: Event) -> Any:
         """Return what an event wrote."""

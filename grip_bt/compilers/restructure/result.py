@@ -11,8 +11,8 @@ from grip_bt.base.frozen import FrozenDict
 from grip_bt.task.model import AnyNode, Fallback, Sequence, StateMachine, Task
 from grip_bt.task.walking import join
 
+from ..machine_table import lead
 from ..resolve import Part
-from ..transitions import lead
 
 Place = tuple[str, ...]
 """A node's names, from some node above it downwards."""

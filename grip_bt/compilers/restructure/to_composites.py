@@ -13,8 +13,8 @@ from grip_bt.task.catalog import Catalog
 from grip_bt.task.model import Leaf, StateMachine, Subtask, Task
 from grip_bt.task.walking import outcomes_of
 
+from ..machine_table import interrupts, lead
 from ..resolve import Part, resolve
-from ..transitions import interrupts, lead
 from .composites import PLAIN, Composer
 from .irreducible import offending_edges
 from .regions import Arc, Chain, Loop, Region, State, Tangle, depth, flow_graph, structured

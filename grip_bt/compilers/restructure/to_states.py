@@ -7,8 +7,8 @@ from grip_bt.base.frozen import FrozenDict
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.model import Fallback, Leaf, Parallel, Sequence, StateMachine, Subtask, Task
 
+from ..machine_table import interrupts, lead
 from ..resolve import Part, resolve
-from ..transitions import interrupts, lead
 from .result import Built, Note, Restructured, common, is_within, kept, paths_of, successors
 
 

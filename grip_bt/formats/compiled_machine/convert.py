@@ -12,10 +12,10 @@ from typing import Any
 
 from grip_bt.base.errors import GripError
 from grip_bt.compilers.behaviour_state import BehaviourState, TaskState
+from grip_bt.compilers.machine_table import AGAIN, Table, state_labels, table_of
 from grip_bt.compilers.resolve import Part
 from grip_bt.compilers.task_machine import TaskConcurrence, TaskMachine
 from grip_bt.compilers.to_machine import CompiledMachine
-from grip_bt.compilers.transitions import COUNT, Table, state_labels, table_of
 from grip_bt.task import model, walking
 
 from ..pytrees.convert import Reader
@@ -95,7 +95,7 @@ class _Reader:
         for label, below in state.get_children().items():
             if label in labels and below is self.states[parts[labels[label]].path]:
                 found[label] = parts[labels[label]]
-            elif label != COUNT:
+            elif label != AGAIN:
                 self.refused.append(Remark(part.path, f"the state {label!r} was added, and no node is known for it"))
         gone = [name for label, name in labels.items() if label not in found]
         if gone and not isinstance(part.node, model.StateMachine):

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from grip_bt.compilers.behaviour_state import Refined, labels
+from grip_bt.compilers.machine_table import AGAIN, chooses, counts, state_labels, table_of
 from grip_bt.compilers.resolve import Part
-from grip_bt.compilers.transitions import COUNT, chooses, counts, state_labels, table_of
 from grip_bt.nodes.smach_asking import CONSTANT, MARK
 from grip_bt.task import model
 
@@ -72,13 +72,13 @@ def machine(
     if counter:
         end = "failure" if isinstance(part.node, model.Retry) else "success"
         leads = {"again": names[part.children[0].name], "enough": ends.get(end, end)}
-        builder.write(call("smach.StateMachine.add", COUNT, Code(counter), transitions=leads), "", 8)
+        builder.write(call("smach.StateMachine.add", AGAIN, Code(counter), transitions=leads), "", 8)
     if choice:
         leads = {f"do {child.name}": names[child.name] for child in part.children}
         leads |= {end: ends.get(end, end) for end in labels(("success", "failure"), _failures(needed))}
         if isinstance(part.node, model.Switch):  # a child without a case is never next
             leads = {end: to for end, to in leads.items() if end[:3] != "do " or end[3:] in _cased(part.node)}
-        builder.write(call("smach.StateMachine.add", COUNT, Code(choice), transitions=leads), "", 8)
+        builder.write(call("smach.StateMachine.add", AGAIN, Code(choice), transitions=leads), "", 8)
     initial = led.get(table.initial, table.initial)
     if initial != names[children[0].name]:
         builder.write(call(f"{name}.set_initial_state", [initial]), "", 4)
@@ -166,7 +166,7 @@ def _iterator(builder: SourceBuilder, part: Part, needed: Refined) -> str:
     given = f"lambda userdata, states: {name}.set_iteritems(list(userdata[{items!r}]), {item!r})"
     builder.write(call(f"{name}.register_start_cb", Code(given)))
     (row,) = table.rows.values()
-    _contained(builder, name, child, made, row, {COUNT}, {})
+    _contained(builder, name, child, made, row, {AGAIN}, {})
     return name
 
 

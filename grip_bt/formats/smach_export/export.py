@@ -9,9 +9,9 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from grip_bt.base.python_literals import py
 from grip_bt.compilers.behaviour_state import Refined
+from grip_bt.compilers.machine_table import state_labels
 from grip_bt.compilers.resolve import Part, resolve
 from grip_bt.compilers.scopes import Scopes
-from grip_bt.compilers.transitions import state_labels
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog
 

@@ -6,8 +6,8 @@ from typing import Literal
 
 from grip_bt.base.python_literals import py
 from grip_bt.compilers.behaviour_state import Refined
+from grip_bt.compilers.machine_table import AGAIN, counts, interrupts, table_of
 from grip_bt.compilers.resolve import Part
-from grip_bt.compilers.transitions import COUNT, counts, interrupts, table_of
 from grip_bt.task import model
 
 from .legacy import is_next_item, is_obeyed, legacy_state, names_inside, reads, shares, writes
@@ -111,7 +111,7 @@ def _iterates(part: Part, needed: Refined) -> bool:
     if state is not None and (state.remapping or state.outcomes):
         return False
     (row,) = table_of(part, needed).rows.values()
-    leaving = {label: target for label, target in row.items() if target != COUNT}
+    leaving = {label: target for label, target in row.items() if target != AGAIN}
     return EXHAUSTED not in leaving and leaving.get("success", "success") == "success"
 
 

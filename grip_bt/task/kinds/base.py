@@ -244,7 +244,7 @@ class Kind(BaseNode):
     @property
     def blocking(self) -> bool:
         """Whether blocking states can do the same: nothing is looked at while a child runs."""
-        return not self.reactive and not self.settles and bool(self.below)
+        return not self.reactive and not self.settles
 
     @property
     def joins(self) -> bool:

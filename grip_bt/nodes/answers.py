@@ -1,0 +1,135 @@
+"""What a run answers to the kind of one of its containers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
+
+from grip_bt.base.errors import NodeError
+from grip_bt.base.evaluation import same_literal
+from grip_bt.base.ports import Context
+from grip_bt.task.edges import Edges
+from grip_bt.task.kinds.base import Ended
+from grip_bt.task.parts import Case
+
+Value = TypeVar("Value")
+
+
+class Answers:
+    """The `Questions` of a kind, answered from a run's variables and clock.
+
+    Attributes:
+        path: the container's path.
+        names: of its children.
+        context: the run's.
+        conditions: key -> what computes whether a condition holds.
+        readers: key -> what reads a value.
+        writers: key -> what writes a variable.
+        exits: where ends of children lead out.
+        edges: where they lead by the children's own `on`.
+        ends: how the children have ended, of a kind that is concurrent.
+        kept: what the kind keeps from one activation to the next.
+        judge: tells whether a time has come, in place of the clock.
+    """
+
+    context: Context
+
+    def __init__(self, path: str, names: Sequence[str], exits: Edges, edges: Edges):
+        self.path, self.names, self.exits, self.edges = path, names, exits, edges
+        self.conditions: dict[str, Callable[[], bool]] = {}
+        self.readers: dict[str, Callable[[], Any]] = {}
+        self.writers: dict[str, Callable[[Any], None]] = {}
+        self.ends: Sequence[Ended | None] = ()
+        self.kept: Any = None
+        self.judge: Callable[[float], bool] | None = None
+
+    def at(self, name: str) -> int:
+        """Return the position of a child."""
+        return self.names.index(name)
+
+    def now(self) -> float:
+        """Return the time of the run's clock [s]."""
+        return self.context.clock.now()
+
+    def deadline(self, seconds: float) -> float:
+        """Return the time in so many seconds, and have the task ticked then."""
+        at = self.now() + seconds
+        self.context.wake_at(at)
+        return at
+
+    def passed(self, at: float) -> bool:
+        """Tell whether a time has come."""
+        return self.now() >= at if self.judge is None else self.judge(at)
+
+    def up(self, count: int) -> int:
+        """Return one more."""
+        return count + 1
+
+    def reached(self, count: int, limit: int) -> bool:
+        """Tell whether a count has come to its limit."""
+        return count >= limit
+
+    def pick(self, count: int, size: int) -> int:
+        """Return the count modulo `size`."""
+        return count % size
+
+    def holds(self, key: str) -> bool:
+        """Compute the condition."""
+        return self._named(self.conditions[key])
+
+    def value(self, key: str) -> Any:
+        """Read the value."""
+        return self._named(self.readers[key])
+
+    def match(self, key: str, literals: Sequence[tuple[str, Case]], default: str) -> str:
+        """Compare the value with the literals."""
+        value = self.value(key)
+        return next((child for child, literal in literals if same_literal(value, literal)), default)
+
+    def items(self, key: str) -> tuple[Any, ...]:
+        """Read the list."""
+        return self._named(lambda: _list(key, self.readers[key]()))
+
+    def empty(self, left: tuple[Any, ...]) -> bool:
+        """Tell whether no items are left."""
+        return not left
+
+    def take(self, left: tuple[Any, ...]) -> tuple[Any, tuple[Any, ...]]:
+        """Return the first item and the others."""
+        return left[0], left[1:]
+
+    def put(self, key: str, value: Any) -> None:
+        """Write the variable."""
+        self._named(lambda: self.writers[key](value))
+
+    def exit(self, end: Ended) -> str | None:
+        """Look up where an end leads out."""
+        return self.exits.target(end.child, end.outcome, end.code)
+
+    def edge(self, end: Ended) -> str:
+        """Look up where an end leads."""
+        target = self.edges.target(end.child, end.outcome, end.code)
+        if target is None:
+            raise LookupError(
+                f"{self.path}: no edge leaves {end.child!r} by {end.outcome!r} (code {end.code!r});"
+                f" add it under `on:` of {end.child!r}"
+            )
+        return target
+
+    def ask(self, text: str) -> None:
+        """Do nothing: in a machine nothing runs beside what decides."""
+
+    def _named(self, compute: Callable[[], Value]) -> Value:
+        """Return what is computed; errors name the container."""
+        try:
+            return compute()
+        except NodeError:
+            raise
+        except Exception as error:
+            raise NodeError(self.path, error) from error
+
+
+def _list(key: str, items: Any) -> tuple[Any, ...]:
+    if not isinstance(items, list | tuple):
+        raise TypeError(f"`{key}` is {items!r}, a {type(items).__name__}, not a list")
+    return tuple(items)
