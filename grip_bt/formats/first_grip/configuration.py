@@ -9,8 +9,8 @@ from typing import Any
 
 from grip_bt.base.errors import DocumentError
 from grip_bt.base.yaml.tree import parse, read_file, to_data
+from grip_bt.formats.imported import Issues
 
-from .original import Note
 from .settings import Key, Refused
 
 _FILES = (".yaml", ".yml")
@@ -25,13 +25,13 @@ class Configuration:
         parts: kind of file -> name -> what the file says of it.
         sources: kind of file -> the files that it was read from.
         scene: a file of the collision scene.
-        notes: what isn't as it was.
+        issues: what isn't as it was.
     """
 
     parts: dict[str, dict[str, Any]] = field(default_factory=dict)
     sources: dict[str, list[str]] = field(default_factory=dict)
     scene: Path | None = None
-    notes: list[Note] = field(default_factory=list)
+    issues: Issues = field(default_factory=Issues)
 
     def part(self, kind: str) -> Mapping[str, Any]:
         """Return everything of a kind by name."""
@@ -46,7 +46,7 @@ def read_configuration(settings: Mapping[Key, Any], file: Path) -> Configuration
     found = Configuration()
     for key, value in settings.items():
         if isinstance(value, Refused):
-            found.notes.append(Note("missing", f"{file.name}:{value.line}", f"{'/'.join(key)}: {value.reason}"))
+            found.issues.add("incomplete", f"{file.name}:{value.line}", f"{'/'.join(key)}: {value.reason}")
         for text in _texts(value):
             suffix = Path(text).suffix
             if suffix in (*_FILES, *_OTHERS):
@@ -71,7 +71,7 @@ def _take(found: Configuration, text: str, file: Path, key: str) -> None:
     if not path.is_file():
         beside = sorted(each for each in file.parent.rglob(path.name) if each.is_file())
         if not beside:
-            found.notes.append(Note("missing", file.name, f"{key}: {text} isn't there; give it by its own path"))
+            found.issues.add("incomplete", file.name, f"{key}: {text} isn't there; give it by its own path")
             return
         path = beside[0]
     if path.suffix in _FILES:
@@ -79,28 +79,30 @@ def _take(found: Configuration, text: str, file: Path, key: str) -> None:
     elif path.suffix == ".scene":
         found.scene = path
     elif path.suffix in (".urdf", ".xacro"):
-        found.notes.append(Note("missing", path.name, "the robot's description: see docs for how a project names one"))
+        found.issues.add("incomplete", path.name, "the robot's description: see docs for how a project names one")
     else:
         what = "a launch file of ROS 1" if path.suffix == ".launch" else "a world of Gazebo"
-        found.notes.append(Note("missing", path.name, f"{what} isn't imported"))
+        found.issues.add("incomplete", path.name, f"{what} isn't imported")
 
 
 def _yaml(found: Configuration, path: Path) -> None:
     try:
         data = to_data(parse(read_file(path), str(path)))
     except DocumentError as error:
-        found.notes.append(Note("missing", path.name, str(error)))
+        found.issues.add("incomplete", path.name, str(error))
         return
     if not isinstance(data, dict) or not data:
         return
     kind = next((kind for kind, fits in _KINDS.items() if fits(data)), None)
     if kind is None:
-        found.notes.append(Note("missing", path.name, "none of the formats of the first GRIP: not imported"))
+        found.issues.add("incomplete", path.name, "none of the formats of the first GRIP: not imported")
         return
     known = found.parts.setdefault(kind, {})
     for name, value in data.items():
         if name in known and known[name] != value:
-            found.notes.append(Note("missing", path.name, f"{name!r} stands in another file too, with another value"))
+            found.issues.add(
+                "incomplete", path.name, f"{name!r} is also defined in another file with a different value"
+            )
         else:
             known[name] = value
     found.sources.setdefault(kind, []).append(path.name)

@@ -8,8 +8,9 @@ from typing import Annotated, Any
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StrictInt, StrictStr, ValidationError
 
 from grip_bt.base.errors import GripError
+from grip_bt.formats.imported import Issues
 
-from .original import Note, OriginalContainer, OriginalState
+from .original import GripContainer, GripState
 from .settings import Key, Refused
 
 CONCURRENT = "ConcurrentStateMachine"
@@ -27,8 +28,8 @@ class BrokenTaskError(GripError):
     """A task of the first GRIP can't be read; the message says what and where."""
 
 
-def graph_task(settings: Mapping[Key, Any], source: str) -> tuple[OriginalContainer, list[Note]]:
-    """Return the task that a file of settings holds, and what isn't as it was.
+def graph_task(settings: Mapping[Key, Any], source: str, issues: Issues) -> GripContainer:
+    """Return the task that a file of settings holds; what isn't as it was is added to the issues.
 
     Raises:
         BrokenTaskError: there is none in it, or it is broken.
@@ -45,9 +46,7 @@ def graph_task(settings: Mapping[Key, Any], source: str) -> tuple[OriginalContai
     if not graphs:
         raise BrokenTaskError(f"{source}: there is no task in it: no key ends with `container`")
     root = min(graphs, key=len)
-    reader = _Reader(graphs, source)
-    found = reader.container(root[-1] if root else "root", "StateMachine", root, 0)
-    return found, reader.notes
+    return _Reader(graphs, source, issues).container(root[-1] if root else "root", "StateMachine", root, 0)
 
 
 class _Said(BaseModel):
@@ -83,11 +82,11 @@ class _Graph(_Said):
 
 
 class _Reader:
-    def __init__(self, graphs: Mapping[Key, dict[str, Any]], source: str):
+    def __init__(self, graphs: Mapping[Key, dict[str, Any]], source: str, issues: Issues):
         self.graphs, self.source = graphs, source
-        self.notes: list[Note] = []
+        self.issues = issues
 
-    def container(self, name: str, kind: str, key: Key, depth: int) -> OriginalContainer:
+    def container(self, name: str, kind: str, key: Key, depth: int) -> GripContainer:
         if depth > _DEEPEST:
             raise BrokenTaskError(f"{self.source}: containers lie in each other more than {_DEEPEST} deep")
         place = "/".join(key)
@@ -95,13 +94,13 @@ class _Reader:
         ends = [each.name for each in graph.terminal_sockets]
         start = ends.index(_START) if _START in ends else 0
         outcomes = [end for number, end in enumerate(ends) if number != start and end]
-        made = OriginalContainer(name, kind, outcomes=outcomes, concurrent=kind == CONCURRENT)
+        made = GripContainer(name, kind, outcomes=outcomes, concurrent=kind == CONCURRENT)
         sockets: Sockets = {}
         for number, terminal in enumerate(graph.terminal_sockets):
             role = ("start", "", "") if number == start else ("end", "", ends[number])
             self._socket(sockets, terminal, role, place)
         for entry in graph.states:
-            self._child(made, OriginalState(entry.name, entry.type, dict(entry.content)), entry, sockets, place)
+            self._child(made, GripState(entry.name, entry.type, dict(entry.content)), entry, sockets, place)
         for entry in graph.state_machines:
             inner = self.container(entry.name, entry.type or "StateMachine", self._find(entry.name, key), depth + 1)
             self._child(made, inner, entry, sockets, place)
@@ -129,9 +128,7 @@ class _Reader:
         if sockets.setdefault(said.id, role) != role:
             raise BrokenTaskError(f"{self.source}: {place}: two sockets have the id {said.id!r}; save the task again")
 
-    def _child(
-        self, made: OriginalContainer, child: OriginalState, entry: _Entry, sockets: Sockets, place: str
-    ) -> None:
+    def _child(self, made: GripContainer, child: GripState, entry: _Entry, sockets: Sockets, place: str) -> None:
         if child.name in made.children:
             raise BrokenTaskError(f"{self.source}: {place}: two states are called {child.name!r}")
         made.children[child.name] = child
@@ -139,20 +136,18 @@ class _Reader:
             self._socket(sockets, entry.input_socket, ("in", child.name, ""), place)
         names = [socket.name for socket in entry.output_sockets]
         names = names if all(names) else _usual(child, len(names))
-        if not isinstance(child, OriginalContainer):
+        if not isinstance(child, GripContainer):
             child.outcomes = names
         for socket, outcome in zip(entry.output_sockets, names, strict=True):
             self._socket(sockets, socket, ("out", child.name, outcome), place)
 
-    def _connect(
-        self, made: OriginalContainer, connectors: list[_Connector], sockets: Sockets, place: str
-    ) -> list[str]:
+    def _connect(self, made: GripContainer, connectors: list[_Connector], sockets: Sockets, place: str) -> list[str]:
         """Follow the connectors; return where the container starts."""
         starts = []
         for entry in connectors:
             pair = [role for role in (sockets.get(_id(entry.start)), sockets.get(_id(entry.end))) if role is not None]
             if len(pair) < 2:
-                self.notes.append(Note("missing", place, "a connector leads nowhere and was left out"))
+                self.issues.add("incomplete", place, "a connector leads nowhere and was left out")
                 continue
             left, right = sorted(pair, key=lambda role: role[0] not in ("start", "out"))
             if left[0] == "start" and right[0] == "in":
@@ -161,18 +156,18 @@ class _Reader:
                 target = right[1] if right[0] == "in" else right[2]
                 self._lead(made, left[1], left[2], target, right[0] == "end", place)
             else:
-                self.notes.append(Note("missing", place, f"a connector joins {left[0]} and {right[0]}: left out"))
+                self.issues.add("incomplete", place, f"a connector joins {left[0]} and {right[0]}: left out")
         return starts
 
-    def _lead(self, made: OriginalContainer, child: str, outcome: str, target: str, ends: bool, place: str) -> None:
+    def _lead(self, made: GripContainer, child: str, outcome: str, target: str, ends: bool, place: str) -> None:
         made.children[child].leads[outcome] = target
         if made.concurrent and ends:
             made.rules.setdefault(target, {}).setdefault(child, []).append(outcome)
         elif made.concurrent:
             text = f"{outcome!r} of {child!r} led to {target!r} in a concurrent container, whose children begin at once"
-            self.notes.append(Note("changed", place, text))
+            self.issues.add("changed", place, text)
 
-    def _finish(self, made: OriginalContainer, starts: list[str], place: str) -> None:
+    def _finish(self, made: GripContainer, starts: list[str], place: str) -> None:
         if not made.children:
             raise BrokenTaskError(f"{self.source}: {place}: the container is empty")
         if not made.outcomes:
@@ -181,15 +176,15 @@ class _Reader:
         if made.concurrent:
             made.rules.pop(made.default, None)
             text = f"which outcome was the default isn't in such a file; {made.default!r}, the last one, is taken"
-            self.notes.append(Note("changed", place, text))
+            self.issues.add("changed", place, text)
         elif len(starts) != 1:
-            text = f"Start leads to {starts or 'nothing'}; it begins with {made.initial!r}"
-            self.notes.append(Note("missing", place, text))
+            text = f"Start leads to {starts or 'nothing'}; {made.initial!r} is used as the initial state"
+            self.issues.add("incomplete", place, text)
 
 
-def _usual(child: OriginalState, count: int) -> list[str]:
+def _usual(child: GripState, count: int) -> list[str]:
     """Return the outcomes of a state whose file only counts them."""
-    if isinstance(child, OriginalContainer) and len(child.outcomes) == count:
+    if isinstance(child, GripContainer) and len(child.outcomes) == count:
         return child.outcomes
     if child.type in OUTCOMES and count == len(OUTCOMES[child.type]):
         return OUTCOMES[child.type]

@@ -4,31 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any, Literal
-
-Kind = Literal["changed", "missing"]
-
-
-@dataclass(frozen=True)
-class Note:
-    """Something that isn't as it was.
-
-    Attributes:
-        kind: `changed`: it is done another way, or corrected; `missing`: somebody has to look at it.
-        place: what it is about: a path in the task, a file.
-        text: what, and what to do.
-    """
-
-    kind: Kind
-    place: str
-    text: str
-
-    def __str__(self) -> str:
-        return f"{self.kind:<8} {self.place}: {self.text}"
+from typing import Any
 
 
 @dataclass
-class OriginalState:
+class GripState:
     """One state.
 
     Attributes:
@@ -47,7 +27,7 @@ class OriginalState:
 
 
 @dataclass
-class OriginalContainer(OriginalState):
+class GripContainer(GripState):
     """A container; `outcomes` are its own, `leads` say where these go in its parent.
 
     Attributes:
@@ -59,15 +39,15 @@ class OriginalContainer(OriginalState):
     """
 
     concurrent: bool = False
-    children: dict[str, OriginalState] = field(default_factory=dict)
+    children: dict[str, GripState] = field(default_factory=dict)
     initial: str = ""
     default: str = ""
     rules: dict[str, dict[str, list[str]]] = field(default_factory=dict)
 
-    def states(self) -> Iterator[OriginalState]:
+    def states(self) -> Iterator[GripState]:
         """Yield every state below, containers not."""
         for child in self.children.values():
-            if isinstance(child, OriginalContainer):
+            if isinstance(child, GripContainer):
                 yield from child.states()
             else:
                 yield child

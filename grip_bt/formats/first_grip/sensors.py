@@ -6,9 +6,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from grip_bt.formats.names import key_of
+
 from .configuration import Configuration
-from .original import Note
-from .words import key_of
 
 _TYPES = (
     (("point", "cloud", "pc"), "PointCloud"),
@@ -26,10 +26,10 @@ def sensor_entry(name: str, said: Mapping[str, Any], found: Configuration) -> di
     for alias, topic in given.items() if isinstance(given, dict) else ():
         type_name = _type(str(alias), str(topic))
         if type_name is None:
-            text = f"what the topic {topic} carries isn't known: add it to `sensors`, with its type"
-            found.notes.append(Note("missing", name, text))
+            text = f"the message type of topic {topic} is unknown: add it to `sensors`, with its type"
+            found.issues.add("incomplete", name, text)
             continue
-        found.notes.append(Note("changed", name, f"{alias}: {type_name}, by the names of alias and topic"))
+        found.issues.add("changed", name, f"{alias}: {type_name}, by the names of alias and topic")
         topics[key_of(str(alias))] = {"topic": "/" + str(topic).strip("/"), "type": type_name}
     if not topics:
         return None
@@ -39,11 +39,9 @@ def sensor_entry(name: str, said: Mapping[str, Any], found: Configuration) -> di
     if said.get("frame_id") and isinstance(pose, dict):
         made["mount"] = _mount(name, str(said["frame_id"]), pose, found)
     elif said.get("initial_pose"):
-        found.notes.append(Note("missing", name, f"where it is ({said['initial_pose']!r}) isn't known; add `mount`"))
+        found.issues.add("incomplete", name, f"where it is ({said['initial_pose']!r}) isn't known; add `mount`")
     if said.get("launch_file"):
-        found.notes.append(
-            Note("missing", name, f"{said['launch_file']} is of ROS 1: start its ROS 2 driver, or `driver`")
-        )
+        found.issues.add("incomplete", name, f"{said['launch_file']} is of ROS 1: start its ROS 2 driver, or `driver`")
     return {key: value for key, value in made.items() if value}
 
 
@@ -64,7 +62,7 @@ def _mount(name: str, frame: str, pose: Mapping[str, Any], found: Configuration)
         else:
             quaternion = quaternion_of(*(float(turn[axis]) for axis in "rpy"))
     except (KeyError, TypeError, ValueError) as error:
-        found.notes.append(Note("missing", name, f"its pose can't be read ({error}); add `mount`"))
+        found.issues.add("incomplete", name, f"its pose can't be read ({error}); add `mount`")
         return None
     return {
         "frame": frame,

@@ -5,68 +5,72 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
-from .original import OriginalState
-from .steps import PLAIN, STORES, Steps
-from .words import is_hand, key_of, name_of
+from grip_bt.formats.names import key_of
+
+from .original import GripState
+from .steps import PLAIN, STORES, StepBuilder
+from .words import is_hand, name_of
 
 
-def moves_a_hand(state: OriginalState) -> bool:
+def moves_a_hand(state: GripState) -> bool:
     """Tell whether a state has a hand follow a trajectory, which no node does: hands go from posture to posture."""
     return state.type == "ExecuteTrajectory" and is_hand(str(state.slots.get("group_name") or ""))
 
 
-def _compute_plan(steps: Steps) -> dict[str, str]:
+def _compute_plan(steps: StepBuilder) -> dict[str, str]:
     group, plan = steps.slot("group_name"), steps.slot("plan_name")
     given = {"goal": steps.value(steps.slot("target_name"), steps.slot("target_type"), "the target")}
     if start := steps.slot("starting_name"):
         if steps.slot("starting_type") == "pose":
-            steps.note("missing", f"a plan that begins at a pose ({start!r}): it begins where the arm is; bind `start`")
+            steps.note(
+                "incomplete", f"a plan that begins at a pose ({start!r}): it begins where the arm is; bind `start`"
+            )
         else:
             given["start"] = steps.value(start, steps.slot("starting_type"), "the start")
-    variable = steps.setting.variable(plan or f"last_plan_{group or 'arm'}", "Plan")
-    steps.add("plan", "arm/plan", with_=steps.setting.arm(group), in_=given, out={"plan": variable})
+    variable = steps.context.variable(plan or f"last_plan_{group or 'arm'}", "Plan")
+    steps.add("plan", "arm/plan", with_=steps.context.arm(group), in_=given, out={"plan": variable})
     return PLAIN
 
 
-def _move(steps: Steps) -> dict[str, str]:
+def _move(steps: StepBuilder) -> dict[str, str]:
     group, plan = steps.slot("group_name"), steps.slot("plan_name")
     if not plan:
         steps.note("changed", "the plan that the commander kept to itself is a variable")
-    known = not plan or name_of(plan) in steps.setting.produced
+    known = not plan or name_of(plan) in steps.context.produced
     name = plan or f"last_plan_{group or 'arm'}"
-    variable = steps.setting.variable(name, "Plan") if known else steps.value(plan, "plan", "the plan")
-    steps.add("move", "arm/execute", with_=steps.setting.arm(group), in_={"plan": variable})
-    steps.note("changed", "ends with failure when the motion fails, which was ignored")
+    variable = steps.context.variable(name, "Plan") if known else steps.value(plan, "plan", "the plan")
+    steps.add("move", "arm/execute", with_=steps.context.arm(group), in_={"plan": variable})
+    steps.note("changed", "fails when the motion fails; the first GRIP ignored that")
     return PLAIN
 
 
-def _execute_trajectory(steps: Steps) -> dict[str, str]:
+def _execute_trajectory(steps: StepBuilder) -> dict[str, str]:
     group, name = steps.slot("group_name"), steps.slot("trajectory_name")
     variable = steps.produced(name) or steps.value(name, "trajectory", "the trajectory")
-    arm = steps.setting.arm(group)
+    arm = steps.context.arm(group)
     steps.add("follow", "arm/execute_trajectory", with_=arm, in_={"trajectory": variable})
     steps.note("changed", "goes to where the trajectory begins; is checked before, and fails when it can't be followed")
     return PLAIN
 
 
-def _wait_for(steps: Steps) -> dict[str, str]:
+def _wait_for(steps: StepBuilder) -> dict[str, str]:
     seconds = _seconds(steps, "timeout")
     if topic := steps.slot("topic_name"):
         # its type is that of the publisher, as it was
         steps.add("wait", "ros/wait_for_message", with_={"topic": "/" + topic.strip("/"), "timeout": seconds})
         return PLAIN
     if seconds is None:
-        steps.note("missing", "it waits for no topic and no time: say for how long in `seconds`")
+        steps.note("incomplete", "it waits for no topic and no time: say for how long in `seconds`")
     steps.add("wait", "flow/wait", with_={"seconds": seconds or 0.0})
     return {"success": "success"}
 
 
-def _select(steps: Steps) -> dict[str, str]:
+def _select(steps: StepBuilder) -> dict[str, str]:
     output = steps.slot("output")
     if not output:
         steps.note("changed", "without `output` the value was dropped; it is only looked up")
     store, type_name = STORES.get(steps.slot("input_type"), ("", "Any"))
-    target = {"value": steps.setting.variable(output, type_name)} if output else {}
+    target = {"value": steps.context.variable(output, type_name)} if output else {}
     name = steps.slot("input")
     if store:
         steps.add("get", "messages/get", with_={"store": store, "name": name}, out=target)
@@ -76,45 +80,45 @@ def _select(steps: Steps) -> dict[str, str]:
     return {"success": "success", **({} if len(steps.steps) == 1 else {"failure": "failure"})}
 
 
-def _counter(steps: Steps) -> dict[str, str]:
+def _counter(steps: StepBuilder) -> dict[str, str]:
     first, last = _number(steps, "initial_value", 0), _number(steps, "end_value", None)
     down = last is not None and first is not None and last < first
     output = name_of(steps.slot("output") or "counter")
     if down:
-        steps.note("missing", "it counts down; `flow/count` ends at a limit from below: turn its numbers round")
-    steps.setting.variables[output] = {"type": "int", "value": (first or 0) - 1}
+        steps.note("incomplete", "it counts down; `flow/count` ends at a limit from below: turn its numbers round")
+    steps.context.variables[output] = {"type": "int", "value": (first or 0) - 1}
     limit = {} if last is None else {"limit": last}
     steps.add("count", "flow/count", with_=limit, in_={"count": output}, out={"count": output})
     return {"success": "success", "finished": "reached"} if last is not None else {"success": "success"}
 
 
-def _number(steps: Steps, slot: str, otherwise: int | None) -> int | None:
+def _number(steps: StepBuilder, slot: str, otherwise: int | None) -> int | None:
     text = steps.slot(slot)
     if text in ("", "None"):
         return otherwise
     if re.fullmatch(r"-?\d{1,9}", text):
         return int(text)
-    steps.note("missing", f"`{slot}` is {text!r} and no number")
+    steps.note("incomplete", f"`{slot}` is {text!r} and no number")
     return otherwise
 
 
-def _seconds(steps: Steps, slot: str) -> float | None:
+def _seconds(steps: StepBuilder, slot: str) -> float | None:
     text = steps.slot(slot)
     if text in ("", "None"):
         return None
     if re.fullmatch(r"\d{1,9}(\.\d{0,9})?|\.\d{1,9}", text):
         return float(text)
-    steps.note("missing", f"`{slot}` is {text!r} and no number of seconds")
+    steps.note("incomplete", f"`{slot}` is {text!r} and no number of seconds")
     return None
 
 
-def _reinitialise(steps: Steps) -> dict[str, str]:
+def _reinitialise(steps: StepBuilder) -> dict[str, str]:
     steps.add("reinitialise", "messages/reinitialise")
     return PLAIN
 
 
-def _allow(steps: Steps) -> dict[str, str]:
-    arm = steps.setting.arm(steps.slot("group_name")).get("arm", "*")
+def _allow(steps: StepBuilder) -> dict[str, str]:
+    arm = steps.context.arm(steps.slot("group_name")).get("arm", "*")
     allowed = steps.slot("allow").lower() in ("true", "1", "")
     listed = steps.state.slots.get("objects") or []
     names = re.findall(r"[\w./-]+", listed) if isinstance(listed, str) else [str(each) for each in listed]
@@ -122,11 +126,11 @@ def _allow(steps: Steps) -> dict[str, str]:
     for other in others:
         pair = {"one": arm, "other": other, **({} if allowed else {"allowed": False})}
         steps.add(f"allow_{key_of(other)}" if other != "*" else "allow", "scene/allow_collisions", with_=pair)
-    steps.note("changed", "allows and forbids as it says; it never did")
+    steps.note("changed", "now allows or forbids collisions as configured; the first GRIP ignored the setting")
     return PLAIN
 
 
-STATES: dict[str, Callable[[Steps], dict[str, str]]] = {
+STATES: dict[str, Callable[[StepBuilder], dict[str, str]]] = {
     "ComputePlan": _compute_plan,
     "Move": _move,
     "ExecuteTrajectory": _execute_trajectory,

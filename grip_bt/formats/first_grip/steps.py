@@ -6,8 +6,11 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from .original import Note, OriginalState
-from .words import key_of, name_of
+from grip_bt.formats.imported import Issues
+from grip_bt.formats.names import key_of
+
+from .original import GripState
+from .words import name_of
 
 STORES = {
     "joint state": ("joint_states", "JointState"),
@@ -20,7 +23,7 @@ PLAIN = {"success": "success", "failure": "failure"}
 
 
 @dataclass
-class Made:
+class ConvertedState:
     """A state as a node.
 
     Attributes:
@@ -33,7 +36,7 @@ class Made:
 
 
 @dataclass
-class Setting:
+class ImportContext:
     """What a task's states stand in, and what they need.
 
     Attributes:
@@ -44,7 +47,7 @@ class Setting:
         produced: userdata that some state writes.
         variables: variables of the task, with their types.
         unknown: states without an equal, by the name of their node.
-        notes: what isn't as it was.
+        issues: what isn't as it was.
     """
 
     arms: Mapping[str, str] = field(default_factory=dict)
@@ -53,8 +56,8 @@ class Setting:
     messages: Mapping[str, Collection[str]] = field(default_factory=dict)
     produced: set[str] = field(default_factory=set)
     variables: dict[str, Any] = field(default_factory=dict)
-    unknown: dict[str, OriginalState] = field(default_factory=dict)
-    notes: list[Note] = field(default_factory=list)
+    unknown: dict[str, GripState] = field(default_factory=dict)
+    issues: Issues = field(default_factory=Issues)
 
     def variable(self, name: str, type_name: str = "Any") -> str:
         """Return the variable of a name; it holds anything where it is written as more than one type."""
@@ -70,11 +73,11 @@ class Setting:
         return {"arm": self.arms.get(text, key_of(text))}
 
 
-class Steps:
+class StepBuilder:
     """What one state does, step by step."""
 
-    def __init__(self, state: OriginalState, setting: Setting, place: str):
-        self.state, self.setting, self.place = state, setting, place
+    def __init__(self, state: GripState, context: ImportContext, place: str):
+        self.state, self.context, self.place = state, context, place
         self.steps: dict[str, dict[str, Any]] = {}
 
     def slot(self, name: str) -> str:
@@ -82,9 +85,9 @@ class Steps:
         value = self.state.slots.get(name)
         return "" if value is None else str(value).strip().strip("\"'")
 
-    def note(self, kind: Any, text: str) -> None:
+    def note(self, code: str, text: str) -> None:
         """Tell what isn't as it was."""
-        self.setting.notes.append(Note(kind, self.place, text))
+        self.context.issues.add(code, self.place, text)
 
     def add(self, step: str, node: str, **keys: Mapping[str, Any]) -> None:
         """Add a step; empty keys are left out."""
@@ -95,23 +98,25 @@ class Steps:
     def value(self, name: str, kind: str, what: str) -> str:
         """Return the variable of a value, which may have to be got from a store first."""
         store, type_name = STORES.get(kind, ("", "Any"))
-        if not store and name_of(name) not in self.setting.produced:
-            found = [(s, t) for s, t in STORES.values() if name in self.setting.messages.get(s, ())]
+        if not store and name_of(name) not in self.context.produced:
+            found = [(s, t) for s, t in STORES.values() if name in self.context.messages.get(s, ())]
             store, type_name = found[0] if found else ("", "Any")
             if not found:
-                self.note("missing", f"{what} {name!r} is written by no state and is no named message: give it a value")
+                self.note(
+                    "incomplete", f"{what} {name!r} is neither written by a state nor a stored message; give it a value"
+                )
         if not store:
-            return self.setting.variable(name)
-        known = self.setting.messages.get(store)
+            return self.context.variable(name)
+        known = self.context.messages.get(store)
         if known is not None and name not in known and store != "plans":
-            self.note("missing", f"there is no {kind or 'message'} {name!r} in messages/{store}.yaml")
-        variable = self.setting.variable(f"{name} {type_name}".replace(" ", "_"), type_name)
+            self.note("incomplete", f"there is no {kind or 'message'} {name!r} in messages/{store}.yaml")
+        variable = self.context.variable(f"{name} {type_name}".replace(" ", "_"), type_name)
         self.add(f"get_{key_of(name)}", "messages/get", with_={"store": store, "name": name}, out={"value": variable})
         return variable
 
     def produced(self, name: str) -> str:
         """Return the variable that some state writes under a name; empty where none does."""
-        return self.setting.variable(name) if name_of(name) in self.setting.produced else ""
+        return self.context.variable(name) if name_of(name) in self.context.produced else ""
 
     def node(self) -> dict[str, Any]:
         """Return one step as it is, several in a sequence."""

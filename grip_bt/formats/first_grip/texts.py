@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from .graphs import OUTCOMES, BrokenTaskError
-from .original import OriginalContainer, OriginalState
+from .original import GripContainer, GripState
 
 _CONTAINERS = {"state_machine": False, "concurrent_state_machine": True, "sm_base": False}
 _TYPES = {
@@ -23,7 +23,7 @@ _TYPES = {
 _DEEPEST = 30
 
 
-def text_task(data: Any, source: str) -> OriginalContainer:
+def text_task(data: Any, source: str) -> GripContainer:
     """Return the task that a nested dictionary holds.
 
     Raises:
@@ -34,13 +34,13 @@ def text_task(data: Any, source: str) -> OriginalContainer:
     return _container(str(data.get("name") or "task"), data, source, 0)
 
 
-def _container(name: str, data: Mapping[str, Any], place: str, depth: int) -> OriginalContainer:
+def _container(name: str, data: Mapping[str, Any], place: str, depth: int) -> GripContainer:
     if depth > _DEEPEST:
         raise BrokenTaskError(f"{place}: containers lie in each other more than {_DEEPEST} deep")
     outcomes = data.get("outcomes") or list(data.get("transitions") or {}) or ["success", "fail"]
     if not isinstance(outcomes, list) or not all(isinstance(each, str | int) for each in outcomes):
         raise BrokenTaskError(f"{place}: `outcomes` is a list of names")
-    made = OriginalContainer(name, str(data.get("source", "")), outcomes=[str(each) for each in outcomes])
+    made = GripContainer(name, str(data.get("source", "")), outcomes=[str(each) for each in outcomes])
     made.concurrent = _CONTAINERS.get(made.type, False)
     states = data.get("states")
     if not isinstance(states, list) or not states:
@@ -62,18 +62,18 @@ def _container(name: str, data: Mapping[str, Any], place: str, depth: int) -> Or
     return made
 
 
-def _child(label: str, said: Mapping[str, Any], place: str, depth: int) -> OriginalState:
+def _child(label: str, said: Mapping[str, Any], place: str, depth: int) -> GripState:
     leads = said.get("transitions") or {}
     if not isinstance(leads, Mapping):
         raise BrokenTaskError(f"{place}: `transitions` is a mapping from outcomes to states")
     source = str(said.get("source", ""))
     if source in _CONTAINERS or "states" in said:
-        made: OriginalState = _container(label, said, place, depth + 1)
+        made: GripState = _container(label, said, place, depth + 1)
     else:
         kind = _TYPES.get(source, source)
         rest = {str(k): v for k, v in said.items() if k not in ("source", "transitions", "outcomes")}
         outcomes = said.get("outcomes") or list(leads) or OUTCOMES.get(kind, ["success", "failure"])
-        made = OriginalState(label, kind, rest, [str(each) for each in outcomes])
+        made = GripState(label, kind, rest, [str(each) for each in outcomes])
     made.leads = {str(outcome): str(target) for outcome, target in leads.items()}
     return made
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from grip_bt.compilers.resolve import Part, Resolved
+from grip_bt.formats.names import Identifiers
 from grip_bt.task import model
-
-from .identifiers import Identifiers
 
 ORDER = (
     *("variable", "bind", "labels", "scope", "precondition", "guard", "timeout"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from grip_bt.base.errors import NotExpressibleError
+from grip_bt.formats.expressible import require_expressible
 from grip_bt.task import model, walking
 
 TARGET = "a stand-alone py_trees file"
@@ -37,12 +38,6 @@ def refuse_unknown(task: model.Task) -> None:
         NotExpressibleError: for the first one.
     """
     for path, node in walking.walk(task.root):
-        kind = getattr(node, "kind", "leaf")
-        known = _KNOWN.get(type(node))
-        if known is None:
-            raise NotExpressibleError(path, f"a {kind}", TARGET)
-        for name, field in type(node).model_fields.items():
-            if name not in known and getattr(node, name) != field.get_default(call_default_factory=True):
-                raise NotExpressibleError(path, f"`{field.alias or name}` of a {kind}", TARGET)
+        require_expressible(path, node, _KNOWN, TARGET)
         if getattr(node, "cancel", "halt") not in ("halt", "join"):
-            raise NotExpressibleError(path, f"`cancel: {getattr(node, 'cancel', '')}` of a {kind}", TARGET)
+            raise NotExpressibleError(path, f"`cancel: {getattr(node, 'cancel', '')}` of a parallel", TARGET)

@@ -14,7 +14,8 @@ from parity_generate import make_case
 from parity_world import ScriptedLeaf, catalog_of
 
 from grip_bt.compilers import CompiledMachine, to_machine
-from grip_bt.formats.compiled_machine import RefusedMachineError, to_task
+from grip_bt.formats.compiled_machine import to_task
+from grip_bt.formats.imported import ImportRefusedError
 from grip_bt.smach_compat import State
 from grip_bt.task import Task, dumps
 from grip_bt.task.catalog import Catalog
@@ -86,11 +87,11 @@ def test_what_no_task_says_is_refused_with_its_place() -> None:
     made = compiled({"kind": "sequence", "children": {"a": step(), "b": step()}})
     made.by_path["/"]._transitions["b"]["success"] = "a"
     with pytest.raises(
-        RefusedMachineError, match="/: the transitions of 'b' were changed, and a sequence has fixed ones"
+        ImportRefusedError, match="/: the transitions of 'b' were changed, and a sequence has fixed ones"
     ):
         to_task(made)
     made = machine()
     with made.by_path["/"]:
         made.by_path["/"].add("mine", State(["success"]), {"success": "success"})
-    with pytest.raises(RefusedMachineError, match="/: the state 'mine' was added"):
+    with pytest.raises(ImportRefusedError, match="/: the state 'mine' was added"):
         to_task(made)

@@ -5,41 +5,31 @@ py_trees builds the tree of such a file when it is given a class for each of the
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from xml.sax.saxutils import escape, quoteattr
+from xml.sax.saxutils import quoteattr
 
 from grip_bt.base.errors import NotExpressibleError
 from grip_bt.compilers.resolve import Part, Resolved, resolve
+from grip_bt.formats.expressible import require_expressible
+from grip_bt.formats.xml_trees import comment, element_lines, leaf_attributes
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog
 
-from .literals import to_text
+from .xml_values import to_text
 
 _TARGET = "py_trees' XML"
 _PLAIN = {"success": "success", "failure": "failure"}
-_KINDS = (
-    *(model.Leaf, model.Sequence, model.Fallback, model.Parallel, model.Retry, model.Repeat),
-    *(model.Timeout, model.Guard, model.Invert, model.Force),
-)
-_KEYS = {
-    *(
-        "doc",
-        "on",
-        "x",
-        "kind",
-        "children",
-        "child",
-        "exits",
-        "memory",
-        "policy",
-        "cancel",
-        "times",
-        "seconds",
-        "child_first",
-        "as_",
-        "if_",
-    ),
-    *("node", "with_", "in_", "out"),
+_COMMON = {"doc", "on", "x", "kind", "children", "child", "exits"}
+_KEYS: dict[type, set[str]] = {
+    model.Leaf: {"node", "with_", "in_", "out"},
+    model.Sequence: {"memory"},
+    model.Fallback: {"memory"},
+    model.Parallel: {"policy", "cancel"},
+    model.Retry: {"times"},
+    model.Repeat: {"times"},
+    model.Timeout: {"seconds", "child_first"},
+    model.Guard: {"if_"},
+    model.Invert: set(),
+    model.Force: {"as_"},
 }
 
 
@@ -57,8 +47,8 @@ def to_xml(task: model.Task, catalog: Catalog) -> str:
     resolved = resolve(task, catalog)
     _check_task(resolved)
     lines = [f"<root main_tree_to_execute={quoteattr(task.name)}>", f"  <BehaviorTree ID={quoteattr(task.name)}>"]
-    lines[1:1] = _comment(task.doc, 1)
-    lines += [*_lines(resolved.root, 2), "  </BehaviorTree>", "</root>"]
+    lines[1:1] = comment(task.doc, 1)
+    lines += [*element_lines(resolved.root, 2, _element, comments=True), "  </BehaviorTree>", "</root>"]
     return "\n".join(lines) + "\n"
 
 
@@ -75,28 +65,10 @@ def _check_task(resolved: Resolved) -> None:
             raise NotExpressibleError("/", f"the initial value of the variable {name!r}", _TARGET)
 
 
-def _lines(part: Part, depth: int) -> Iterator[str]:
-    _check(part)
-    yield from _comment(part.node.doc, depth)
-    tag, attributes = _leaf(part) if isinstance(part.node, model.Leaf) else _container(part)
-    said = "".join(f" {key}={quoteattr(value)}" for key, value in {"name": part.name, **attributes}.items())
-    indent = "  " * depth
-    if not part.children:
-        yield f"{indent}<{tag}{said}/>"
-        return
-    yield f"{indent}<{tag}{said}>"
-    for child in part.children:
-        yield from _lines(child, depth + 1)
-    yield f"{indent}</{tag}>"
-
-
-def _check(part: Part) -> None:
-    """Refuse what a node says and the XML can't."""
-    if type(part.node) not in _KINDS:
-        raise NotExpressibleError(part.path, f"a {getattr(part.node, 'kind', 'leaf')}", _TARGET)
-    for name, field in type(part.node).model_fields.items():
-        if name not in _KEYS and getattr(part.node, name) != field.get_default(call_default_factory=True):
-            raise NotExpressibleError(part.path, f"`{field.alias or name}`", _TARGET)
+def _element(part: Part) -> tuple[str, dict[str, str]]:
+    require_expressible(part.path, part.node, _KEYS, _TARGET, _COMMON)
+    tag, attributes = _leaf(part, part.node) if isinstance(part.node, model.Leaf) else _container(part)
+    return tag, {"name": part.name, **attributes}
 
 
 def _container(part: Part) -> tuple[str, dict[str, str]]:
@@ -142,30 +114,10 @@ def _policy(part: Part, node: model.Parallel) -> str:
     }
     if (node.policy, node.cancel) == ("any", "halt") and set(part.exits) == failing:
         return "success_on_one"
-    raise NotExpressibleError(part.path, "this parallel, which no policy of py_trees is,", _TARGET)
+    raise NotExpressibleError(part.path, "this parallel, which matches no py_trees policy,", _TARGET)
 
 
-def _leaf(part: Part) -> tuple[str, dict[str, str]]:
-    node, manifest = part.node, part.manifest
-    assert isinstance(node, model.Leaf)
-    assert manifest is not None, "resolved leaves have a manifest"
-    attributes: dict[str, str] = {}
-    for name, value in node.with_.items():
-        try:
-            attributes[name] = to_text(value, manifest.parameters[name].type)
-        except ValueError as error:
-            raise NotExpressibleError(part.path, f"`{name}` ({error})", _TARGET) from error
-    for port, variable in (*node.in_.items(), *node.out.items()):
-        if attributes.get(port, f"{{{variable}}}") != f"{{{variable}}}" or (port in node.in_ and port in node.out):
-            raise NotExpressibleError(part.path, f"{port!r}, which is more than one port or parameter,", _TARGET)
-        attributes[port] = f"{{{variable}}}"
-    if {"name", "ID"} & set(attributes):
-        raise NotExpressibleError(part.path, "a port or parameter called `name` or `ID`", _TARGET)
-    return manifest.id.replace("/", "."), attributes
-
-
-def _comment(text: str, depth: int) -> list[str]:
-    said = " ".join("".join(c if c.isprintable() else " " for c in text).split())
-    while "--" in said:
-        said = said.replace("--", "- -")
-    return [f"{'  ' * depth}<!-- {escape(said)} -->"] if said else []
+def _leaf(part: Part, node: model.Leaf) -> tuple[str, dict[str, str]]:
+    if both := node.in_.keys() & node.out.keys():
+        raise NotExpressibleError(part.path, f"{min(both)!r}, which is more than one port or parameter,", _TARGET)
+    return node.node.replace("/", "."), leaf_attributes(part, node, to_text, _TARGET)

@@ -11,9 +11,8 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
+from grip_bt.formats.names import distinct
 from grip_bt.task.catalog import Catalog
-
-from ..pytrees.naming import distinct
 
 Keys = dict[str, Any]
 SKIPPED = "skipped"

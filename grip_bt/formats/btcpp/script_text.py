@@ -10,8 +10,8 @@ from typing import Any
 
 from grip_bt.base.expression import CONSTANTS, parse_expression
 
+from .blackboard import key_of
 from .leaves import value_of_text
-from .names import key_of
 
 _WRONG = re.compile("[^\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """What isn't a character of XML, or comes back from an attribute as a blank."""

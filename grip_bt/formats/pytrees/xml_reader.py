@@ -12,19 +12,15 @@ from py_trees.behaviours import Success
 from py_trees.common import ParallelPolicy
 
 from grip_bt.base.errors import listing, nearest
+from grip_bt.formats.imported import Imported, Issues
+from grip_bt.formats.names import distinct, node_name
+from grip_bt.formats.xml_trees import DEEPEST, MOST_NODES, Element, TreeFiles
 from grip_bt.task import model, walking
 from grip_bt.task.catalog import Catalog, Manifest
 
-from ..pytrees.kinds import Equal, NoEqual, equal_of, why_not
-from ..pytrees.naming import distinct, node_name
-from ..pytrees.result import Imported, Remark
-from .elements import DEEPEST, Element, read_elements
-from .files import Files, only_child
-from .keys import Constant, Names, Variables
-from .literals import from_text
+from .classes import Equal, NoEqual, equal_of, why_not
+from .xml_values import Constant, Names, Variables, from_text
 
-MOST_NODES = 20_000
-"""Of one task; sub-trees within sub-trees could make any number of a small file."""
 _POLICIES: dict[str, Callable[[], ParallelPolicy.Base]] = {
     "success_on_all": ParallelPolicy.SuccessOnAll,
     "success_on_one": ParallelPolicy.SuccessOnOne,
@@ -58,26 +54,26 @@ def from_xml(text: str, catalog: Catalog, source: str = "", folder: Path | None 
     Raises:
         DocumentError: it can't be read, or holds something that has no equal in a task.
     """
-    files = Files(source, folder)
-    main = files.load(read_elements(text, source))
+    files = TreeFiles(source, folder)
+    main = files.trees[files.load(text)]
     reader = _Reader(catalog, files)
     names = Names()
     names.given = {k: names.meaning(v) for k, v in main.attributes.items() if k not in ("ID", "name")}
-    root = only_child(main, source)
+    root = main.only_child()
     keys = reader.node(root, names, "/", (main.attributes["ID"],))
     data = reader.variables.declared()
     task = {"grip": model.FORMAT_VERSION, "name": node_name(main.attributes["ID"]), "root": keys}
     task |= {"data": data} if data else {}
-    return Imported(model.Task.model_validate(task), reader.names, tuple(reader.remarks))
+    made = model.Task.model_validate(task)
+    return Imported({made.name: made}, tuple(reader.issues))
 
 
 class _Reader:
-    def __init__(self, catalog: Catalog, files: Files):
-        self.catalog, self.source, self.trees = catalog, files.source, files.trees
+    def __init__(self, catalog: Catalog, files: TreeFiles):
+        self.catalog, self.trees = catalog, files.trees
         self.nodes = 0
         self.variables = Variables()
-        self.names: dict[str, str] = {}
-        self.remarks: list[Remark] = []
+        self.issues = Issues(files.source)
 
     def node(self, element: Element, names: Names, path: str, inside: tuple[str, ...]) -> dict[str, Any]:
         """Return the keys of a node and of all below it."""
@@ -85,16 +81,16 @@ class _Reader:
             element, names, inside = self.sub_tree(element, names, inside)
         self.nodes += 1
         if self.nodes > MOST_NODES or path.count("/") >= DEEPEST:
-            raise element.error(f"more than {MOST_NODES} nodes, or {DEEPEST} levels, with all sub-trees", self.source)
+            raise element.error(f"more than {MOST_NODES} nodes, or {DEEPEST} levels, with all sub-trees")
         tag = element.tag.lower()
         if tag not in ("sequence", "selector", "fallback", "parallel") and tag not in _OTHERS:
             return self.leaf(element, names, path)
         try:
             equal = equal_of(self.behaviour(element, names))
         except NoEqual as why:
-            raise element.error(str(why), self.source) from None
+            raise element.error(str(why)) from None
         if equal.remark:
-            self.remarks.append(Remark(path, equal.remark))
+            self.issues.add("changed", path, equal.remark)
         children = self.children(element, names, path, inside)
         return self.container(equal, children)
 
@@ -121,20 +117,20 @@ class _Reader:
         """Return the root of a sub-tree, what keys mean in it, and the trees around it."""
         name = element.attributes.get("ID", "")
         if name not in self.trees:
-            raise element.error(f"there is no tree {name!r}{nearest(name, self.trees)}", self.source)
+            raise element.error(f"there is no tree {name!r}{nearest(name, self.trees)}")
         if name in inside:
-            raise element.error(f"the tree {name!r} holds itself", self.source)
+            raise element.error(f"the tree {name!r} holds itself")
         tree = self.trees[name]
         given = {**tree.attributes, **element.attributes}
         own = Names((*names.space, element.attributes.get("name", name)))
         own.given = {k: self.meaning(element, names, v) for k, v in given.items() if k not in ("ID", "name")}
-        return only_child(tree, self.source), own, (*inside, name)
+        return tree.only_child(), own, (*inside, name)
 
     def meaning(self, element: Element, names: Names, text: str) -> str | Constant:
         try:
             return names.meaning(text)
         except ValueError as error:
-            raise element.error(str(error), self.source) from None
+            raise element.error(str(error)) from None
 
     def children(self, element: Element, names: Names, path: str, inside: tuple[str, ...]) -> dict[str, dict[str, Any]]:
         result = {}
@@ -142,7 +138,7 @@ class _Reader:
         for name, given, child in zip(distinct(wanted), wanted, element.children, strict=True):
             below = walking.join(path, name)
             if name != given:
-                self.names[below] = given
+                self.issues.add("renamed", below, f"was called {given!r}")
             result[name] = self.node(child, names, below, inside)
         return result
 
@@ -154,11 +150,11 @@ class _Reader:
                 raise NoEqual(why_not(_OTHERS[tag]))
             cls, types = _DECORATORS[tag]
             given = self.settings(element, names, types)
-            only_child(element, self.source)
+            element.only_child()
             try:
                 return cls(name="", child=Success(""), **given)
             except TypeError:
-                raise element.error(f"needs {listing(types)}", self.source) from None
+                raise element.error(f"needs {listing(types)}") from None
         if tag == "parallel":
             policy = self.settings(element, names, {"policy": "str"}).get("policy", "success_on_one")
             if policy not in _POLICIES:
@@ -175,10 +171,10 @@ class _Reader:
                 continue
             if name not in types:
                 there = listing([*types, "name"])
-                raise element.error(f"no attribute {name!r}{nearest(name, types)} (there are: {there})", self.source)
+                raise element.error(f"no attribute {name!r}{nearest(name, types)} (there are: {there})")
             meaning = self.meaning(element, names, text)
             if not isinstance(meaning, Constant):
-                raise element.error(f"{name}={text!r} is a variable; it has to be a constant here", self.source)
+                raise element.error(f"{name}={text!r} is a variable; it has to be a constant here")
             found[name] = self.value(element, name, meaning.text, types[name])
         return found
 
@@ -186,12 +182,12 @@ class _Reader:
         try:
             return from_text(text, type_name)
         except ValueError as error:
-            raise element.error(f"{name}: {error}", self.source) from None
+            raise element.error(f"{name}: {error}") from None
 
     def leaf(self, element: Element, names: Names, path: str) -> dict[str, Any]:
         manifest = self.manifest(element)
         if element.children:
-            raise element.error(f"{manifest.id} is a leaf and can't hold other nodes", self.source)
+            raise element.error(f"{manifest.id} is a leaf and can't hold other nodes")
         keys: dict[str, dict[str, Any]] = {"with": {}, "in": {}, "out": {}}
         for name, text in element.attributes.items():
             if name == "name":
@@ -231,7 +227,7 @@ class _Reader:
         there = [*manifest.parameters, *manifest.inputs, *manifest.outputs]
         what = "a constant" if isinstance(meaning, Constant) else "a variable"
         message = f"{manifest.id} takes no {name!r} that is {what}{nearest(name, there)} (it has: {listing(there)})"
-        raise element.error(message, self.source)
+        raise element.error(message)
 
     def manifest(self, element: Element) -> Manifest:
         """Return the node that a tag means."""
@@ -242,4 +238,4 @@ class _Reader:
         if len(by_class) == 1:
             return by_class[0]
         ids = [known.replace("/", ".") for known in self.catalog.ids()]
-        raise element.error(f"no node of the catalogue is called so{nearest(element.tag, ids)}", self.source)
+        raise element.error(f"no node of the catalogue is called so{nearest(element.tag, ids)}")

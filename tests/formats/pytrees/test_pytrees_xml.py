@@ -20,9 +20,8 @@ from random_trees import make_tree
 
 from grip_bt.base.errors import DocumentError, GripError, NotExpressibleError
 from grip_bt.cli.__main__ import main
-from grip_bt.formats.pytrees import to_task
-from grip_bt.formats.pytrees_xml import from_xml, to_xml
-from grip_bt.formats.pytrees_xml.literals import from_text, to_text
+from grip_bt.formats.pytrees import from_xml, to_task, to_xml
+from grip_bt.formats.pytrees.xml_values import from_text, to_text
 from grip_bt.runtime import ManualClock
 from grip_bt.task import Task
 from grip_bt.task.catalog import Catalog, Manifest
@@ -186,7 +185,7 @@ def test_what_the_xml_cannot_say_is_refused_by_name(root: dict[str, Any], what: 
         (xml("<OneShot policy='x'><flow.fail/></OneShot>"), "OneShot: what it remembers"),
         (xml("<Retry><flow.fail/></Retry>"), "needs num_failures"),
         (xml("<Retry num_failures='{n}'><flow.fail/></Retry>"), "is a variable; it has to be a constant"),
-        (xml("<Inverter/>"), "needs one element inside, and has 0"),
+        (xml("<Inverter/>"), "needs one node inside, and has 0"),
         (xml("<flow.fial/>"), "no node of the catalogue is called so.*flow.fail"),
         (xml("<flow.fail code='{k}'/>"), "takes no 'code' that is a variable"),
         (xml("<flow.fail code='a{k}'/>"), "isn't a key"),
