@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from pydantic import ValidationError
+
 from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.yaml.tree import parse, read_file, to_data
 from grip_bt.formats.generated_files import manifests_text
@@ -14,15 +16,10 @@ from grip_bt.formats.names import free, key_of
 from grip_bt.task import FrozenDict, Task
 from grip_bt.task.catalog.manifest import InputPort, Manifest, OutputPort, Parameter
 
-from .configuration import Configuration, add_files, read_configuration
-from .graphs import graph_task
-from .original import GripContainer, GripState
-from .project import MARK, MESSAGES, project_texts
+from .project import MARK, MESSAGES, Configuration, add_files, project_texts, read_configuration
 from .settings import read_settings
-from .steps import ImportContext
-from .texts import text_task
-from .to_task import task_of
-from .words import is_hand, name_of, outcome_meanings
+from .states import ImportContext, node_of
+from .tasks import GripContainer, GripState, graph_task, is_hand, name_of, outcome_meanings, text_task
 
 
 def import_grip(path: Path) -> Imported:
@@ -142,3 +139,100 @@ def _class(cls: str, state: GripState, outcomes: tuple[str, ...]) -> str:
         f'\n\nclass {cls}(Leaf):\n    """{doc}"""\n\n    def update(self):\n'
         f"        raise NotImplementedError({about!r})\n"
     )
+
+
+def task_of(root: GripContainer, context: ImportContext) -> Task:
+    """Return the task; what isn't as it was is added to the context's issues.
+
+    Raises:
+        GripError: it can't be written as a task.
+    """
+    for state in root.states():
+        output, stored = state.slots.get("output"), state.slots.get("output_type")
+        if output and not stored:
+            context.produced.add(name_of(str(output)))
+        if state.type == "ComputePlan" and state.slots.get("plan_name"):
+            context.produced.add(name_of(str(state.slots["plan_name"])))
+    node = _container(root, context, root.name)
+    outcomes = {name_of(outcome): meaning for outcome, meaning in outcome_meanings(root.outcomes).items()}
+    document = {
+        "grip": 1,
+        "name": name_of(root.name),
+        "doc": "Imported from a task of the first GRIP.",
+        "outcomes": outcomes,
+        "data": context.variables,
+        "root": node,
+    }
+    try:
+        return Task.model_validate(document)
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise GripError(f"{root.name}: {'/'.join(map(str, first['loc']))}: {first['msg']}") from None
+
+
+def _container(found: GripContainer, context: ImportContext, place: str) -> dict[str, Any]:
+    names: dict[str, str] = {}
+    taken = {name_of(outcome) for outcome in found.outcomes}
+    for label in found.children:
+        names[label] = name_of(label, taken)
+        taken.add(names[label])
+        if names[label] != label:
+            context.issues.add("changed", place, f"the state {label!r} is called {names[label]!r}")
+    if found.concurrent:
+        return _parallel(found, names, context, place)
+    children = {}
+    for label, child in found.children.items():
+        node, ends = _child(child, context, f"{place}/{label}")
+        on = {end: _target(found, child, outcome, names, context, place) for outcome, end in ends.items()}
+        children[names[label]] = {**node, "on": on}
+    if found.initial not in names:
+        raise GripError(f"{place}: it begins with {found.initial!r}, which isn't there")
+    outcomes = {name_of(outcome): meaning for outcome, meaning in outcome_meanings(found.outcomes).items()}
+    return {"kind": "state_machine", "initial": names[found.initial], "outcomes": outcomes, "children": children}
+
+
+def _parallel(found: GripContainer, names: dict[str, str], context: ImportContext, place: str) -> dict[str, Any]:
+    """Return a parallel that waits for all and goes by rules; SMACH takes the rule with the most conditions."""
+    children, ends = {}, {}
+    for label, child in found.children.items():
+        children[names[label]], ends[label] = _child(child, context, f"{place}/{label}")
+    rules = []
+    for outcome, when in sorted(found.rules.items(), key=lambda rule: -len(rule[1])):
+        if unknown := [label for label in when if label not in names]:
+            context.issues.add("incomplete", place, f"a rule for {outcome!r} names {unknown}, which aren't there")
+            continue
+        said = {names[label]: [ends[label].get(o, name_of(o)) for o in wanted] for label, wanted in when.items()}
+        rules.append({"when": said, "then": name_of(outcome)})
+        for label, wanted in when.items():
+            if len(wanted) > 1:
+                text = f"{wanted} of {label!r} lead to {outcome!r}: any of them will do; only the last counted"
+                context.issues.add("changed", place, text)
+    rules.append({"then": name_of(found.default)})
+    outcomes = {name_of(outcome): meaning for outcome, meaning in outcome_meanings(found.outcomes).items()}
+    own = {outcome: meaning for outcome, meaning in outcomes.items() if outcome not in ("success", "failure")}
+    return {"kind": "parallel", "cancel": "join", "rules": rules, "outcomes": own, "children": children}
+
+
+def _child(child: GripState, context: ImportContext, place: str) -> tuple[dict[str, Any], dict[str, str]]:
+    if isinstance(child, GripContainer):
+        node = _container(child, context, place)
+        ends = {outcome: name_of(outcome) for outcome in child.outcomes}
+        if child.concurrent:  # a parallel may end with these too, as far as its document says
+            ends |= {end: end for end in ("success", "failure") if end not in ends.values()}
+        return node, ends
+    made = node_of(child, context, place)
+    return made.node, made.ends
+
+
+def _target(
+    found: GripContainer, child: GripState, outcome: str, names: dict[str, str], context: ImportContext, place: str
+) -> str:
+    target = child.leads.get(outcome)
+    if target in names:
+        return names[str(target)]
+    if target in found.outcomes:
+        return name_of(str(target))
+    if outcome in child.outcomes:
+        text = f"{outcome!r} of {child.name!r} led to {target or 'nothing'}; it leads to {found.outcomes[-1]!r}"
+        context.issues.add("incomplete", place, text)
+    return name_of(found.outcomes[-1])

@@ -1,15 +1,128 @@
-"""States that came with the first GRIP: what each type does here, with its data in variables of the task."""
+"""States of the first GRIP as nodes: what each type does here, step by step, with its data in variables of the task."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
+from grip_bt.formats.imported import Issues
 from grip_bt.formats.names import key_of
 
-from .original import GripState
-from .steps import PLAIN, STORES, StepBuilder
-from .words import is_hand, name_of
+from .tasks import GripState, is_hand, name_of
+
+STORES = {
+    "joint state": ("joint_states", "JointState"),
+    "pose": ("poses", "Pose"),
+    "trajectory": ("trajectories", "Trajectory"),
+    "plan": ("plans", "Plan"),
+}
+PLAIN = {"success": "success", "failure": "failure"}
+"""Ends of most states."""
+
+
+@dataclass
+class ConvertedState:
+    """A state as a node.
+
+    Attributes:
+        node: the node's keys.
+        ends: outcome of the state -> outcome of the node; those that can't happen are left out.
+    """
+
+    node: dict[str, Any]
+    ends: dict[str, str]
+
+
+@dataclass
+class ImportContext:
+    """What a task's states stand in, and what they need.
+
+    Attributes:
+        arms: group of MoveIt -> arm or hand of the project.
+        sensors: name of a sensor -> its key in the project.
+        components: name of a component -> (its key, how many outcomes it has).
+        messages: names that the project's stores hold, by store.
+        produced: userdata that some state writes.
+        variables: variables of the task, with their types.
+        unknown: states without an equal, by the name of their node.
+        issues: what isn't as it was.
+    """
+
+    arms: Mapping[str, str] = field(default_factory=dict)
+    sensors: Mapping[str, str] = field(default_factory=dict)
+    components: Mapping[str, tuple[str, int]] = field(default_factory=dict)
+    messages: Mapping[str, Collection[str]] = field(default_factory=dict)
+    produced: set[str] = field(default_factory=set)
+    variables: dict[str, Any] = field(default_factory=dict)
+    unknown: dict[str, GripState] = field(default_factory=dict)
+    issues: Issues = field(default_factory=Issues)
+
+    def variable(self, name: str, type_name: str = "Any") -> str:
+        """Return the variable of a name; it holds anything where it is written as more than one type."""
+        name = name_of(name)
+        self.variables[name] = type_name if self.variables.get(name, type_name) == type_name else "Any"
+        return name
+
+    def arm(self, group: object) -> dict[str, str]:
+        """Return the parameter that names an arm; none where the project has one only."""
+        text = str(group or "")
+        if not text:
+            return {}
+        return {"arm": self.arms.get(text, key_of(text))}
+
+
+class StepBuilder:
+    """What one state does, step by step."""
+
+    def __init__(self, state: GripState, context: ImportContext, place: str):
+        self.state, self.context, self.place = state, context, place
+        self.steps: dict[str, dict[str, Any]] = {}
+
+    def slot(self, name: str) -> str:
+        """Return what a field holds, as text."""
+        value = self.state.slots.get(name)
+        return "" if value is None else str(value).strip().strip("\"'")
+
+    def note(self, code: str, text: str) -> None:
+        """Tell what isn't as it was."""
+        self.context.issues.add(code, self.place, text)
+
+    def add(self, step: str, node: str, **keys: Mapping[str, Any]) -> None:
+        """Add a step; empty keys are left out."""
+        name = name_of(step, self.steps)
+        said = {{"in_": "in", "with_": "with"}.get(key, key): dict(value) for key, value in keys.items() if value}
+        self.steps[name] = {"node": node, **said}
+
+    def value(self, name: str, kind: str, what: str) -> str:
+        """Return the variable of a value, which may have to be got from a store first."""
+        store, type_name = STORES.get(kind, ("", "Any"))
+        if not store and name_of(name) not in self.context.produced:
+            found = [(s, t) for s, t in STORES.values() if name in self.context.messages.get(s, ())]
+            store, type_name = found[0] if found else ("", "Any")
+            if not found:
+                self.note(
+                    "incomplete", f"{what} {name!r} is neither written by a state nor a stored message; give it a value"
+                )
+        if not store:
+            return self.context.variable(name)
+        known = self.context.messages.get(store)
+        if known is not None and name not in known and store != "plans":
+            self.note("incomplete", f"there is no {kind or 'message'} {name!r} in messages/{store}.yaml")
+        variable = self.context.variable(f"{name} {type_name}".replace(" ", "_"), type_name)
+        self.add(f"get_{key_of(name)}", "messages/get", with_={"store": store, "name": name}, out={"value": variable})
+        return variable
+
+    def produced(self, name: str) -> str:
+        """Return the variable that some state writes under a name; empty where none does."""
+        return self.context.variable(name) if name_of(name) in self.context.produced else ""
+
+    def node(self) -> dict[str, Any]:
+        """Return one step as it is, several in a sequence."""
+        if len(self.steps) == 1:
+            return next(iter(self.steps.values()))
+        return {"kind": "sequence", "children": self.steps}
 
 
 def moves_a_hand(state: GripState) -> bool:
@@ -141,3 +254,67 @@ STATES: dict[str, Callable[[StepBuilder], dict[str, str]]] = {
     "AllowCollisions": _allow,
 }
 """Type -> what adds its steps and returns its ends: outcome of the state -> outcome of the node."""
+
+
+def node_of(state: GripState, context: ImportContext, place: str) -> ConvertedState:
+    """Return a state as a node."""
+    steps = StepBuilder(state, context, place)
+    if state.type in STATES and not moves_a_hand(state):
+        ends = STATES[state.type](steps)
+        return ConvertedState(steps.node(), ends)
+    if state.type in context.components:
+        return _component(steps)
+    if state.type in context.sensors:
+        return ConvertedState(_sensor(steps), PLAIN)
+    return _unknown(steps)
+
+
+def _component(steps: StepBuilder) -> ConvertedState:
+    key, count = steps.context.components[steps.state.type]
+    given = {"input": _input(steps)} if steps.slot("input") else {}
+    output, store = steps.slot("output"), STORES.get(steps.slot("output_type"), ("", ""))[0]
+    returned = steps.context.variable(output) if output else ""
+    out = {"returned_object": returned} if returned else {}
+    steps.add("call", f"component/{key}", in_=given, out=out)
+    if store:
+        steps.note("incomplete", f"its result went to the {store} as {output!r}; add `messages/put` after it")
+    ends = {str(number): f"outcome_{number}" for number in range(count)} | {"state_failure": "failure"}
+    if len(steps.steps) == 1:
+        return ConvertedState(steps.node(), ends)
+    exits = {f"call.outcome_{number}": f"outcome_{number}" for number in range(count)}
+    outcomes = dict.fromkeys(exits.values(), "success")
+    return ConvertedState({**steps.node(), "outcomes": outcomes, "exits": exits}, ends)
+
+
+def _input(steps: StepBuilder) -> str:
+    """Return the variable of what a component is given: text in quotes and what isn't text are literals."""
+    value = steps.state.slots["input"]
+    if isinstance(value, str) and not re.fullmatch(r"\"[^\"]*\"", value.strip()):
+        return steps.value(steps.slot("input"), steps.slot("input_type"), "the input")
+    literal = value.strip()[1:-1] if isinstance(value, str) else value
+    variable = steps.context.variable(f"input_of_{steps.state.name}")
+    steps.add("set_input", "flow/set", with_={"value": literal}, out={"value": variable})
+    return variable
+
+
+def _sensor(steps: StepBuilder) -> dict[str, Any]:
+    key, alias = steps.context.sensors[steps.state.type], key_of(steps.slot("sensor_topic") or "data")
+    out = {alias: steps.context.variable(steps.slot("output"))} if steps.slot("output") else {}
+    steps.add("look", f"sensor/{key}", out=out)
+    return steps.node()
+
+
+def _unknown(steps: StepBuilder) -> ConvertedState:
+    """Return a node of the project's own whose class has to be filled in."""
+    state, context = steps.state, steps.context
+    id_ = f"original/{key_of(state.type or state.name)}"
+    context.unknown.setdefault(id_, state)
+    slots = {key_of(slot): value for slot, value in state.slots.items() if slot != "output"}
+    read = {slot: name_of(str(value)) for slot, value in slots.items() if name_of(str(value)) in context.produced}
+    given = {slot: value for slot, value in slots.items() if slot not in read and value not in (None, "")}
+    out = {"output": context.variable(steps.slot("output"))} if steps.slot("output") else {}
+    for name in read.values():
+        context.variable(name)
+    steps.add("do", id_, with_=given, in_=read, out=out)
+    steps.note("incomplete", f"{state.type or 'a state without type'} has no equal: write its class in nodes/original")
+    return ConvertedState(steps.node(), {outcome: name_of(outcome) for outcome in state.outcomes})

@@ -1,17 +1,89 @@
-"""Tasks as the editor of the first GRIP saved them: a graph of sockets and connectors for each container."""
+"""Tasks of the first GRIP as they were meant: graphs of its editor in `.ini` files, and its older text form."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StrictInt, StrictStr, ValidationError
 
 from grip_bt.base.errors import GripError
 from grip_bt.formats.imported import Issues
+from grip_bt.formats.names import free, node_name
+from grip_bt.task.model import Meaning
 
-from .original import GripContainer, GripState
 from .settings import Key, Refused
+
+
+@dataclass
+class GripState:
+    """One state.
+
+    Attributes:
+        name: its label.
+        type: its class, such as `ComputePlan`, or the name of a component, a sensor or a state of the user's.
+        slots: what its fields hold.
+        outcomes: in order: the first is the good one, the last the bad one.
+        leads: outcome -> label of a state, or outcome of the container.
+    """
+
+    name: str
+    type: str
+    slots: dict[str, Any] = field(default_factory=dict)
+    outcomes: list[str] = field(default_factory=list)
+    leads: dict[str, str] = field(default_factory=dict)
+
+
+@dataclass
+class GripContainer(GripState):
+    """A container; `outcomes` are its own, `leads` say where these go in its parent.
+
+    Attributes:
+        concurrent: whether its children run at once.
+        children: by label.
+        initial: where it starts; all children of a concurrent one do.
+        default: of a concurrent one: the outcome where no rule holds.
+        rules: of a concurrent one: outcome -> child -> its outcomes, any of which will do.
+    """
+
+    concurrent: bool = False
+    children: dict[str, GripState] = field(default_factory=dict)
+    initial: str = ""
+    default: str = ""
+    rules: dict[str, dict[str, list[str]]] = field(default_factory=dict)
+
+    def states(self) -> Iterator[GripState]:
+        """Yield every state below, containers not."""
+        for child in self.children.values():
+            if isinstance(child, GripContainer):
+                yield from child.states()
+            else:
+                yield child
+
+
+_BAD = ("fail", "abort", "error", "none", "preempt")
+
+
+def name_of(label: str, taken: Collection[str] = ()) -> str:
+    """Return a label as a task may spell it, none of those that are taken."""
+    return free(node_name(label), taken)
+
+
+def outcome_meanings(outcomes: Sequence[str]) -> dict[str, Meaning]:
+    """Return what outcomes mean: the first is good, the last of several bad, others by their names."""
+    found: dict[str, Meaning] = {}
+    for number, outcome in enumerate(outcomes):
+        bad = any(word in outcome.lower() for word in _BAD)
+        last = number == len(outcomes) - 1
+        found[outcome] = "success" if number == 0 or not (bad or last) else "failure"
+    return found
+
+
+def is_hand(group: str) -> bool:
+    """Tell whether a group of joints is a hand, by its name."""
+    return any(word in group.lower() for word in ("hand", "gripper", "finger")) and "arm" not in group.lower()
+
 
 CONCURRENT = "ConcurrentStateMachine"
 _START = "Start"
@@ -196,3 +268,78 @@ def _usual(child: GripState, count: int) -> list[str]:
 def _id(said: Any) -> int | str | None:
     found = said.get("id") if isinstance(said, dict) else said
     return found if isinstance(found, int | str) else None
+
+
+_CONTAINERS = {"state_machine": False, "concurrent_state_machine": True, "sm_base": False}
+_TYPES = {
+    "plan": "ComputePlan",
+    "compute_plan": "ComputePlan",
+    "move": "Move",
+    "counter": "Counter",
+    "select": "Select",
+    "wait_for": "WaitFor",
+    "execute_trajectory": "ExecuteTrajectory",
+    "allow_collisions": "AllowCollisions",
+    "reinitialise_managers": "ReinitialiseManagers",
+}
+
+
+def text_task(data: Any, source: str) -> GripContainer:
+    """Return the task that a nested dictionary holds.
+
+    Raises:
+        BrokenTaskError: it holds none, or is broken.
+    """
+    if not isinstance(data, Mapping) or "states" not in data:
+        raise BrokenTaskError(f"{source}: there is no task in it: `name`, `outcomes` and `states` are expected")
+    return _container(str(data.get("name") or "task"), data, source, 0)
+
+
+def _container(name: str, data: Mapping[str, Any], place: str, depth: int) -> GripContainer:
+    if depth > _DEEPEST:
+        raise BrokenTaskError(f"{place}: containers lie in each other more than {_DEEPEST} deep")
+    outcomes = data.get("outcomes") or list(data.get("transitions") or {}) or ["success", "fail"]
+    if not isinstance(outcomes, list) or not all(isinstance(each, str | int) for each in outcomes):
+        raise BrokenTaskError(f"{place}: `outcomes` is a list of names")
+    made = GripContainer(name, str(data.get("source", "")), outcomes=[str(each) for each in outcomes])
+    made.concurrent = _CONTAINERS.get(made.type, False)
+    states = data.get("states")
+    if not isinstance(states, list) or not states:
+        raise BrokenTaskError(f"{place}: `states` is a list of states and not empty")
+    for entry in states:
+        if not isinstance(entry, Mapping) or len(entry) != 1:
+            raise BrokenTaskError(f"{place}: a state is `NAME: {{source: ..., ...}}`, not {str(entry)[:60]}")
+        ((label, said),) = entry.items()
+        inside = f"{place}/{label}"
+        if not isinstance(said, Mapping):
+            raise BrokenTaskError(f"{inside}: a mapping with `source` is expected")
+        if str(label) in made.children:
+            raise BrokenTaskError(f"{inside}: two states have this name")
+        made.children[str(label)] = _child(str(label), said, inside, depth)
+    made.initial = str(data.get("initial") or next(iter(made.children)))
+    if made.concurrent:
+        made.default = str(data.get("default_outcome") or made.outcomes[-1])
+        made.rules = _rules(data.get("outcome_map") or {}, place)
+    return made
+
+
+def _child(label: str, said: Mapping[str, Any], place: str, depth: int) -> GripState:
+    leads = said.get("transitions") or {}
+    if not isinstance(leads, Mapping):
+        raise BrokenTaskError(f"{place}: `transitions` is a mapping from outcomes to states")
+    source = str(said.get("source", ""))
+    if source in _CONTAINERS or "states" in said:
+        made: GripState = _container(label, said, place, depth + 1)
+    else:
+        kind = _TYPES.get(source, source)
+        rest = {str(k): v for k, v in said.items() if k not in ("source", "transitions", "outcomes")}
+        outcomes = said.get("outcomes") or list(leads) or OUTCOMES.get(kind, ["success", "failure"])
+        made = GripState(label, kind, rest, [str(each) for each in outcomes])
+    made.leads = {str(outcome): str(target) for outcome, target in leads.items()}
+    return made
+
+
+def _rules(said: Any, place: str) -> dict[str, dict[str, list[str]]]:
+    if not isinstance(said, Mapping) or not all(isinstance(when, Mapping) for when in said.values()):
+        raise BrokenTaskError(f"{place}: `outcome_map` is outcome -> state -> outcome")
+    return {str(o): {str(child): [str(end)] for child, end in when.items()} for o, when in said.items()}

@@ -1,39 +1,125 @@
-"""The flow view: containers are frames, their children stand inside, links say what comes next."""
+"""The two views of a task: a tree of boxes, and containers as frames with the links inside."""
 
 from __future__ import annotations
 
+from collections import defaultdict
 from dataclasses import replace
 
-from grip_bt.task import AnyNode, Fallback, Leaf, Sequence, Task, children_of, join
+from grip_bt.task import AnyNode, Fallback, Leaf, Sequence, Task, children_of, join, walk
 from grip_bt.task.catalog import Catalog
 
-from .chain import is_long, rows_figure
-from .figure import NAME_SIZE, TEXT_SIZE, Box, Figure, Line, Pill, Point, text_width
 from .layered import Edge, Item, Placed, place
-from .scheme import Link, describe, kind_of, links_of, outcomes_shown
-from .tree import ICON, box_of
+from .layout import (
+    NAME_SIZE,
+    TEXT_SIZE,
+    Box,
+    Figure,
+    Line,
+    Pill,
+    Point,
+    TreeItem,
+    is_long,
+    is_tall,
+    place_tree,
+    rows_figure,
+    shortened,
+    text_width,
+)
+from .scheme import Link, describe, details, kind_of, links_of, outcomes_shown
 
-_PAD, _HEADER, _GAP, _RANK_GAP, _MARGIN = 14.0, 30.0, 22.0, 13.0, 20.0
+_PAD, _COLUMN_GAP, _ROW_GAP, _MARGIN = 10.0, 44.0, 12.0, 20.0
+LINE_HEIGHT = 15.0
+ICON = 20.0
+
+
+def box_of(name: str, node: AnyNode, catalog: Catalog, lines: list[str]) -> Box:
+    """Return a node's box at the origin, as large as its words need."""
+    shown = tuple(shortened(line) for line in lines)
+    kind = kind_of(node)
+    icon = 0.0 if kind == "leaf" else ICON
+    width = icon + text_width(shortened(name), NAME_SIZE, bold=True)
+    width = max([width, 70.0, *(text_width(line, TEXT_SIZE) for line in shown)])
+    title = node.doc
+    if not title and isinstance(node, Leaf) and node.node in catalog:
+        title = catalog.get(node.node).doc
+    height = 2 * _PAD + NAME_SIZE + len(shown) * LINE_HEIGHT
+    return Box(0, 0, width + 2 * _PAD, height, kind, shortened(name), shown, title)
+
+
+def tree_figure(task: Task, catalog: Catalog) -> Figure:
+    """Lay out a task as a tree."""
+    boxes: dict[str, Box] = {}
+    items: dict[str, TreeItem] = {}
+    columns: defaultdict[int, float] = defaultdict(float)
+    depth: dict[str, int] = {}
+    for path, node in walk(task.root):
+        name = task.name if path == "/" else path.rpartition("/")[2]
+        box = box_of(name, node, catalog, [describe(node), *details(node)])
+        boxes[path], items[path] = box, TreeItem(box.height)
+        if path != "/":
+            parent = _parent(path)
+            items[parent].below.append(items[path])
+            depth[path] = depth[parent] + 1
+        else:
+            depth[path] = 0
+        columns[depth[path]] = max(columns[depth[path]], box.width)
+    place_tree(items["/"], _ROW_GAP)
+    return _placed(boxes, items, columns, depth)
+
+
+def _parent(path: str) -> str:
+    return path.rpartition("/")[0] or "/"
+
+
+def _placed(
+    boxes: dict[str, Box], items: dict[str, TreeItem], columns: dict[int, float], depth: dict[str, int]
+) -> Figure:
+    left = [_MARGIN]
+    for column in range(len(columns)):
+        left.append(left[-1] + columns[column] + _COLUMN_GAP)
+    up = min(t.y - t.height / 2 for t in items.values()) - _MARGIN
+    figure = Figure(
+        width=left[-1] - _COLUMN_GAP + _MARGIN,
+        height=max(t.y + t.height / 2 for t in items.values()) - up + _MARGIN,
+    )
+    for path, box in boxes.items():
+        x, y = left[depth[path]], items[path].y - up
+        figure.boxes.append(replace(box, x=x, y=y - box.height / 2, path=path))
+        if path != "/":
+            parent = boxes[_parent(path)]
+            start = left[depth[path] - 1] + parent.width
+            bend = left[depth[path]] - _COLUMN_GAP  # every line of a column curves in the same place
+            from_y = items[_parent(path)].y - up
+            bend = max(start, bend)
+            points: tuple[tuple[float, float], ...] = ((start, from_y), (bend, from_y), (x, y))
+            if is_tall(items[_parent(path)]):  # curves as long as that would lie over each other
+                trunk = (bend + x) / 2
+                points = ((start, from_y), (trunk, from_y), (trunk, y), (x, y))
+            figure.lines.append(Line(points, arrow=False, axis="x"))
+    return figure
+
+
+_FRAME_PAD, _HEADER, _GAP, _RANK_GAP, _FLOW_MARGIN = 14.0, 30.0, 22.0, 13.0, 20.0
 _PILL_HEIGHT, _START, _LABEL_HEIGHT, _LOOP = 22.0, 12.0, 15.0, 26.0
 _PORT_GAP = 16.0
 
 
 def flow_figure(task: Task, catalog: Catalog) -> Figure:
     """Lay out a task as nested flow charts."""
-    inner = _figure(task.name, "/", task.root, catalog)
-    figure = Figure(inner.width + 2 * _MARGIN, inner.height + 2 * _MARGIN)
-    figure.add(inner, _MARGIN, _MARGIN)
+    inner = _node_figure(task.name, "/", task.root, catalog)
+    figure = Figure(inner.width + 2 * _FLOW_MARGIN, inner.height + 2 * _FLOW_MARGIN)
+    figure.add(inner, _FLOW_MARGIN, _FLOW_MARGIN)
     return figure
 
 
-def _figure(name: str, path: str, node: AnyNode, catalog: Catalog) -> Figure:
+def _node_figure(name: str, path: str, node: AnyNode, catalog: Catalog) -> Figure:
     if isinstance(node, Leaf):
         lines = [describe(node), *([f"only if {node.precondition}"] if node.precondition else [])]
         if node.with_:
             lines.append(", ".join(f"{k}={v}" for k, v in node.with_.items()))
         box = replace(box_of(name, node, catalog, lines), path=path)
         return Figure(box.width, box.height, [box])
-    children = {n: _figure(n, join(path, n), child, catalog) for n, child in children_of(node).items()}
+    children = {n: _node_figure(n, join(path, n), child, catalog) for n, child in children_of(node).items()}
     outcomes, links, parts = outcomes_shown(node), links_of(node), list(children.values())
     if isinstance(node, Sequence | Fallback) and not outcomes and is_long(parts):
         inside = rows_figure(parts, links[0].label)
@@ -41,8 +127,8 @@ def _figure(name: str, path: str, node: AnyNode, catalog: Catalog) -> Figure:
         inside = _inside(children, outcomes, links)
     words = describe(node) + (f", only if {node.precondition}" if node.precondition else "")
     header = ICON + text_width(name, NAME_SIZE, bold=True) + 10 + text_width(words, TEXT_SIZE)
-    width = max(inside.width, header) + 2 * _PAD
-    height = _HEADER + inside.height + _PAD
+    width = max(inside.width, header) + 2 * _FRAME_PAD
+    height = _HEADER + inside.height + _FRAME_PAD
     frame = Box(0, 0, width, height, kind_of(node), name, (words,), node.doc, True, path)
     figure = Figure(width, height, [frame])
     figure.add(inside, (width - inside.width) / 2, _HEADER)
