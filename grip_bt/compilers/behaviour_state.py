@@ -23,7 +23,7 @@ Refined = Collection[tuple[str, str]]
 """(outcome, failure code) pairs that have a label of their own, `outcome.code`."""
 
 
-Planner = Callable[[Node], Callable[[], object]]
+MakeTicker = Callable[[Node], Callable[[], object]]
 
 
 class MachineRun:
@@ -31,14 +31,14 @@ class MachineRun:
 
     Attributes:
         pacer: says when to tick.
-        planner: makes, for a behaviour, what does its `tick_once`; None for that itself.
+        make_ticker: makes, for a behaviour, what does its `tick_once`; None for that itself.
         error: the first exception raised below. smach wraps exceptions, so that the original is kept here; the states
             in other threads end because of it.
     """
 
     def __init__(self) -> None:
         self.pacer: Pacer = Rushing()
-        self.planner: Planner | None = None
+        self.make_ticker: MakeTicker | None = None
         self.error: BaseException | None = None
 
     def turn(self) -> int:
@@ -112,7 +112,7 @@ class BehaviourState(TaskState):
         self.node, self.run, self.refined = node, run, frozenset(refined)
         self.path = node.path
         self._tick: Callable[[], object] = node.tick_once
-        self._planner: Planner | None = None
+        self._make_ticker: MakeTicker | None = None
 
     @property
     def embedded(self) -> bool:
@@ -126,9 +126,9 @@ class BehaviourState(TaskState):
     def execute(self, userdata: Any) -> str:
         """Tick to the end; a stop interrupts everything below, and unwinds."""
         run, node = self.run, self.node
-        if self._planner is not run.planner:
-            self._planner = run.planner
-            self._tick = node.tick_once if self._planner is None else self._planner(node)
+        if self._make_ticker is not run.make_ticker:
+            self._make_ticker = run.make_ticker
+            self._tick = node.tick_once if self._make_ticker is None else self._make_ticker(node)
         try:  # `drive`, in place
             while True:
                 seen = run.pacer.turn()

@@ -16,7 +16,7 @@ from grip_bt.nodes.observer import Observer
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog
 
-from .behaviour_state import BehaviourState, MachineRun, Planner, Refined, TaskState, labels
+from .behaviour_state import BehaviourState, MachineRun, MakeTicker, Refined, TaskState, labels
 from .conditions import answers_of, bind_condition
 from .drive import Halted, Pacer, TaskEnd
 from .enclosing import enclose
@@ -171,18 +171,18 @@ class CompiledMachine:
         """Ask the task to come to an end on its own terms: smach's flag, which travels to the active state."""
         self.machine.request_preempt()
 
-    def execute(self, pacer: Pacer, planner: Planner | None = None) -> TaskEnd:
+    def execute(self, pacer: Pacer, make_ticker: MakeTicker | None = None) -> TaskEnd:
         """Execute the machine in this thread; each active state ticks its behaviour as the pacer says.
 
         Args:
             pacer: says when.
-            planner: makes, for the behaviour of a state, what does its `tick_once`, which is the default.
+            make_ticker: makes, for the behaviour of a state, what does its `tick_once`, which is the default.
 
         Raises:
             Halted: the run was stopped; everything was interrupted, and no recovery state ran.
             NodeError: a leaf raised; everything was interrupted.
         """
-        self._run.pacer, self._run.planner, self._run.error = pacer, planner, None
+        self._run.pacer, self._run.make_ticker, self._run.error = pacer, make_ticker, None
         self.data[Scopes.TASK].reset()
         try:
             with _logged():

@@ -27,7 +27,7 @@ from grip_bt.task.catalog.manifest import Manifest
 
 from .asked import AskedContext, Asker
 from .beginning import begin
-from .node import LABEL, STATUS, Node
+from .node import STATUS, Node
 
 T = TypeVar("T")
 STOPPING = 60.0
@@ -231,7 +231,7 @@ class Leaf(Node):
     def conclude(self, status: Status) -> None:
         """Name the outcome of an `update` that returned a bare status."""
         if self.outcome is None:
-            self.outcome = LABEL[status]
+            self.outcome = "success" if status is Status.SUCCESS else "failure"
         if STATUS.get(self.meaning.get(self.outcome, "")) != status:
             raise ValueError(
                 f"update() returned {status.name}, but {self.manifest.id} ends with {dict(self.meaning)};"

@@ -52,7 +52,7 @@ class Node(Behaviour):
     def conclude(self, status: Status) -> None:
         """Settle `outcome` and `failure` of an activation that ends with `status`."""
         if self.outcome is None:
-            self.outcome = LABEL[status]
+            self.outcome = "success" if status is Status.SUCCESS else "failure"
 
     def stop(self, new_status: Status = Status.INVALID) -> None:
         """End an activation, or interrupt it (INVALID); an interrupted one has no outcome."""

@@ -3,12 +3,12 @@
 from .clock import ManualClock, WallClock
 from .context import RunContext
 from .control import serve_control
+from .engine import TickEngine
 from .journal import Journal, JournalError
 from .journal_events import Event
 from .journal_reader import JournalReader, RunRecord
 from .moment import Moment, NodeState
 from .pacing import Pacing
-from .plan import Plan
 from .recording import Recording
 from .reliving import Reliving, Result
 from .run_log import RunLog
@@ -31,7 +31,7 @@ __all__ = [
     "Moment",
     "NodeState",
     "Pacing",
-    "Plan",
+    "TickEngine",
     "Recording",
     "Reliving",
     "Result",

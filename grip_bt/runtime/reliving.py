@@ -210,7 +210,7 @@ class Reliving:
         if machine:
             time.sleep(0.0005)  # other threads come first; nothing is waited for
 
-    def ticker(self, make: Callable[[Any], Callable[[], object]]) -> Callable[[Any], Callable[[], object]]:
+    def make_ticker(self, make: Callable[[Any], Callable[[], object]]) -> Callable[[Any], Callable[[], object]]:
         """Return what makes ticks: those of py_trees as long as leaves are taken over, those of `make` after it."""
 
         def made(node: Behaviour) -> Callable[[], object]:

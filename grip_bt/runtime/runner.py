@@ -23,11 +23,11 @@ from grip_bt.nodes.observer import SILENT, Observer, Observers
 
 from .context import RunContext
 from .debugger import Debugger
+from .engine import TickEngine, make_ticker
 from .journal import Journal
 from .keeping import Keeper, Kept
 from .lockstep import Lockstep, WakeOnWrite
 from .pacing import Pacing, State
-from .plan import Plan, ticker
 from .recorder import Recorder
 from .reliving import News, Reliving, RelivingPacer
 from .rest import Rest, ended
@@ -142,7 +142,7 @@ class Runner:
             self.run_id, self._recorder = log.id, Recorder(log, context.clock)
         self._observers: list[Observer] = [] if self._recorder is None else [self._recorder]
         self._debugged = self._stale = False
-        self._plan: Plan | None = None
+        self._engine: TickEngine | None = None
         self._watchdog = Watchdog(self.pacing, compiled.leaves, watchdog, self._hung) if watchdog else None
         self._lost = False
         self._begun, self._ending = threading.Lock(), threading.Lock()
@@ -318,10 +318,11 @@ class Runner:
         pacer: Pacer = self.pacing if self._reliving is None else RelivingPacer(self.pacing, self._reliving)
         if isinstance(self.compiled, CompiledTree):
             return self.compiled.execute(pacer, self._tick if self._reliving is None else self._tick_again)
-        return self.compiled.execute(pacer, ticker if self._reliving is None else self._reliving.ticker(ticker))
+        make = make_ticker if self._reliving is None else self._reliving.make_ticker(make_ticker)
+        return self.compiled.execute(pacer, make)
 
     def _tick_again(self) -> None:
-        """Tick a task that happens again by py_trees' own means; by a plan when its leaves work by themselves."""
+        """Tick a task that happens again by py_trees' own means; by the engine when its leaves work by themselves."""
         if self._reliving is None:
             self._tick()
         elif self._reliving.settled:
@@ -334,13 +335,13 @@ class Runner:
             self.compiled.root.tick_once()  # type: ignore[union-attr]
 
     def _tick(self) -> None:
-        if self._stale or self._plan is None:
+        if self._stale or self._engine is None:
             self._stale = False
             self._install()
             root: Behaviour = self.compiled.root  # type: ignore[union-attr]
             # Our nodes keep their methods; somebody's own behaviours may do what they like.
-            self._plan = Plan(root, fixed_methods=not any(isinstance(node, Foreign) for node in root.iterate()))
-        self._plan.tick()
+            self._engine = TickEngine(root, fixed_methods=not any(isinstance(node, Foreign) for node in root.iterate()))
+        self._engine.tick()
 
     def _install(self) -> None:
         observers = [*self._observers, *([self.debugger] if self._debugged else [])]
@@ -348,7 +349,7 @@ class Runner:
         self.compiled.observe(observer if self._reliving is None else News(self._reliving.recording, observer))
 
     def _observe_debugger(self, needed: bool) -> None:
-        """Have the debugger told of the nodes, or not; a tree is asked between ticks, where its plan is made anew."""
+        """Have the debugger told of the nodes, or not; a tree is asked between ticks, where its engine is made anew."""
         if needed != self._debugged:
             self._debugged = needed
             if isinstance(self.compiled, CompiledTree):

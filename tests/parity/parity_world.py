@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import threading
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
@@ -18,8 +17,8 @@ from grip_bt.compilers import Halted, to_machine, to_tree
 from grip_bt.compilers.scopes import Scopes
 from grip_bt.nodes import Leaf
 from grip_bt.nodes.node import halt
-from grip_bt.runtime import ManualClock, Plan
-from grip_bt.runtime.plan import ticker
+from grip_bt.runtime import ManualClock, TickEngine
+from grip_bt.runtime.engine import make_ticker
 from grip_bt.task.catalog import Catalog, Manifest, TaskTexts
 from grip_bt.task.model import Subtask, Task
 from grip_bt.task.walking import walk
@@ -248,10 +247,6 @@ def catalog_of(case: dict[str, Any]) -> Catalog:
     return CATALOG.with_(tasks=TaskTexts({k: Task.model_validate(v) for k, v in case.get("files", {}).items()}))
 
 
-SOURCE = bool(os.environ.get("GRIP_FUZZ_SOURCE"))
-"""Whether all plans run generated source."""
-
-
 def _world(case: dict[str, Any], task: Task, origin: Mapping[str, str] | None) -> World:
     subtasks = frozenset(path for path, node in walk(task.root) if isinstance(node, Subtask))
     return World(case["scripts"], case.get("preempt_at"), origin, subtasks, case.get("outside", {}))
@@ -270,15 +265,15 @@ def run_tree(
     task: Task | None = None,
     origin: Mapping[str, str] | None = None,
     *,
-    by_plan: bool = False,
+    by_engine: bool = False,
 ) -> Run:
-    """Tick the compiled tree with py_trees' own manager, or by a plan.
+    """Tick the compiled tree with py_trees' own manager, or by the tick engine.
 
     Args:
         case: a task with scripts.
         task: run this task instead, which is the same under other paths.
         origin: path in `task` -> path in the case.
-        by_plan: whether a plan ticks.
+        by_engine: whether the tick engine ticks.
     """
     task = task or Task.model_validate(case["task"])
     world = _world(case, task, origin)
@@ -294,11 +289,8 @@ def run_tree(
     tree = BehaviourTree(compiled.root)
     tree.setup(context=world)
     tick = tree.tick
-    if by_plan:
-        plan = Plan(compiled.root)
-        if len(str(case)) % 2 or SOURCE:
-            plan.optimise()  # half of the tasks run generated source from the first tick on
-        tick = plan.tick
+    if by_engine:
+        tick = TickEngine(compiled.root).tick
     try:
         while True:
             world.turn()
@@ -334,7 +326,7 @@ def run_machine(
     compiled.observe(world)
     compiled.prepare(world)
     try:
-        reached = compiled.execute(world, ticker if len(str(case)) % 2 or SOURCE else None)
+        reached = compiled.execute(world, make_ticker if len(str(case)) % 2 else None)
         end: tuple[Any, ...] = (reached.outcome, reached.meaning, reached.failure.code if reached.failure else None)
     except Halted:
         end = ("stopped",)
@@ -352,15 +344,15 @@ def projections(records: list[tuple[Any, ...]]) -> dict[str, list[tuple[Any, ...
 
 
 def difference(case: dict[str, Any]) -> str | None:
-    """Run a case as a tree by py_trees, as the same tree by a plan, by the oracle, and as a machine.
+    """Run a case as a tree by py_trees, as the same tree by the tick engine, by the oracle, and as a machine.
 
     A machine's steps aren't ticks: what comes from outside between two ticks is left out where it is compared.
 
     Returns:
         how two of them differ, None when they don't, '' when it can't be told.
     """
-    tree, planned = run_tree(case), run_tree(case, by_plan=True)
-    unlike = _unlike(tree, planned, "plan") or _unlike(_as_said(tree), _as_said(Oracle(case).run()), "oracle")
+    tree, ticked = run_tree(case), run_tree(case, by_engine=True)
+    unlike = _unlike(tree, ticked, "engine") or _unlike(_as_said(tree), _as_said(Oracle(case).run()), "oracle")
     if unlike:
         return unlike
     if case.get("outside"):

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from xml.sax.saxutils import escape, quoteattr
 
-from .layout import NAME_SIZE, TEXT_SIZE, Box, Figure, Line, Pill, text_width
-from .views import ICON, LINE_HEIGHT
+from .figure import NAME_SIZE, TEXT_SIZE, Box, Figure, Line, Pill, text_width
+from .tree import ICON, LINE_HEIGHT
 
 _COLOURS = {  # fill, border
     "leaf": ("#ffffff", "#5b6470"),

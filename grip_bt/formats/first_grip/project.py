@@ -1,243 +1,41 @@
-"""A project folder for a robot's configuration of the first GRIP: `grip.yaml`, messages, sensors, components."""
+"""A project folder for what was imported: `grip.yaml`, messages, components, tasks, nodes to be filled in."""
 
 from __future__ import annotations
 
 import io
-import math
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+import shutil
+from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 from typing import Any
 
 from ruamel.yaml import YAML
 
-from grip_bt.base.errors import DocumentError
-from grip_bt.base.yaml.tree import parse, read_file, to_data
-from grip_bt.formats.generated_files import generated_by
-from grip_bt.formats.imported import Issues
-from grip_bt.formats.names import key_of
+from .configuration import Configuration
+from .original import Note
+from .sensors import sensor_entry
+from .words import is_hand, key_of
 
-from .settings import Key, Refused
-from .tasks import is_hand
-
-_FILES = (".yaml", ".yml")
-_OTHERS = (".xacro", ".urdf", ".launch", ".world", ".scene")
-
-
-@dataclass
-class Configuration:
-    """What was found.
-
-    Attributes:
-        parts: kind of file -> name -> what the file says of it.
-        sources: kind of file -> the files that it was read from.
-        scene: a file of the collision scene.
-        issues: what isn't as it was.
-    """
-
-    parts: dict[str, dict[str, Any]] = field(default_factory=dict)
-    sources: dict[str, list[str]] = field(default_factory=dict)
-    scene: Path | None = None
-    issues: Issues = field(default_factory=Issues)
-
-    def part(self, kind: str) -> Mapping[str, Any]:
-        """Return everything of a kind by name."""
-        return self.parts.get(kind, {})
-
-
-def read_configuration(settings: Mapping[Key, Any], file: Path) -> Configuration:
-    """Return what the files are that a robot's `.ini` names.
-
-    A file that isn't where it was is looked for by its name below the folder of the `.ini`.
-    """
-    found = Configuration()
-    for key, value in settings.items():
-        if isinstance(value, Refused):
-            found.issues.add("incomplete", f"{file.name}:{value.line}", f"{'/'.join(key)}: {value.reason}")
-        for text in _texts(value):
-            suffix = Path(text).suffix
-            if suffix in (*_FILES, *_OTHERS):
-                _take(found, text, file, "/".join(key))
-    return found
-
-
-def add_files(found: Configuration, files: Iterable[Path]) -> None:
-    """Add YAML files by themselves."""
-    for file in files:
-        _take_yaml(found, file)
-
-
-def _texts(value: Any) -> list[str]:
-    if isinstance(value, str):
-        return [value]
-    return [text for each in value for text in _texts(each)] if isinstance(value, list | tuple) else []
-
-
-def _take(found: Configuration, text: str, file: Path, key: str) -> None:
-    path = Path(text)
-    if not path.is_file():
-        beside = sorted(each for each in file.parent.rglob(path.name) if each.is_file())
-        if not beside:
-            found.issues.add("incomplete", file.name, f"{key}: {text} isn't there; give it by its own path")
-            return
-        path = beside[0]
-    if path.suffix in _FILES:
-        _take_yaml(found, path)
-    elif path.suffix == ".scene":
-        found.scene = path
-    elif path.suffix in (".urdf", ".xacro"):
-        found.issues.add("incomplete", path.name, "the robot's description: see docs for how a project names one")
-    else:
-        what = "a launch file of ROS 1" if path.suffix == ".launch" else "a world of Gazebo"
-        found.issues.add("incomplete", path.name, f"{what} isn't imported")
-
-
-def _take_yaml(found: Configuration, path: Path) -> None:
-    try:
-        data = to_data(parse(read_file(path), str(path)))
-    except DocumentError as error:
-        found.issues.add("incomplete", path.name, str(error))
-        return
-    if not isinstance(data, dict) or not data:
-        return
-    kind = next((kind for kind, fits in _KINDS.items() if fits(data)), None)
-    if kind is None:
-        found.issues.add("incomplete", path.name, "none of the formats of the first GRIP: not imported")
-        return
-    known = found.parts.setdefault(kind, {})
-    for name, value in data.items():
-        if name in known and known[name] != value:
-            found.issues.add(
-                "incomplete", path.name, f"{name!r} is also defined in another file with a different value"
-            )
-        else:
-            known[name] = value
-    found.sources.setdefault(kind, []).append(path.name)
-
-
-def _each(test: Callable[[Any], bool]) -> Callable[[dict[str, Any]], bool]:
-    return lambda data: all(test(value) for value in data.values())
-
-
-def _has(*keys: str) -> Callable[[Any], bool]:
-    return lambda value: isinstance(value, dict) and set(keys) <= set(value)
-
-
-def _numbers(value: Any) -> bool:
-    return isinstance(value, dict) and bool(value) and all(type(each) in (int, float) for each in value.values())
-
-
-def _points(value: Any) -> bool:
-    return isinstance(value, list) and bool(value) and all(_has("name", "interpolate_time")(each) for each in value)
-
-
-_KINDS: dict[str, Callable[[dict[str, Any]], bool]] = {
-    "hardware": lambda data: "robot_hardware" in data,
-    "sensor plugins": lambda data: isinstance(data.get("sensors"), list),
-    "poses": _each(_has("reference_frame")),
-    "joint_states": _each(_numbers),
-    "trajectories": _each(_points),
-    "components": _each(_has("action/service")),
-    "planners": _each(_has("planner_name")),
-    "sensors": _each(_has("data_topics")),
-    "controllers": _each(_has("type")),
-}
-
-
-_TYPES = (
-    (("point", "cloud", "pc"), "PointCloud"),
-    (("info",), "CameraInfo"),
-    (("depth",), "DepthImage"),
-    (("image", "rgb", "color", "colour"), "Image"),
-    (("joint",), "JointState"),
-)
-
-
-def sensor_entry(name: str, said: Mapping[str, Any], found: Configuration) -> dict[str, Any] | None:
-    """Return a sensor as `grip.yaml` has it; None where it has no topic."""
-    given = said["data_topics"]
-    topics = {}
-    for alias, topic in given.items() if isinstance(given, dict) else ():
-        type_name = _type(str(alias), str(topic))
-        if type_name is None:
-            text = f"the message type of topic {topic} is unknown: add it to `sensors`, with its type"
-            found.issues.add("incomplete", name, text)
-            continue
-        found.issues.add("changed", name, f"{alias}: {type_name}, by the names of alias and topic")
-        topics[key_of(str(alias))] = {"topic": "/" + str(topic).strip("/"), "type": type_name}
-    if not topics:
-        return None
-    made: dict[str, Any] = {"topics": topics}
-    pose = said.get("initial_pose")
-    pose = found.part("poses").get(pose) if isinstance(pose, str) else pose
-    if said.get("frame_id") and isinstance(pose, dict):
-        made["mount"] = _mount(name, str(said["frame_id"]), pose, found)
-    elif said.get("initial_pose"):
-        found.issues.add("incomplete", name, f"where it is ({said['initial_pose']!r}) isn't known; add `mount`")
-    if said.get("launch_file"):
-        found.issues.add("incomplete", name, f"{said['launch_file']} is of ROS 1: start its ROS 2 driver, or `driver`")
-    return {key: value for key, value in made.items() if value}
-
-
-def _type(alias: str, topic: str) -> str | None:
-    for text in (alias.lower(), topic.lower()):
-        for words, type_name in _TYPES:
-            if any(word in text for word in words):
-                return type_name
-    return None
-
-
-def _mount(name: str, frame: str, pose: Mapping[str, Any], found: Configuration) -> dict[str, Any] | None:
-    try:
-        position = [float(pose["position"][axis]) for axis in "xyz"]
-        turn = pose["orientation"]
-        if "w" in turn:
-            quaternion = [float(turn[axis]) for axis in "wxyz"]
-        else:
-            quaternion = quaternion_of(*(float(turn[axis]) for axis in "rpy"))
-    except (KeyError, TypeError, ValueError) as error:
-        found.issues.add("incomplete", name, f"its pose can't be read ({error}); add `mount`")
-        return None
-    return {
-        "frame": frame,
-        "on": str(pose.get("reference_frame", "world")),
-        "position": position,
-        "quaternion": quaternion,
-    }
-
-
-def quaternion_of(roll: float, pitch: float, yaw: float) -> list[float]:
-    """Return w, x, y, z of turns about the fixed x, then y, then z axis [rad]."""
-    (cr, sr), (cp, sp), (cy, sy) = ((math.cos(angle / 2), math.sin(angle / 2)) for angle in (roll, pitch, yaw))
-    return [
-        cr * cp * cy + sr * sp * sy,
-        sr * cp * cy - cr * sp * sy,
-        cr * sp * cy + sr * cp * sy,
-        cr * cp * sy - sr * sp * cy,
-    ]
-
-
-MARK = generated_by("grip")
+MARK = "Generated by `grip import --from grip`"
 MESSAGES = ("joint_states", "poses", "trajectories")
 
 
 def project_texts(found: Configuration) -> dict[str, str]:
     """Return the files of a project folder by their path in it; what isn't as it was is noted in `found`."""
-    texts = {"grip.yaml": _yaml_text(_project(found))}
+    texts = {"grip.yaml": _yaml(_project(found))}
     for kind in MESSAGES:
         if found.part(kind):
-            texts[f"messages/{kind}.yaml"] = _yaml_text(dict(found.part(kind)), flow=True)
+            texts[f"messages/{kind}.yaml"] = _yaml(dict(found.part(kind)), flow=True)
     for name, said in found.part("components").items():
-        entry = component_entry(name, said, found.issues)
+        entry = component_entry(name, said, found.notes)
         if entry is not None:
-            texts[f"components/{entry['name']}/component.yaml"] = _yaml_text(entry)
+            texts[f"components/{entry['name']}/component.yaml"] = _yaml(entry)
     for kind, what in (
         ("controllers", "controllers of ROS 1: configure ros2_control"),
         ("hardware", "the hardware connection of ROS 1: start the ROS 2 driver, for instance as one of `processes`"),
         ("sensor plugins", "plug-ins of move_group: `scene/update_from_cloud` puts what a camera sees into the scene"),
     ):
         if found.part(kind):
-            found.issues.add("incomplete", ", ".join(found.sources[kind]), f"{what}; not imported")
+            found.notes.append(Note("missing", ", ".join(found.sources[kind]), f"{what}; not imported"))
     return texts
 
 
@@ -247,11 +45,9 @@ def _project(found: Configuration) -> dict[str, Any]:
     for group, said in found.part("planners").items():
         if is_hand(group):
             hands[key_of(group)] = {"group": group}
-            found.issues.add(
-                "changed", group, "treated as a hand because of its name; no motions are planned for hands"
-            )
+            found.notes.append(Note("changed", group, "taken for a hand by its name; hands aren't planned for"))
         else:
-            arms[key_of(group)] = _arm(group, said, found.issues)
+            arms[key_of(group)] = _arm(group, said, found.notes)
     sensors = {key_of(name): sensor_entry(name, said, found) for name, said in found.part("sensors").items()}
     for key, value in (("arms", arms), ("hands", hands), ("sensors", {k: v for k, v in sensors.items() if v})):
         if value:
@@ -261,7 +57,7 @@ def _project(found: Configuration) -> dict[str, Any]:
     return made
 
 
-def _arm(group: str, said: Mapping[str, Any], issues: Issues) -> dict[str, Any]:
+def _arm(group: str, said: Mapping[str, Any], notes: list[Note]) -> dict[str, Any]:
     planner = str(said["planner_name"])
     planner = planner.removesuffix("kConfigDefault").removesuffix("ConfigDefault")
     made: dict[str, Any] = {"group": group, "planner": planner}
@@ -274,22 +70,22 @@ def _arm(group: str, said: Mapping[str, Any], issues: Issues) -> dict[str, Any]:
         if isinstance(value, int | float) and not isinstance(value, bool) and value > 0:
             made[name] = int(value) if name == "attempts" else float(value)
         elif value is not None:
-            issues.add("incomplete", group, f"{key} is {value!r} and no number above 0; the default is used")
+            notes.append(Note("missing", group, f"{key} is {value!r} and no number above 0; the usual is taken"))
     return made
 
 
-def component_entry(name: str, said: Mapping[str, Any], issues: Issues) -> dict[str, Any] | None:
+def component_entry(name: str, said: Mapping[str, Any], notes: list[Note]) -> dict[str, Any] | None:
     """Return the component file of an external component; None where its interface can't be told."""
     path = PurePosixPath(str(said["action/service"]))
     kind = {".action": "action", ".srv": "srv"}.get(path.suffix)
     if kind is None or len(path.parts) < 3 or not path.stem[:1].isupper():
         text = f"{path}: PACKAGE/{{action,srv}}/Name.{{action,srv}} is expected; the component isn't imported"
-        issues.add("incomplete", name, text)
+        notes.append(Note("missing", name, text))
         return None
     number = said.get("number_outcomes")
     count = number if type(number) is int and 0 < number < 100 else 1
     if count != number:
-        issues.add("incomplete", name, f"number_outcomes is {number!r}; one outcome is taken")
+        notes.append(Note("missing", name, f"number_outcomes is {number!r}; one outcome is taken"))
     key, package = key_of(name), key_of(path.parts[-3])
     made: dict[str, Any] = {
         "name": key,
@@ -303,9 +99,9 @@ def component_entry(name: str, said: Mapping[str, Any], issues: Issues) -> dict[
         owner = PurePosixPath(str(said.get("file", "")))
         made["start"] = {"package": _package(owner, package), "executable": program, "run": False}
     text = "its server is one of ROS 1: port it to ROS 2, set `run: true`"
-    issues.add("incomplete", name, f"{text}, and run `grip component add components/{key}` for its node")
+    notes.append(Note("missing", name, f"{text}, and run `grip component add components/{key}` for its node"))
     if said.get("run_node") is False:
-        issues.add("changed", name, "run_node: false is respected")
+        notes.append(Note("changed", name, "run_node: false is respected"))
     return made
 
 
@@ -317,9 +113,28 @@ def _package(file: PurePosixPath, otherwise: str) -> str:
     return otherwise
 
 
-def _yaml_text(data: Mapping[str, Any], flow: bool = False) -> str:
+def _yaml(data: Mapping[str, Any], flow: bool = False) -> str:
     yaml, text = YAML(), io.StringIO()
     yaml.default_flow_style = None if flow else False
     yaml.width = 120
     yaml.dump(dict(data), text)
     return f"# {MARK}.\n{text.getvalue()}"
+
+
+def write_files(folder: Path, texts: Mapping[str, str], copies: Mapping[str, Path]) -> list[Path]:
+    """Write files of a project, all or none.
+
+    Raises:
+        FileExistsError: one is there already that wasn't made by an import.
+    """
+    for name in (*texts, *copies):
+        path = folder / name
+        if path.exists() and (name in copies or MARK not in path.read_text(encoding="utf-8", errors="replace")):
+            raise FileExistsError(path)
+    for name, text in texts.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text, encoding="utf-8")
+    for name, source in copies.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(source, folder / name)
+    return [folder / name for name in (*texts, *copies)]

@@ -9,11 +9,9 @@ from py_trees.common import Status
 
 from grip_bt.compilers import to_tree
 from grip_bt.compilers.leaves import implementation_of
-from grip_bt.formats.btcpp import from_xml
-from grip_bt.formats.imported import Imported
+from grip_bt.formats.btcpp import ImportedFile, from_xml
 from grip_bt.nodes import Leaf
-from grip_bt.runtime import ManualClock
-from grip_bt.runtime.plan import Plan
+from grip_bt.runtime import ManualClock, TickEngine
 from grip_bt.task.catalog import Catalog, Manifest
 from grip_bt.task.validation import validate
 
@@ -27,7 +25,7 @@ def document(body: str, *more: str, models: str = "") -> str:
     return f'<root BTCPP_format="4" main_tree_to_execute="Main">{trees}{model}</root>'
 
 
-def imported(body: str, *more: str, models: str = "") -> Imported:
+def imported(body: str, *more: str, models: str = "") -> ImportedFile:
     """Return what a file becomes; it passes every check that is an error."""
     made = from_xml(document(body, *more, models=models), BUILTIN, "f.xml")
     report = validate(made.task, BUILTIN.with_manifests(made.manifests))
@@ -68,7 +66,7 @@ class World:
         scripts: leaf's name -> its script; without one it succeeds at once.
         more: further elements.
         models: of the TreeNodesModel.
-        planned: ticked by a plan.
+        by_engine: whether the tick engine ticks.
         data: initial values of the task's variables and inputs.
     """
 
@@ -78,7 +76,7 @@ class World:
         scripts: Mapping[str, str] | None = None,
         *more: str,
         models: str = "",
-        planned: bool = False,
+        by_engine: bool = False,
         **data: Any,
     ):
         self.clock = ManualClock()
@@ -91,7 +89,7 @@ class World:
         self.tree = to_tree(self.file.task, catalog, leaf_factory=self._make, data=data)
         self.tree.prepare(self)
         self.tree.data[""].reset()
-        self.plan = Plan(self.tree.root) if planned else None
+        self.engine = TickEngine(self.tree.root) if by_engine else None
 
     def _make(self, path: str, node: Any, manifest: Manifest) -> Leaf:
         if manifest.id.startswith("flow/"):
@@ -104,7 +102,7 @@ class World:
     def tick(self) -> str:
         """Tick once; return the outcome, or `running`, and forget the trace before."""
         self.trace.clear()
-        (self.plan.tick if self.plan is not None else self.tree.root.tick_once)()
+        (self.engine.tick if self.engine is not None else self.tree.root.tick_once)()
         return "running" if self.tree.root.status == Status.RUNNING else str(self.tree.root.outcome)
 
     def ticks(self, times: int, period: float = 0.0) -> list[str]:

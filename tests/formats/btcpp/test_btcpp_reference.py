@@ -71,7 +71,7 @@ def test_an_imported_tree_shows_what_bt_cpp_shows(body: str, scripts: dict[str, 
     assume(len(re.findall("<[A-Z]", body)) <= 40)
     expected = Reference(body, scripts).ticks(8)
     assert World(body, scripts).ticks(8) == expected
-    assert World(body, scripts, planned=True).ticks(8) == expected
+    assert World(body, scripts, by_engine=True).ticks(8) == expected
 
 
 def timed(below: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
@@ -102,4 +102,4 @@ def test_imported_deadlines_are_those_of_bt_cpp(body: str, scripts: dict[str, st
     assume("Timeout" in body)
     expected = told(Reference(body, scripts).ticks(9, 1.0))
     assert told(World(body, scripts).ticks(9, 1.0)) == expected
-    assert told(World(body, scripts, planned=True).ticks(9, 1.0)) == expected
+    assert told(World(body, scripts, by_engine=True).ticks(9, 1.0)) == expected

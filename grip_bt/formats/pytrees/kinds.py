@@ -1,0 +1,160 @@
+"""Which kind of node each class of py_trees is, with which settings; exact, or none."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from py_trees import behaviours, composites, decorators, timers
+from py_trees.behaviour import Behaviour
+from py_trees.common import ParallelPolicy
+
+
+class NoEqual(Exception):
+    """A behaviour has no equal in a task; the text says why."""
+
+
+@dataclass(frozen=True)
+class Equal:
+    """What a behaviour is in a task.
+
+    Attributes:
+        settings: keys of the node, `kind` or `node` among them.
+        failures: whether a child's failure ends it at once, which its kind wouldn't.
+        selected: positions of the children of a parallel whose successes are its own; empty where all count.
+        remark: what to know about it.
+    """
+
+    settings: dict[str, Any] = field(default_factory=dict)
+    failures: bool = False
+    selected: tuple[int, ...] = ()
+    remark: str = ""
+
+
+def equal_of(behaviour: Behaviour) -> Equal:
+    """Return what a behaviour of py_trees is in a task.
+
+    Raises:
+        NoEqual: nothing; the error says why.
+    """
+    known = _KNOWN.get(type(behaviour))
+    if known is not None:
+        return known(behaviour)
+    raise NoEqual(why_not(type(behaviour)))
+
+
+def is_known(behaviour: Behaviour) -> bool:
+    """Tell whether its class has an equal, or is known to have none."""
+    return type(behaviour) in _KNOWN or type(behaviour) in _WHY
+
+
+def why_not(cls: type[Behaviour]) -> str:
+    """Return why a class has no equal."""
+    return _WHY.get(cls) or f"{cls.__module__}.{cls.__name__} is no class that a task has"
+
+
+def _sequence(node: Any) -> Equal:
+    return Equal({"kind": "sequence", "memory": bool(node.memory)})
+
+
+def _selector(node: Any) -> Equal:
+    return Equal({"kind": "fallback", "memory": bool(node.memory)})
+
+
+def _parallel(node: Any) -> Equal:
+    policy = node.policy
+    # A child that has failed ends it: none but those that have succeeded could be ticked again.
+    again = {} if policy.synchronise else {"retick": True}
+    if type(policy) is ParallelPolicy.SuccessOnAll:
+        return Equal({"kind": "parallel", **again})
+    if type(policy) is ParallelPolicy.SuccessOnOne:
+        # The first failure ends it too, and before a success is looked at: that is what an exit does.
+        return Equal({"kind": "parallel", "policy": "any"}, failures=True)
+    if type(policy) is ParallelPolicy.SuccessOnSelected:
+        return _selected(node, again)
+    raise NoEqual(f"a Parallel with {type(policy).__name__}: what that decides isn't known")
+
+
+def _selected(node: Any, again: dict[str, Any]) -> Equal:
+    chosen = {id(child) for child in node.policy.children}
+    positions = tuple(n for n, child in enumerate(node.children) if id(child) in chosen)
+    if not chosen or len(positions) < len(chosen):
+        raise NoEqual(
+            "a Parallel with SuccessOnSelected needs a selection of its own children; py_trees refuses it too"
+        )
+    return Equal({"kind": "parallel", **again}, selected=positions)
+
+
+def _retry(node: Any) -> Equal:
+    return Equal({"kind": "retry", "times": max(1, node.num_failures)})
+
+
+def _repeat(node: Any) -> Equal:
+    return Equal({"kind": "repeat", **({"times": node.num_success} if node.num_success > 0 else {})})
+
+
+def _timeout(node: Any) -> Equal:
+    if node.duration <= 0:
+        raise NoEqual(f"a Timeout of {node.duration:g} s is over at once")
+    own = {"kind": "timeout", "seconds": float(node.duration), "child_first": True}
+    return Equal(own, remark="its time is that of the run's clock now")
+
+
+def _timer(node: Any) -> Equal:
+    leaf = {"node": "flow/wait", "with": {"seconds": float(node.duration)}}
+    return Equal(leaf, remark="its time is that of the run's clock now")
+
+
+def _always(**settings: Any) -> Callable[[Any], Equal]:
+    return lambda node: Equal(dict(settings))
+
+
+def _pass_through(node: Any) -> Equal:
+    return Equal({"kind": "guard", "if": "true"}, remark="a PassThrough is a guard that is always open")
+
+
+_KNOWN: dict[type[Behaviour], Callable[[Any], Equal]] = {
+    composites.Sequence: _sequence,
+    composites.Selector: _selector,
+    composites.Parallel: _parallel,
+    decorators.Retry: _retry,
+    decorators.Repeat: _repeat,
+    decorators.Timeout: _timeout,
+    decorators.Inverter: _always(kind="invert"),
+    decorators.FailureIsSuccess: _always(kind="force", **{"as": "success"}),
+    decorators.SuccessIsFailure: _always(kind="force", **{"as": "failure"}),
+    decorators.PassThrough: _pass_through,
+    behaviours.Success: _always(node="flow/succeed"),
+    behaviours.Failure: _always(node="flow/fail"),
+    timers.Timer: _timer,
+}
+ENDS = {
+    "flow/succeed": {"success": "success"},
+    "flow/wait": {"success": "success"},
+    "flow/fail": {"failure": "failure"},
+}
+"""What the leaves that behaviours of py_trees become can end with."""
+_RUNNING = "it makes an end of a child that runs, or the reverse; no node of a task does"
+_BLACKBOARD = "it works on py_trees' blackboard, which a task hasn't; its variables have types and a place"
+_WHY: dict[type[Behaviour], str] = {
+    decorators.RunningIsFailure: f"RunningIsFailure: {_RUNNING}",
+    decorators.RunningIsSuccess: f"RunningIsSuccess: {_RUNNING}",
+    decorators.FailureIsRunning: f"FailureIsRunning: {_RUNNING}",
+    decorators.SuccessIsRunning: f"SuccessIsRunning: {_RUNNING}",
+    decorators.Condition: f"Condition: {_RUNNING}",
+    decorators.OneShot: "OneShot: what it remembers outlives its container; no node of a task does that",
+    decorators.Count: "Count: nobody could read its counters; leave it out",
+    decorators.EternalGuard: "EternalGuard: its condition is a Python function; write a guard with an expression",
+    decorators.StatusToBlackboard: f"StatusToBlackboard: {_BLACKBOARD}",
+    decorators.ForEach: f"ForEach: {_BLACKBOARD}",
+    behaviours.SetBlackboardVariable: f"SetBlackboardVariable: {_BLACKBOARD}",
+    behaviours.UnsetBlackboardVariable: f"UnsetBlackboardVariable: {_BLACKBOARD}",
+    behaviours.BlackboardToStatus: f"BlackboardToStatus: {_BLACKBOARD}",
+    behaviours.CheckBlackboardVariableExists: f"CheckBlackboardVariableExists: {_BLACKBOARD}",
+    behaviours.CheckBlackboardVariableValue: f"CheckBlackboardVariableValue: {_BLACKBOARD}",
+    behaviours.CheckBlackboardVariableValues: f"CheckBlackboardVariableValues: {_BLACKBOARD}",
+    behaviours.CompareBlackboardVariables: f"CompareBlackboardVariables: {_BLACKBOARD}",
+    behaviours.WaitForBlackboardVariable: f"WaitForBlackboardVariable: {_BLACKBOARD}",
+    behaviours.WaitForBlackboardVariableValue: f"WaitForBlackboardVariableValue: {_BLACKBOARD}",
+}

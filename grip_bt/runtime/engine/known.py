@@ -1,0 +1,156 @@
+"""Which rules a node of a tree follows: those of py_trees, ours, or its own.
+
+A node is compiled only when its `tick` and `stop` are known to the letter. py_trees' methods are remembered as they
+were when this module was imported: a class that has been patched since is a stranger.
+"""
+
+from __future__ import annotations
+
+from enum import Enum, auto
+from typing import Any
+
+from py_trees import behaviours, composites, decorators
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+
+from grip_bt.nodes.control.chooser import _Turns
+from grip_bt.nodes.control.condition import Conditional
+from grip_bt.nodes.control.container import Container
+from grip_bt.nodes.control.dispatch import _Steps
+from grip_bt.nodes.control.guard import _Gate
+from grip_bt.nodes.control.parallel import _Rounds
+from grip_bt.nodes.leaf import Leaf
+from grip_bt.nodes.node import Node
+
+S, F, R, INVALID = Status.SUCCESS, Status.FAILURE, Status.RUNNING, Status.INVALID
+VALID = tuple(Status)
+
+
+class Rules(Enum):
+    """How a node is ticked."""
+
+    LEAF = auto()
+    SEQUENCE = auto()
+    SELECTOR = auto()
+    PARALLEL = auto()
+    DECORATOR = auto()
+    ROUNDS = auto()
+    """Our parallel."""
+    STEPS = auto()
+    """Our state machine."""
+    TURNS = auto()
+    """Our switch, loop, for_each and cooldown."""
+    GATE = auto()
+    """Our guard and our timeout."""
+    OWN = auto()
+    """By its own generator."""
+
+
+_KNOWN = {
+    Behaviour.tick: (Rules.LEAF, Behaviour.stop),
+    composites.Sequence.tick: (Rules.SEQUENCE, composites.Sequence.stop),
+    composites.Selector.tick: (Rules.SELECTOR, composites.Selector.stop),
+    composites.Parallel.tick: (Rules.PARALLEL, composites.Parallel.stop),
+    decorators.Decorator.tick: (Rules.DECORATOR, decorators.Decorator.stop),
+    _Rounds.tick: (Rules.ROUNDS, composites.Parallel.stop),
+    _Steps.tick: (Rules.STEPS, composites.Composite.stop),
+    _Turns.tick: (Rules.TURNS, composites.Composite.stop),
+    _Gate.tick: (Rules.GATE, decorators.Decorator.stop),
+}
+_OURS_TICK = {Container: Container.tick, Leaf: Leaf.tick}
+_OURS_STOP = Node.stop
+_CONDITIONAL = Conditional.tick
+_VALIDATION = composites.Parallel.validate_policy_configuration
+_PLAIN = {
+    "initialise": (Behaviour.initialise,),
+    "terminate": (Behaviour.terminate, behaviours.StatusQueue.terminate),  # which writes a debug message
+}
+LIFE_CYCLE = ("tick", "stop", "initialise", "terminate", "validate_policy_configuration")
+"""Methods whose replacement changes how a node is compiled; `update` is looked up at each call."""
+
+
+def rules_of(node: Behaviour) -> Rules:
+    """Return the rules that the node follows; OWN for everything that isn't known to the letter."""
+    cls: Any = type(node)
+    if replaced_on(node, "tick") or replaced_on(node, "stop"):
+        return Rules.OWN
+    tick, stop = cls.tick, cls.stop
+    if issubclass(cls, Node):
+        mixin = Leaf if issubclass(cls, Leaf) else Container
+        if tick is _CONDITIONAL:
+            tick = _after(cls, Conditional, "tick")
+        if tick is not _OURS_TICK[mixin] or stop is not _OURS_STOP:
+            return Rules.OWN
+        tick, stop = _after(cls, mixin, "tick"), _after(cls, Node, "stop")
+    rules, known_stop = _KNOWN.get(tick, (Rules.OWN, None))
+    if stop is not known_stop or (rules is Rules.LEAF and isinstance(node, composites.Composite)):
+        return Rules.OWN
+    return rules
+
+
+def children_of(node: Any, rules: Rules) -> list[Behaviour]:
+    """Return the children that the node ticks."""
+    return [node.decorated] if rules in (Rules.DECORATOR, Rules.GATE) else list(node.children)
+
+
+def regular(node: Any, rules: Rules) -> bool:
+    """Tell whether the children can be compiled too: each is there once, and ours has ours alone."""
+    if rules in (Rules.LEAF, Rules.OWN):
+        return True
+    kids = children_of(node, rules)
+    if len(set(map(id, kids))) != len(kids):
+        return False
+    return not ours(node) or all(ours(kid) and rules_of(kid) is not Rules.OWN for kid in kids)
+
+
+def deeper_than(levels: int, node: Behaviour) -> bool:
+    """Tell whether a tree has more than so many levels."""
+    row = [node]
+    for _ in range(levels):
+        row = [kid for parent in row for kid in (*parent.children, *_decorated(parent))]
+        if not row:
+            return False
+    return True
+
+
+def _decorated(node: Any) -> tuple[Behaviour, ...]:
+    kid = getattr(node, "decorated", None)
+    return () if kid is None or kid in node.children else (kid,)
+
+
+def ours(node: Behaviour) -> bool:
+    """Tell whether the node reports to observers and has labelled ends."""
+    return isinstance(node, Node)
+
+
+def overrides(node: Behaviour, name: str) -> bool:
+    """Tell whether `initialise` or `terminate` does more than those of py_trees that do nothing."""
+    return replaced_on(node, name) or getattr(type(node), name) not in _PLAIN[name]
+
+
+def plain_validation(node: Behaviour) -> bool:
+    """Tell whether a parallel looks at its policy as py_trees does."""
+    name = "validate_policy_configuration"
+    return not replaced_on(node, name) and getattr(type(node), name) is _VALIDATION
+
+
+def plain_activation(node: Behaviour) -> bool:
+    """Tell whether a leaf of ours begins and names its end as all do."""
+    cls: Any = type(node)
+    same = cls.begin is Node.begin and cls.conclude is Leaf.conclude
+    return same and not replaced_on(node, "begin") and not replaced_on(node, "conclude")
+
+
+def replaced_on(node: Behaviour, name: str) -> bool:
+    """Tell whether the instance has a method of its own. Doesn't ask for `__dict__`, which would slow the node down."""
+    method = getattr(node, name)
+    return getattr(method, "__func__", None) is not getattr(type(node), name) or method.__self__ is not node
+
+
+def _after(cls: type, mixin: type, name: str) -> Any:
+    """Return what `super().name` means in `mixin` for instances of `cls`."""
+    line = cls.__mro__
+    for base in line[line.index(mixin) + 1 :]:
+        if name in vars(base):
+            return vars(base)[name]
+    return None

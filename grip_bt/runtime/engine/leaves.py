@@ -1,0 +1,106 @@
+"""Ticks of compiled leaves, py_trees' own and ours with their errors and observers, and of nodes left to py_trees."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+
+from grip_bt.base.errors import NodeError
+from grip_bt.nodes.observer import SILENT
+
+from .halting import Stop, Tick
+from .known import INVALID, VALID, F, R, S, overrides, plain_activation
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a parent makes of a child that yields, which matters for children that are ticked by their own generator.
+
+    Attributes:
+        leave: at these statuses of a child that yields itself, the parent leaves the child's generator for good.
+        onward: what a child that was never left has said.
+    """
+
+    leave: tuple[Status, ...] = ()
+    onward: Status = S
+
+
+def by_generator(node: Behaviour, verdict: Verdict) -> Tick:
+    """Tick by the node's own generator."""
+
+    def tick(known: int) -> Status:
+        for yielded in node.tick():
+            if yielded is node and node.status in verdict.leave:
+                return node.status
+        return verdict.onward
+
+    return tick
+
+
+def rejected(node: Behaviour, status: Any) -> Status:
+    """Return INVALID and complain, as py_trees does about what isn't a status."""
+    node.logger.error(f"A behaviour returned an invalid status, setting to INVALID [{status}][{node.name}]")
+    return INVALID
+
+
+def leaf(node: Any) -> Tick:
+    """`Behaviour.tick`."""
+    initialises, terminates = overrides(node, "initialise"), overrides(node, "terminate")
+
+    def tick(known: int) -> Status:
+        if initialises and node.status is not R:
+            node.initialise()
+        status: Status = node.update()
+        if status is not S and status is not F and status is not R and status not in VALID:
+            status = rejected(node, status)
+        if terminates and status is not R:
+            node.terminate(status)
+        node.status = status
+        return status
+
+    return tick
+
+
+def only_updates(node: Any) -> bool:
+    """Tell whether a leaf of py_trees overrides `update` alone."""
+    return not (overrides(node, "initialise") or overrides(node, "terminate"))
+
+
+def our_leaf(node: Any, stop: Stop) -> Tick:
+    """`Leaf.tick`: an activation is reported, and what `update` raises becomes a NodeError."""
+    initialises = overrides(node, "initialise")
+    begin: Callable[[Any], None] = _begin if plain_activation(node) else lambda leaf: leaf.begin()
+
+    def tick(known: int) -> Status:
+        try:
+            if node.status is not R:
+                node.inputs_read = {}
+                begin(node)
+                if initialises:
+                    node.initialise()
+            status: Status = node.update()
+            if status is not R:
+                if status is not S and status is not F and status not in VALID:
+                    status = rejected(node, status)
+                stop(status)
+            node.status = status
+            if status is INVALID:
+                raise TypeError("update() has to return SUCCESS, FAILURE or RUNNING")
+        except Exception as error:
+            node._abandon(error)
+            raise NodeError(node.path, error) from error
+        return status
+
+    return tick
+
+
+def _begin(node: Any) -> None:
+    """`Node.begin`."""
+    node.outcome = node.failure = None
+    node.active = True
+    if node.observer is not SILENT:
+        node.observer.entered(node.path)
