@@ -29,7 +29,7 @@ import yaml
 from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.app.project.folder import find_project
 from grip_bt.app.wiring.open import open_resources
-from grip_bt.app.wiring.parts import silent
+from grip_bt.app.wiring.parts import Opening
 from grip_bt.base.values import Failure, Grasp, JointState, Pose
 from grip_bt.compilers import to_machine, to_tree
 from grip_bt.nodes.observer import Silent
@@ -178,7 +178,7 @@ class Session:
         project = find_project(folder / "tasks" / "reactive_pick.yaml")
         self._catalog = catalogue_of(project)
         needs = {leaf.manifest.id for leaf in self._compile(self.task, self._catalog).leaves.values()}
-        self.resources = stack.enter_context(open_resources(project, needs, "sim", 0, None, silent))
+        self.resources = stack.enter_context(open_resources(Opening(project), needs, "sim"))
         self.simulation = self.resources.world
         self.clock = self.simulation.clock
         self._begin = self.simulation.kept()

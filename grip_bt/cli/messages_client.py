@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, suppress
 from typing import Any
 
-from grip_bt.app.wiring.parts import told_when_slow
+from grip_bt.app.wiring.progress import report_if_slow
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import NoEntryError, ServerLostError, ServerTimeOutError
 from grip_bt.base.message_store.written import plain_of, text_of
@@ -182,7 +182,7 @@ def _server() -> Iterator[RosMessages]:
 def told_of_building() -> AbstractContextManager[None]:
     """Say that the interfaces are being built, where that takes its time: once on a machine."""
     words = "grip: building the interfaces of messages, once; this takes a while ..."
-    return told_when_slow(lambda _, said: print(said, file=sys.stderr, flush=True), "messages", lambda: words, SILENT)
+    return report_if_slow(lambda _, said: print(said, file=sys.stderr, flush=True), "messages", lambda: words, SILENT)
 
 
 def _done(operation: Operation[Any]) -> Any:

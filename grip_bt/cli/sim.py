@@ -5,14 +5,18 @@ from __future__ import annotations
 import argparse
 import threading
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from grip_bt.app.project.folder import find_project
-from grip_bt.app.wiring.ros_simulation import Served, serve_world
+from grip_bt.app.wiring.parts import load_part
 from grip_bt.base.errors import GripError
 
 from .parser import number
 from .signals import on_stop
 from .streams import progress
+
+if TYPE_CHECKING:
+    from grip_bt.app.wiring.ros_simulation import Served
 
 STOPPED, SIMULATOR_ENDED = 0, 4
 
@@ -37,7 +41,8 @@ def run(args: argparse.Namespace) -> int:
     over = threading.Event()
     on_stop(over.set)
     project = find_project(args.project)
-    with serve_world(project, args.world, args.seed, args.pace, progress, args.camera_rate) as served:
+    serving = load_part("ros_simulation", "the simulator or ROS", "sim,ros")
+    with serving.serve_world(project, args.world, args.seed, args.pace, progress, args.camera_rate) as served:
         if args.room is not None:
             args.room.write_text(served.room)
         print(_settings(served, args.room), flush=True)

@@ -10,7 +10,7 @@ from typing import Any
 from grip_bt.app.project.faults import TAUGHT
 from grip_bt.app.project.folder import find_project
 from grip_bt.app.wiring.open import open_resources
-from grip_bt.app.wiring.parts import Resources
+from grip_bt.app.wiring.parts import Opening, Resources
 from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.values import JointState, Pose
@@ -37,7 +37,7 @@ def run(args: argparse.Namespace) -> int:
         return _list(project.folder / TAUGHT, args.json)
     if project.file.robot is None:
         raise MissingPartError("a robot", f"name one in {project.folder / 'grip.yaml'} (`robot:`)")
-    with open_resources(project, ["arm/teach"], args.robot, 0, None, lambda *_: None) as resources:
+    with open_resources(Opening(project), ["arm/teach"], args.robot) as resources:
         try:
             part, value = _teach(resources, args)
         except ExpectedError as error:

@@ -1,7 +1,7 @@
 """Running compiled tasks: clock, context, runner, journal, control."""
 
 from .clock import ManualClock, WallClock
-from .context import RunContext
+from .context import RunContext, RunParts
 from .control import serve_control
 from .engine import TickEngine
 from .journal import Journal, JournalError
@@ -36,6 +36,7 @@ __all__ = [
     "Reliving",
     "Result",
     "RunContext",
+    "RunParts",
     "RunLog",
     "RunRecord",
     "RunResult",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import threading
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from grip_bt.base.errors import MissingPartError, UnknownNameError
@@ -36,58 +37,64 @@ MESSAGES = ("next", "recent", "together")
 """What waits for messages that somebody may send at any time, and isn't a call with an answer."""
 
 
-class RunContext:
-    """Implements `grip_bt.base.ports.Context` over mappings.
+@dataclass(frozen=True)
+class RunParts:
+    """What a run offers to its leaves.
 
-    Args:
-        clock: the run's clock; the wall's by default.
+    Attributes:
         arms: by name.
         hands: by name.
         cameras: by the sensor's name.
         components: external components, by name.
-        scene: the planning scene, where there is one.
         sensors: sensors on topics, by name.
+        scene: the planning scene, where there is one.
         ros: the connection to ROS, where there is one.
         messages: the project's named values, where there are some.
-        workers: how many threads run blocking code at most; as many as are needed where a simulated world waits for it.
         pausable: what stands still while the run is paused, besides its clock: a simulator, an arm, a hand.
         lockstep: with the simulated world with which the run takes turns, where there is one.
         measure: measures joints anew, where the last state that is known of them may be old.
     """
 
-    def __init__(
-        self,
-        clock: Clock | None = None,
-        *,
-        arms: Mapping[str, Arm] | None = None,
-        hands: Mapping[str, Hand] | None = None,
-        cameras: Mapping[str, Camera] | None = None,
-        components: Mapping[str, Component] | None = None,
-        scene: Scene | None = None,
-        sensors: Mapping[str, Sensor] | None = None,
-        ros: Ros | None = None,
-        messages: Messages | None = None,
-        workers: int = 4,
-        pausable: Sequence[Pausable] = (),
-        lockstep: Lockstep | None = None,
-        measure: Measure | None = None,
-    ):
+    arms: Mapping[str, Arm] = field(default_factory=dict)
+    hands: Mapping[str, Hand] = field(default_factory=dict)
+    cameras: Mapping[str, Camera] = field(default_factory=dict)
+    components: Mapping[str, Component] = field(default_factory=dict)
+    sensors: Mapping[str, Sensor] = field(default_factory=dict)
+    scene: Scene | None = None
+    ros: Ros | None = None
+    messages: Messages | None = None
+    pausable: Sequence[Pausable] = ()
+    lockstep: Lockstep | None = None
+    measure: Measure | None = None
+
+
+class RunContext:
+    """Implements `grip_bt.base.ports.Context` over mappings.
+
+    Args:
+        clock: the run's clock; the wall's by default.
+        parts: what leaves are offered; nothing by default.
+        workers: how many threads run blocking code at most; as many as are needed where a simulated world waits for it.
+    """
+
+    def __init__(self, clock: Clock | None = None, parts: RunParts | None = None, workers: int = 4):
+        parts = parts or RunParts()
         self._clock: Clock = clock if clock is not None else WallClock()
         self._motions = Motions()
-        self._arms: dict[str, Arm] = self._moved(arms or {})
-        self._hands: dict[str, Hand] = self._moved(hands or {})
-        self._cameras, self._components = dict(cameras or {}), dict(components or {})
-        self._scene, self._sensors, self._ros = scene, dict(sensors or {}), ros
-        self.lockstep = lockstep
+        self._arms: dict[str, Arm] = self._moved(parts.arms)
+        self._hands: dict[str, Hand] = self._moved(parts.hands)
+        self._cameras, self._components = dict(parts.cameras), dict(parts.components)
+        self._scene, self._sensors, self._ros = parts.scene, dict(parts.sensors), parts.ros
+        self.lockstep = lockstep = parts.lockstep
         if lockstep is not None:
             self._components = {name: InTurn(part, lockstep) for name, part in self._components.items()}
             self._sensors = {name: InTurn(part, lockstep) for name, part in self._sensors.items()}
-            self._ros = None if ros is None else InTurn(ros, lockstep, waiting=MESSAGES)
-        self._messages = messages
+            self._ros = None if parts.ros is None else InTurn(parts.ros, lockstep, waiting=MESSAGES)
+        self._messages = parts.messages
         self._workers = Workers(workers if lockstep is None else sys.maxsize)
         self._preempt_requests = 0
-        self._pausable = [part for part in (*pausable, self._clock) if isinstance(part, Pausable)]
-        self._measure = measure
+        self._pausable = [part for part in (*parts.pausable, self._clock) if isinstance(part, Pausable)]
+        self._measure = parts.measure
         self._used: dict[int, Arm | Hand] = {}
         self._pausing = threading.RLock()  # a part that goes on may end what has another one let go
         self._paused = False

@@ -129,8 +129,7 @@ def test_fakes_are_what_the_ports_ask_for():
 
 def test_a_component_that_is_not_in_the_project_is_still_named(project):
     from grip_bt.app.project.folder import find_project
-    from grip_bt.app.wiring.fake import open_components
-    from grip_bt.app.wiring.parts import Resources
+    from grip_bt.app.wiring.fake import fake_components
 
     with pytest.raises(UnknownNameError, match="component 'grasps'"):
-        open_components(find_project(project), ["grasps"], Resources())
+        fake_components(find_project(project), ["grasps"])

@@ -10,8 +10,7 @@ from robot_files import description_package, moveit_package
 
 from grip_bt.app.project.config import ArmConfig
 from grip_bt.app.project.folder import find_project
-from grip_bt.app.wiring.commanders import settings_of
-from grip_bt.app.wiring.planners import planners_in_force
+from grip_bt.app.wiring.planners import planners_in_force, settings_of
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.cli.__main__ import main
 from grip_bt.commanders.description.config import RobotConfig

@@ -122,7 +122,6 @@ def test_simulated_time_is_the_clock_topics(bus):
 
 def test_a_run_that_waits_for_simulated_time_in_vain_is_told_what_is_published(bus, monkeypatch):
     from grip_bt.app.wiring import ros as ros_parts
-    from grip_bt.app.wiring.parts import Resources
 
     monkeypatch.setattr(ros_parts, "TIME_STARTS", 0.2)
     ended(bus.writer("rosgraph_msgs/msg/Clock", "/sim/clock").publish(_stamp(1.0), subscribers=0))
@@ -130,7 +129,7 @@ def test_a_run_that_waits_for_simulated_time_in_vain_is_told_what_is_published(b
         r"/clock: no simulated time within 0\.2 s: nobody publishes it; rosgraph_msgs/msg/Clock is published in .* as "
     )
     with ExitStack() as stack, pytest.raises(ServerLostError, match=said + "/sim/clock. To mend it: start the simul"):
-        ros_parts._take_time(bus, Resources(), stack)
+        ros_parts.simulated_clock(bus, stack)
 
 
 def test_simulated_time_never_goes_back_and_wakes_who_waits(bus):

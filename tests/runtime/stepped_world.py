@@ -12,7 +12,7 @@ from grip_bt.base.failures import CanceledError
 from grip_bt.base.operation import Operation
 from grip_bt.nodes import OperationLeaf
 from grip_bt.nodes.observer import Silent
-from grip_bt.runtime import ManualClock, RunContext, Runner
+from grip_bt.runtime import ManualClock, RunContext, Runner, RunParts
 from grip_bt.runtime.lockstep import Lockstep
 from grip_bt.task.catalog import Catalog, Manifest
 from grip_bt.task.model import Task
@@ -161,7 +161,7 @@ def runner_of(target: Any, root: dict[str, Any], delays: int) -> tuple[Runner, T
     data = {"last": "float"}
     task = Task.model_validate({"grip": 1, "name": "run", "root": root, "data": data})
     compiled = target(task, CATALOG, leaf_factory=make)
-    context = RunContext(world.clock, lockstep=Lockstep(world))
+    context = RunContext(world.clock, RunParts(lockstep=Lockstep(world)))
     runner = Runner(compiled, context)
     trace = Trace(world.clock)
     runner.observe(trace)

@@ -12,7 +12,7 @@ from stepped_world import KINDS, SteppedWorld, Trace, runner_of
 
 from grip_bt.base.operation import Operation
 from grip_bt.compilers import to_machine, to_tree
-from grip_bt.runtime import RunContext, Runner, lockstep
+from grip_bt.runtime import RunContext, Runner, RunParts, lockstep
 from grip_bt.runtime.lockstep import Lockstep
 from grip_bt.runtime.waker import Waker
 from grip_bt.task.catalog import Catalog
@@ -108,7 +108,7 @@ def test_what_a_node_writes_is_seen_at_that_moment_by_one_that_was_ticked_before
     data = {"reached": {"type": "int", "value": 0}}
     task = Task.model_validate({"grip": 1, "name": "run", "root": root, "data": data})
     world = SteppedWorld(lambda: 0.0)
-    runner = Runner(target(task, Catalog.builtin()), RunContext(world.clock, lockstep=Lockstep(world)))
+    runner = Runner(target(task, Catalog.builtin()), RunContext(world.clock, RunParts(lockstep=Lockstep(world))))
     trace = Trace(world.clock)
     runner.observe(trace)
     assert runner.run().status == "success"

@@ -18,7 +18,7 @@ from grip_bt.base.operation import Operation
 from grip_bt.commanders.fake import FakeArm
 from grip_bt.commanders.fake.joints import OnClock
 from grip_bt.compilers import to_tree
-from grip_bt.runtime import Journal, JournalReader, ManualClock, RunContext, Runner
+from grip_bt.runtime import Journal, JournalReader, ManualClock, RunContext, Runner, RunParts
 from grip_bt.task.catalog import Catalog, Manifest, read_python_nodes
 from grip_bt.task.model import Task
 
@@ -132,7 +132,7 @@ def test_an_arm_is_moved_by_awaiting_its_plan_and_its_motion() -> None:
     arm = FakeArm(schedule=OnClock(clock))
     home = arm.named_states()["home"]
     arm._states["there"] = there = type(home)(home.names, home.position + 0.5)
-    run = run_of(Moves, to_tree, RunContext(clock, arms={"right": arm}, pausable=[arm])).start()
+    run = run_of(Moves, to_tree, RunContext(clock, RunParts(arms={"right": arm}, pausable=[arm]))).start()
     wait_for(lambda: arm._gantry.executed)
     clock.advance(100.0)
     assert run.join().status == "success"

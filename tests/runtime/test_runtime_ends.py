@@ -21,7 +21,7 @@ from grip_bt.base.values import JointState
 from grip_bt.nodes.async_leaf import AsyncLeaf
 from grip_bt.nodes.leaf import Leaf, OperationLeaf
 from grip_bt.nodes.smach_leaf import SmachLeaf
-from grip_bt.runtime import RunContext
+from grip_bt.runtime import RunContext, RunParts
 from grip_bt.smach_compat import State
 
 both = pytest.mark.parametrize("target", TARGETS)
@@ -277,7 +277,7 @@ def test_whatever_has_begun_a_motion_the_next_one_waits_for_its_end(
     monkeypatch.setitem(KINDS, "obey", second)
     arms: Any = {"right": ServedArm()}
     root = either(late(0.08, leaf("work")), late(0.25, leaf("obey")), leaf("end"))
-    result = Started(target, root, RunContext(arms=arms), poll=0.01).start().join()
+    result = Started(target, root, RunContext(parts=RunParts(arms=arms)), poll=0.01).start().join()
     assert (result.status, result.zombies, server.working) == ("success", (), [])
     assert server.began[0][0] == "c0/w"
     assert server.overlaps == []
@@ -294,7 +294,7 @@ def test_a_motion_of_which_nobody_can_say_that_it_stopped_ends_the_run_whatever_
     monkeypatch.setitem(KINDS, "obey", Reaching)
     arms: Any = {"right": ServedArm()}
     root = either(late(0.08, leaf("work")), leaf(second))
-    result = Started(target, root, RunContext(arms=arms), poll=0.01).start().join()
+    result = Started(target, root, RunContext(parts=RunParts(arms=arms)), poll=0.01).start().join()
     assert result.status == "error"
     assert "the server says nothing" in str(result.error)
     assert [path for path, _ in server.began] == ["c0/w"]
@@ -352,7 +352,7 @@ def stopped_with(target: Any, part: Any, **more: Any) -> Any:
     KINDS["break"], before = Using, KINDS["break"]
     try:
         arms: Any = {"right": part}
-        run = Started(target, leaf("break"), RunContext(arms=arms, **more)).start()
+        run = Started(target, leaf("break"), RunContext(parts=RunParts(arms=arms, **more))).start()
     finally:
         KINDS["break"] = before
     run.wait_tick("/")

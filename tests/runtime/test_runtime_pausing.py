@@ -19,7 +19,7 @@ from grip_bt.commanders.fake import FakeArm
 from grip_bt.commanders.fake.joints import OnClock
 from grip_bt.compilers import to_tree
 from grip_bt.nodes.function import leaf as leaf_of
-from grip_bt.runtime import ManualClock, RunContext, Runner, WallClock
+from grip_bt.runtime import ManualClock, RunContext, Runner, RunParts, WallClock
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.model import Task
 
@@ -69,7 +69,7 @@ def test_a_wall_clock_leaves_pauses_out(time_passes: Passing) -> None:
 def test_a_paused_run_holds_the_arm_in_the_middle_of_its_motion_and_goes_on() -> None:
     clock = ManualClock()
     arm = FakeArm(schedule=OnClock(clock))
-    context = RunContext(clock, arms={"right": arm}, pausable=[arm])
+    context = RunContext(clock, RunParts(arms={"right": arm}, pausable=[arm]))
     root = {"node": "arm/move_to", "with": {"state": "there"}}
     there = arm.named_states()["home"]
     arm._states["there"] = type(there)(there.names, there.position + 0.5)
@@ -226,6 +226,6 @@ def test_a_part_that_there_is_not_is_told_apart_from_having_none_at_all(kind: st
 
 def test_named_messages_are_those_of_the_project() -> None:
     kept: Any = SimpleNamespace()
-    assert RunContext(ManualClock(), messages=kept).messages() is kept
+    assert RunContext(ManualClock(), RunParts(messages=kept)).messages() is kept
     with pytest.raises(MissingPartError, match="grip new"):
         RunContext(ManualClock()).messages()

@@ -11,7 +11,7 @@ from runtime_world import TARGETS, Started, leaf
 
 from grip_bt.base.errors import MissingPartError, NodeError, UnknownNameError
 from grip_bt.compilers import to_machine, to_tree
-from grip_bt.runtime import ManualClock, RunContext, Runner
+from grip_bt.runtime import ManualClock, RunContext, Runner, RunParts
 
 both = pytest.mark.parametrize("target", TARGETS)
 SEQUENCE = {"kind": "sequence", "children": {"a": leaf("end"), "w": leaf("wait")}}
@@ -202,7 +202,7 @@ def test_a_run_has_one_clock() -> None:
 
 def test_unknown_parts_are_listed_and_an_empty_name_means_the_only_one() -> None:
     part: Any = SimpleNamespace(name="right")
-    context = RunContext(arms={"right": part}, hands={"left_hand": part, "right_hand": part})
+    context = RunContext(parts=RunParts(arms={"right": part}, hands={"left_hand": part, "right_hand": part}))
     assert context.arm("").name == "right"
     with pytest.raises(UnknownNameError, match="unknown arm 'rigt'; did you mean 'right'"):
         context.arm("rigt")

@@ -14,7 +14,7 @@ from runtime_world import KINDS, TARGETS, Ending, Hanging, Started, Waiting, lea
 from grip_bt.base.errors import GripError, HungError, NodeError
 from grip_bt.base.operation import Operation
 from grip_bt.nodes.leaf import OperationLeaf
-from grip_bt.runtime import Journal, JournalReader, RunContext, Runner
+from grip_bt.runtime import Journal, JournalReader, RunContext, Runner, RunParts
 from grip_bt.runtime.runner import ABANDON
 from grip_bt.runtime.stopping import in_background
 
@@ -208,7 +208,7 @@ def test_the_robot_holds_at_a_stop_even_if_no_leaf_says_so(target: Any) -> None:
     used, unused = Part(), Part()
     KINDS["break"] = Using
     arms: Any = {"right": used, "left": unused}
-    run = Started(target, leaf("break"), RunContext(arms=arms)).start()
+    run = Started(target, leaf("break"), RunContext(parts=RunParts(arms=arms))).start()
     run.wait_tick("/")
     run.runner.stop()
     run.join()

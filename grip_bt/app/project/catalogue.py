@@ -6,7 +6,6 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from grip_bt.base.errors import (
     DocumentError,
@@ -15,27 +14,19 @@ from grip_bt.base.errors import (
     UnknownNameError,
 )
 from grip_bt.base.message_store import MessageLibrary, names
+from grip_bt.commanders.description.files import Stamps, as_they_were, noting_files, stamps_of
+from grip_bt.commanders.description.robot import RobotDescription
+from grip_bt.commanders.description.tree import joints_of_fingers, links_of_groups
+from grip_bt.commanders.taught import Taught
 from grip_bt.task.catalog import AllowedImports, Catalog, TaskFolder, find_manifests, find_python_nodes
 from grip_bt.task.catalog.project_parts import UNFIT, UNMOVED, Equipment, Equipped, Trouble
 from grip_bt.task.catalog.sensors import sensor_manifest
 
 from .config import ARCHIVE, MESSAGES
 from .faults import TAUGHT, common_states, faults_of_arm, faults_of_camera, faults_of_hand, faults_of_world
-from .folder import find_project
+from .folder import Project, find_project
 from .frames import frames_in_doubt
-from .packages import components_in_need, packages_here, sensors_in_need
-
-if TYPE_CHECKING:
-    from grip_bt.commanders.description.robot import RobotDescription
-    from grip_bt.task.catalog.project_parts import Equipment
-
-if TYPE_CHECKING:
-    from grip_bt.commanders.description.files import Stamps
-    from grip_bt.commanders.description.robot import RobotDescription
-    from grip_bt.commanders.taught import Taught
-
-    from .folder import Project
-    from .packages import PackagesHere
+from .packages import PackagesHere, components_in_need, packages_here, sensors_in_need
 
 _robots: dict[tuple[str, str], tuple[Stamps, RobotDescription | GripError | None]] = {}
 """Folder and `robot:` of a project -> the files that were read, as they were, and what came of it."""
@@ -63,8 +54,6 @@ def equipment_of(project: Project) -> Equipment:
 
 def _robot(project: Project) -> RobotDescription | GripError | None:
     """Return the robot, or what is wrong with it; None where there is none, or its models aren't installed."""
-    from grip_bt.commanders.description.files import as_they_were, noting_files, stamps_of
-
     if project.file.robot is None:
         return None
     key = str(project.folder), repr(project.file.robot)
@@ -106,7 +95,6 @@ def _hands(
     links: list[str],
     troubles: tuple[Trouble, ...],
 ) -> dict[str, Equipped]:
-    from grip_bt.commanders.description.tree import joints_of_fingers, links_of_groups
 
     found = {}
     for name, hand in project.file.hands.items():
@@ -152,7 +140,6 @@ def _sensors(
 
 
 def _taught(project: Project) -> Taught | DocumentError:
-    from grip_bt.commanders.taught import Taught
 
     try:
         return Taught(project.folder / TAUGHT)

@@ -19,6 +19,8 @@ from grip_bt.base.yaml.models import check_model, diagnostic_of, document_error
 from grip_bt.base.yaml.tree import YamlMapping, parse
 from grip_bt.codegen.contract import check_contract
 from grip_bt.codegen.scaffold import OutcomesNeededError, component_text, parse_outcomes, suggested_name
+from grip_bt.ros.interfaces import read_interface, read_package
+from grip_bt.ros.interfaces.definition import fields_within, interface_file
 from grip_bt.task.catalog.component_file import FILE_NAME, ComponentFile
 from grip_bt.task.catalog.ros_config import InterfaceSpec
 
@@ -50,8 +52,6 @@ def from_file(path: Path) -> Wish:
     Raises:
         DocumentError: it can't be read, or lies in no package.
     """
-    from grip_bt.ros.interfaces import read_interface
-
     if not path.is_file():
         raise DocumentError("there is no such file", str(path))
     package = path.resolve().parent.parent
@@ -68,8 +68,6 @@ def from_type(name: str, prefixes: Collection[Path] = ()) -> Wish:
     Raises:
         DocumentError: it isn't one, or isn't installed.
     """
-    from grip_bt.ros.interfaces import read_interface
-
     return Wish(read_interface(name, tuple(prefixes)))
 
 
@@ -86,8 +84,6 @@ def from_graph(name: str, within: float, interfaces: Path | None = None) -> Wish
         GripError: its type isn't known here; it says what to do.
     """
     from grip_bt.ros.client.graph import find_served
-    from grip_bt.ros.interfaces import read_interface
-    from grip_bt.ros.interfaces.definition import interface_file
 
     served = find_served(name, within)
     if interfaces is not None:
@@ -115,8 +111,6 @@ def make_component(wish: Wish, folder: Path, outcomes: str | None, failures: Col
         ContractError: the interface and the outcomes don't fit; nothing is written.
         GripError: the folder has a component file already, or something doesn't fit.
     """
-    from grip_bt.ros.interfaces.definition import fields_within
-
     server = wish.server or "/" + suggested_name(wish.interface)
     name = wish.name or server.strip("/").replace("/", "_").lower()
     home = folder / name
@@ -143,8 +137,6 @@ def make_component(wish: Wish, folder: Path, outcomes: str | None, failures: Col
 
 def _with_needed(folder: Path | None) -> list[Path]:
     """Return a package's folder, and those beside it that it needs, directly or not."""
-    from grip_bt.ros.interfaces import read_package
-
     found: dict[str, Path] = {}
     todo = [] if folder is None else [folder]
     while todo:

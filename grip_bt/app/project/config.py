@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, ByteSize, ConfigDict, Field, StringConstraints
 
@@ -12,8 +12,7 @@ from grip_bt.task.catalog.component_parts import ProcessConfig
 from grip_bt.task.catalog.ros_config import RosRobotConfig
 from grip_bt.task.catalog.sensors import SensorConfig
 
-if TYPE_CHECKING:
-    pass
+pass
 
 
 FILE_NAME = "grip.yaml"

@@ -12,6 +12,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Literal
 
 from grip_bt.base.interpreter import python_command
+from grip_bt.ros.environment import environment
 
 INSTALL = "make demo (sets up .venv), or: pip install 'grip-bt[{extra}]'"
 
@@ -90,7 +91,6 @@ def _rendering() -> Finding:
 
 
 def _ros() -> Finding:
-    from grip_bt.ros.environment import environment
 
     found = environment()
     state: Literal["ok", "missing", "broken"] = "ok" if found.kind in ("wheels", "sourced") else "missing"

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
 from grip_bt.base.values import JointState
+from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.names import PLANNERS, SOLVERS
+from grip_bt.commanders.scene_file import load_scene
 from grip_bt.task.catalog.ros_config import MOVE_GROUP
+from grip_sim.specs import WorldSpec
 
 from .config import ArmConfig
 from .folder import Project
-
-if TYPE_CHECKING:
-    from grip_bt.commanders.description.robot import RobotDescription
 
 TAUGHT = "taught.yaml"
 """File of a project in which taught states and poses are kept."""
@@ -178,8 +178,6 @@ def faults_of_camera(project: Project, sensor: str, world: str | None = None) ->
 
 def _fault_of_room(file: Path) -> DocumentError | None:
     """Return what is wrong with a `.scene` file; one with meshes is large, so it is read again when it has changed."""
-    from grip_bt.commanders.scene_file import load_scene
-
     try:
         there = file.stat()
         stamp = there.st_mtime_ns, there.st_size
@@ -198,9 +196,5 @@ def _fault_of_room(file: Path) -> DocumentError | None:
 def cameras_of(world: str) -> tuple[str, ...] | None:
     """Return the names of a world's cameras; None where nobody knows."""
     if world not in WORLDS:
-        return None
-    try:
-        from grip_sim.specs import WorldSpec
-    except ImportError:
         return None
     return tuple(camera.name for camera in WorldSpec().cameras)

@@ -6,16 +6,16 @@ import os
 import shlex
 from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from grip_bt.base.errors import GripError, UntrustedCodeError
+from grip_bt.compilers.resolve import resolve
+from grip_bt.task import Task
+from grip_bt.task.catalog import Catalog
+from grip_bt.task.catalog.component_file import load_component
+from grip_bt.task.catalog.component_parts import Start
+from grip_bt.task.model import Foreign
 
-if TYPE_CHECKING:
-    from grip_bt.task import Task
-    from grip_bt.task.catalog import Catalog
-    from grip_bt.task.catalog.component_parts import Start
-
-    from .folder import Project
+from .folder import Project
 
 VARIABLE = "GRIP_NO_CODE"
 """Set in a process, and so in those that it starts, where nobody's code but GRIP's may run."""
@@ -50,9 +50,6 @@ def of_task(project: Project, task: Task, catalog: Catalog, robot: str, mocked: 
         robot: `sim`, `fake` or `ros`.
         mocked: paths of nodes that play scripts.
     """
-    from grip_bt.compilers.resolve import resolve
-    from grip_bt.task.model import Foreign
-
     components = {}
     for part in resolve(task, catalog).root.walk():
         if isinstance(part.node, Foreign):
@@ -70,8 +67,6 @@ def of_task(project: Project, task: Task, catalog: Catalog, robot: str, mocked: 
 
 def of_component(folder: Path | None) -> Iterator[str]:
     """Yield what the server of a component would start; nothing where it has none of its own."""
-    from grip_bt.task.catalog.component_file import load_component
-
     try:
         component = None if folder is None else load_component(folder)
     except GripError:

@@ -5,20 +5,15 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from grip_bt.base.errors import DocumentError, GripError, UnknownNameError, nearest
 from grip_bt.ros.frames import FrameTree
 from grip_bt.task.catalog.component_file import ComponentFile, load_component
+from grip_bt.task.catalog.component_parts import ProcessConfig
 from grip_bt.task.catalog.project_parts import UNFIT, Trouble
 from grip_bt.task.validation.wording import take_hint
 
 from .folder import Project
-
-if TYPE_CHECKING:
-    from grip_bt.task.catalog.component_parts import ProcessConfig
-
-    from .folder import Project
 
 ROOT = "world"
 _PUBLISHER = "static_transform_publisher"

@@ -6,15 +6,22 @@ import importlib.util
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from grip_bt.base.errors import DocumentError
+from grip_bt.ros.interfaces.ament import (
+    PackageError,
+    executable_of,
+    interface_packages,
+    launch_file_of,
+    search_path,
+    share_folder,
+)
+from grip_bt.ros.interfaces.bundled import FOLDER, NEEDS
 from grip_bt.task.catalog.component_file import load_component
 from grip_bt.task.catalog.component_parts import Start
 from grip_bt.task.catalog.project_parts import MISSING, UNFIT, Trouble, missing_package, missing_type
 
-if TYPE_CHECKING:
-    from .folder import Project
+from .folder import Project
 
 KINDS = ("msg", "srv", "action")
 
@@ -50,8 +57,6 @@ def packages_here(project: Project) -> PackagesHere | None:
     """Return the packages with interfaces that a run would find; None where ROS isn't installed."""
     if importlib.util.find_spec("rclpy") is None:
         return None
-    from grip_bt.ros.interfaces.ament import interface_packages, search_path
-    from grip_bt.ros.interfaces.bundled import FOLDER, NEEDS
 
     found: dict[str, list[Path]] = {}
     for path in project.folder.glob(f"{project.file.components or 'components'}/*/interfaces/**/package.xml"):
@@ -109,8 +114,6 @@ def _lacking(types: Iterable[str], packages: PackagesHere | None, where: str, me
 
 def _unstartable(start: Start | None, packages: PackagesHere | None, where: str) -> list[Trouble]:
     """Return that the package of the program to start isn't installed; it need not have interfaces."""
-    from grip_bt.ros.interfaces.ament import PackageError, executable_of, launch_file_of, search_path, share_folder
-
     if packages is None or start is None or not start.run or start.package is None:
         return []
     if share_folder(start.package, search_path()) is None:

@@ -27,7 +27,8 @@ from grip_bt.task.validation import validate
 from ..project.folder import Project, find_project
 from ..project.foreign_code import of_task, refuse
 from ..wiring.open import open_resources
-from ..wiring.parts import Progress, Resources, RobotKind, silent
+from ..wiring.parts import Opening, Resources, RobotKind
+from ..wiring.progress import Progress, silent
 from .mocks import apply_mocks
 from .resume import GoOn, begin_again, options_text, policy_of
 from .saved_state import BroughtBack, changes, kept_parts
@@ -161,7 +162,8 @@ def open_session(
         for runner in running:
             runner.tell(part, words)
 
-    parts = open_resources(project, needs, options.robot, options.seed, options.pace, told, hold, own)
+    opening = Opening(project, options.seed, options.pace, told, hold)
+    parts = open_resources(opening, needs, options.robot, own)
     with parts as resources, Journal(options.journal or project.journal) as journal:
         log = reliving = None
         kept = kept_parts(resources)

@@ -14,19 +14,17 @@ from base64 import b64encode
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grip_bt.base.errors import GripError
+from grip_bt.base.ports import Arm, Clock, Hand
 from grip_bt.base.values import Pose
 from grip_bt.base.values.solids import Box, CellMap, Cylinder, Mesh, Solid, Sphere
 
-if TYPE_CHECKING:
-    from grip_bt.base.ports import Arm, Clock, Hand
-
-    from ..wiring.parts import Resources
+from ..wiring.parts import Resources
 
 FOLDER = "motion"
 PERIOD = 0.1

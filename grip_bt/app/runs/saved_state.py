@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from grip_bt.base.errors import GripError, ResumeError
 from grip_bt.base.message_store import LocalMessages
 from grip_bt.base.message_store.store import Entry
+from grip_bt.base.ports import Scene
 from grip_bt.runtime import Event, JournalReader
 from grip_bt.runtime.keeping import KEPT, Kept
 from grip_bt.runtime.value_codec import encode
 
-if TYPE_CHECKING:
-    from grip_bt.base.ports import Scene
-
-    from ..wiring.fake import FakeState
-    from ..wiring.parts import Resources
+from ..wiring.parts import FakeState, Resources
 
 SCENE, MESSAGES, WORLD, FAKES = "scene", "messages", "world", "fakes"
 CHANGED_BY = {

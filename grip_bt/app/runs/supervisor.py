@@ -25,6 +25,7 @@ from typing import Any
 
 from grip_bt.base.errors import GripError
 from grip_bt.base.interpreter import how_ended, python_command
+from grip_bt.runtime import Journal, RunLog
 from grip_bt.runtime.pulse import LARGEST, PulseReader
 from grip_bt.runtime.rest import Rest
 
@@ -306,7 +307,6 @@ class Supervisor:
         return self._trace.read(1 << 16).decode(errors="replace")
 
     def _enter(self, path: str, status: str, message: str, trace: str) -> None:
-        from grip_bt.runtime import Journal, RunLog
 
         assert self._run is not None, "there is a run to end"
         run, file, t = self._run["run"], self._run["journal"], time.monotonic() - self._begun

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from statistics import median
 
 from grip_bt.app.project.catalogue import catalogue_of
+from grip_bt.compilers.resolve import resolve
 from grip_bt.runtime import Event, JournalReader
 
 from .execute import check_task
@@ -107,8 +108,6 @@ def coverage(reader: JournalReader, task: str) -> Coverage:
     Raises:
         DocumentError, InvalidTaskError: the task can't be read or is wrong.
     """
-    from grip_bt.compilers.resolve import resolve
-
     project, document, _ = check_task(task)
     parts = resolve(document.task, catalogue_of(project)).root.walk()
     wanted = {part.path: list(part.meaning) for part in parts}

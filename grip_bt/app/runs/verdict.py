@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, get_args
+from typing import Any, get_args
 
 import numpy as np
 
@@ -21,12 +21,10 @@ from grip_bt.base.evaluation import condition_of
 from grip_bt.base.expression import parse_expression
 from grip_bt.base.values import Failure, Grasp
 from grip_bt.nodes.observer import Silent
+from grip_bt.runtime import RunResult
 from grip_sim.referee import Status
 
-if TYPE_CHECKING:
-    from grip_bt.runtime import RunResult
-
-    from .execute import Session
+from .execute import Session
 
 STATES: tuple[str, ...] = get_args(Status)
 """What a referee may say of an object."""

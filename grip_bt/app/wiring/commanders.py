@@ -3,63 +3,91 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.errors import GripError, UnknownNameError
 from grip_bt.base.ports import Executor, HandPort
 from grip_bt.base.values import JointState, Pose
+from grip_bt.commanders.arm import ArmCommander, ArmSetup
+from grip_bt.commanders.description.robot import RobotDescription
+from grip_bt.commanders.description.tree import joints_of_fingers, limits_of_joints, links_of_groups
+from grip_bt.commanders.hand import HandCommander
+from grip_bt.commanders.joined import JoinedExecutor
+from grip_bt.commanders.kinematics.fingertips import fingertip_posture
+from grip_bt.commanders.kinematics.model import RobotModel
+from grip_bt.commanders.planning.service import PlanningProcess, PlanningService
+from grip_bt.commanders.scene import Carrier, PlanningScene
+from grip_bt.commanders.taught import Taught
 
 from ..project.config import ArmConfig
-from ..project.faults import TAUGHT, common_states, faults_of_fields, field_of
+from ..project.faults import TAUGHT, check_arms, common_states
 from ..project.folder import Project
-from .parts import Resources
-
-if TYPE_CHECKING:
-    from grip_bt.commanders.description.robot import RobotDescription
-    from grip_bt.commanders.kinematics.model import RobotModel
-    from grip_bt.commanders.planning.requests import PlanningSettings
-    from grip_bt.commanders.planning.service import PlanningService
+from .parts import Opening, Resources
+from .planners import planners_in_force, settings_of
 
 
-def open_commanders(
-    project: Project,
-    resources: Resources,
+@dataclass(frozen=True)
+class PlannedRobot:
+    """A robot whose planner is coming up: it builds its model while the rest of the robot starts.
+
+    Attributes:
+        description: the robot.
+        process: makes the plans.
+    """
+
+    description: RobotDescription
+    process: PlanningProcess
+
+    @classmethod
+    def begin(cls, opening: Opening, stack: ExitStack) -> PlannedRobot:
+        """Verify what arms and hands name, and start the planner."""
+        description = opening.project.description()
+        check_arms(opening.project, description)
+        process = stack.enter_context(PlanningProcess(description, partial(opening.progress, "planner")))
+        return cls(description, process)
+
+    def wait_until_ready(self, opening: Opening) -> None:
+        """Block until the planner plans.
+
+        Raises:
+            GripError: it doesn't come up.
+        """
+        if not self.process.wait_until_ready():
+            raise GripError("the planning process doesn't come up; run `grip doctor`")
+        names = planners_in_force(opening.project, self.description)
+        opening.progress("planner", f"process {self.process.pid}: {names}")
+
+
+def commanded(
+    opening: Opening,
     description: RobotDescription,
     planner: PlanningService,
     executors: Mapping[str, Executor],
     ports: Mapping[str, HandPort],
     boxes: Mapping[str, tuple[Sequence[float], Pose]],
-    seed: int,
-) -> None:
-    """Put the project's arms, hands and scene into `resources`.
+) -> Resources:
+    """Return the project's arms, hands and scene.
 
     Args:
-        project: whose arms and hands.
-        resources: filled in.
+        opening: whose arms and hands.
         description: the robot.
         planner: makes the plans.
         executors: what moves each arm.
         ports: what moves each hand.
         boxes: of the world: name -> (edge lengths [m], pose).
-        seed: of the planners.
 
     Raises:
         UnknownNameError: the project names a group or a hand that isn't there.
     """
-    from grip_bt.commanders.arm import ArmCommander, ArmSetup
-    from grip_bt.commanders.description.tree import joints_of_fingers, limits_of_joints, links_of_groups
-    from grip_bt.commanders.hand import HandCommander
-    from grip_bt.commanders.kinematics.model import RobotModel
-    from grip_bt.commanders.scene import Carrier, PlanningScene
-    from grip_bt.commanders.taught import Taught
-
+    project = opening.project
     file = project.file
     model, taught = RobotModel(description), Taught(project.folder / TAUGHT)
-    resources.hands = {
+    hands = {
         name: HandCommander(
             name,
             ports[name],
@@ -102,13 +130,13 @@ def open_commanders(
         },
         shapes,
     )
-    resources.arms = {
+    arms = {
         arm: ArmCommander(
             ArmSetup(
                 arm,
                 file.arms[arm].group,
                 hand,
-                settings_of(file.arms[arm], description, seed),
+                settings_of(file.arms[arm], description, opening.seed),
                 common_states(file.arms[arm], file.arms, description),
                 taught,
             ),
@@ -120,44 +148,11 @@ def open_commanders(
         )
         for arm, hand in hand_of.items()
     }
-    resources.scene = scene
-
-
-def settings_of(arm: ArmConfig, robot: RobotDescription, seed: int, where: str = "grip.yaml: arms") -> PlanningSettings:
-    """Return how an arm is planned for: its fields in `grip.yaml`, else what the robot's files say, else defaults.
-
-    Raises:
-        UnknownNameError: there is no such solver or planner.
-    """
-    from grip_bt.commanders.planning.requests import PlanningSettings
-
-    for fault in faults_of_fields(arm, robot, where):
-        raise fault
-
-    def field(name: str) -> Any:
-        return field_of(arm, robot, name)
-
-    planner = field("planner")
-    configured = robot.preferences.get(arm.group, {}).get("planner")
-    parameters = {} if configured is None else configured.parameters.get(planner, {})
-    return PlanningSettings(
-        planner=planner,
-        kinematics=field("kinematics"),
-        speed=field("speed"),
-        acceleration=field("acceleration"),
-        time_limit=arm.planning_time,
-        attempts=arm.attempts,
-        seed=seed,
-        parameters=tuple(parameters.items()),
-        timing=arm.timing,
-        jerk=arm.jerk,
-    )
+    return Resources(arms=arms, hands=hands, scene=scene)
 
 
 def joined_executors(project: Project, executors: Mapping[str, Executor]) -> dict[str, Executor]:
     """Return an executor for each arm that joins others, all of which are right as `check_arms` says."""
-    from grip_bt.commanders.joined import JoinedExecutor
-
     return {
         name: JoinedExecutor(*(executors[part] for part in arm.arms))
         for name, arm in project.file.arms.items()
@@ -178,8 +173,6 @@ def _reached(
     frame: str,
 ) -> JointState:
     """Return the posture that brings fingertips to positions; those in no frame are in the grasp frame of the arm."""
-    from grip_bt.commanders.kinematics.fingertips import fingertip_posture
-
     places = {name: np.array(position, dtype=float) for name, position in targets.items()}
     return fingertip_posture(model, places, posture, group, frame=frame or model.grasp_frame_of(arm_group))
 

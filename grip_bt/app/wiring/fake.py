@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable
+from contextlib import ExitStack
+from typing import Any
 
 from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.values import Pose
+from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.fake import FakeArm, FakeCamera, FakeComponent, FakeHand, FakeRos, FakeSensor
 from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.scene import PlanningScene
 from grip_bt.commanders.taught import Taught
+from grip_bt.ros.frames import FrameError, mounted_frames
 from grip_bt.task.catalog.component_file import load_component
 from grip_bt.task.catalog.manifest import Manifest
 from grip_bt.task.catalog.sensors import SensorConfig
@@ -21,33 +23,32 @@ from grip_bt.task.catalog.sensors import SensorConfig
 from ..project.folder import Project
 from ..project.frames import robot_frames
 from .fake_values import CAMERA, GRASP, HandFacts, arm_states, description_of, empty_table, hand_facts, value_of
-from .parts import Resources
-
-if TYPE_CHECKING:
-    from grip_bt.commanders.description.robot import RobotDescription
+from .parts import FakeState, Opening, Resources
 
 
-def open_robot(project: Project, resources: Resources) -> None:
-    """Put a fake of every arm, hand and camera of the project into `resources`."""
-    file = project.file
-    robot = description_of(project)
-    fakes = resources.fakes = resources.fakes or FakeState()
-    taught = fakes.taught
-    arms = {name: _arm(name, robot, arm.group, taught) for name, arm in file.arms.items()}
-    hands = {arm.hand: arms[name] for name, arm in file.arms.items() if arm.hand is not None}
-    resources.arms, resources.pausable = arms, list(arms.values())
-    facts = {name: hand_facts(robot, hand.group) for name, hand in file.hands.items()}
-    ports = {name: _fingers(each) for name, each in facts.items()}
-    resources.hands = {name: _hand(name, ports[name], taught, facts[name]) for name in file.hands}
-    fakes.arms, fakes.hands = arms, ports
-    resources.cameras = {name: FakeCamera(CAMERA, [empty_table()]) for name, s in file.sensors.items() if s.camera}
-    resources.scene = PlanningScene(
-        {hand: arm.grasp_pose for hand, arm in hands.items()}, _CRATE, project.room(), folder=project.folder
-    )
+class FakeBackend:
+    """Implements `RobotBackend`: a fake of every arm, hand and camera of the project."""
+
+    def open(self, opening: Opening, stack: ExitStack) -> Resources:
+        """Make them; there is nothing to start."""
+        project, file = opening.project, opening.project.file
+        robot, taught = description_of(project), Taught()
+        arms = {name: _arm(name, robot, arm.group, taught) for name, arm in file.arms.items()}
+        facts = {name: hand_facts(robot, hand.group) for name, hand in file.hands.items()}
+        ports = {name: _fingers(each) for name, each in facts.items()}
+        palms = {arm.hand: arms[name].grasp_pose for name, arm in file.arms.items() if arm.hand is not None}
+        return Resources(
+            arms=arms,
+            hands={name: _hand(name, ports[name], taught, facts[name]) for name in file.hands},
+            cameras={name: FakeCamera(CAMERA, [empty_table()]) for name, s in file.sensors.items() if s.camera},
+            scene=PlanningScene(palms, _CRATE, project.room(), folder=project.folder),
+            pausable=tuple(arms.values()),
+            fakes=FakeState(arms, ports, taught=taught),
+        )
 
 
-def open_components(project: Project, names: list[str], resources: Resources) -> None:
-    """Put fakes of components into `resources`: their replies go through their outcomes, in order.
+def fake_components(project: Project, names: list[str]) -> dict[str, FakeComponent]:
+    """Return fakes of components: their replies go through their outcomes, in order.
 
     Raises:
         UnknownNameError: a component isn't in the project.
@@ -58,23 +59,19 @@ def open_components(project: Project, names: list[str], resources: Resources) ->
             raise UnknownNameError("component", name, folders, str(project.folder))
     files = {name: load_component(folders[name]) for name in names}
     catalog = catalogue_of(project)
-    components = {
+    return {
         name: FakeComponent(_replies(catalog.get(f"component/{name}"), len(file.outcomes)))
         for name, file in files.items()
     }
-    resources.components = components
-    fakes = resources.fakes = resources.fakes or FakeState()
-    fakes.components = components
 
 
-def open_ros(project: Project, sensors: Iterable[str], resources: Resources) -> None:
-    """Put fakes of sensors on topics, and of ROS itself, into `resources`: they give values of the declared types.
+def fake_ros(project: Project, sensors: Iterable[str]) -> tuple[FakeRos, dict[str, FakeSensor]]:
+    """Return a fake of ROS itself, and of sensors on topics: they give values of the declared types.
 
     What has no fake, a message whose package isn't there, is said when it is asked for. Frames are those of the robot
     that never move and of the sensors' mounts; every other one is where the frame is that it is looked up in.
     """
-    resources.ros = FakeRos(value_of, _frames(project))
-    resources.sensors = {name: FakeSensor([_moment(project.file.sensors[name])]) for name in sensors}
+    return FakeRos(value_of, _frames(project)), {n: FakeSensor([_moment(project.file.sensors[n])]) for n in sensors}
 
 
 def _moment(sensor: SensorConfig) -> dict[str, Any] | ExpectedError:
@@ -85,8 +82,6 @@ def _moment(sensor: SensorConfig) -> dict[str, Any] | ExpectedError:
 
 
 def _frames(project: Project) -> Callable[[str, str], Pose]:
-    from grip_bt.ros.frames import FrameError, mounted_frames
-
     poses, _ = mounted_frames(project.file.sensors)
     tree = robot_frames(project).with_poses(poses)
 
@@ -137,44 +132,3 @@ _CRATE: dict[str, Any] = {
         ("near", (0.01, 0.30, 0.06), -0.135, 0.0),
     )
 }
-
-
-@dataclass
-class FakeState:
-    """Where fake arms and hands are, what was taught to them, and which reply of a component is the next.
-
-    Attributes:
-        arms: by name.
-        hands: by name.
-        components: by name.
-        taught: what was taught to arms and hands.
-    """
-
-    arms: Mapping[str, FakeArm] = field(default_factory=dict)
-    hands: Mapping[str, FakeHand] = field(default_factory=dict)
-    components: Mapping[str, FakeComponent] = field(default_factory=dict)
-    taught: Taught = field(default_factory=Taught)
-
-    def kept(self) -> dict[str, Any]:
-        """Return all of it, as a value of the journal."""
-        return {
-            "arms": {name: arm.state().position for name, arm in self.arms.items()},
-            "hands": {name: hand.kept() for name, hand in self.hands.items()},
-            "components": {name: component.given for name, component in self.components.items()},
-            "taught": {part: dict(self.taught.of(part)) for part in self.taught.parts()},
-        }
-
-    def put_back(self, kept: Mapping[str, Any]) -> None:
-        """Have everything as it was; nothing may be under way.
-
-        Raises:
-            KeyError, ValueError: an arm, a hand or a component isn't here any more, or has other joints.
-        """
-        for parts, states in ((self.arms, kept["arms"]), (self.hands, kept["hands"])):
-            for name, position in states.items():
-                parts[name].put_back(position)
-        for name, given in kept["components"].items():
-            self.components[name].put_back(given)
-        for part, entries in kept["taught"].items():
-            for name, value in entries.items():
-                self.taught.put(part, name, value, {})

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from grip_bt.base.errors import GripError, InvalidRobotError
+from grip_bt.base.errors import GripError, InvalidRobotError, MissingPartError, UnknownNameError
 from grip_bt.base.failures import SensorError
 from grip_bt.base.types import VALUES, Type, parse_type
 from grip_bt.base.values import (
@@ -26,12 +26,11 @@ from grip_bt.base.values import (
     Trajectory,
     WayPoint,
 )
+from grip_bt.commanders.description.robot import RobotDescription
+from grip_bt.commanders.description.tree import joints_of_fingers
 from grip_bt.commanders.fake import FakeArm
 
 from ..project.folder import Project
-
-if TYPE_CHECKING:
-    from grip_bt.commanders.description.robot import RobotDescription
 
 CAMERA = CameraInfo(
     64, 48, np.array([[60.0, 0, 32], [0, 60.0, 24], [0, 0, 1]]), Pose((0.5, 0.1, 1.3), (0, 0.70710678, -0.70710678, 0))
@@ -69,7 +68,6 @@ def value_of(type_: str | Type) -> Any:
 
 
 def _message(name: str) -> Any:
-    from grip_bt.base.errors import MissingPartError, UnknownNameError
 
     try:
         from grip_bt.ros.client.types import load_type
@@ -169,7 +167,6 @@ def hand_facts(robot: RobotDescription | None, group: str) -> HandFacts:
     known = {} if robot is None else robot.named_states.get(group, {})
     if robot is None or not {"open", "closed"} <= set(known):
         return _two_fingers(known)
-    from grip_bt.commanders.description.tree import joints_of_fingers
 
     joints, fingers = robot.group(group), joints_of_fingers(robot, group)
     begin, end = (known[name].ordered(joints) for name in ("open", "closed"))

@@ -5,79 +5,89 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.base.errors import DocumentError, UnknownNameError
 from grip_bt.base.message_store import LocalMessages, MessageLibrary, load, save
+from grip_bt.base.ports import Messages
 from grip_bt.runtime import TreeRun
 from grip_bt.runtime.value_codec import decode, encode
 
 from ..project.config import ARCHIVE, MESSAGES
 from ..project.folder import Project, find_project
-from .parts import Progress, Resources, RobotKind, silent
+from .fake import fake_components, fake_ros
+from .parts import FakeState, Opening, Resources, RobotBackend, RobotKind, load_part
+from .progress import Progress, silent
 
-if TYPE_CHECKING:
-    pass
+pass
+
+
+BACKENDS = {
+    "fake": ("fake", "FakeBackend", "motion"),
+    "sim": ("simulated", "SimulatedBackend", "sim"),
+    "ros": ("ros_robot", "RosBackend", "motion,ros"),
+}
+"""Robot -> module, class, and the extras that it needs."""
+
+
+def backend_of(robot: str) -> RobotBackend:
+    """Return who provides a robot; what it needs is loaded here.
+
+    Raises:
+        UnknownNameError: there is no such robot.
+        MissingPartError: what it needs isn't installed.
+    """
+    if robot not in BACKENDS:
+        raise UnknownNameError("robot", robot, BACKENDS)
+    module, name, extra = BACKENDS[robot]
+    backend: RobotBackend = getattr(load_part(module, f"--robot {robot}", extra), name)()
+    return backend
 
 
 @contextmanager
 def open_resources(
-    project: Project,
-    needs: Collection[str],
-    robot: str,
-    seed: int,
-    pace: float | None,
-    progress: Progress,
-    hold: int | None = None,
-    own: Collection[str] = (),
+    opening: Opening, needs: Collection[str], robot: str, own: Collection[str] = ()
 ) -> Iterator[Resources]:
     """Start what the nodes in `needs` ask for; everything is closed again at the end, in reverse order.
 
     Args:
-        project: whose robot, sensors and components.
+        opening: whose robot, sensors and components, and how they are started.
         needs: catalogue ids of the task's leaves.
         robot: `sim`, `fake`, or `ros` for the controllers that the project names.
-        seed: of the simulated world.
-        pace: simulated seconds per second; None for as fast as it goes.
-        progress: told of each part that came up.
-        hold: file descriptor over which somebody else may have the robot hold; None for nobody.
         own: implementations of leaves, in which it is looked what the project's own nodes ask for.
     """
-    from . import fake, simulated
-
+    project, asked, parts = opening.project, parts_asked_for(own), Resources()
     with ExitStack() as stack:
-        resources, asked = Resources(), parts_asked_for(own)
         needs_robot = bool(asked & ROBOT) or any(_needs_robot(project, node) for node in needs)
-        if needs_robot and robot == "fake":
-            fake.open_robot(project, resources)
-        elif needs_robot and project.file.robot is not None:
-            if robot == "sim":
-                simulated.open_robot(project, resources, seed, pace, stack, progress, hold)
-            elif robot == "ros":
-                from . import ros_robot
-
-                ros_robot.open_robot(project, resources, seed, stack, progress)
-            else:
-                raise UnknownNameError("robot", robot, ("sim", "fake", "ros"))
+        if needs_robot and (robot == "fake" or project.file.robot is not None):
+            parts = backend_of(robot).open(opening, stack)
         elif any(node.partition("/")[0] in _MOVING_NODES for node in needs):
             raise DocumentError(_NO_ROBOT, str(project.folder / "grip.yaml"))
         names = sorted(node.partition("/")[2] for node in needs if node.startswith("component/"))
-        if names and robot == "fake":
-            fake.open_components(project, names, resources)
-            names = []
         sensors = [n for n in _sensors(needs) if n in project.file.sensors and project.file.sensors[n].topics]
         asks_ros = bool(sensors) or any(node.startswith("ros/") for node in needs)
-        if asks_ros and robot == "fake":
-            fake.open_ros(project, sensors, resources)
+        if robot == "fake":
+            parts = _with_fakes(project, names, sensors if asks_ros else None, parts)
         elif names or asks_ros:
-            from . import ros
-
-            ros.open_ros(project, names, sensors, needs, resources, stack, progress)
+            ros = load_part("ros", "ROS", "ros").open_ros(opening, names, sensors, needs, stack)
+            clock = ros.clock or parts.clock
+            parts = replace(parts, components=ros.components, sensors=ros.sensors, ros=ros.ros, clock=clock)
         if "messages" in asked or any(node.startswith("messages/") for node in needs):
-            open_messages(project, resources, stack, progress, server=robot != "fake")
-        yield resources
+            parts = replace(parts, messages=open_messages(opening, stack, server=robot != "fake"))
+        yield parts
+
+
+def _with_fakes(project: Project, names: list[str], sensors: list[str] | None, parts: Resources) -> Resources:
+    """Add fakes of components, and of ROS where there are sensors to be had of it."""
+    if names:
+        components = fake_components(project, names)
+        parts = replace(parts, components=components, fakes=replace(parts.fakes or FakeState(), components=components))
+    if sensors is not None:
+        ros, made = fake_ros(project, sensors)
+        parts = replace(parts, ros=ros, sensors=made)
+    return parts
 
 
 _ROBOT_NODES = ("arm", "hand", "grasp", "scene", "perception")
@@ -115,42 +125,30 @@ def parts_asked_for(implementations: Iterable[str]) -> frozenset[str]:
     return frozenset(found)
 
 
-def open_messages(
-    project: Project, resources: Resources, stack: ExitStack, progress: Progress, server: bool = True
-) -> None:
-    """Put the project's named messages into `resources`.
+def open_messages(opening: Opening, stack: ExitStack, server: bool = True) -> Messages:
+    """Return the project's named messages.
 
     Args:
-        project: whose.
-        resources: filled in.
+        opening: whose.
         stack: closes what was opened.
-        progress: told where they are.
         server: whether a server may be asked, where the project has one.
 
     Raises:
         DocumentError: a file of the project's folder `messages/` is wrong.
         ArchiveError: what an earlier run kept can't be read.
     """
+    project = opening.project
     if project.file.message_server and server:
-        _open_server(resources, stack, progress)
-        return
+        messages: Messages = load_part("message_server", "ROS", "ros").connect(stack)
+        opening.progress("messages", "of the server under /grip/messages")
+        return messages
     folder = project.folder / MESSAGES
     library = MessageLibrary(folder if folder.is_dir() else None)
     file = project.state_folder / ARCHIVE
     kept = load(lambda name: library.store(name, make=True), file, decode) if file.is_file() else 0
-    resources.messages = LocalMessages(library, lambda: save(library.stores(), file, encode))
     named = sum(len(store) for store in library.stores().values())
-    progress("messages", f"{named} by name, {kept} of them kept by an earlier run")
-
-
-def _open_server(resources: Resources, stack: ExitStack, progress: Progress) -> None:
-    """Ask a server that runs: it is in the user's own domain."""
-    from grip_bt.ros.client.bus import Bus
-    from grip_bt.ros.messages import RosMessages
-
-    bus = stack.enter_context(Bus("grip_task_messages"))
-    resources.messages = RosMessages(bus)
-    progress("messages", "of the server under /grip/messages")
+    opening.progress("messages", f"{named} by name, {kept} of them kept by an earlier run")
+    return LocalMessages(library, lambda: save(library.stores(), file, encode))
 
 
 @contextmanager
@@ -177,6 +175,6 @@ def tree_run(
         GripError: a part of the robot, or a component, can't be started.
     """
     project = find_project(path)
-    with open_resources(project, needs, robot, seed, pace, progress) as resources:
+    with open_resources(Opening(project, seed, pace, progress), needs, robot) as resources:
         with TreeRun(resources.context(), catalogue_of(project)) as run:
             yield run

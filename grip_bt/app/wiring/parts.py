@@ -1,93 +1,134 @@
-"""What a run waits for while it starts, told to whoever looks at it: silence looks like a fault."""
+"""What a run is made of, as values, and the protocol of those who provide a robot."""
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Literal
+from importlib import import_module
+from typing import Any, Literal, Protocol
 
-from grip_bt.base.operation import Operation
-from grip_bt.base.ports import Arm, Camera, Clock, Component, Hand, Messages, Pausable, Ros, Scene, Sensor
-from grip_bt.base.values import JointState
+from grip_bt.base.errors import MissingPartError
+from grip_bt.base.ports import Clock
+from grip_bt.commanders.fake import FakeArm, FakeComponent, FakeHand
+from grip_bt.commanders.taught import Taught
+from grip_bt.runtime import RunContext, RunParts
+from grip_sim.adapters import SimReferee
+from grip_sim.simulation import Simulation
 
-if TYPE_CHECKING:
-    from grip_bt.runtime import RunContext
-    from grip_bt.runtime.lockstep import Lockstep
+from ..project.folder import Project
+from .progress import Progress, silent
 
-    from .fake import FakeState
-
-SOON = 1.5
-"""What takes no longer needs no words [s]."""
+RobotKind = Literal["sim", "fake", "ros"]
 
 
-@contextmanager
-def told_when_slow(progress: Progress, part: str, words: Callable[[], str], after: float = SOON) -> Iterator[None]:
-    """Say what is waited for, once, where that takes its time; nothing is said after the end.
+def load_part(module: str, what: str, extra: str) -> Any:
+    """Import a module of this package that needs an extra of the installation.
 
-    Args:
-        progress: told `(part, words)`, from another thread.
-        part: which part of the run waits.
-        words: asked what to say, when it is said.
-        after: how long to be silent [s].
+    Raises:
+        MissingPartError: it isn't installed.
     """
-    timer = threading.Timer(after, lambda: progress(part, words()))
-    timer.daemon = True
-    timer.start()
     try:
-        yield
-    finally:
-        timer.cancel()
-        timer.join()
-
-
-Progress = Callable[[str, str], None]
-"""Told `(part, detail)` as parts come up."""
-
-
-def silent(part: str, detail: str) -> None:
-    """Say nothing."""
+        return import_module(f"{__package__}.{module}")
+    except ImportError as error:
+        raise MissingPartError(f"{what} ({error})", f"pip install 'grip-bt[{extra}]'") from None
 
 
 @dataclass
-class Resources:
-    """The parts that a run offers to its leaves; and the referee, simulated world and fakes, which it doesn't."""
+class FakeState:
+    """Where fake arms and hands are, what was taught to them, and which reply of a component is the next.
+
+    Attributes:
+        arms: by name.
+        hands: by name.
+        components: by name.
+        taught: what was taught to arms and hands.
+    """
+
+    arms: Mapping[str, FakeArm] = field(default_factory=dict)
+    hands: Mapping[str, FakeHand] = field(default_factory=dict)
+    components: Mapping[str, FakeComponent] = field(default_factory=dict)
+    taught: Taught = field(default_factory=Taught)
+
+    def kept(self) -> dict[str, Any]:
+        """Return all of it, as a value of the journal."""
+        return {
+            "arms": {name: arm.state().position for name, arm in self.arms.items()},
+            "hands": {name: hand.kept() for name, hand in self.hands.items()},
+            "components": {name: component.given for name, component in self.components.items()},
+            "taught": {part: dict(self.taught.of(part)) for part in self.taught.parts()},
+        }
+
+    def put_back(self, kept: Mapping[str, Any]) -> None:
+        """Have everything as it was; nothing may be under way.
+
+        Raises:
+            KeyError, ValueError: an arm, a hand or a component isn't here any more, or has other joints.
+        """
+        for parts, states in ((self.arms, kept["arms"]), (self.hands, kept["hands"])):
+            for name, position in states.items():
+                parts[name].put_back(position)
+        for name, given in kept["components"].items():
+            self.components[name].put_back(given)
+        for part, entries in kept["taught"].items():
+            for name, value in entries.items():
+                self.taught.put(part, name, value, {})
+
+
+@dataclass(frozen=True)
+class Resources(RunParts):
+    """The parts that a run offers to its leaves; and its clock, simulated world and fakes, which it doesn't.
+
+    Attributes:
+        clock: of the run, where a part has one of its own.
+        world: the simulated world.
+        fakes: what changes in fake parts.
+    """
 
     clock: Clock | None = None
-    arms: Mapping[str, Arm] = field(default_factory=dict)
-    hands: Mapping[str, Hand] = field(default_factory=dict)
-    cameras: Mapping[str, Camera] = field(default_factory=dict)
-    components: Mapping[str, Component] = field(default_factory=dict)
-    sensors: Mapping[str, Sensor] = field(default_factory=dict)
-    ros: Ros | None = None
-    messages: Messages | None = None
-    scene: Scene | None = None
-    referee: Any = None
-    world: Any = None
+    world: Simulation | None = None
     fakes: FakeState | None = None
-    pausable: Sequence[Pausable] = ()
-    lockstep: Lockstep | None = None
-    measure: Callable[[Sequence[str]], Operation[JointState]] | None = None
+
+    @property
+    def referee(self) -> SimReferee | None:
+        """Who knows the truth of the simulated world."""
+        return None if self.world is None else self.world.referee
 
     def context(self, clock: Clock | None = None) -> RunContext:
         """Return what a run gives to its leaves; `clock` in place of the parts' own."""
-        from grip_bt.runtime import RunContext
-
-        return RunContext(
-            clock or self.clock,
-            arms=self.arms,
-            hands=self.hands,
-            cameras=self.cameras,
-            components=self.components,
-            scene=self.scene,
-            sensors=self.sensors,
-            ros=self.ros,
-            messages=self.messages,
-            pausable=self.pausable,
-            lockstep=self.lockstep,
-            measure=self.measure,
-        )
+        return RunContext(clock or self.clock, self)
 
 
-RobotKind = Literal["sim", "fake", "ros"]
+@dataclass(frozen=True)
+class Opening:
+    """With what a robot is started.
+
+    Attributes:
+        project: whose robot, arms, hands and sensors.
+        seed: of the simulated world, and of the planners.
+        pace: simulated seconds per second; None for as fast as it goes.
+        progress: told of each part that came up.
+        hold: file descriptor over which somebody else may have the robot hold; None for nobody.
+    """
+
+    project: Project
+    seed: int = 0
+    pace: float | None = None
+    progress: Progress = silent
+    hold: int | None = None
+
+
+class RobotBackend(Protocol):
+    """Provides a project's arms, hands, cameras and planning scene: fakes, a simulated world, or real controllers."""
+
+    def open(self, opening: Opening, stack: ExitStack) -> Resources:
+        """Start the robot; `stack` closes it.
+
+        What a project names is verified before anything is started for it.
+
+        Raises:
+            UnknownNameError: the project names a world, group, camera or controller that isn't there.
+            DocumentError: a file of the project can't be read.
+            MissingPartError: the project doesn't say what this backend needs.
+            GripError: a part doesn't come up.
+        """

@@ -5,20 +5,29 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from grip_bt.base.errors import MissingPartError
 from grip_bt.base.operation import Operation
-from grip_bt.task.catalog.ros_config import MOVE_GROUP, MoveGroupConfig
+from grip_bt.base.values import Plan
+from grip_bt.commanders.description.robot import RobotDescription
+from grip_bt.commanders.planning.requests import (
+    ChooseGrasp,
+    ChosenGrasp,
+    PlanningSettings,
+    PlanStraight,
+    PlanThrough,
+    PlanTo,
+    Request,
+)
+from grip_bt.commanders.planning.service import PlanningService, Searcher
+from grip_bt.task.catalog.ros_config import MOVE_GROUP
 
 from ..project.config import ArmConfig
+from ..project.faults import faults_of_fields, field_of
 from ..project.folder import Project
+from .parts import Opening, load_part
 
 if TYPE_CHECKING:
-    from grip_bt.base.values import Plan
-    from grip_bt.commanders.description.robot import RobotDescription
-    from grip_bt.commanders.planning.requests import ChosenGrasp, Request
-    from grip_bt.commanders.planning.service import PlanningService, Searcher
     from grip_bt.ros.client.bus import Bus
 
 
@@ -36,14 +45,6 @@ class PlannerByName:
 
     def submit(self, request: Request) -> Operation[Plan | ChosenGrasp | None]:
         """Ask; see `PlanningService`."""
-        from grip_bt.commanders.planning.requests import (
-            ChooseGrasp,
-            PlanningSettings,
-            PlanStraight,
-            PlanThrough,
-            PlanTo,
-        )
-
         situation = request.situation
         if isinstance(request, PlanThrough) and situation.settings.planner in self._others:
             usual = replace(situation.settings, planner=PlanningSettings().planner)
@@ -55,23 +56,16 @@ class PlannerByName:
 
 def planners_in_force(project: Project, description: RobotDescription) -> str:
     """Return the names of the planners that the project's arms are planned for with, for people."""
-    from .commanders import settings_of
-
     return ", ".join(sorted({settings_of(arm, description, 0).planner for arm in project.file.arms.values()}))
 
 
-def wants_move_group(project: Project) -> bool:
-    """Tell whether MoveIt plans for an arm of the project."""
-    return any(arm.planner == MOVE_GROUP for arm in project.file.arms.values())
-
-
 def with_move_group(
-    project: Project, description: RobotDescription, own: PlanningService, stack: ExitStack, bus: Bus | None = None
+    opening: Opening, description: RobotDescription, own: PlanningService, stack: ExitStack, bus: Bus | None = None
 ) -> PlanningService:
     """Return a planner that has MoveIt answer for the arms that say so.
 
     Args:
-        project: whose arms.
+        opening: whose arms.
         description: the robot.
         own: who answers for the others.
         stack: closes what was opened.
@@ -81,31 +75,36 @@ def with_move_group(
         MissingPartError: ROS isn't installed, or MoveIt's messages aren't and can't be built.
         UnknownNameError: an arm names a hand or a group that isn't there.
     """
-    if not wants_move_group(project):
+    if all(arm.planner != MOVE_GROUP for arm in opening.project.file.arms.values()):
         return own
-    try:
-        from grip_bt.ros.client.bus import Bus
-        from grip_bt.ros.moveit import Mount, MoveGroup, MoveGroupPlanner
-    except ImportError as error:
-        raise MissingPartError(f"ROS ({error}), for `planner: {MOVE_GROUP}`", "pip install 'grip-bt[ros]'") from None
+    loaded = load_part("move_group", f"ROS, for `planner: {MOVE_GROUP}`", "ros")
+    return PlannerByName(own, {MOVE_GROUP: loaded.open_move_group(opening.project, description, stack, bus)})
 
-    file = project.file
-    settings = file.ros.move_group if file.ros is not None else MoveGroupConfig()
 
-    if bus is None:
-        bus = stack.enter_context(Bus("grip_planning"))
+def settings_of(arm: ArmConfig, robot: RobotDescription, seed: int, where: str = "grip.yaml: arms") -> PlanningSettings:
+    """Return how an arm is planned for: its fields in `grip.yaml`, else what the robot's files say, else defaults.
 
-    def mount(arm: ArmConfig) -> Mount:
-        hand = file.hands.get(arm.hand) if arm.hand else None
-        return Mount.of(description, arm.group, hand.group if hand else "", settings.groups.get(arm.group, ""))
+    Raises:
+        UnknownNameError: there is no such solver or planner.
+    """
+    for fault in faults_of_fields(arm, robot, where):
+        raise fault
 
-    planner = MoveGroupPlanner(
-        MoveGroup(bus, settings.namespace, settings.wait),
-        description,
-        {arm.group: mount(arm) for arm in file.arms.values() if arm.planner == MOVE_GROUP},
-        {arm.hand: mount(arm) for arm in file.arms.values() if arm.hand},
-        settings.pipeline,
-        settings.planner,
-        settings.by_service,
+    def field(name: str) -> Any:
+        return field_of(arm, robot, name)
+
+    planner = field("planner")
+    configured = robot.preferences.get(arm.group, {}).get("planner")
+    parameters = {} if configured is None else configured.parameters.get(planner, {})
+    return PlanningSettings(
+        planner=planner,
+        kinematics=field("kinematics"),
+        speed=field("speed"),
+        acceleration=field("acceleration"),
+        time_limit=arm.planning_time,
+        attempts=arm.attempts,
+        seed=seed,
+        parameters=tuple(parameters.items()),
+        timing=arm.timing,
+        jerk=arm.jerk,
     )
-    return PlannerByName(own, {MOVE_GROUP: stack.enter_context(planner)})

@@ -3,58 +3,47 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from contextlib import ExitStack
-from typing import TYPE_CHECKING
 
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import ServerLostError
+from grip_bt.ros.client.bus import Bus
+from grip_bt.ros.clock import RosClock
+from grip_bt.ros.components import start_components
 from grip_bt.ros.domain import own_domain
+from grip_bt.ros.frames import mounted_frames
+from grip_bt.ros.interface import RosDoor
+from grip_bt.ros.interfaces.bundled import provide
+from grip_bt.ros.sensing import TopicSensor, close_sensors, open_sensors
+from grip_bt.ros.transforms import Transforms
 from grip_bt.task.catalog.component_file import Start, load_component
 
 from ..project.folder import Project
 from ..project.frames import robot_frames
-from .parts import Progress, Resources
-
-if TYPE_CHECKING:
-    from ..project.folder import Project
-
-if TYPE_CHECKING:
-    from grip_bt.ros.client.bus import Bus
+from .parts import Opening, Resources
+from .progress import Progress
 
 TIME_STARTS = 10.0
 """How long to wait for the first message of `/clock` [s]."""
 
 
 def open_ros(
-    project: Project,
-    names: list[str],
-    sensors: list[str],
-    needs: Collection[str],
-    resources: Resources,
-    stack: ExitStack,
-    progress: Progress,
-) -> None:
-    """Start components and sensors and put them, with the connection to ROS, into `resources`.
+    opening: Opening, names: list[str], sensors: list[str], needs: Collection[str], stack: ExitStack
+) -> Resources:
+    """Start components and sensors; return them, the connection to ROS, and the run's clock where it is `/clock`.
 
     Args:
-        project: whose components, sensors and robot.
+        opening: whose components, sensors and robot.
         names: components to start.
         sensors: sensors on topics to open.
         needs: catalogue ids of the task's leaves.
-        resources: filled in.
         stack: closes what was started.
-        progress: told of each part that came up.
 
     Raises:
         GripError: a component can't be started. A sensor that can't be opened says so when it is asked.
     """
-    from grip_bt.ros.components import start_components
-    from grip_bt.ros.frames import mounted_frames
-    from grip_bt.ros.interface import RosDoor
-    from grip_bt.ros.sensing import TopicSensor, close_sensors, open_sensors
-    from grip_bt.ros.transforms import Transforms
-
+    project, progress = opening.project, opening.progress
     if "ros/lookup_transform" in needs or any(project.file.sensors[name].given_in for name in sensors):
         provide_frames(progress)
     domain = _domain(project, names, sensors, needs, stack)
@@ -67,10 +56,9 @@ def open_ros(
 
     components = start_components(project.folder, names, domain, folder, frames, begun)
     stack.callback(components.close)
-    resources.components = {name: components.client(name) for name in names}
-    now = _take_time(components.bus, resources, stack) if project.file.simulated_time else time.time
+    clock = simulated_clock(components.bus, stack) if project.file.simulated_time else None
+    now = time.time if clock is None else clock.now
     door = RosDoor(components.bus, Transforms(components.bus, frames), now)
-    resources.ros = door
     built = (
         f"interfaces built in {components.build_seconds:.1f} s" if components.build_seconds else "interfaces in cache"
     )
@@ -80,33 +68,32 @@ def open_ros(
         progress("component", f"{name}: {where}, ready after {components.ready_seconds:.1f} s; {built}")
     opened = open_sensors({name: project.file.sensors[name] for name in sensors}, door, project.folder, domain)
     stack.callback(lambda: close_sensors(opened))
-    resources.sensors = opened
     for name, sensor in opened.items():
         topics = ", ".join(topic.topic for topic in project.file.sensors[name].topics.values())
         progress("sensor", f"{name}: {topics}" if isinstance(sensor, TopicSensor) else f"{name}: {sensor.reason}")
+    return Resources(
+        components={name: components.client(name) for name in names}, sensors=opened, ros=door, clock=clock
+    )
 
 
-def _take_time(bus: Bus, resources: Resources, stack: ExitStack) -> Callable[[], float]:
-    """Have the run's clock follow `/clock`, and return it.
+def simulated_clock(bus: Bus, stack: ExitStack) -> RosClock:
+    """Return a clock that follows `/clock`.
 
     Raises:
         ServerLostError: nobody publishes it.
     """
-    from grip_bt.ros.clock import RosClock
-
     clock = stack.enter_context(RosClock(bus))
     if not clock.wait_started(TIME_STARTS):
         reason = f"no simulated time within {TIME_STARTS:g} s: {clock.publishers()}"
         advice = "start the simulator, or take `simulated_time` out of grip.yaml"
         raise ServerLostError(f"/clock: {reason}. To mend it: {advice}", server="/clock")
-    resources.clock = clock
-    return clock.now
+    return clock
 
 
 def _domain(
     project: Project, names: list[str], sensors: list[str], needs: Collection[str], stack: ExitStack
 ) -> int | None:
-    """Return a domain of the run's own, or the user's when something that runs already is part of the task."""
+    """Return a domain of the run's own; None, which is the user's, when the task needs something that runs already."""
     folders = project.component_folders()
     if project.file.simulated_time:
         return None
@@ -123,8 +110,6 @@ def _starts(start: Start | None) -> bool:
 
 def provide_frames(progress: Progress) -> None:
     """Have the messages of TF, built where they aren't installed; without them only fixed frames are known."""
-    from grip_bt.ros.interfaces.bundled import provide
-
     try:
         built = provide("tf2_msgs")
         progress("frames", f"tf2_msgs, built in {built[0]}" if built else "tf2_msgs, as installed")

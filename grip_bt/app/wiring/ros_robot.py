@@ -4,104 +4,90 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING
 
 from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
 from grip_bt.base.failures import SensorError
-from grip_bt.base.ports import Camera, Executor, HandPort
+from grip_bt.base.ports import Camera, Executor, HandPort, Pausable
+from grip_bt.commanders.pausing import HeldHand, held
+from grip_bt.ros.client.bus import Bus
+from grip_bt.ros.controllers import (
+    ControlledHand,
+    ControllerManager,
+    GripperHand,
+    JointStates,
+    StreamedExecutor,
+    TopicExecutor,
+    TrajectoryExecutor,
+)
+from grip_bt.ros.frames import mounted_frames
+from grip_bt.ros.interface import RosDoor
+from grip_bt.ros.interfaces.bundled import provide
+from grip_bt.ros.moveit import MoveGroupExecutor
+from grip_bt.ros.sensing import RosCamera, UnnamedCamera
+from grip_bt.ros.transforms import Transforms
 from grip_bt.task.catalog.ros_config import ControllerConfig, RosRobotConfig
 
-from ..project.faults import check_arms, jerks_of_arms
+from ..project.faults import jerks_of_arms
 from ..project.folder import Project
 from ..project.frames import robot_frames
-from .commanders import open_commanders
-from .parts import Progress, Resources, told_when_slow
-from .planners import planners_in_force, with_move_group
+from .commanders import PlannedRobot, commanded
+from .parts import Opening, Resources
+from .planners import with_move_group
+from .progress import Progress, report_if_slow
 from .ros import provide_frames
 
-if TYPE_CHECKING:
-    from grip_bt.ros.client.bus import Bus
-    from grip_bt.ros.controllers import JointStates
 
+class RosBackend:
+    """Implements `RobotBackend`: the controllers that the project names under `ros`, wherever they run."""
 
-def open_robot(project: Project, resources: Resources, seed: int, stack: ExitStack, progress: Progress) -> None:
-    """Connect to the controllers that the project names and put its arms, hands and scene into `resources`.
+    def open(self, opening: Opening, stack: ExitStack) -> Resources:
+        """Connect to the controllers, and have them active.
 
-    Args:
-        project: with a robot, arms and hands, and their controllers under `ros`.
-        resources: filled in.
-        seed: of the planners.
-        stack: closes what was started.
-        progress: told of each part that came up.
-
-    Raises:
-        MissingPartError: ROS or the motion libraries aren't installed, or the project names no controllers.
-        UnknownNameError: an arm or a hand has no controller, or one that isn't loaded.
-        SensorError: nothing is measured of a joint.
-        SwitchError: a controller can't be made active.
-    """
-    try:
-        from grip_bt.commanders.kinematics.model import RobotModel  # noqa: F401  # a process of its own needs it
-        from grip_bt.commanders.pausing import HeldHand, held
-        from grip_bt.commanders.planning.service import PlanningProcess
-        from grip_bt.ros.client.bus import Bus
-        from grip_bt.ros.controllers import JointStates
-    except ImportError as error:
-        raise MissingPartError(f"planning or ROS ({error})", "pip install 'grip-bt[motion,ros]'") from None
-    file = project.file
-    settings = file.ros
-    if settings is None:
-        remedy = (
-            "name them in grip.yaml: `ros: {controllers: {ARM: {trajectory: /CONTROLLER/follow_joint_trajectory}}}`"
-        )
-        raise MissingPartError("the controllers of a real robot", remedy)
-    alone = [
-        name for name, arm in file.arms.items() if not arm.arms
-    ]  # those that join others move by their controllers
-    groups = {name: file.arms[name].group for name in alone} | {name: hand.group for name, hand in file.hands.items()}
-    for name in groups:
-        if name not in settings.controllers:
-            raise UnknownNameError("controller of", name, settings.controllers, "grip.yaml: ros/controllers")
-    description = project.description()
-    check_arms(project, description)
-    process = stack.enter_context(PlanningProcess(description, partial(progress, "planner")))
-    bus = stack.enter_context(Bus("grip_robot", guarded=True))
-    guard = bus.guard
-    assert guard is not None, "it is open, and guarded"
-    planner = with_move_group(project, description, process, stack, bus)
-    states = JointStates(bus, settings.joint_states, settings.stale)
-    joints = {n: _joints(settings.controllers[n], description.group(group)) for n, group in groups.items()}
-    for name, names in joints.items():
-        controller = settings.controllers[name]
-        actions = [a for a in (controller.trajectory, controller.gripper, controller.move_group) if a is not None]
-        guard.watch(name, settings.joint_states, names, actions)
-    measured = [joint for names in joints.values() for joint in names]
-    _wait_for_controllers(settings, bus, states, measured, progress)
-    progress("robot", f"{len(measured)} joints measured on {settings.joint_states}")
-    limits = description.acceleration_limits
-    jerks = jerks_of_arms(file.arms, description)
-    controllers = _Controllers(settings, bus, states, limits, jerks)
-    executors = {name: held(controllers.executor(name, joints[name]), limits, jerks=jerks) for name in alone}
-    ports = {name: HeldHand(controllers.hand(name, joints[name])) for name in file.hands}
-    resources.measure = states.fresh
-    resources.pausable = [*executors.values(), *ports.values()]
-    open_commanders(project, resources, description, planner, executors, ports, {}, seed)
-    resources.cameras = _cameras(project, settings, bus, progress)
-    if not process.wait_until_ready():
-        raise GripError("the planning process doesn't come up; run `grip doctor`")
-    guard.wait_ready(settings.ready)
-    progress("planner", f"process {process.pid}: {planners_in_force(project, description)}")
+        Raises:
+            SensorError: nothing is measured of a joint.
+            SwitchError: a controller can't be made active.
+        """
+        project, file, progress = opening.project, opening.project.file, opening.progress
+        settings = file.ros
+        if settings is None:
+            example = "`ros: {controllers: {ARM: {trajectory: /CONTROLLER/follow_joint_trajectory}}}`"
+            raise MissingPartError("the controllers of a real robot", f"name them in grip.yaml: {example}")
+        # Arms that join others move by the controllers of those.
+        alone = [name for name, arm in file.arms.items() if not arm.arms]
+        groups = {name: file.arms[name].group for name in alone} | {n: hand.group for n, hand in file.hands.items()}
+        for name in groups:
+            if name not in settings.controllers:
+                raise UnknownNameError("controller of", name, settings.controllers, "grip.yaml: ros/controllers")
+        robot = PlannedRobot.begin(opening, stack)
+        bus = stack.enter_context(Bus("grip_robot", guarded=True))
+        guard = bus.guard
+        assert guard is not None, "it is open, and guarded"
+        planner = with_move_group(opening, robot.description, robot.process, stack, bus)
+        states = JointStates(bus, settings.joint_states, settings.stale)
+        joints = {n: _joints(settings.controllers[n], robot.description.group(group)) for n, group in groups.items()}
+        for name, names in joints.items():
+            controller = settings.controllers[name]
+            actions = [a for a in (controller.trajectory, controller.gripper, controller.move_group) if a is not None]
+            guard.watch(name, settings.joint_states, names, actions)
+        measured = [joint for names in joints.values() for joint in names]
+        _wait_for_controllers(settings, bus, states, measured, progress)
+        progress("robot", f"{len(measured)} joints measured on {settings.joint_states}")
+        limits, jerks = robot.description.acceleration_limits, jerks_of_arms(file.arms, robot.description)
+        controllers = _Controllers(settings, bus, states, limits, jerks)
+        executors = {name: held(controllers.executor(name, joints[name]), limits, jerks=jerks) for name in alone}
+        ports = {name: HeldHand(controllers.hand(name, joints[name])) for name in file.hands}
+        parts = commanded(opening, robot.description, planner, executors, ports, {})
+        cameras = _cameras(project, settings, bus, progress)
+        robot.wait_until_ready(opening)
+        guard.wait_ready(settings.ready)
+        pausable: list[Pausable] = [*executors.values(), *ports.values()]
+        return replace(parts, cameras=cameras, pausable=pausable, measure=states.fresh)
 
 
 def _cameras(project: Project, settings: RosRobotConfig, bus: Bus, progress: Progress) -> dict[str, Camera]:
     """Return the cameras of sensors that say `camera`; one that isn't named under `ros` says so when it is asked."""
-    from grip_bt.ros.frames import mounted_frames
-    from grip_bt.ros.interface import RosDoor
-    from grip_bt.ros.sensing import RosCamera, UnnamedCamera
-    from grip_bt.ros.transforms import Transforms
-
     sensors = [name for name, sensor in project.file.sensors.items() if sensor.camera is not None]
     for name in settings.cameras:
         if name not in sensors:
@@ -122,15 +108,13 @@ def _wait_for_controllers(
     settings: RosRobotConfig, bus: Bus, states: JointStates, joints: Sequence[str], progress: Progress
 ) -> None:
     """Block until the named controllers are active and every joint is measured; what takes its time is told."""
-    from grip_bt.ros.controllers import ControllerManager
-
     _provide_interfaces(settings, progress)
     most = f"waiting for it, at most {settings.ready:g} s"
     wanted = [c.name for c in settings.controllers.values() if c.name is not None]
     if wanted:
         others = [other for c in settings.controllers.values() for other in c.instead_of]
         manager = settings.controller_manager
-        with told_when_slow(progress, "controllers", lambda: f"{manager} hasn't answered yet; {most}"):
+        with report_if_slow(progress, "controllers", lambda: f"{manager} hasn't answered yet; {most}"):
             ControllerManager(bus, manager, settings.ready).ensure_active(wanted, others)
         progress("controllers", f"active: {', '.join(wanted)}")
 
@@ -141,14 +125,12 @@ def _wait_for_controllers(
             return f"{error.message}; {most}"
         return f"all joints are measured on {settings.joint_states}"
 
-    with told_when_slow(progress, "robot", missing):
+    with report_if_slow(progress, "robot", missing):
         states.wait_for(joints, settings.ready)
 
 
 def _provide_interfaces(settings: RosRobotConfig, progress: Progress) -> None:
     """Have the messages of controllers, built where they aren't installed: once, and that takes its time."""
-    from grip_bt.ros.interfaces.bundled import provide
-
     controllers = settings.controllers.values()
     needed = {
         "controller_manager_msgs": any(c.name is not None for c in controllers),
@@ -157,7 +139,7 @@ def _provide_interfaces(settings: RosRobotConfig, progress: Progress) -> None:
     }
     for package in (name for name, is_needed in needed.items() if is_needed):
         words = f"{package} is being built, once; up to a minute"
-        with told_when_slow(progress, "interfaces", partial(str, words)):
+        with report_if_slow(progress, "interfaces", partial(str, words)):
             provide(package)
 
 
@@ -177,16 +159,12 @@ class _Controllers:
 
     def executor(self, name: str, joints: Sequence[str]) -> Executor:
         """Return what moves the joints of an arm, or of a hand over a controller that follows trajectories."""
-        from grip_bt.ros.controllers import StreamedExecutor, TopicExecutor, TrajectoryExecutor
-
         controller, ready = self.settings.controllers[name], self.settings.ready
         if controller.trajectory is not None:
             return TrajectoryExecutor(self.bus, controller.trajectory, joints, self.states, wait=ready)
         if controller.topic is not None:
             return TopicExecutor(self.bus, controller.topic, joints, self.states, self.limits)
         if controller.move_group is not None:
-            from grip_bt.ros.moveit import MoveGroupExecutor
-
             return MoveGroupExecutor(self.bus, controller.move_group, joints, self.states, ready)
         if controller.positions is not None:
             topic = controller.positions
@@ -196,8 +174,6 @@ class _Controllers:
 
     def hand(self, name: str, joints: Sequence[str]) -> HandPort:
         """Return what moves the joints of a hand."""
-        from grip_bt.ros.controllers import ControlledHand, GripperHand
-
         gripper = self.settings.controllers[name].gripper
         if gripper is None:
             return ControlledHand(self.executor(name, joints), self.limits)

@@ -6,19 +6,24 @@ import threading
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Executor, HandPort
-from grip_bt.base.values import JointState, Trajectory
+from grip_bt.base.values import JointState, Pose, Trajectory
+from grip_bt.base.values.solids import Box
+from grip_bt.commanders.scene import SceneObject
+from grip_bt.commanders.scene_file import scene_text
+from grip_bt.ros.client.bus import Bus
+from grip_bt.ros.served_topics import ServedCamera, ServedJoints
+from grip_bt.ros.served_trajectory import ServedController
+from grip_sim import start_simulation, table_world
+from grip_sim.simulation import Simulation
 
 from ..project.faults import WORLDS, check_cameras, jerks_of_arms
 from ..project.folder import Project
-from .parts import Progress
-
-if TYPE_CHECKING:
-    from grip_sim.simulation import Simulation
+from .progress import Progress
 
 JOINT_STATES = "/joint_states"
 SOON = 0.1
@@ -73,13 +78,6 @@ def serve_world(
     check_cameras(project, world)
     if project.file.robot is None:
         raise MissingPartError("a robot to simulate", "name one in grip.yaml: `robot: panda_allegro`")
-    try:
-        from grip_bt.ros.client.bus import Bus
-        from grip_bt.ros.served_topics import ServedCamera, ServedJoints
-        from grip_bt.ros.served_trajectory import ServedController
-        from grip_sim import start_simulation, table_world
-    except ImportError as error:
-        raise MissingPartError(f"the simulator or ROS ({error})", "pip install 'grip-bt[sim,ros]'") from None
     groups = _groups(project)
     actions = {name: _action(project, name) for name in groups}
     with ExitStack() as stack:
@@ -173,10 +171,6 @@ def _mount(simulation: Simulation, project: Project, name: str) -> dict[str, Any
 
 
 def _room(simulation: Simulation) -> str:
-    from grip_bt.base.values import Pose
-    from grip_bt.base.values.solids import Box
-    from grip_bt.commanders.scene import SceneObject
-    from grip_bt.commanders.scene_file import scene_text
 
     boxes = simulation.spec.boxes()
     return scene_text("room", [SceneObject(box.name, Box(box.size), Pose(box.centre), fixed=True) for box in boxes])

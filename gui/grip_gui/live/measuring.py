@@ -9,6 +9,7 @@ from typing import Any
 
 from grip_bt.app.project.folder import Project, find_project
 from grip_bt.app.wiring.open import open_resources
+from grip_bt.app.wiring.parts import Opening
 from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
 from grip_bt.base.message_store.written import text_of
 from grip_bt.base.ports import Arm, Hand
@@ -36,7 +37,7 @@ def measured(robot: str, part: str, what: str, joints: Mapping[str, float] | Non
         raise MissingPartError("a robot", "name one in grip.yaml (`robot:`)")
     if joints is not None:
         return _of_joints(project, part, what, JointState.from_mapping(joints))
-    with open_resources(project, ["arm/teach"], robot, 0, None, lambda *_: None) as resources:
+    with open_resources(Opening(project), ["arm/teach"], robot) as resources:
         parts: dict[str, Arm | Hand] = {**resources.hands, **resources.arms}
         if part not in parts:
             raise UnknownNameError("arm or hand", part, parts, "grip.yaml")
