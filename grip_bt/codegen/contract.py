@@ -17,7 +17,7 @@ from grip_bt.base.types import BUILTINS, VALUES, Type, parse_type
 from grip_bt.task.catalog.component_file import FEEDBACK, ComponentFile
 from grip_bt.task.catalog.component_parts import PortType
 from grip_bt.task.catalog.ros_config import INTEGER_TYPES, FieldSpec, InterfaceSpec
-from grip_bt.task.validation.expression_types import type_of
+from grip_bt.task.validation.expressions import type_of
 
 INPUT, OUTCOME, RETURNED = "input", "outcome", "returned_object"
 

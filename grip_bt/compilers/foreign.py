@@ -18,7 +18,7 @@ from grip_bt.base.errors import InvalidTaskError
 from grip_bt.base.issue import Issue
 from grip_bt.task.catalog import AllowedImports
 from grip_bt.task.model import Foreign
-from grip_bt.task.validation.rules.foreign import not_listed
+from grip_bt.task.validation.parts import not_listed
 
 BehaviourFactory = Callable[[str, str, Foreign], Behaviour]
 """(path, name, what the document says) -> the behaviour of a foreign node."""

@@ -27,7 +27,7 @@ from grip_bt.task.model import (
     type_of,
 )
 from grip_bt.task.validation.known import KnownManifests
-from grip_bt.task.validation.rules.foreign import not_listed
+from grip_bt.task.validation.parts import not_listed
 from grip_bt.task.walking import children_of, join, outcomes_of, with_refusal
 
 from .checks import check_edges, check_leaf, check_ports, check_root, check_rules, problem

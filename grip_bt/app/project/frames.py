@@ -11,7 +11,7 @@ from grip_bt.ros.frames import FrameTree
 from grip_bt.task.catalog.component_file import ComponentFile, load_component
 from grip_bt.task.catalog.component_parts import ProcessConfig
 from grip_bt.task.catalog.project_parts import UNFIT, Trouble
-from grip_bt.task.validation.wording import take_hint
+from grip_bt.task.validation.codes import suggestion
 
 from .folder import Project
 
@@ -60,7 +60,7 @@ def _unknown(named: Iterable[tuple[str, str]], known: Collection[str], by_tf: bo
             continue
         doubt = "; only TF could have it, when the task runs" if by_tf else "; TF isn't asked for a component's frames"
         otherwise = "name one of these, or see that TF publishes it" if by_tf else "name one of these"
-        fix = take_hint(nearest(frame, tuple(sorted(known))), otherwise)
+        fix = suggestion(nearest(frame, tuple(sorted(known))), otherwise)
         yield Trouble(UNFIT, f"{UnknownNameError('frame', frame, known, where)}{doubt}", fix)
 
 

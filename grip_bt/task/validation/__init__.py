@@ -9,20 +9,14 @@ from grip_bt.task.document import Document
 
 from .codes import SEVERITY
 from .dataflow import check_dataflow
+from .expressions import check_expressions
+from .leaves import check_names, check_numbers, check_subtasks
+from .outcomes import check_outcomes, check_reach
+from .parts import check_equipment, check_foreign, check_messages
 from .possible import Possible
-from .rules.equipment import check_equipment
-from .rules.expressions import check_expressions
-from .rules.foreign import check_foreign
-from .rules.messages import check_messages
-from .rules.names import check_names
-from .rules.numbers import check_numbers
-from .rules.outcomes import check_outcomes
-from .rules.parallel import check_parallel
-from .rules.reach import check_reach
-from .rules.subtasks import check_subtasks
-from .rules.variables import check_variables
 from .subtasks import Checked, Subtasks
 from .survey import Survey
+from .variables import check_parallel, check_variables
 
 __all__ = ["SEVERITY", "survey_of", "validate"]
 

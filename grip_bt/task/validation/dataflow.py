@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from grip_bt.task import Foreign, Leaf, Subtask
 from grip_bt.task.kind_analysis import flow
 
-from .ends import root_target
+from .ends import default_outcome
 from .possible import Possible
 from .survey import Spot, Survey
 
@@ -158,7 +158,7 @@ def _written(survey: Survey, ends: States) -> dict[str, tuple[str, ...]]:
     for outcome, state in ends.items():
         targets = _targets(task.root.on, outcome)
         if outcome not in task.root.on and outcome in survey.root.outcomes:
-            by_itself = root_target(task, outcome, survey.root.outcomes[outcome])
+            by_itself = default_outcome(task, outcome, survey.root.outcomes[outcome])
             targets = targets if by_itself is None else [*targets, by_itself]
         for target in targets:
             _meet(found, target, state)

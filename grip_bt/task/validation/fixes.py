@@ -29,8 +29,7 @@ from grip_bt.task.edit import (
     apply,
 )
 
-from .rules.equipment import names_for
-from .rules.messages import known_messages
+from .parts import known_messages, names_for
 from .survey import Declared, Spot, Survey
 
 MOST = 4

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from grip_bt.base.errors import ExpressionError
+from grip_bt.base.errors import ExpressionError, listing, nearest
 from grip_bt.base.expression import parse_expression
 from grip_bt.base.issue import Issue
 from grip_bt.task import (
@@ -25,7 +25,7 @@ from grip_bt.task import (
 from grip_bt.task.catalog import Catalog, Manifest, Type, parse_type
 from grip_bt.task.document import Document
 
-from .codes import SEVERITY
+from .codes import SEVERITY, suggestion
 from .known import Known, KnownManifests
 from .subtasks import Subtasks
 
@@ -181,6 +181,34 @@ class Survey:
         source = self._document.source if self._document else ""
         keys = (key,) if isinstance(key, str) else key or ()
         self.issues.append(Issue(path, code, SEVERITY[code], message, fix, line, column, source, keys))
+
+    def unknown(
+        self,
+        path: str,
+        key: Key,
+        code: str,
+        message: str,
+        name: str,
+        allowed: Collection[str],
+        otherwise: str = "",
+        fix: str = "",
+    ) -> None:
+        """Note a name that isn't there, with the nearest that is.
+
+        Args:
+            path: of the node.
+            key: where the name stands.
+            code: of the issue.
+            message: what is wrong.
+            name: the name.
+            allowed: the names that there are.
+            otherwise: what to do where none of them is near.
+            fix: what to do, where that is known.
+        """
+        hint = nearest(name, allowed)
+        self.add(
+            path, key, code, f"{message}{hint} (there are: {listing(allowed)})", fix or suggestion(hint, otherwise)
+        )
 
     def _scope(self, outer: Scope, owner: str, data: Mapping[str, Variable | str]) -> Scope:
         if not data:

@@ -11,7 +11,7 @@ from grip_bt.base.errors import SubtaskError, listing
 from grip_bt.task import Leaf, Subtask, Task, walk
 from grip_bt.task.catalog.project_parts import Equipment, Trouble
 
-from ..survey import Survey
+from .survey import Survey
 
 _TEACHERS = {"arm/teach": "arm", "hand/teach": "hand"}
 """Nodes by which a task gives names, and to what."""

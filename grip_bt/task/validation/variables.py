@@ -1,14 +1,15 @@
-"""Variables: their types, their names, what is bound to them."""
+"""Variables: their types, their names, what is bound to them, and who writes them at once."""
 
 from __future__ import annotations
 
 from grip_bt.base.errors import listing, nearest
-from grip_bt.task import Leaf, Subtask, Variable
+from grip_bt.task import Leaf, Parallel, Subtask, Variable
 from grip_bt.task.catalog import InputPort, OutputPort, Type, check_value, is_assignable, parse_type
 
-from ..known import Known
-from ..survey import Declared, Spot, Survey
-from ..wording import has_literals, made_by, take_hint
+from .codes import has_literal_form, producers
+from .known import Known
+from .outcomes import check_label, unknown_target
+from .survey import Declared, Key, Spot, Survey
 
 _PORTED = (Leaf, Subtask)
 
@@ -58,14 +59,9 @@ def _bound_alike(spot: Spot, known: Known, node: Leaf | Subtask) -> bool:
 def _items(survey: Survey, spot: Spot, key: str, items: str) -> None:
     declared = spot.scope.get(items)
     if declared is None:
-        hint = nearest(items, spot.scope)
-        survey.add(
-            spot.path,
-            key,
-            "undeclared-variable",
-            f"`{key}` names {items!r}, which isn't declared{hint} (there are: {listing(spot.scope)})",
-            take_hint(hint, f"declare it: `data: {{{items}: list[...]}}` in an enclosing container"),
-        )
+        message = f"`{key}` names {items!r}, which isn't declared"
+        new = f"declare it: `data: {{{items}: list[...]}}` in an enclosing container"
+        survey.unknown(spot.path, key, "undeclared-variable", message, items, spot.scope, new)
     elif declared.type is not None and (declared.type.name not in ("list", "Any") or declared.type.optional):
         survey.add(
             spot.path,
@@ -98,9 +94,9 @@ def _declaration(survey: Survey, declared: Declared) -> None:
 def _instead(survey: Survey, type_: Type) -> str:
     """Return what to do in place of a wrong initial value: values that YAML can't write are made by nodes."""
     written = "leave `value` out and write the variable first"
-    if has_literals(type_):
+    if has_literal_form(type_):
         return f"give a literal of type {type_}, or {written}"
-    return f"no literal is a {type_.name}: {written}{made_by(survey.catalog, type_)}"
+    return f"no literal is a {type_.name}: {written}{producers(survey.catalog, type_)}"
 
 
 def _shadowed(survey: Survey) -> None:
@@ -126,16 +122,9 @@ def _binding(
 ) -> None:
     declared = spot.scope.get(name)
     if declared is None:
-        hint = nearest(name, spot.scope)
+        message = f"the port {where[1]!r} is bound to {name!r}, which isn't declared"
         new = f"declare it: `data: {{{name}: {port.type if port else 'Any'}}}` in this or an enclosing container"
-        survey.add(
-            spot.path,
-            where,
-            "undeclared-variable",
-            f"the port {where[1]!r} is bound to {name!r}, which isn't declared{hint} "
-            f"(there are: {listing(spot.scope)})",
-            take_hint(hint, new),
-        )
+        survey.unknown(spot.path, where, "undeclared-variable", message, name, spot.scope, new)
         return
     if port is None or declared.type is None:
         return
@@ -153,3 +142,66 @@ def _binding(
             f"the port {where[1]!r} {verb} {wanted}, but {name!r} holds {held}",
             f"bind a variable of type {wanted}, or change {name!r} in {owner}",
         )
+
+
+def check_parallel(survey: Survey) -> None:
+    """Find variables that two children of a parallel write, or that one writes and another reads."""
+    for spot in survey.containers:
+        if isinstance(spot.node, Parallel):
+            _rules(survey, spot, spot.node)
+            if spot.node.order is None:
+                _shared(survey, spot)
+
+
+def _rules(survey: Survey, spot: Spot, node: Parallel) -> None:
+    for name in node.wait_for if isinstance(node.wait_for, list) else ():
+        _child(survey, spot, "wait_for", name)
+    for number, rule in enumerate(node.rules):
+        where = ("rules", number)
+        if rule.then not in spot.outcomes:
+            unknown_target(survey, spot.path, (*where, "then"), rule.then, spot.outcomes, "outcomes of this container")
+        for name, said in rule.when.items():
+            child = _child(survey, spot, (*where, "when", name), name)
+            for label in [said] if isinstance(said, str) else said:
+                if child is not None:
+                    check_label(survey, spot.path, (*where, "when", name), child, label)
+
+
+def _child(survey: Survey, spot: Spot, where: Key, name: str) -> Spot | None:
+    child = spot.children.get(name)
+    if child is None:
+        hint = nearest(name, spot.children)
+        survey.add(
+            spot.path, where, "unknown-child", f"{name!r} is no child{hint} (there are: {listing(spot.children)})"
+        )
+    return child
+
+
+def _shared(survey: Survey, spot: Spot) -> None:
+    children = list(spot.children.values())
+    written = read = twice = mixed = 0
+    for child in children:
+        twice |= written & child.writes
+        mixed |= (written & child.reads) | (read & child.writes)
+        written |= child.writes
+        read |= child.reads
+    for declared in survey.declared:
+        if declared.bit & twice:
+            writers = [c.name for c in children if c.writes & declared.bit]
+            survey.add(
+                spot.path,
+                "children",
+                "parallel-writes",
+                f"the children {', '.join(writers)} write {declared.name!r} at the same time",
+                "give each a variable of its own, or say `order: declared`",
+            )
+        elif declared.bit & mixed:
+            writer = next(c.name for c in children if c.writes & declared.bit)
+            reader = next(c.name for c in children if c.reads & declared.bit and c.name != writer)
+            survey.add(
+                spot.path,
+                "children",
+                "parallel-read-write",
+                f"{reader!r} reads {declared.name!r} while {writer!r} writes it",
+                f"read another variable, put {writer!r} before the parallel, or say `order: declared`",
+            )

@@ -1,17 +1,18 @@
-"""What a task names of the project: arms, hands, states, postures, fingers, links, ROS types; will they do."""
+"""Names of a project's parts, of its messages and of its own code."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
 
 from grip_bt.base.errors import listing, nearest
-from grip_bt.task import Leaf
+from grip_bt.task import Foreign, Leaf
+from grip_bt.task.catalog import AllowedImports
 from grip_bt.task.catalog.project_parts import MISSING, UNFIT, UNMOVED, Equipment, Equipped, Trouble, missing_type
 
-from ..known import Known
-from ..survey import Key, Spot, Survey
-from ..wording import take_hint
-from .lessons import BY_STATE, Lessons, only_if_empty
+from .codes import suggestion
+from .known import Known
+from .survey import Key, Spot, Survey
+from .taught import BY_STATE, Lessons, only_if_empty
 
 _WORDS = {
     "state": ("unknown-state", "named state"),
@@ -95,7 +96,7 @@ def _of_part(side: str, value: object, equipment: Equipment) -> Iterator[Trouble
             hint = nearest(name, parts)
             said = f"the project has no {side} {name!r}{hint}" if name else f"the project has no {side}"
             otherwise = f"name one under `{side}s` in grip.yaml"
-            yield Trouble(code, f"{said} (there are: {listing(parts)})", take_hint(hint, otherwise))
+            yield Trouble(code, f"{said} (there are: {listing(parts)})", suggestion(hint, otherwise))
 
 
 def _of_names(kind: str, value: object, part: str, there: Equipped, lessons: Lessons) -> Iterator[Trouble]:
@@ -121,7 +122,7 @@ def _unknown(kind: str, name: str, part: str, there: Equipped) -> Trouble:
         named = name in there.known.get("state", ())
         otherwise = f"it is a named state: {BY_STATE}" if named else f"teach it first: `grip teach {name} --arm {part}`"
     message = f"there is no {word} {name!r}{hint} (there are: {listing(known)})"
-    return Trouble(code, message, take_hint(hint, otherwise))
+    return Trouble(code, message, suggestion(hint, otherwise))
 
 
 def _of_types(value: object, packages: Collection[str] | None) -> Iterator[Trouble]:
@@ -139,3 +140,99 @@ def _part(spot: Spot, kind: str, equipment: Equipment) -> tuple[str, Equipped | 
     parts = (equipment.arms if side == "arm" else equipment.hands) or {}
     name = only_if_empty(spot.node.with_.get(side, "") if isinstance(spot.node, Leaf) else "", parts)
     return name, parts.get(name)
+
+
+READ, PUT = "messages/get", "messages/put"
+
+
+def check_messages(survey: Survey) -> None:
+    """Find messages that are read by name, and that are neither in the project nor put by the task."""
+    read = [spot for spot in survey.leaves if isinstance(spot.node, Leaf) and spot.node.node == READ]
+    names = known_messages(survey) if read else None
+    if names is None:
+        return
+    for spot in read:
+        store, name = _place(spot)
+        if isinstance(store, str) and isinstance(name, str) and name not in names.get(store, ()):
+            there = names.get(store, ())
+            hint = nearest(name, there)
+            known_ones = f" (there are: {listing(there)})" if there else ""
+            survey.add(
+                spot.path,
+                ("with", "name"),
+                "unknown-message",
+                f"nothing is called {name!r} in the store {store!r}{hint}{known_ones}",
+                suggestion(hint, f"add it to the project's messages, or put it first: `node: {PUT}`"),
+            )
+
+
+def known_messages(survey: Survey) -> dict[str, set[str]] | None:
+    """Return store -> names of the messages that are there, or that the task puts; None if nobody knows."""
+    known = survey.catalog.named()
+    if known is None:
+        return None
+    names = {store: set(there) for store, there in known.items()}
+    for store, name in _put(survey.leaves):
+        names.setdefault(store, set()).add(name)
+    return names
+
+
+def _put(leaves: list[Spot]) -> Iterator[tuple[str, str]]:
+    for spot in leaves:
+        if isinstance(spot.node, Leaf) and spot.node.node == PUT:
+            store, name = _place(spot)
+            if isinstance(store, str) and isinstance(name, str):
+                yield store, name
+
+
+def _place(spot: Spot) -> tuple[object, object]:
+    assert isinstance(spot.node, Leaf), "leaves read and put messages"
+    return spot.node.with_.get("store"), spot.node.with_.get("name")
+
+
+def check_foreign(survey: Survey) -> None:
+    """Find behaviours that the project doesn't list, and those that their module doesn't have."""
+    code = survey.catalog.code
+    for spot in survey.containers:
+        if not isinstance(spot.node, Foreign):
+            continue
+        where = spot.node.behaviour
+        trouble = _missing(survey, where) if code.allows(where) else not_listed(where, code.listed)
+        if trouble is not None:
+            survey.add(spot.path, "behaviour", trouble.code, trouble.message, trouble.fix)
+
+
+def not_listed(where: str, listed: tuple[str, ...]) -> Trouble:
+    """Return that a task may not import `package.module:Name`, since it isn't what its project lists."""
+    hint = nearest(where, listed) or nearest(where.partition(":")[0], listed)
+    there = f" (it lists: {listing(listed)})" if listed else ""
+    said = f"{where!r} is no code that the project lets its tasks import{hint}{there}"
+    otherwise = f"if you trust it, list it in grip.yaml: `code: [{where!r}]`"
+    return Trouble("unlisted-code", said, suggestion(hint, otherwise))
+
+
+def _missing(survey: Survey, where: str) -> Trouble | None:
+    """Return that a module isn't here or lacks a name, as far as its source tells."""
+    module, _, name = where.partition(":")
+    code = survey.catalog.code
+    try:
+        known = code.names_in(module)
+    except ModuleNotFoundError as error:
+        return Trouble(MISSING, f"{error}, which a run imports", "install its package, or correct the path")
+    first = name.partition(".")[0]
+    if known is None or first in known:
+        return _no_class(code, where)
+    public = sorted(each for each in known if not each.startswith("_"))
+    hint = nearest(first, public)
+    return Trouble("unknown-behaviour", f"the module {module} has no {first!r}{hint}", suggestion(hint, "correct it"))
+
+
+def _no_class(code: AllowedImports, where: str) -> Trouble | None:
+    """Return that what a task names isn't a class, where its source tells; a function has to be listed by its name."""
+    kind = code.kind_of(where)
+    if kind is None or kind == "class" or code.names(where):
+        return None
+    if not code.is_third_party(where):
+        return Trouble("unknown-behaviour", f"{where!r} is no behaviour of py_trees", "name one of its classes")
+    said = f"{where!r} is a function, which is called only if the project lists it by its name"
+    return Trouble("unknown-behaviour", said, f"if you trust it, list it in grip.yaml: `code: [{where!r}]`")

@@ -1,4 +1,4 @@
-"""Where ends of nodes lead: `exits` of containers, `on` in state machines and at the root."""
+"""Outcomes: where they lead, what nothing leads to, and what is never reached."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from grip_bt.base.evaluation import same_literal
 from grip_bt.task import Parallel, StateMachine, Switch, Task
 from grip_bt.task.model import Childless
 
-from ..ends import root_target
-from ..possible import Possible
-from ..survey import Spot, Survey
-from ..wording import take_hint
+from .codes import suggestion
+from .ends import default_outcome
+from .possible import Possible, machine_edges, reachable
+from .survey import Spot, Survey
 
 
 def check_outcomes(survey: Survey, possible: Possible) -> None:
@@ -60,14 +60,8 @@ def _cases(survey: Survey, spot: Spot, node: Switch) -> None:
     for key, names in (("cases", [*node.cases]), ("default", [node.default] if node.default else [])):
         for name in names:
             if name not in spot.children:
-                hint = nearest(name, spot.children)
-                survey.add(
-                    spot.path,
-                    (key, name) if key == "cases" else key,
-                    "unknown-child",
-                    f"`{key}` names no child: {name!r}{hint} (there are: {listing(spot.children)})",
-                    take_hint(hint, ""),
-                )
+                where, message = (key, name) if key == "cases" else key, f"`{key}` names no child: {name!r}"
+                survey.unknown(spot.path, where, "unknown-child", message, name, spot.children)
     seen: list[tuple[str, object]] = []
     for child, literal in node.literals():
         earlier = next((name for name, other in seen if same_literal(other, literal)), None)
@@ -124,14 +118,8 @@ def check_label(survey: Survey, path: str, where: tuple[str | int, ...], child: 
     """Check `outcome` or `outcome.code` of a child; tell whether there is such an outcome."""
     outcome, dot, code = label.partition(".")
     if outcome not in child.outcomes:
-        hint = nearest(outcome, child.outcomes)
-        survey.add(
-            path,
-            where,
-            "unknown-outcome",
-            f"{child.name!r} has no outcome {outcome!r}{hint} (there are: {listing(child.outcomes)})",
-            take_hint(hint, "remove it"),
-        )
+        message = f"{child.name!r} has no outcome {outcome!r}"
+        survey.unknown(path, where, "unknown-outcome", message, outcome, child.outcomes, "remove it")
         return False
     if dot and child.outcomes[outcome] == "success":
         survey.add(path, where, "unknown-code", f"{outcome!r} is a success, which has no failure code", "remove it")
@@ -143,20 +131,15 @@ def check_label(survey: Survey, path: str, where: tuple[str | int, ...], child: 
             where,
             "unknown-code",
             f"{child.name!r} never fails with {code!r}{hint} (its codes: {listing(known)})",
-            take_hint(hint, "remove it"),
+            suggestion(hint, "remove it"),
         )
     return True
 
 
 def _machine(survey: Survey, spot: Spot, node: StateMachine) -> None:
     if node.initial not in spot.children:
-        hint = nearest(node.initial, spot.children)
-        survey.add(
-            spot.path,
-            "initial",
-            "unknown-child",
-            f"`initial` names no child: {node.initial!r}{hint} (there are: {listing(spot.children)})",
-        )
+        message = f"`initial` names no child: {node.initial!r}"
+        survey.unknown(spot.path, "initial", "unknown-child", message, node.initial, spot.children)
     targets: list[str] = []
     for child in spot.children.values():
         targets.extend(child.node.on.values())
@@ -196,7 +179,7 @@ def unknown_target(
         where,
         "unknown-target",
         f"{where[-1]!r} leads to {target!r}, which isn't there{hint} ({kind}: {listing(allowed)})",
-        take_hint(hint, ""),
+        suggestion(hint, ""),
     )
 
 
@@ -232,7 +215,7 @@ def _root(survey: Survey, task: Task) -> None:
         if target not in task.outcomes:
             unknown_target(survey, "/", ("on", label), target, task.outcomes, "outcomes of the task")
     for outcome, meaning in root.outcomes.items():
-        if outcome not in task.root.on and root_target(task, outcome, meaning) is None:
+        if outcome not in task.root.on and default_outcome(task, outcome, meaning) is None:
             survey.add(
                 "/",
                 ("on", outcome),
@@ -247,6 +230,49 @@ def _root_targets(task: Task, root: Spot) -> Iterator[str]:
     yield from task.root.on.values()
     for outcome, meaning in root.outcomes.items():
         if outcome not in task.root.on:
-            target = root_target(task, outcome, meaning)
+            target = default_outcome(task, outcome, meaning)
             if target is not None:
                 yield target
+
+
+def check_reach(survey: Survey, possible: Possible) -> None:
+    """Find children that nothing leads to, state machines that can't end, and children from which no end is reached."""
+    for spot in possible.unreached:
+        assert spot.parent is not None
+        how = (
+            "no `on` leads to it"
+            if isinstance(spot.parent.node, StateMachine)
+            else "the children before it never let it have its turn"
+        )
+        survey.add(spot.path, None, "unreachable-node", f"it is never reached: {how}", "lead to it, or remove it")
+    for spot in survey.containers:
+        if isinstance(spot.node, StateMachine) and spot.node.initial in spot.children:
+            _ends(survey, spot, spot.node, possible)
+
+
+def _ends(survey: Survey, spot: Spot, node: StateMachine, possible: Possible) -> None:
+    edges = machine_edges(spot, {c.path: possible.labels(c) for c in spot.children.values()})
+    back: dict[str, list[str]] = {}
+    for source, targets in edges.items():
+        for target in targets:
+            back.setdefault(target, []).append(source)
+    ending = {name for outcome in node.outcomes for name in reachable(outcome, back)}
+    if node.initial not in ending:
+        survey.add(
+            spot.path,
+            "outcomes",
+            "endless-machine",
+            "it can't end: no path from `initial` leads to one of its outcomes",
+            "let `on` of a child lead to an outcome",
+        )
+        return
+    reached = reachable(node.initial, edges)
+    for name, child in spot.children.items():
+        if name in reached and name not in ending and edges[name]:
+            survey.add(
+                child.path,
+                "on",
+                "dead-end",
+                f"once it is reached, {spot.path} can't end any more",
+                "let a path from here lead to an outcome",
+            )

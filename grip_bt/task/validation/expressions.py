@@ -1,7 +1,4 @@
-"""What an expression gives, and where its parts don't fit: types found from the variables upwards.
-
-What isn't known (`Any`, ROS messages, items of untyped lists) is taken to fit; a run looks at the values themselves.
-"""
+"""Expressions: what they read, and the types of what they give."""
 
 from __future__ import annotations
 
@@ -9,10 +6,13 @@ import ast
 from collections.abc import Callable, Mapping
 from functools import cache
 
-from grip_bt.base.errors import listing, nearest
-from grip_bt.base.expression import CONSTANTS, Expression
+from grip_bt.base.errors import ExpressionError, listing, nearest
+from grip_bt.base.expression import CONSTANTS, Expression, parse_expression
 from grip_bt.base.types import VALUES
+from grip_bt.task import expressions_of
 from grip_bt.task.catalog import Type, is_assignable, parse_type
+
+from .survey import Spot, Survey
 
 BOOL, INT, FLOAT, ANY = Type("bool"), Type("int"), Type("float"), Type("Any")
 _NUMBERS = ("int", "float", "Any")
@@ -150,3 +150,56 @@ def _declared(annotation: object) -> Type:
         return parse_type(str(annotation))
     except ValueError:
         return ANY
+
+
+CONDITIONS = ("precondition", "if", "while")
+"""Keys whose expression is true or false."""
+
+
+def check_expressions(survey: Survey) -> None:
+    """Find expressions that can't be read, unknown variables in them, and parts of wrong types."""
+    for spot in survey.spots:
+        if spot.plain:
+            continue
+        for key, text in expressions_of(spot.node):
+            try:
+                expression = parse_expression(text)
+            except ExpressionError as error:
+                survey.add(spot.path, key, "bad-expression", str(error))
+                continue
+            _names(survey, spot, key, expression)
+            _types(survey, spot, key, expression)
+
+
+def _names(survey: Survey, spot: Spot, key: str, expression: Expression) -> None:
+    scope = spot.scope_of(key)
+    for name in expression.names:
+        if name not in scope:
+            message = f"`{expression.text}` reads {name!r}, which isn't declared"
+            new = "declare it in `data` of an enclosing container; text is written in quotes"
+            survey.unknown(spot.path, key, "undeclared-variable", message, name, scope, new)
+
+
+def _types(survey: Survey, spot: Spot, key: str, expression: Expression) -> None:
+    wrong: list[str] = []
+
+    def note(part: ast.expr, reason: str) -> None:
+        wrong.append(reason)
+        survey.add(
+            spot.path,
+            key,
+            "wrong-expression-type",
+            f"`{expression.text}`, column {expression.column(part)}: {reason}",
+        )
+
+    scope = spot.scope_of(key)
+    types: dict[str, Type] = {name: scope[name].type or ANY for name in expression.names if name in scope}
+    given = type_of(expression, types, note)
+    if key in CONDITIONS and given.name not in ("bool", "Any") and not wrong:
+        survey.add(
+            spot.path,
+            key,
+            "wrong-expression-type",
+            f"`{expression.text}` gives a {given}; `{key}` has to be true or false",
+            "compare it with something",
+        )
