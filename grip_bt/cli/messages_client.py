@@ -14,7 +14,7 @@ from typing import Any
 from grip_bt.app.wiring.progress import report_if_slow
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import NoEntryError, ServerLostError, ServerTimeOutError
-from grip_bt.base.message_store.written import plain_of, text_of
+from grip_bt.base.message_store.yaml import plain_of, text_of
 from grip_bt.base.operation import Operation
 from grip_bt.base.yaml.tree import read_file
 from grip_bt.ros.client.bus import Bus

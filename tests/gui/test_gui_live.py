@@ -12,7 +12,7 @@ import pytest
 from played import TASK, TestClient
 from test_gui_e2e import SCENARIO, browser, editing
 
-from grip_bt.base.message_store.written import plain_of, text_of, value_of
+from grip_bt.base.message_store.yaml import plain_of, text_of, value_of
 from grip_bt.base.values import JointState, Pose
 from grip_bt.ros.domain import own_domain
 from grip_bt.runtime import Journal

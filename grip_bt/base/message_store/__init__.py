@@ -7,11 +7,9 @@
 The same over ROS 2, for other processes and languages: `grip_bt.ros.messages`.
 """
 
-from .archive import ArchiveError, load, names, save
-from .library import STANDARD, MessageLibrary
-from .local import LocalMessages
-from .original import read_joint_states, read_poses, read_trajectories
-from .store import Change, Entry, MessageStore
+from .files import read_joint_states, read_poses, read_trajectories
+from .library import STANDARD, LocalMessages, MessageLibrary
+from .store import ArchiveError, Change, Entry, MessageStore, load, names, save
 
 __all__ = [
     "STANDARD",

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import os
+import sqlite3
 import threading
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from contextlib import closing
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Generic, Literal, TypeVar
 
-from grip_bt.base.errors import UnknownNameError, WrongTypeError
+from grip_bt.base.errors import GripError, UnknownNameError, WrongTypeError
 from grip_bt.base.failures import EmptyQueueError
 from grip_bt.base.types import check_value, parse_type
 
@@ -191,21 +195,14 @@ class MessageStore(Generic[T]):
             for name in list(self._entries):
                 self.delete(name)
 
-    def watch(self, callback: Callable[[Change[T]], None], *, replay: bool = False) -> Callable[[], None]:
+    def watch(self, callback: Callable[[Change[T]], None]) -> Callable[[], None]:
         """Call `callback` for each change, in order, from the thread that makes it; it must return quickly.
-
-        Args:
-            callback: told of changes.
-            replay: whether it is first told of every entry that is there, as if it had just been put.
 
         Returns:
             A function that ends the watching.
         """
         key = object()
         with self._lock:
-            if replay:
-                for entry in self._entries.values():
-                    callback(Change("put", entry.name, entry.value, self._revision))
             self._watchers[key] = callback
         return lambda: self._unwatch(key)
 
@@ -233,3 +230,69 @@ class MessageStore(Generic[T]):
 
     def __len__(self) -> int:
         return len(self._entries)
+
+
+_TABLE = """
+CREATE TABLE entry (store TEXT NOT NULL, name TEXT NOT NULL, value BLOB NOT NULL, time REAL NOT NULL,
+                    provenance TEXT NOT NULL)
+"""
+
+
+class ArchiveError(GripError):
+    """A file of kept messages can't be read."""
+
+
+def save(stores: Mapping[str, MessageStore[Any]], file: Path, encode: Callable[[Any], bytes]) -> int:
+    """Write all entries and queues into a file, in place of what it held; return how many there are.
+
+    Args:
+        stores: by name.
+        file: written beside itself first: what was there stays whole when we are killed.
+        encode: makes bytes of a value.
+    """
+    beside = file.with_name(f"{file.name}.{os.getpid()}.new")
+    beside.unlink(missing_ok=True)
+    rows = [
+        (name, entry.name, encode(entry.value), entry.time, entry.provenance)
+        for name, store in stores.items()
+        for entry in (*store.entries(), *store.queue())
+    ]
+    with closing(sqlite3.connect(beside)) as connection, connection:
+        connection.execute(_TABLE)
+        connection.executemany("INSERT INTO entry VALUES (?, ?, ?, ?, ?)", rows)
+    beside.replace(file)
+    return len(rows)
+
+
+def names(file: Path) -> dict[str, set[str]]:
+    """Return store -> names of the entries in a file; none where there is no such file, or it can't be read."""
+    found: dict[str, set[str]] = {}
+    try:
+        with closing(sqlite3.connect(f"file:{file}?mode=ro", uri=True)) as connection:
+            for store, name in connection.execute("SELECT DISTINCT store, name FROM entry"):
+                found.setdefault(store, set()).add(name)
+    except sqlite3.Error:
+        return {}  # whoever loads it says what is wrong
+    return found
+
+
+def load(store_of: Callable[[str], MessageStore[Any]], file: Path, decode: Callable[[bytes], Any]) -> int:
+    """Put the entries of a file into stores, in their order; return how many there are.
+
+    What a store has under the same name is replaced; queues are continued.
+
+    Raises:
+        ArchiveError: it isn't such a file.
+    """
+    if not file.is_file():
+        raise ArchiveError(f"{file}: there is no such file")
+    try:
+        with closing(sqlite3.connect(f"file:{file}?mode=ro", uri=True)) as connection:
+            rows = connection.execute(
+                "SELECT store, name, value, time, provenance FROM entry ORDER BY rowid"
+            ).fetchall()
+    except sqlite3.Error as error:
+        raise ArchiveError(f"{file}: can't be read as kept messages: {error}") from None
+    for store, name, value, at, provenance in rows:
+        store_of(store).restore(Entry(name, decode(value), at, provenance))
+    return len(rows)

@@ -10,7 +10,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.message_store import STANDARD
-from grip_bt.base.message_store.written import plain_of, text_of, value_of
+from grip_bt.base.message_store.yaml import plain_of, text_of, value_of
 from grip_bt.base.values import Grasp, JointState, Pose
 
 from ..client.types import load_type, type_name
@@ -167,7 +167,7 @@ def value_from_text(
     Args:
         store: where it goes.
         name: of the value, for messages.
-        text: YAML; see `grip_bt.base.message_store.written.value_of`.
+        text: YAML; see `grip_bt.base.message_store.yaml.value_of`.
         type_: the ROS type of its message, where the store isn't a standard one.
         states: what the way-points of a trajectory can name.
 

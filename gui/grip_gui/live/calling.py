@@ -16,7 +16,7 @@ from grip_bt.app.project.folder import Project, find_project
 from grip_bt.app.project.foreign_code import of_component, refuse
 from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.message_store import MessageLibrary
-from grip_bt.base.message_store.written import fields_of
+from grip_bt.base.message_store.yaml import fields_of
 from grip_bt.base.values import JointState, Pose
 from grip_bt.base.yaml.tree import parse, to_data
 from grip_bt.ros.components import start_components

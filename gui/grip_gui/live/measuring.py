@@ -11,7 +11,7 @@ from grip_bt.app.project.folder import Project, find_project
 from grip_bt.app.wiring.open import open_resources
 from grip_bt.app.wiring.parts import Opening
 from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
-from grip_bt.base.message_store.written import text_of
+from grip_bt.base.message_store.yaml import text_of
 from grip_bt.base.ports import Arm, Hand
 from grip_bt.base.values import JointState
 from grip_gui.processes import answer_question

@@ -13,7 +13,7 @@ from pydantic import BaseModel
 
 from grip_bt.app.project.config import ProjectFile
 from grip_bt.base.errors import DocumentError
-from grip_bt.base.message_store.original import read_joint_states, read_poses, read_trajectories
+from grip_bt.base.message_store.files import read_joint_states, read_poses, read_trajectories
 from grip_bt.base.yaml.models import Diagnostic, check_model
 from grip_bt.base.yaml.tree import YamlValue
 from grip_bt.task.catalog.component_file import ComponentFile

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from grip_bt.base.errors import GripError
-from grip_bt.base.message_store.written import text_of
+from grip_bt.base.message_store.yaml import text_of
 from grip_bt.base.values import JointState, Pose
 from grip_bt.base.yaml.tree import parse, to_data
 from grip_gui.editing.files import TextFile

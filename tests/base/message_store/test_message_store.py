@@ -61,14 +61,6 @@ def test_watchers_are_told_of_each_change_in_order_until_they_stop(poses):
     assert changes == [Change("put", "home", Pose(), 1), Change("deleted", "home", None, 2)]
 
 
-def test_a_late_watcher_may_ask_for_what_is_there(poses):
-    poses.put("a", Pose())
-    seen = []
-    poses.watch(seen.append, replay=True)
-    poses.put("b", Pose())
-    assert [(c.kind, c.name) for c in seen] == [("put", "a"), ("put", "b")]
-
-
 def test_clearing_tells_of_every_entry(poses):
     poses.put("a", Pose())
     poses.put("b", Pose())

@@ -13,7 +13,7 @@ from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.app.project.folder import find_project
 from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.base.errors import GripError
-from grip_bt.base.message_store.original import read_joint_states, read_poses, read_trajectories
+from grip_bt.base.message_store.files import read_joint_states, read_poses, read_trajectories
 from grip_bt.cli.__main__ import main
 from grip_bt.compilers import to_machine, to_tree
 from grip_bt.formats.first_grip import import_grip

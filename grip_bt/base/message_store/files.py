@@ -35,26 +35,26 @@ class _File:
         return DocumentError(reason, self.source, value.line, value.column)
 
 
-def read_joint_states(path: Path | str) -> dict[str, JointState]:
+def read_joint_states(path: Path | str, text: str | None = None) -> dict[str, JointState]:
     """Read named joint states.
 
     Raises:
         DocumentError: the file is wrong; with the place.
     """
-    file = _open(path)
+    file = _open(path, text)
     return {
         name: JointState.from_mapping(_numbers(file, entry, "joint positions"))
         for name, entry in file.root.entries.items()
     }
 
 
-def read_poses(path: Path | str) -> tuple[dict[str, Pose], dict[str, dict[str, Pose]]]:
+def read_poses(path: Path | str, text: str | None = None) -> tuple[dict[str, Pose], dict[str, dict[str, Pose]]]:
     """Read named poses, and robot poses, which hold the poses of several end effectors.
 
     Raises:
         DocumentError: the file is wrong; with the place.
     """
-    file = _open(path)
+    file = _open(path, text)
     poses: dict[str, Pose] = {}
     several: dict[str, dict[str, Pose]] = {}
     for name, entry in file.root.entries.items():
@@ -75,7 +75,9 @@ def read_poses(path: Path | str) -> tuple[dict[str, Pose], dict[str, dict[str, P
     return poses, several
 
 
-def read_trajectories(path: Path | str, states: Mapping[str, JointState]) -> dict[str, Trajectory]:
+def read_trajectories(
+    path: Path | str, states: Mapping[str, JointState], text: str | None = None
+) -> dict[str, Trajectory]:
     """Read named trajectories, whose way-points are named joint states.
 
     A way-point is reached `interpolate_time` after the one before and, with a `pause_time`, kept that long. The first
@@ -84,13 +86,14 @@ def read_trajectories(path: Path | str, states: Mapping[str, JointState]) -> dic
     Raises:
         DocumentError: the file is wrong, or names a joint state that isn't there; with the place.
     """
-    file = _open(path)
+    file = _open(path, text)
     return {name: _trajectory(file, name, entry, states) for name, entry in file.root.entries.items()}
 
 
-def _open(path: Path | str) -> _File:
+def _open(path: Path | str, text: str | None) -> _File:
+    """Parse a file, or the text that it is to hold."""
     source = str(path)
-    text = read_file(path)
+    text = read_file(path) if text is None else text
     if not any(line.strip() and not line.strip().startswith("#") for line in text.splitlines()):
         return _File(source, YamlMapping())  # a file that waits for its first entry
     tree = parse(text, source)

@@ -5,20 +5,17 @@ Numbers are written unrounded: what is read back is what was there.
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable, Iterable, Mapping
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-from ruamel.yaml import YAML
+import yaml
 
 from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.values import JointState, Pose
 from grip_bt.base.yaml.tree import parse, to_data
 
-from .original import read_joint_states, read_poses, read_trajectories
+from .files import read_joint_states, read_poses, read_trajectories
 
 EDITABLE = 2000
 """Most numbers and texts of a message that is written as text."""
@@ -45,10 +42,7 @@ def text_of(value: Any, digits: int | None = None) -> str:
             data = plain_of(value) if fields_of(value) is not None else None
     if data is None:
         return ""
-    out, yaml = io.StringIO(), YAML(typ="safe")
-    yaml.default_flow_style, yaml.sort_base_mapping_type_on_output = False, False  # type: ignore[assignment]
-    yaml.dump(data, out)
-    return out.getvalue()
+    return str(yaml.safe_dump(data, sort_keys=False, allow_unicode=True))
 
 
 def value_of(store: str, name: str, text: str, states: Mapping[str, JointState] | None = None) -> Any:
@@ -65,7 +59,7 @@ def value_of(store: str, name: str, text: str, states: Mapping[str, JointState] 
     """
     data = to_data(parse(text, name))
     if store == "trajectories" and isinstance(data, list):
-        return _read(lambda file: read_trajectories(file, states or {}), name, text)
+        return _read(lambda source, text: read_trajectories(source, states or {}, text), name, text)
     if not isinstance(data, dict) or not data:
         raise DocumentError("a mapping is expected, such as `joint_1: 0.5` or a message's fields", name, 1, 1)
     if store not in _IN_FILES:
@@ -73,7 +67,7 @@ def value_of(store: str, name: str, text: str, states: Mapping[str, JointState] 
     if store == "joint_states":
         return _read(read_joint_states, name, text)
     try:
-        return _read(lambda file: read_poses(file)[store == "robot_poses"], name, text)
+        return _read(lambda source, text: read_poses(source, text)[store == "robot_poses"], name, text)
     except KeyError:
         wanted = "one pose is expected, with position and orientation"
         if store == "robot_poses":
@@ -81,18 +75,15 @@ def value_of(store: str, name: str, text: str, states: Mapping[str, JointState] 
         raise GripError(f"{name}: {wanted}") from None
 
 
-def _read(read: Callable[[Path], Mapping[str, Any]], name: str, text: str) -> Any:
+def _read(read: Callable[[str, str], Mapping[str, Any]], name: str, text: str) -> Any:
     """Read a text as what a file of a project holds under one name."""
     lines = "".join(f"  {line}\n" for line in text.splitlines())
-    with TemporaryDirectory() as folder:
-        file = Path(folder) / "value.yaml"
-        file.write_text(f"value:\n{lines}", encoding="utf-8")
-        try:
-            return read(file)["value"]
-        except DocumentError as error:
-            line = max(1, error.line - 1) if error.line else None
-            column = max(1, error.column - 2) if error.column else None
-            raise DocumentError(error.message.replace("value: ", ""), name, line, column) from None
+    try:
+        return read(name, f"value:\n{lines}")["value"]
+    except DocumentError as error:
+        line = max(1, error.line - 1) if error.line else None
+        column = max(1, error.column - 2) if error.column else None
+        raise DocumentError(error.message.replace("value: ", ""), name, line, column) from None
 
 
 def fields_of(message: Any) -> tuple[str, ...] | None:
