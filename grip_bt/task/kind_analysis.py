@@ -6,8 +6,8 @@ from collections import deque
 from collections.abc import Callable, Mapping
 
 from .edges import Edges
-from .exploration import START, Labels, TooManyError, Way, explore, graph
-from .kinds.base import End, Kind, Run
+from .exploration import START, UNKNOWN, Labels, TooManyError, Way, answered, explore, graph
+from .kinds.base import End, Ended, Kind, Run
 
 _PLAIN = frozenset({"true", "false", "after", "before", "next", "none", "again", "enough"})
 """Answers that don't say which child is run."""
@@ -86,6 +86,16 @@ def flow(
                     before[way.to] = new
                     todo.append(way.to)
     return found
+
+
+def following(kind: Kind, names: list[str], child: str, meaning: str) -> str:
+    """Return which child or outcome comes after an end that leads nowhere by its label; the end where that depends."""
+    labels = Labels({name: [("success", "success"), ("failure", "failure")] for name in names}, Edges(), Edges())
+    end = Ended(child, meaning, meaning)
+    steps = [step for step, _ in answered(labels, lambda q: kind.ended(UNKNOWN, names.index(child), end, q))]
+    if len(steps) == 1 and type(steps[0]) is Run:
+        return names[steps[0].children[0]]
+    return steps[0].outcome if len(steps) == 1 and type(steps[0]) is End else meaning
 
 
 Drawn = dict[tuple[str, str, bool], list[str]]

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from xml.sax.saxutils import escape, quoteattr
 
+from grip_bt.task import KINDS
+
 from .figure import NAME_SIZE, TEXT_SIZE, Box, Figure, Line, Pill, text_width
 from .tree import ICON, LINE_HEIGHT
 
@@ -19,26 +21,6 @@ _DECORATOR = ("#f4f4f2", "#77736a")
 _MEANINGS = {"success": ("#e5f4e8", "#2f7d3f"), "failure": ("#fbeae8", "#b0392c")}
 _FONT = "DejaVu Sans, Verdana, Helvetica, Arial, sans-serif"
 _INK, _QUIET, _LINE, _PAPER = "#1d2329", "#59626c", "#6b747e", "#fcfcfb"
-_CIRCLE = "M13.5 8a5.5 5.5 0 1 1-2-4.2"
-_ICONS = {
-    "sequence": "M1.5 8h12M9.5 4l4 4-4 4",
-    "parallel": "M1.5 5h12M10.5 2l3 3-3 3M1.5 11h12M10.5 8l3 3-3 3",
-    "state_machine": "M5 4.5a2.3 2.3 0 1 1-4.6 0a2.3 2.3 0 1 1 4.6 0zM15.6 11.5a2.3 2.3 0 1 1-4.6 0"
-    "a2.3 2.3 0 1 1 4.6 0zM5 4.5h8.3v4M11.3 6.6l2 2l2-2",
-    "retry": _CIRCLE + "M11.5 .8v3.200h-3.2",
-    "repeat": _CIRCLE + "M11.5 .8v3.200h-3.200M8 7.500v1",
-    "timeout": "M14 8a6 6 0 1 1-12 0a6 6 0 1 1 12 0zM8 4.500V8l2.5 1.8",
-    "fallback": "M5 5.500a3 3 0 1 1 4.3 2.700q-1.3.6-1.3 2M8 12.800v.4",
-    "switch": "M1.5 8h4l4-4.500h4M5.500 8l4 4.500h4",
-    "for_each": "M2 3.500h3M2 8h3M2 12.500h3M7.500 3.500h6.500M7.500 8h6.500M7.500 12.500h6.500",
-    "loop": _CIRCLE + "M11.5 .8v3.200h-3.2",
-    "cooldown": "M8 1.500v13M2.400 4.700l11.200 6.600M13.600 4.700L2.400 11.300",
-    "foreign": "M13.500 8.500v5h-11v-11h5M9.500 2.500h4v4M13.500 2.500L7.500 8.500",
-    "subtask": "M1.5 2.500h13v11h-13zM4.500 6.500h7v4h-7z",
-    "guard": "M8 1.500l5.500 2v4.200q0 4.600-5.500 6.800q-5.500-2.200-5.500-6.800V3.500z",
-    "invert": "M2 5.500h12M2 10.500h12M11 2L5 14",
-    "force": "M2 5.500h12M2 10.500h12",
-}
 _TICK = {"success": "M-4 0l3 3l5-6", "failure": "M-3-3l6 6M3-3l-6 6"}
 
 
@@ -90,7 +72,7 @@ def _box(box: Box, path: bool) -> str:
     )
     x, y = box.x + 10, box.y + 10 + NAME_SIZE * 0.85
     if box.kind != "leaf":
-        icon = _ICONS[box.kind]
+        icon = KINDS[box.kind].icon
         parts.append(
             f'<path transform="translate({_number(x)} {_number(y - 12.5)}) scale(.95)" d="{icon}" fill="none" '
             f'stroke="{border}" stroke-width="1.6" stroke-linecap="round" stroke-linejoin="round"/>'

@@ -7,7 +7,8 @@ from typing import Any, Literal
 from grip_bt.base.errors import EditError, listing, nearest
 from grip_bt.base.frozen import FrozenDict
 
-from ..model import KINDS, AnyNode, Fallback, Force, Invert, Sequence, StateMachine
+from ..kind_analysis import following
+from ..model import KINDS, AnyNode, Kind, Sequence, StateMachine
 from ..shape import CHILDREN, FREE, keys_of, model_of_kind
 from ..walking import children_of
 from .command import BaseCommand, kind_in_words, said
@@ -157,19 +158,8 @@ def edges_of(container: AnyNode) -> dict[str, dict[str, str]]:
 
 def chain(container: AnyNode | None, names: list[str]) -> dict[str, dict[str, str]]:
     """Return the edges by which a container of this kind leads from child to child; those of a sequence for None."""
-    edges = {}
-    for name, following in zip(names, [*names[1:], None], strict=False):
-        success, failure = STANDARD
-        if container is None or isinstance(container, Sequence):
-            success = following or success
-        elif isinstance(container, Fallback):
-            failure = following or failure
-        elif isinstance(container, Invert):
-            success, failure = failure, success
-        elif isinstance(container, Force):
-            success = failure = container.as_
-        edges[name] = {"success": success, "failure": failure}
-    return edges
+    kind = container if isinstance(container, Kind) else Sequence(kind="sequence", children=FrozenDict())
+    return {name: {end: following(kind, names, name, end) for end in STANDARD} for name in names}
 
 
 def _change_edges(editing: Editing, node: AnyNode, command: ChangeKind) -> None:

@@ -181,6 +181,7 @@ class Kind(BaseNode):
     Attributes:
         rank: kinds are listed in its order.
         sign: stands for the kind in text.
+        icon: stands for it in pictures: an SVG path in a square of 16.
         example: the fields with which an editor inserts one.
         codes: failure codes of its own.
         keeps_codes: whether it fails with its children's codes too.
@@ -198,6 +199,7 @@ class Kind(BaseNode):
 
     rank: ClassVar[int] = 1000
     sign: ClassVar[str] = ""
+    icon: ClassVar[str] = ""
     example: ClassVar[Mapping[str, Any]] = {}
     codes: ClassVar[tuple[str, ...]] = ()
     keeps_codes: ClassVar[bool] = True
@@ -302,6 +304,10 @@ class Kind(BaseNode):
         """Yield each key that names a variable with a list, that variable, and the container's own for the items."""
         for items, item in zip(self.reads, self.puts, strict=True):
             yield items, getattr(self, items), getattr(self, item)
+
+    def settings(self) -> str:
+        """Return its settings in a few words, to stand beside its kind; empty where the kind says it all."""
+        return ""
 
     def words(self) -> str:
         """Return what it does in a few words."""

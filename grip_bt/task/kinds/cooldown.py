@@ -15,6 +15,7 @@ class Cooldown(Decorator):
 
     rank: ClassVar[int] = 120
     sign: ClassVar[str] = "◔"
+    icon: ClassVar[str] = "M8 1.500v13M2.400 4.700l11.200 6.600M13.600 4.700L2.400 11.300"
     example: ClassVar[Mapping[str, Any]] = {"seconds": 1.0}
     codes: ClassVar[tuple[str, ...]] = ("cooldown",)
     kind: Literal["cooldown"]
@@ -31,6 +32,10 @@ class Cooldown(Decorator):
         """Begin to rest, when the child has run."""
         if state == "ran":
             q.kept = q.now() + self.seconds
+
+    def settings(self) -> str:
+        """Return the time."""
+        return f"not again for {self.seconds:g} s"
 
     def words(self) -> str:
         """Return the time."""

@@ -16,6 +16,7 @@ class ForEach(Decorator):
 
     rank: ClassVar[int] = 100
     sign: ClassVar[str] = "∀"
+    icon: ClassVar[str] = "M2 3.500h3M2 8h3M2 12.500h3M7.500 3.500h6.500M7.500 8h6.500M7.500 12.500h6.500"
     example: ClassVar[Mapping[str, Any]] = {"items": "items", "item": "item"}
     reads: ClassVar[tuple[str, ...]] = ("items",)
     puts: ClassVar[tuple[str, ...]] = ("item",)
@@ -43,6 +44,10 @@ class ForEach(Decorator):
     def ended(self, state: Any, child: int, end: Ended, q: Questions) -> Step:
         """Go on with the next item until one fails."""
         return Next(state) if end.meaning == "success" else End("failure")
+
+    def settings(self) -> str:
+        """Return the variables."""
+        return f"each {self.item} of {self.items}"
 
     def words(self) -> str:
         """Return the variables."""

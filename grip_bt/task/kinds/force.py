@@ -16,6 +16,7 @@ class Force(Decorator):
 
     rank: ClassVar[int] = 160
     sign: ClassVar[str] = "="
+    icon: ClassVar[str] = "M2 5.500h12M2 10.500h12"
     example: ClassVar[Mapping[str, Any]] = {"as": "success"}
     kind: Literal["force"]
     as_: Meaning = Field(alias="as")
@@ -23,6 +24,10 @@ class Force(Decorator):
     def ended(self, state: Any, child: int, end: Ended, q: Questions) -> Step:
         """End with `as`."""
         return End(self.as_)
+
+    def settings(self) -> str:
+        """Return the end."""
+        return f"always {self.as_}"
 
     def words(self) -> str:
         """Return the end."""

@@ -18,6 +18,7 @@ class Foreign(Kind):
 
     rank: ClassVar[int] = 130
     sign: ClassVar[str] = "⇲"
+    icon: ClassVar[str] = "M13.500 8.500v5h-11v-11h5M9.500 2.500h4v4M13.500 2.500L7.500 8.500"
     example: ClassVar[Mapping[str, Any]] = {"behaviour": "py_trees.behaviours:Success"}
     codes: ClassVar[tuple[str, ...]] = ("foreign",)
     kind: Literal["foreign"]
@@ -28,6 +29,10 @@ class Foreign(Kind):
     data: ClassVar[FrozenDict[str, Variable | str]] = FrozenDict()
     outcomes: ClassVar[FrozenDict[str, Meaning]] = FrozenDict()
     exits: ClassVar[FrozenDict[str, str]] = FrozenDict()
+
+    def settings(self) -> str:
+        """Return where it comes from."""
+        return self.behaviour
 
     def words(self) -> str:
         """Return where it comes from."""

@@ -15,6 +15,7 @@ class Guard(Decorator):
 
     rank: ClassVar[int] = 80
     sign: ClassVar[str] = "⊨"
+    icon: ClassVar[str] = "M8 1.500l5.500 2v4.200q0 4.600-5.500 6.800q-5.500-2.200-5.500-6.800V3.500z"
     example: ClassVar[Mapping[str, Any]] = {"if": "true"}
     codes: ClassVar[tuple[str, ...]] = ("guard",)
     conditions: ClassVar[tuple[str, ...]] = ("if_",)
@@ -34,6 +35,10 @@ class Guard(Decorator):
     def again(self, state: Any, running: tuple[int, ...], q: Questions) -> Step:
         """Look at the condition again."""
         return self.begin(state, q)
+
+    def settings(self) -> str:
+        """Return the condition."""
+        return f"only while {self.if_}"
 
     def words(self) -> str:
         """Return the condition."""

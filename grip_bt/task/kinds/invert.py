@@ -12,6 +12,7 @@ class Invert(Decorator):
 
     rank: ClassVar[int] = 150
     sign: ClassVar[str] = "!"
+    icon: ClassVar[str] = "M2 5.500h12M2 10.500h12M11 2L5 14"
     keeps_codes: ClassVar[bool] = False
     kind: Literal["invert"]
 

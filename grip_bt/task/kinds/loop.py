@@ -17,6 +17,7 @@ class Loop(Decorator):
 
     rank: ClassVar[int] = 110
     sign: ClassVar[str] = "↻"
+    icon: ClassVar[str] = "M13.5 8a5.5 5.5 0 1 1-2-4.2M11.5 .8v3.200h-3.2"
     codes: ClassVar[tuple[str, ...]] = ("loop_limit",)
     conditions: ClassVar[tuple[str, ...]] = ("while_",)
     kind: Literal["loop"]
@@ -37,6 +38,11 @@ class Loop(Decorator):
     def ended(self, state: Any, child: int, end: Ended, q: Questions) -> Step:
         """Another pass, until one fails."""
         return Next(state) if end.meaning == "success" else End("failure")
+
+    def settings(self) -> str:
+        """Return the condition and the limit."""
+        limit = f"at most {self.times} passes" if self.times else ""
+        return ", ".join(part for part in (f"while {self.while_}" if self.while_ else "", limit) if part)
 
     def words(self) -> str:
         """Return the condition and the limit."""

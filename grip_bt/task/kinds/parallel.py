@@ -62,6 +62,7 @@ class Parallel(Composite):
 
     rank: ClassVar[int] = 30
     sign: ClassVar[str] = "⇉"
+    icon: ClassVar[str] = "M1.5 5h12M10.5 2l3 3-3 3M1.5 11h12M10.5 8l3 3-3 3"
     shown: ClassVar[Shown] = "parallel"
     resets: ClassVar[bool] = True
     concurrent: ClassVar[bool] = True
@@ -223,6 +224,12 @@ class Parallel(Composite):
                 return len(ended) >= number
             case names:
                 return set(names) <= ended
+
+    def settings(self) -> str:
+        """Return what decides it, and what becomes of the rest."""
+        if self.rules:
+            return f"{len(self.rules)} rules, {self.cancel}"
+        return "all must succeed" if self.policy == "all" else f"first success ends it, {self.cancel}"
 
     def words(self) -> str:
         """Return what decides it, whom it waits for, and what becomes of the rest."""

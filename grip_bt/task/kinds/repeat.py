@@ -14,6 +14,7 @@ class Repeat(Decorator):
 
     rank: ClassVar[int] = 60
     sign: ClassVar[str] = "↻"
+    icon: ClassVar[str] = "M13.5 8a5.5 5.5 0 1 1-2-4.2M11.5 .8v3.200h-3.200M8 7.500v1"
     kind: Literal["repeat"]
     times: int | None = Field(default=None, ge=1)
 
@@ -29,6 +30,10 @@ class Repeat(Decorator):
             return Next(0)
         done = q.up(state)
         return End("success") if q.reached(done, self.times) else Next(done)
+
+    def settings(self) -> str:
+        """Return how often it repeats."""
+        return "for ever" if self.times is None else f"{self.times} times"
 
     def words(self) -> str:
         """Return how often it repeats."""

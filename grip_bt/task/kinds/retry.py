@@ -15,6 +15,7 @@ class Retry(Decorator):
 
     rank: ClassVar[int] = 50
     sign: ClassVar[str] = "↻"
+    icon: ClassVar[str] = "M13.5 8a5.5 5.5 0 1 1-2-4.2M11.5 .8v3.200h-3.2"
     example: ClassVar[Mapping[str, Any]] = {"times": 3}
     kind: Literal["retry"]
     times: int = Field(ge=1)
@@ -29,6 +30,10 @@ class Retry(Decorator):
             return End("success")
         done = q.up(state)
         return End("failure") if q.reached(done, self.times) else Next(done)
+
+    def settings(self) -> str:
+        """Return how often it tries."""
+        return f"at most {self.times} attempts"
 
     def words(self) -> str:
         """Return how often it tries."""

@@ -69,6 +69,10 @@ class _InOrder(Composite):
         found[self.onward] = found.get(self.onward, state) & state
         return found
 
+    def settings(self) -> str:
+        """Return whether it is reactive."""
+        return "" if self.memory else "asks again on every tick"
+
     def words(self) -> str:
         """Return the kind, and whether it is reactive."""
         return self.kind if self.memory else f"reactive {self.kind}"
@@ -79,6 +83,7 @@ class Sequence(_InOrder):
 
     rank: ClassVar[int] = 10
     sign: ClassVar[str] = "→"
+    icon: ClassVar[str] = "M1.5 8h12M9.5 4l4 4-4 4"
     shown: ClassVar[Shown] = "sequence"
     resets: ClassVar[bool] = True
     onward: ClassVar[str] = "success"
@@ -90,6 +95,7 @@ class Fallback(_InOrder):
 
     rank: ClassVar[int] = 20
     sign: ClassVar[str] = "?"
+    icon: ClassVar[str] = "M5 5.500a3 3 0 1 1 4.3 2.700q-1.3.6-1.3 2M8 12.800v.4"
     shown: ClassVar[Shown] = "selector"
     onward: ClassVar[str] = "failure"
     kind: Literal["fallback"]

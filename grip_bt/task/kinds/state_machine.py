@@ -18,6 +18,10 @@ class StateMachine(Declaring):
 
     rank: ClassVar[int] = 40
     sign: ClassVar[str] = "◎"
+    icon: ClassVar[str] = (
+        "M5 4.5a2.3 2.3 0 1 1-4.6 0a2.3 2.3 0 1 1 4.6 0zM15.6 11.5a2."
+        "3 2.3 0 1 1-4.6 0a2.3 2.3 0 1 1 4.6 0zM5 4.5h8.3v4M11.3 6.6l2 2l2-2"
+    )
     example: ClassVar[Mapping[str, Any]] = {"initial": "", "outcomes": {"success": "success", "failure": "failure"}}
     by_edges: ClassVar[bool] = True
     kind: Literal["state_machine"]

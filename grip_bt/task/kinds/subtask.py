@@ -21,6 +21,7 @@ class Subtask(Kind):
 
     rank: ClassVar[int] = 140
     sign: ClassVar[str] = "▣"
+    icon: ClassVar[str] = "M1.5 2.500h13v11h-13zM4.500 6.500h7v4h-7z"
     kind: Literal["subtask"]
     task: Annotated[str, StringConstraints(min_length=1)]
     """The file, relative to the project's folder, such as `tasks/fetch.yaml`."""
@@ -39,6 +40,10 @@ class Subtask(Kind):
     def all_outcomes(self) -> Mapping[str, Meaning]:
         """Return those that the document gives a meaning; the others stand in the file."""
         return self.meaning
+
+    def settings(self) -> str:
+        """Return the file."""
+        return self.task
 
     def words(self) -> str:
         """Return the file."""

@@ -22,6 +22,7 @@ class Switch(Composite):
 
     rank: ClassVar[int] = 90
     sign: ClassVar[str] = "⑂"
+    icon: ClassVar[str] = "M1.5 8h4l4-4.500h4M5.500 8l4 4.500h4"
     example: ClassVar[Mapping[str, Any]] = {"on_value": "0", "cases": {}}
     codes: ClassVar[tuple[str, ...]] = ("no_case",)
     values: ClassVar[tuple[str, ...]] = ("on_value",)
@@ -56,6 +57,10 @@ class Switch(Composite):
     def again(self, state: Any, running: tuple[int, ...], q: Questions) -> Step:
         """Look at the value again."""
         return self.begin(state, q)
+
+    def settings(self) -> str:
+        """Return the value."""
+        return f"on {self.on_value}"
 
     def words(self) -> str:
         """Return the value."""

@@ -18,6 +18,7 @@ class Timeout(Decorator):
 
     rank: ClassVar[int] = 70
     sign: ClassVar[str] = "◔"
+    icon: ClassVar[str] = "M14 8a6 6 0 1 1-12 0a6 6 0 1 1 12 0zM8 4.500V8l2.5 1.8"
     example: ClassVar[Mapping[str, Any]] = {"seconds": 10.0}
     codes: ClassVar[tuple[str, ...]] = ("time_out",)
     kind: Literal["timeout"]
@@ -49,6 +50,10 @@ class Timeout(Decorator):
 
     def _late(self, q: Questions) -> Step:
         return End("failure", Reason("time_out", f"{q.names[0]} was still running after {self.seconds:g} s"))
+
+    def settings(self) -> str:
+        """Return the limit."""
+        return f"at most {self.seconds:g} s"
 
     def words(self) -> str:
         """Return the limit."""

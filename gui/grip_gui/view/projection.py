@@ -136,7 +136,7 @@ def _node(
     return NodeView(
         **common,
         kind=node.kind,
-        label=container_label(node),
+        label=node.settings(),
         doc=node.doc,
         children=[join(path, child) for child in children_of(node)],
         outcomes=_subtask_outcomes(node, find(node.task)) if isinstance(node, Subtask) else outcomes_of(node),
@@ -177,41 +177,6 @@ def _edges_below(parent: AnyNode, name: str, child: AnyNode) -> list[Transition]
 
 def _edges(on: Mapping[str, str], ends: Mapping[str, Meaning]) -> list[Transition]:
     return [Transition(outcome=outcome, target=target, ends=target in ends) for outcome, target in on.items()]
-
-
-def container_label(node: AnyNode) -> str:
-    """Return a container's settings in a few words; empty where the kind says it all."""
-    match node.__dict__:
-        case {"kind": "sequence" | "fallback", "memory": False}:
-            return "asks again on every tick"
-        case {"kind": "parallel", "rules": [_, *_] as rules, "cancel": cancel}:
-            return f"{len(rules)} rules, {cancel}"
-        case {"kind": "parallel", "policy": policy, "cancel": cancel}:
-            return f"{policy} must succeed" if policy == "all" else f"first success ends it, {cancel}"
-        case {"kind": "retry", "times": times}:
-            return f"at most {times} attempts"
-        case {"kind": "repeat", "times": None}:
-            return "for ever"
-        case {"kind": "repeat", "times": times}:
-            return f"{times} times"
-        case {"kind": "timeout", "seconds": seconds}:
-            return f"at most {seconds:g} s"
-        case {"kind": "switch", "on_value": text}:
-            return f"on {text}"
-        case {"kind": "for_each", "items": items, "item": item}:
-            return f"each {item} of {items}"
-        case {"kind": "loop", "while_": text, "times": times}:
-            limit = f"at most {times} passes" if times else ""
-            return ", ".join(part for part in (f"while {text}" if text else "", limit) if part)
-        case {"kind": "cooldown", "seconds": seconds}:
-            return f"not again for {seconds:g} s"
-        case {"kind": "subtask", "task": said} | {"kind": "foreign", "behaviour": said}:
-            return str(said)
-        case {"kind": "guard", "if_": text}:
-            return f"only while {text}"
-        case {"kind": "force", "as_": meaning}:
-            return f"always {meaning}"
-    return ""
 
 
 def _variables(task: Task) -> list[VariableView]:

@@ -83,8 +83,8 @@ def test_the_commands_have_a_wire_form():
 
 
 @pytest.mark.parametrize(("command", "name"), [(TAKE, "extracted"), (Inline(path="count"), "expanded")])
-def test_they_take_a_catalogue(command, name):
-    with pytest.raises(EditError, match=rf"takes a catalogue: apply what .*\.{name}"):
+def test_they_need_a_catalogue(command, name):
+    with pytest.raises(EditError, match=rf"needs a catalogue: apply what .*\.{name}"):
         apply(loads(TEXT), command)
 
 
