@@ -90,13 +90,13 @@ def verb(words: list[str]) -> str:
 
 def verbs() -> Iterator[tuple[str, str]]:
     """Look at everything by the verbs that run nothing."""
-    from grip_bt.cli.convert import CONVERTERS
+    from grip_bt.cli.convert import FORMS
 
     tasks = sorted(str(file) for file in (folder / "tasks").glob("*.yaml"))
     ways = [["check", *tasks], ["check", "--json", "--strict", *tasks], ["fmt", "--check", *tasks]]
     out = str(folder.parent / "out" / "made")
     for task in tasks:
-        ways += [["convert", task, "--to", to, "-o", out] for to in CONVERTERS]
+        ways += [["convert", task, "--to", to, "-o", out] for to in FORMS]
         ways.append(["convert", task, "--to", "sm", "--approximate", "-o", out])
     ways += [["launch", "--project", str(folder), "--check"], ["component", "list", str(folder)]]
     for file in ("evil.launch.py", "evil.launch.xml"):
