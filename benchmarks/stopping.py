@@ -252,7 +252,7 @@ def served() -> Iterator[Wire]:
 
     from grip_bt.commanders.description.load import build_robot
     from grip_bt.ros.domain import free_domain
-    from grip_bt.ros.interfaces.bundled import provide
+    from grip_bt.ros.interfaces.build import provide
 
     limits = build_robot("panda_allegro").acceleration_limits
     away = np.array([0.5, 0, 0.2, 0, 0, 0, 0.4])
@@ -283,7 +283,7 @@ class Servers:
         from ros_arm_rigs import model
         from ros_rigs import NAMES, THEIRS
 
-        from grip_bt.ros.interfaces.bundled import provide
+        from grip_bt.ros.interfaces.build import provide
 
         if name == "plain_served":
             return self._stack.enter_context(served())

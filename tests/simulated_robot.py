@@ -41,7 +41,7 @@ def simulated_robot(folder: Path, domain: int, *options: str) -> Iterator[World]
         domain: the DDS domain.
         options: of `grip sim`.
     """
-    from grip_bt.ros.interfaces.bundled import provide
+    from grip_bt.ros.interfaces.build import provide
     from grip_bt.ros.process import child_environment
 
     provide("control_msgs")

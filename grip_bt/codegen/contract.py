@@ -49,8 +49,8 @@ def _problems(component: ComponentFile, interface: InterfaceSpec, fields_of: Fie
         yield from _contract_problems(interface)
     yield from _port_problems(component, interface)
     sending = component.kind != "msg" or component.use == "publish"
-    yield from misfits(component, interface.request, sending, fields_of)
-    yield from misfits(component, interface.response, False, fields_of)
+    yield from port_problems(component, interface.request, sending, fields_of)
+    yield from port_problems(component, interface.response, False, fields_of)
     if component.meanings().get("failure") == "success":
         yield "meaning: the outcome 'failure' can't mean success; calls that fail end with it"
 
@@ -87,7 +87,7 @@ def _untrue(
     component: ComponentFile, interface: InterfaceSpec, ports: Mapping[str, str], label: str, rule: str
 ) -> Iterator[str]:
     """Yield why a rule can be neither true nor false, as far as the types of the outputs tell."""
-    fields = {f.name: f for f in (interface.request if component.kind == "msg" else interface.response)}
+    fields = received(component, interface)
     wrong: list[str] = []
     types = {}
     for port, at in ports.items():
@@ -123,12 +123,17 @@ def _port_problems(component: ComponentFile, interface: InterfaceSpec) -> Iterat
             yield f"fixed: {name!r} is no field of the request{nearest(name, requests)} (there are: {there_are})"
 
 
+def received(component: ComponentFile, interface: InterfaceSpec) -> dict[str, FieldSpec]:
+    """Return the fields of what a component answers, by name."""
+    return {f.name: f for f in (interface.request if component.kind == "msg" else interface.response)}
+
+
 def output_ports(component: ComponentFile, interface: InterfaceSpec) -> dict[str, str]:
     """Return the output ports, and where each is in the response; a contract's `outcome` is none."""
-    received = interface.request if component.kind == "msg" else interface.response
     if component.kind == "msg" and component.use == "publish":
         return {}
-    return component.port_fields(f.name for f in received if component.rules or f.name != OUTCOME)
+    fields = received(component, interface)
+    return component.port_fields(name for name in fields if component.rules or name != OUTCOME)
 
 
 def input_ports(component: ComponentFile, interface: InterfaceSpec) -> dict[str, str]:
@@ -196,7 +201,9 @@ def port_type(field: FieldSpec) -> str:
     return f"list[{item}]" if field.array else item
 
 
-def misfits(component: ComponentFile, side: Sequence[FieldSpec], sent: bool, fields_of: FieldsOf) -> Iterator[str]:
+def port_problems(
+    component: ComponentFile, side: Sequence[FieldSpec], sent: bool, fields_of: FieldsOf
+) -> Iterator[str]:
     """Yield what is wrong with the ports of one side of an interface.
 
     Args:

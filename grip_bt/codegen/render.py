@@ -21,7 +21,7 @@ from grip_bt.task.catalog.manifest import InputPort, Manifest, OutputPort, manif
 from grip_bt.task.catalog.ros_config import INTEGER_TYPES, FieldSpec, InterfaceSpec
 from grip_bt.task.model import Meaning
 
-from .contract import INPUT, FieldsOf, check_contract, input_ports, output_ports, port_type
+from .contract import INPUT, FieldsOf, check_contract, input_ports, output_ports, port_type, received
 
 MARK = "Generated from component.yaml by `grip component add`"
 """In the first lines of every generated file; a file without it is somebody's own and never overwritten."""
@@ -136,7 +136,7 @@ def _input(component: ComponentFile, fields: Mapping[str, FieldSpec], port: str,
 
 
 def _output(component: ComponentFile, interface: InterfaceSpec, port: str, at: str) -> OutputPort:
-    fields = {f.name: f for f in (interface.request if component.kind == "msg" else interface.response)}
+    fields = received(component, interface)
     return OutputPort(type=_type(component, fields, port, at), doc=_doc(component, fields, port, at))
 
 
@@ -162,8 +162,7 @@ _DEFAULTS: dict[str, Any] = {"bool": False, "string": "", "wstring": "", "float3
 
 def default_reply(component: ComponentFile, interface: InterfaceSpec) -> dict[str, Any]:
     """Return the outputs of an empty answer, those that are numbers, texts, truth values or lists."""
-    received = interface.request if component.kind == "msg" else interface.response
-    fields = {f.name: f for f in received}
+    fields = received(component, interface)
     ports = output_ports(component, interface)
     return {port: _default(fields[at]) for port, at in ports.items() if at in fields and _known(fields[at])}
 

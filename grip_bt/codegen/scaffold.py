@@ -20,7 +20,7 @@ class OutcomesNeededError(GripError):
     def __init__(self, interface: InterfaceSpec):
         self.suggestion = suggested_outcomes(interface)
         if keeps_contract(interface):
-            what = "its result numbers an outcome, but how many there are, and what they are called, isn't said"
+            what = "its result numbers an outcome, but their number and names are not declared"
         else:
             what = "it has no field `outcome`, so its outcomes are given by rule, over its fields"
         super().__init__(f"{interface.type_name}: {what}; for instance: --outcomes {self.suggestion!r}")

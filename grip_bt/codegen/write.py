@@ -16,7 +16,7 @@ class NotOursError(GripError):
 
     def __init__(self, path: Path):
         self.path = path
-        super().__init__(f"{path} wasn't generated and would be overwritten; move it, or choose another folder")
+        super().__init__(f"{path} was not generated and would be overwritten; move it, or choose another folder")
 
 
 def outdated(folder: Path, files: Mapping[str, str]) -> list[str]:

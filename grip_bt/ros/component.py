@@ -1,22 +1,30 @@
-"""An external component behind the port `Component`: values in, a ROS call, a goal or a message, values out."""
+"""An external component behind the port `Component`: values in, a ROS call, a goal or a message, values out.
+
+A port is a value in GRIP's units and its own frame; its field is what the component speaks. What the component file
+declares (units, frames, orders) is done here, once, on both ways, and checked: nobody writes glue code.
+"""
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from grip_bt.base.failures import BadReplyError, CanceledError, GoalAbortedError
 from grip_bt.base.operation import Operation
+from grip_bt.base.values import JointState, PointCloud, Pose
 from grip_bt.task.catalog.component_file import FEEDBACK, ComponentFile
+from grip_bt.task.catalog.component_parts import UNITS, PortType
 
 from .client.action import ActionClient
 from .client.goal import GoalEnd
 from .client.service import ServiceClient
 from .client.topic import TopicReader, TopicWriter
-from .component_adapter import Adapter
-from .convert import from_message
-from .fields import ConversionError, field_types
-from .frames import FrameError, FrameTree
+from .convert import from_message, to_message
+from .fields import WHOLE, ConversionError, FieldType, check_field, field_types
+from .frames import ROOT, FrameError, FrameTree, frame_of, transformed
 
 Client = ServiceClient | ActionClient | TopicReader | TopicWriter
 
@@ -87,7 +95,7 @@ class RosComponent:
             fields = {f: getattr(end.result, f) for f in field_types(end.result.__class__)}
             plain = {f: v for f, v in fields.items() if isinstance(v, (bool, int, float, str)) and v}
             said = f" ({', '.join(f'{f}: {v}' for f, v in plain.items())})" if plain else ""
-            raise GoalAbortedError(f"component {self.file.name}: the server gave the goal up{said}", result=plain)
+            raise GoalAbortedError(f"component {self.file.name}: the server aborted the goal{said}", result=plain)
         return self._unpack(end.result)
 
     def _unpack(self, response: Any) -> Operation[Mapping[str, Any]]:
@@ -122,3 +130,176 @@ class RosComponent:
                 outcome=number,
             )
         return number, self._meaning[number][1]
+
+
+_LENGTHS, _ANGLES = ("m", "cm", "mm", "in"), ("rad", "deg")
+
+
+class Adapter:
+    """Ports of one component, as fields of its messages.
+
+    Args:
+        file: what is declared.
+        frames: where frames are, for those that a port names.
+    """
+
+    def __init__(self, file: ComponentFile, frames: FrameTree | None = None):
+        self._file, self._frames = file, frames or FrameTree()
+
+    def pack(self, values: Mapping[str, Any], cls: Any) -> Any:
+        """Return a message of `cls` that holds the values of ports, and what is fixed.
+
+        Raises:
+            ConversionError: a value doesn't fit, with the field.
+            FrameError: a frame isn't known.
+        """
+        fields: dict[str, Any] = dict(self._file.fixed)
+        for port, value in values.items():
+            declared = self._file.ports.get(port)
+            path = declared.field if declared is not None and declared.field else port
+            if declared is not None and declared.adapts:
+                try:
+                    value = self._outwards(value, declared, _field_type(cls, path))
+                except ConversionError as error:
+                    raise error.below(path) from None
+            _put(fields, path.split("."), value)
+        return to_message(fields, cls)
+
+    def unpack(self, message: Any, port: str, path: str) -> Any:
+        """Return a port's value from its field.
+
+        Raises:
+            ConversionError: the field isn't there, or isn't what the port says.
+        """
+        declared = self._file.ports.get(port)
+        raw = message
+        for name in path.split("."):
+            check_field(type(raw), name)
+            raw = getattr(raw, name)
+        if declared is None:
+            return raw
+        if _is_pose_in_numbers(declared, raw):
+            value: Any = _pose_from_numbers(raw, declared)
+        else:
+            value = from_message(raw, declared.type)
+        return self._inwards(value, declared, raw) if declared.adapts else value
+
+    def _outwards(self, value: Any, port: PortType, kind: FieldType) -> Any:
+        if port.frame is not None:
+            value = self._into(value, port.frame)
+        if port.unit is not None:
+            value = scaled(value, 1.0 / UNITS[port.unit], port.unit)
+            value = nearest_whole(value) if kind.base in WHOLE else value
+        if isinstance(value, Pose) and kind.array:
+            return _numbers_from_pose(value, port)
+        return value
+
+    def _inwards(self, value: Any, port: PortType, raw: Any) -> Any:
+        if port.unit is not None:
+            value = scaled(value, UNITS[port.unit], port.unit)
+        if port.frame is not None and not _names_a_frame(raw):
+            value = _labelled(value, port.frame)
+        return value
+
+    def _into(self, value: Any, frame: str) -> Any:
+        present = frame_of(value)
+        if present is None or present == frame:
+            return value
+        try:
+            return transformed(value, self._frames.lookup(frame, present))
+        except FrameError as error:
+            raise ConversionError("", f"it is given in {present!r} and wanted in {frame!r}: {error.message}") from None
+        except TypeError as error:
+            raise ConversionError("", str(error)) from None
+
+
+def scaled(value: Any, factor: float, unit: str) -> Any:
+    """Return a value whose lengths, or angles, or numbers are multiplied.
+
+    Args:
+        value: a number, numbers, or a value that has lengths (poses, clouds) or angles (joint states).
+        factor: by what.
+        unit: of which kind the numbers are, such as `mm`.
+
+    Raises:
+        ConversionError: the value has no such quantity.
+    """
+    if isinstance(value, bool) or value is None:
+        raise ConversionError("", f"{value!r} has no unit")
+    if isinstance(value, (int, float, np.number)):
+        return float(value) * factor
+    if isinstance(value, Pose) and unit in _LENGTHS:
+        return Pose(value.position * factor, value.quaternion, value.frame)
+    if isinstance(value, PointCloud) and unit in _LENGTHS:
+        return dataclasses.replace(value, points=value.points * np.float32(factor))
+    if isinstance(value, JointState) and unit in _ANGLES:
+        return dataclasses.replace(value, position=value.position * factor)
+    if isinstance(value, np.ndarray) or hasattr(value, "typecode"):
+        return np.asarray(value, dtype=float) * factor
+    if isinstance(value, (list, tuple)):
+        return [scaled(item, factor, unit) for item in value]
+    raise ConversionError("", f"a {type(value).__name__} has nothing in {unit}")
+
+
+def nearest_whole(value: Any) -> Any:
+    """Return numbers as the whole ones nearest to them: 12.3 mm is 12 for a component that counts millimetres."""
+    if isinstance(value, (list, tuple)):
+        return [nearest_whole(item) for item in value]
+    return np.rint(value).astype(np.int64) if isinstance(value, np.ndarray) else round(value)
+
+
+def _field_type(cls: Any, path: str) -> FieldType:
+    """Return the type of a field below a message class."""
+    *parents, last = path.split(".")
+    for name in parents:
+        kind = check_field(cls, name)
+        if kind.message is None or kind.array:
+            raise ConversionError(name, f"{kind.base} has no fields, so {path!r} isn't there")
+        cls = kind.message
+    return check_field(cls, last)
+
+
+def _put(fields: dict[str, Any], path: list[str], value: Any) -> None:
+    for name in path[:-1]:
+        inner = fields.setdefault(name, {})
+        if not isinstance(inner, dict):
+            raise ConversionError(name, "it is given as a whole and in parts")
+        fields = inner
+    fields[path[-1]] = value
+
+
+def _is_pose_in_numbers(port: PortType, raw: Any) -> bool:
+    return port.type == "Pose" and not hasattr(raw, "get_fields_and_field_types")
+
+
+def _pose_from_numbers(raw: Any, port: PortType) -> Pose:
+    numbers = np.asarray(raw, dtype=float).reshape(-1)
+    if len(numbers) not in (3, 4, 7):
+        raise ConversionError("", f"a pose is 7 numbers (position, rotation), 3 or 4; these are {len(numbers)}")
+    position = numbers[:3] if len(numbers) != 4 else np.zeros(3)
+    rotation = numbers[-4:] if len(numbers) != 3 else np.array([1.0, 0, 0, 0])
+    if port.quaternion != "wxyz" and len(numbers) != 3:
+        rotation = np.roll(rotation, 1)
+    try:
+        return Pose(position, rotation, port.frame or ROOT)
+    except ValueError as error:
+        raise ConversionError("", str(error)) from None
+
+
+def _numbers_from_pose(pose: Pose, port: PortType) -> list[float]:
+    rotation = pose.quaternion if port.quaternion == "wxyz" else np.roll(pose.quaternion, -1)
+    return [*map(float, pose.position), *map(float, rotation)]
+
+
+def _names_a_frame(raw: Any) -> bool:
+    first = raw[0] if isinstance(raw, (list, tuple)) and raw else raw
+    header = getattr(first, "header", None) or getattr(getattr(first, "pose", None), "header", None)
+    return bool(getattr(header, "frame_id", ""))
+
+
+def _labelled(value: Any, frame: str) -> Any:
+    if isinstance(value, (list, tuple)):
+        return [_labelled(item, frame) for item in value]
+    if frame_of(value) is None:
+        return value
+    return transformed(value, Pose(frame=frame))

@@ -19,7 +19,7 @@ from .component import Client, RosComponent
 from .frames import FrameTree
 from .interfaces import Built, build_interfaces
 from .interfaces.ament import activate
-from .process import Process, child_environment
+from .process import Process, child_environment, stop_all
 from .start import advice, command_of, uses_our_python
 from .watchdog import READY, Guard
 
@@ -92,11 +92,7 @@ class Components:
     def close(self) -> None:
         """End all calls and all processes that were started, together; then leave ROS."""
         self.bus.close()
-        processes = [r.process for r in self._running.values() if r.process is not None]
-        for process in processes:
-            process.ask_to_stop()
-        for process in processes:
-            process.stop()
+        stop_all([r.process for r in self._running.values() if r.process is not None])
 
     def __enter__(self) -> Components:
         return self

@@ -19,6 +19,7 @@ import numpy as np
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.values import Grasp, PointCloud, Pose
+from grip_bt.commanders.description.roles import quaternion_of
 from grip_bt.task.catalog.ros_config import CameraTopics
 from grip_bt.task.catalog.sensors import Mount, SensorConfig
 
@@ -140,18 +141,9 @@ def frame_of(value: Any) -> str | None:
 def _origin(joint: ET.Element, parent: str) -> Pose:
     origin = joint.find("origin")
     given = {} if origin is None else origin.attrib
-    xyz = np.array([float(v) for v in given.get("xyz", "0 0 0").split()])
+    xyz = [float(v) for v in given.get("xyz", "0 0 0").split()]
     roll, pitch, yaw = (float(v) for v in given.get("rpy", "0 0 0").split())
-    cr, sr, cp, sp = np.cos(roll), np.sin(roll), np.cos(pitch), np.sin(pitch)
-    cy, sy = np.cos(yaw), np.sin(yaw)
-    matrix = np.eye(4)
-    matrix[:3, :3] = [
-        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-        [-sp, cp * sr, cp * cr],
-    ]
-    matrix[:3, 3] = xyz
-    return Pose.from_matrix(matrix, parent)
+    return Pose(xyz, quaternion_of((roll, pitch, yaw)), parent)
 
 
 def _mount_pose(mount: Mount) -> Pose:

@@ -30,7 +30,7 @@ class BadRequestError(ExpectedError):
     code = "bad_request"
 
 
-class RosDoor:
+class RosInterface:
     """Implements `grip_bt.base.ports.Ros` over a bus.
 
     Args:

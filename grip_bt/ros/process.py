@@ -94,13 +94,21 @@ class Process:
     def describe_end(self) -> str:
         """Return how it ended and what it printed last, for an error message."""
         tail = self.log_tail()
-        said = f"; its last words ({self.log}):\n{tail}" if tail else f"; it printed nothing ({self.log})"
+        said = f"; its last output ({self.log}):\n{tail}" if tail else f"; it printed nothing ({self.log})"
         return f"the process {self.name!r} ended with status {self.returncode}{said}"
 
     def _watch(self) -> None:
         status = self._popen.wait()
         self.ask_to_stop()
         self._end.succeed(status)
+
+
+def stop_all(processes: Sequence[Process]) -> None:
+    """End several processes at once."""
+    for process in processes:
+        process.ask_to_stop()
+    for process in processes:
+        process.stop()
 
 
 def child_environment(overlays: Sequence[Path] = (), domain_id: int | None = None) -> dict[str, str]:

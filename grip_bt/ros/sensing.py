@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import BadReplyError, CanceledError, SensorError
@@ -20,15 +20,10 @@ from .convert_geometry import seconds
 from .convert_perception import camera_from_message, depth_from_message, image_from_message
 from .fields import ConversionError
 from .frames import FrameError, frame_of, mounted_frames, transformed
-from .interface import RosDoor
-from .process import Process, child_environment
+from .interface import RosInterface
+from .process import Process, child_environment, stop_all
 from .start import command_of
 from .steps import Steps, walk
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from .interface import RosDoor
 
 T = TypeVar("T")
 FRAME_WAIT = 0.5
@@ -36,7 +31,7 @@ FRAME_WAIT = 0.5
 
 
 def taken(
-    door: RosDoor,
+    door: RosInterface,
     topics: Mapping[str, str],
     slop: float,
     timeout: float,
@@ -73,7 +68,7 @@ class TopicSensor:
         process: its driver, where we started it.
     """
 
-    def __init__(self, name: str, config: SensorConfig, door: RosDoor, process: Process | None = None):
+    def __init__(self, name: str, config: SensorConfig, door: RosInterface, process: Process | None = None):
         self.name, self.config, self.process = name, config, process
         self._door = door
         self._messages = {topic.topic: topic.message_type() for topic in config.topics.values()}
@@ -105,16 +100,13 @@ class TopicSensor:
 
     def _captured(self) -> Steps[Mapping[str, Any]]:
         """Take what is asked for, or say how the driver ended."""
+        config = self.config
         try:
-            return (yield from self._taken())
+            return (yield from taken(self._door, self._messages, config.slop, config.timeout, self._values))
         except CanceledError:
             if self.process is None or self.process.alive:
                 raise
             raise SensorError(f"sensor {self.name}: {self.process.describe_end()}") from None
-
-    def _taken(self) -> Steps[Mapping[str, Any]]:
-        """Take messages until one set can be brought into the frame that is asked for, at most the sensor's time."""
-        return (yield from taken(self._door, self._messages, self.config.slop, self.config.timeout, self._values))
 
     def _values(self, messages: Mapping[str, Any]) -> Steps[Mapping[str, Any]]:
         found = {}
@@ -157,7 +149,7 @@ class BrokenSensor:
 
 
 def open_sensors(
-    sensors: Mapping[str, SensorConfig], door: RosDoor, project: Path, domain_id: int | None = None
+    sensors: Mapping[str, SensorConfig], door: RosInterface, project: Path, domain_id: int | None = None
 ) -> dict[str, TopicSensor | BrokenSensor]:
     """Start the drivers of sensors and listen to their topics; what is wrong with one is said when it is asked.
 
@@ -182,11 +174,7 @@ def open_sensors(
 
 def close_sensors(sensors: Mapping[str, TopicSensor | BrokenSensor]) -> None:
     """End all drivers, together."""
-    processes = [s.process for s in sensors.values() if s.process is not None]
-    for process in processes:
-        process.ask_to_stop()
-    for process in processes:
-        process.stop()
+    stop_all([s.process for s in sensors.values() if s.process is not None])
 
 
 def _driver(name: str, config: SensorConfig, project: Path, domain_id: int | None) -> Process | None:
@@ -217,7 +205,7 @@ class RosCamera:
         door: the connection to ROS, which knows where the camera's frame is.
     """
 
-    def __init__(self, name: str, config: CameraTopics, door: RosDoor):
+    def __init__(self, name: str, config: CameraTopics, door: RosInterface):
         self._name, self._config, self._door = name, config, door
         self._topics = {
             config.image: "sensor_msgs/msg/Image",
@@ -255,34 +243,30 @@ class RosCamera:
         try:
             info = replace(camera_from_message(given), pose=pose)
             image = image_from_message(messages[self._config.image])
-            taken = RgbdFrame(image, depth_from_message(depth, info))
+            made = RgbdFrame(image, depth_from_message(depth, info))
         except (ConversionError, BadReplyError, ValueError) as error:
             raise SensorError(f"camera {self._name}: {error}") from None
-        if image.pixels.shape[:2] != taken.depth.depth.shape:
-            sizes = " and ".join(f"{a.shape[1]} x {a.shape[0]}" for a in (image.pixels, taken.depth.depth))
-            reason = f"colour and depth have {sizes} pixels; `depth` is the one that is aligned to the colour image"
+        if image.pixels.shape[:2] != made.depth.depth.shape:
+            sizes = " and ".join(f"{a.shape[1]} x {a.shape[0]}" for a in (image.pixels, made.depth.depth))
+            reason = f"colour and depth have {sizes} pixels; use the depth topic that is registered to the colour image"
             raise SensorError(f"camera {self._name}: {reason}")
         self._info = info
-        return taken
+        return made
 
 
 class UnnamedCamera:
     """A sensor whose topics nobody has named; others go on without it. Implements `grip_bt.base.ports.Camera`."""
 
     def __init__(self, name: str):
-        self._name = name
+        topics = "{image: /camera/color/image_raw, depth: /camera/depth/image_raw, info: /camera/color/camera_info}"
+        self._reason = (
+            f"camera {name}: its topics are not configured; add to grip.yaml: `ros: {{cameras: {{{name}: {topics}}}}}`"
+        )
 
     def info(self) -> CameraInfo:
         """Raise SensorError, which says what to write."""
-        raise self._error()
+        raise SensorError(self._reason)
 
     def capture(self) -> Operation[RgbdFrame]:
         """End with SensorError, likewise."""
-        return Operation.failed(self._error())
-
-    def _error(self) -> SensorError:
-        topics = "{image: /camera/color/image_raw, depth: /camera/depth/image_raw, info: /camera/color/camera_info}"
-        return SensorError(
-            f"camera {self._name}: its topics aren't named; in grip.yaml: "
-            f"`ros: {{cameras: {{{self._name}: {topics}}}}}`"
-        )
+        return Operation.failed(SensorError(self._reason))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -18,7 +19,25 @@ from .convert_perception import camera_to_message, cloud_to_message, depth_to_me
 TYPE = "sensor_msgs/msg/JointState"
 
 
-class ServedJoints:
+class _Published:
+    """What a thread of its own publishes until it is closed."""
+
+    def __init__(self, name: str):
+        self._closed = threading.Event()
+        self._thread = threading.Thread(target=self._publish, name=name, daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Publish no more."""
+        self._closed.set()
+        self._thread.join(2.0)
+
+    @abstractmethod
+    def _publish(self) -> None:
+        """Publish until it is closed."""
+
+
+class ServedJoints(_Published):
     """Publishes where joints are, stamped with the wall's time, in one message for all of them.
 
     Args:
@@ -30,14 +49,7 @@ class ServedJoints:
 
     def __init__(self, bus: Bus, topic: str, executors: Sequence[Executor], rate: float = 50.0):
         self._writer, self._executors, self._period = bus.writer(TYPE, topic), executors, 1 / rate
-        self._closed = threading.Event()
-        self._thread = threading.Thread(target=self._publish, name="grip_joint_states", daemon=True)
-        self._thread.start()
-
-    def close(self) -> None:
-        """Publish no more."""
-        self._closed.set()
-        self._thread.join(2.0)
+        super().__init__("grip_joint_states")
 
     def _publish(self) -> None:
         due = time.monotonic()
@@ -71,7 +83,7 @@ SHARE = 0.4
 """What takes the frames may spend no more than this share of its time on them: it moves the robot too."""
 
 
-class ServedCamera:
+class ServedCamera(_Published):
     """Takes frames while somebody listens, and publishes them, all messages of a frame with one stamp.
 
     Everything is in the optical frame `<name>_optical`; where that is, is for TF or the listener's own settings.
@@ -89,14 +101,7 @@ class ServedCamera:
         self._writers = {part: bus.writer(TOPICS[part][1], topic) for part, topic in self.topics.items()}
         for writer in self._writers.values():
             writer.advertise()
-        self._closed = threading.Event()
-        self._thread = threading.Thread(target=self._publish, name=f"grip_camera_{name}", daemon=True)
-        self._thread.start()
-
-    def close(self) -> None:
-        """Publish no more."""
-        self._closed.set()
-        self._thread.join(2.0)
+        super().__init__(f"grip_camera_{name}")
 
     def _publish(self) -> None:
         pause = 0.0

@@ -26,7 +26,7 @@ from grip_bt.base.values import JointState, Trajectory
 from .client.bus import Bus
 from .client.types import load_type
 from .convert_geometry import seconds
-from .interfaces.bundled import provide
+from .interfaces.build import provide
 
 ACTION = "control_msgs/action/FollowJointTrajectory"
 AT_ONCE = 0.01

@@ -7,7 +7,7 @@ import signal
 import threading
 from collections.abc import Callable
 from types import FrameType
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from action_msgs.msg import GoalStatus
 from rclpy.action.server import ActionServer, CancelResponse, GoalResponse
@@ -16,8 +16,7 @@ from rclpy.utilities import get_default_context
 
 from grip_bt.base.operation import Operation
 
-if TYPE_CHECKING:
-    from .client.bus import Bus
+from .client.bus import Bus
 
 T = TypeVar("T")
 

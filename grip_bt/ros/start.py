@@ -81,7 +81,7 @@ def advice(file: ComponentFile, error: ExpectedError, alive: bool, said: str) ->
         return _about_end(file, said) if starts else ""
     if not starts:
         off = (
-            "take `run: false` out of its `start`" if file.start is not None else "say under `start` how it is started"
+            "remove `run: false` from its `start`" if file.start is not None else "say under `start` how it is started"
         )
         return f". Start it, or {off} (component.yaml of {file.name})"
     if alive:

@@ -1,8 +1,8 @@
 """Frames that move, from the topics of TF, where its message package is there; frames that don't, from our own tree.
 
 What is needed of TF is small: the transforms of the last seconds, and the way from one frame to another, now or at a
-time. `tf2_ros` isn't on PyPI, so that is done here; where it can be imported, its buffer answers for a time. `tf2_msgs`
-comes with a sourced ROS, or is built from a definition of ours.
+time. `tf2_ros` isn't on PyPI, so that is done here. `tf2_msgs` comes with a sourced ROS, or is built from a definition
+of ours.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ import threading
 import time
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 from grip_bt.base.errors import MissingPartError, UnknownNameError
 from grip_bt.base.failures import CanceledError
@@ -23,7 +22,6 @@ from .client.topic import Received
 from .client.types import load_type
 from .convert_geometry import pose_from_transform_stamped, seconds
 from .frames import FrameError, FrameHistory, FrameTree
-from .tf2_buffer import Tf2Buffer
 
 MESSAGE = "tf2_msgs/msg/TFMessage"
 TOPICS = ("/tf", "/tf_static")
@@ -54,7 +52,6 @@ class Transforms:
         self._bus, self._fixed = bus, fixed or FrameTree()
         self._static: dict[str, Pose] = {}
         self._moving = FrameHistory()
-        self._tf2 = Tf2Buffer.make(self._fixed)
         self._waits: list[_Wait] = []
         self._lock = threading.RLock()
         self.listening = False
@@ -69,7 +66,7 @@ class Transforms:
             self.listening = True
             for topic in TOPICS:
                 fixed = topic.endswith("static")
-                self._bus.reader(type_, topic).listen(partial(self._received, fixed))
+                self._bus.reader(type_, topic).listen(partial(self._heard, fixed))
         return True
 
     def lookup(self, target: str, source: str, timeout: float, at: float | None = None) -> Operation[Pose]:
@@ -110,8 +107,6 @@ class Transforms:
         if at is None:
             return self.tree().lookup(target, source)
         with self._lock:
-            if self._tf2 is not None:
-                return self._tf2.lookup(target, source, at)
             tree = self._fixed.with_poses({**self._static, **self._moving.at(at)})
             spans = self._moving.spans()
         try:
@@ -129,20 +124,14 @@ class Transforms:
         with self._lock:
             return self._fixed.with_poses({**self._static, **self._moving.latest(time.monotonic() - STALE)})
 
-    def _received(self, fixed: bool, received: Received) -> None:
-        self._hear(received.message, fixed)
-
-    def _hear(self, message: Any, fixed: bool) -> None:
-        heard = time.monotonic()
+    def _heard(self, fixed: bool, received: Received) -> None:
         with self._lock:
-            for transform in message.transforms:
+            for transform in received.message.transforms:
                 child, pose = transform.child_frame_id.lstrip("/"), pose_from_transform_stamped(transform)
                 if fixed:
                     self._static[child] = pose
                 else:
-                    self._moving.add(child, pose, seconds(transform.header.stamp), heard)
-                if self._tf2 is not None:
-                    self._tf2.add(transform, fixed)
+                    self._moving.add(child, pose, seconds(transform.header.stamp), received.time)
         self._try_waits()
 
     def _try_waits(self) -> None:

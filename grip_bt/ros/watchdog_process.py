@@ -19,6 +19,16 @@ import time
 from contextlib import suppress
 from typing import Any
 
+import rclpy
+from action_msgs.msg import GoalStatus, GoalStatusArray
+from action_msgs.srv import CancelGoal
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.qos import qos_profile_action_status_default
+from rclpy.signals import SignalHandlerOptions
+from sensor_msgs.msg import JointState
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
 from .watchdog import REPORT
 
 LIMIT = 10.0
@@ -54,11 +64,6 @@ class Reaper:
     """
 
     def __init__(self, domain: int):
-        import rclpy
-        from rclpy.context import Context
-        from rclpy.executors import SingleThreadedExecutor
-        from rclpy.signals import SignalHandlerOptions
-
         self._goals: dict[str, _Goal] = {}
         self._topics: dict[str, tuple[str, ...]] = {}
         self._parts: dict[str, tuple[str, tuple[str, ...]]] = {}
@@ -144,8 +149,6 @@ class Reaper:
 
     def _hear(self, action: str) -> None:
         """Hear which goals of an action have ended."""
-        from action_msgs.msg import GoalStatus, GoalStatusArray
-        from rclpy.qos import qos_profile_action_status_default
 
         def told(message: Any) -> None:
             for status in message.status_list:
@@ -159,22 +162,16 @@ class Reaper:
             )
 
     def _client(self, action: str) -> Any:
-        from action_msgs.srv import CancelGoal
-
         if action not in self._clients:
             self._clients[action] = self._node.create_client(CancelGoal, f"{action}/_action/cancel_goal")
         return self._clients[action]
 
     def _writer(self, topic: str) -> Any:
-        from trajectory_msgs.msg import JointTrajectory
-
         if topic not in self._writers:
             self._writers[topic] = self._node.create_publisher(JointTrajectory, topic, 10)
         return self._writers[topic]
 
     def _listen(self) -> None:
-        from sensor_msgs.msg import JointState
-
         for topic in {topic for topic, _ in self._parts.values()}:
             if topic not in self._readers:
                 self._readers[topic] = self._node.create_subscription(JointState, topic, self._measured, 50)
@@ -185,8 +182,6 @@ class Reaper:
             self._heard[name] = (now, position, message.velocity[i] if i < len(message.velocity) else 0.0)
 
     def _cancel(self, goal: _Goal, began: float) -> None:
-        from action_msgs.srv import CancelGoal
-
         client, now = self._client(goal.action), time.monotonic()
         if now > self._there.get(goal.action, now) + GONE:
             goal.over = "its server has gone, too"
@@ -209,8 +204,6 @@ class Reaper:
 
     def _hold(self, topic: str, names: tuple[str, ...]) -> str:
         """Publish where joints come to rest evenly from where they were measured; return why that can't be."""
-        from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
-
         writer, deadline = self._writer(topic), time.monotonic() + FOUND
         while not writer.get_subscription_count() and time.monotonic() < deadline:
             self.spin(0.02)

@@ -113,7 +113,7 @@ def test_writing_again_changes_nothing_and_old_files_go(tmp_path):
 
 def test_a_file_that_was_not_generated_is_never_overwritten(tmp_path):
     (tmp_path / "README.md").write_text("my own words")
-    with pytest.raises(NotOursError, match=r"README\.md wasn't generated"):
+    with pytest.raises(NotOursError, match=r"README\.md was not generated"):
         write_package(tmp_path, render(COMPONENT, SPEC))
     assert [p.name for p in tmp_path.iterdir()] == ["README.md"]
 

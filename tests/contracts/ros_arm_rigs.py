@@ -29,7 +29,7 @@ def move_group() -> Iterator[tuple[Any, Any]]:
     from patient_bus import PatientBus, joints_of
 
     from grip_bt.ros.domain import free_domain
-    from grip_bt.ros.interfaces.bundled import provide
+    from grip_bt.ros.interfaces.build import provide
 
     messages = provide("moveit_msgs")
     with (

@@ -35,7 +35,7 @@ def controllers() -> Iterator[tuple[Any, Any]]:
     from patient_bus import PatientBus, joints_of
 
     from grip_bt.ros.domain import free_domain
-    from grip_bt.ros.interfaces.bundled import provide
+    from grip_bt.ros.interfaces.build import provide
 
     messages = [*provide("control_msgs"), *provide("controller_manager_msgs")]
     panda = build_robot("panda_allegro").named_state("arm", "home").as_mapping()

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from itertools import count
 
 from grip_bt.base.failures import ExpectedError, UnfitServerError
-from grip_bt.ros.client.goal import AskCancel, AskResult, Goal, GoalEnd, Patience, Phase, Send, Tell
+from grip_bt.ros.client.goal import Goal, GoalEnd, GoalTimeouts, Phase, RequestCancel, RequestResult, Send, Tell
 
 POLL = 0.05
 ACCEPTED, SUCCEEDED, CANCELED, ABORTED, UNKNOWN = 1, 4, 5, 6, 0
@@ -44,7 +44,7 @@ class World:
         self.random = random.Random(seed)
         self.now, self.queue, self.order = 0.0, [], count()
         draw = self.random.random
-        patience = Patience(
+        patience = GoalTimeouts(
             server=self.random.choice((0.2, 2.0)),
             result=self.random.choice((0.3, 1.5, 20.0)),
             cancel=self.random.choice((0.2, 1.0)),
@@ -99,9 +99,9 @@ class World:
                 case Send():
                     self.sent_to = self.incarnation
                     self.wire(self._take_goal)
-                case AskResult():
+                case RequestResult():
                     self.wire(self._want_result)
-                case AskCancel():
+                case RequestCancel():
                     self.wire(self._hear_cancel)
                 case Tell(end):
                     self.result.told.append(end)

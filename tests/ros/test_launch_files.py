@@ -287,7 +287,7 @@ def test_ros_own_package_is_given_the_file_and_its_arguments(tmp_path):
     (package / "launch_description_sources.py").write_text(
         "class AnyLaunchDescriptionSource:\n    def __init__(self, path): self.path = path\n"
     )
-    command = [sys.executable, "-m", "grip_bt.ros.launch.with_package", "it.launch.py", "ip:=1:=2"]
+    command = [sys.executable, "-m", "grip_bt.ros.launch.run", "it.launch.py", "ip:=1:=2"]
     env = dict(os.environ, PYTHONPATH=str(tmp_path))
     done = subprocess.run(command, env=env, capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (3, "['ip:=1:=2'] it.launch.py [('ip', '1:=2')]\n")

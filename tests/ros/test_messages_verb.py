@@ -122,7 +122,7 @@ def test_the_next_message_of_a_topic_is_added_with_its_header(ask, served):
         (("add", "poses", "x", "{}", "--topic", "/t"), "one way only"),
         (("add", "poses", "x", "{reference_frame: w, position: {x: 1}}"), "value:1:1: the key 'orientation'"),
         (("add", "poses", "x", "--file", "/nowhere/x.yaml"), "/nowhere/x.yaml"),
-        (("add", "poses", "x", "--topic", "/nobody", "--within", "0.2"), "nobody publishes it"),
+        (("add", "poses", "x", "--topic", "/nobody", "--within", "0.2"), "it has no publisher"),
         (("add", "thoughts", "x", "{data: 1}"), "store 'thoughts' is new: say the ROS type"),
         (("add", "thoughts", "x", "{data: 1}", "--type", "std_msgs/msg/Sting"), "did you mean 'std_msgs/msg/String'"),
         (("add", "thoughts", "x", "{dat: 1}", "--type", "std_msgs/msg/String"), "no such field; did you mean 'data'"),

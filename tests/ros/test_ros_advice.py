@@ -12,11 +12,11 @@ from ros_bench import ended
 import grip_bt.ros  # noqa: F401 - its settings come before any message package
 from grip_bt.base.failures import ServerLostError, ServerTimeOutError, UnfitServerError
 from grip_bt.ros.client.bus import Bus
-from grip_bt.ros.client.goal import Goal, Patience
+from grip_bt.ros.client.goal import Goal, GoalTimeouts
 from grip_bt.ros.client.graph import instead, instead_of_topic
 from grip_bt.ros.client.types import load_type
 from grip_bt.ros.components import start_components
-from grip_bt.ros.interface import RosDoor
+from grip_bt.ros.interface import RosInterface
 from grip_bt.ros.interfaces.ament import PackageError
 from grip_bt.ros.start import advice, command_of
 from grip_bt.task.catalog.component_file import ComponentFile
@@ -75,7 +75,7 @@ def test_a_time_out_names_the_key_that_limits_it(bus, serve, ahead):
     ahead.skip(1000.0)
     with pytest.raises(ServerTimeOutError, match=r"/set: no answer after .* s \(`timeouts: \{call: 0\.2\}` in comp"):
         ended(operation)
-    goal = Goal("/act", Patience(server=2.0, result=1.0, limit=" (said there)"), 0.0)
+    goal = Goal("/act", GoalTimeouts(server=2.0, result=1.0, limit=" (said there)"), 0.0)
     assert str(goal.tick(1.5)[0].end) == "/act: the goal wasn't sent after 1.0 s (said there)"
 
 
@@ -87,7 +87,7 @@ OURS, THEIRS = {"command": ["{python}", "server.py"]}, {"command": ["python3", "
     ("start", "error", "alive", "said", "todo"),
     [
         (None, LOST, False, "", ". Start it, or say under `start` how it is started (component.yaml of c)"),
-        ({**OURS, "run": False}, LOST, False, "", "take `run: false` out of its `start`"),
+        ({**OURS, "run": False}, LOST, False, "", "remove `run: false` from its `start`"),
         (OURS, LOST, True, "", "Its process runs: does it serve /set (`server`), as std_srvs/srv/SetBool"),
         (None, UnfitServerError("", serves=TRIGGER), False, "", f". If that is meant: `interface: {TRIGGER}`"),
         (None, UnfitServerError("", serves=SET), False, "", ""),
@@ -177,8 +177,8 @@ def published(domain):
 def test_who_waits_for_a_topic_that_nobody_publishes_is_told_those_that_are(bus, published):
     published(bus, STRING, "/cam/words")
     published(bus, "std_msgs/msg/Bool", "/lamp")
-    door = RosDoor(bus)
-    said = r"no message within 0\.2 s; nobody publishes it; std_msgs/msg/String is published in .* as /cam/words$"
+    door = RosInterface(bus)
+    said = r"no message within 0\.2 s; it has no publisher; std_msgs/msg/String is published in .* as /cam/words$"
     with pytest.raises(ServerTimeOutError, match=f"/words: {said}"):
         ended(door.next("/words", STRING, "Any", 0.2))
     with pytest.raises(ServerTimeOutError, match=r"did you mean '/cam/words', which is published as std_msgs/msg/Str"):
@@ -193,17 +193,17 @@ def test_a_topic_of_another_type_is_told_with_what_to_do(bus, published):
     published(bus, IMAGE, "/cam/image")
     wrong = "/cam/image: .*it is published as sensor_msgs/msg/Image, not as std_msgs/msg/String; name that type, or ano"
     with pytest.raises(ServerTimeOutError, match=wrong + r"ther topic; std_msgs/msg/String is .* as /cam/words$"):
-        ended(RosDoor(bus).next("/cam/image", STRING, "Any", 0.2))
+        ended(RosInterface(bus).next("/cam/image", STRING, "Any", 0.2))
     published(bus, STRING, "/cam/image")
     with pytest.raises(ServerTimeOutError, match="1 publisher, silent; others publish it as sensor_msgs/msg/Image$"):
-        ended(RosDoor(bus).next("/cam/image", STRING, "Any", 0.2))
+        ended(RosInterface(bus).next("/cam/image", STRING, "Any", 0.2))
 
 
 def test_a_topic_that_is_a_service_is_told_so(bus, serve):
     serve("std_srvs/SetBool", "/set")
     ended(bus.service(SET, "/set").wait_ready(PATIENCE))
-    with pytest.raises(ServerTimeOutError, match=rf"nobody publishes it; /set is a service, of type {SET}$"):
-        ended(RosDoor(bus).next("/set", STRING, "Any", 0.2))
+    with pytest.raises(ServerTimeOutError, match=rf"it has no publisher; /set is a service, of type {SET}$"):
+        ended(RosInterface(bus).next("/set", STRING, "Any", 0.2))
 
 
 def test_who_publishes_to_nobody_is_told_what_is_heard(bus, domain):
@@ -211,7 +211,7 @@ def test_who_publishes_to_nobody_is_told_what_is_heard(bus, domain):
         kind = load_type(STRING)
         ended(hearer.post(lambda: hearer.node.create_subscription(kind, "/say", print, 1)))
         until(lambda: ended(bus.post(lambda: bus.node.count_subscribers("/say"))), "the subscriber isn't seen")
-        door = RosDoor(bus)
+        door = RosInterface(bus)
         with pytest.raises(ServerTimeOutError, match=f"1 are needed; {STRING} is heard in .* as /say$"):
             ended(door.publish("/sya", STRING, {"data": "x"}, 1, 0.2))
         with pytest.raises(ServerTimeOutError, match=f"needed; it is heard as {STRING}, not as std_msgs/msg/Bool$"):

@@ -164,7 +164,7 @@ def test_a_server_that_is_killed_in_the_middle_of_a_call_is_lost(bus, serve):
     operation = client.call(request(True), timeout=1000.0)
     ended(bus.post(lambda: None))  # whatever was posted before it is done: the request is on its way
     process.send_signal(signal.SIGKILL)
-    with pytest.raises(ServerLostError, match="the server that had the request is gone"):
+    with pytest.raises(ServerLostError, match="the server disappeared while it had the request"):
         ended(operation)
 
 

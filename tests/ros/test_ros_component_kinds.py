@@ -157,7 +157,7 @@ def test_a_preempted_node_ends_when_the_server_has_stopped(shop, worker, domain)
 
 
 def test_a_component_speaks_of_its_own_errors(worker):
-    with pytest.raises(GoalAbortedError, match="component worker: the server gave the goal up"):
+    with pytest.raises(GoalAbortedError, match="component worker: the server aborted the goal"):
         ended(worker.call({"input": "abort", "seconds": 0.0}))
     with pytest.raises(GoalRejectedError):
         ended(worker.call({"input": "reject", "seconds": 0.0}))
@@ -182,7 +182,7 @@ def test_an_action_is_added_from_its_file_tested_and_listed(tmp_path, trial, int
     command = ["component", "add", str(file), "--project", str(tmp_path), "--name", "worker", "--server", "/work"]
     assert main(command) == 1
     told = capsys.readouterr().err
-    assert "how many there are, and what they are called, isn't said; for instance: --outcomes 'done,failed'" in told
+    assert "their number and names are not declared; for instance: --outcomes 'done,failed'" in told
     assert main([*command, "--outcomes", "done,partly", "--failure", "partly"]) == 0
     home = tmp_path / "components" / "worker"
     assert (home / "interfaces" / "trial_interfaces" / "package.xml").is_file()
@@ -250,7 +250,7 @@ def test_a_topic_is_waited_for_and_published(tmp_path, domain):
 
 
 def test_a_topic_that_nobody_publishes_times_out_and_says_so(bus):
-    with pytest.raises(ServerTimeOutError, match=r"/silent: no message within 0\.2 s; nobody publishes it"):
+    with pytest.raises(ServerTimeOutError, match=r"/silent: no message within 0\.2 s; it has no publisher"):
         ended(bus.reader("std_msgs/msg/String", "/silent").next(0.2))
 
 

@@ -95,7 +95,7 @@ def test_the_generated_node_runs_against_the_live_server(project, domain):
 
 def test_a_component_that_dies_in_the_middle_of_a_call_is_lost_at_once_with_its_last_words(odd):
     client = odd.client("odd")
-    with pytest.raises(ServerLostError, match=r"'odd' ended with status 7; its last words.*\n.*that was too much"):
+    with pytest.raises(ServerLostError, match=r"'odd' ended with status 7; its last output.*\n.*that was too much"):
         ended(client.call(wish("die")))
     with pytest.raises(ServerLostError, match="status 7"):
         ended(client.call(wish("die")))
@@ -182,7 +182,7 @@ def test_a_server_built_from_another_definition_is_refused_at_once(project, doma
     command = [sys.executable, "server.py"]
     process = Process("foreign", command, home, child_environment([built.prefix], domain), tmp_path / "log")
     try:
-        with pytest.raises(UnfitServerError, match="another definition of the response of antipodal_interfaces"):
+        with pytest.raises(UnfitServerError, match="a different definition of the response of antipodal_interfaces"):
             start_components(project, ["odd"], domain)
     finally:
         process.stop()

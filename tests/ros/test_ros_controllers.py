@@ -22,7 +22,7 @@ NAMES = ("joint_a", "joint_b")
 @pytest.fixture(scope="session")
 def messages(interface_cache):
     """Return the prefixes of the message packages, built and active here."""
-    from grip_bt.ros.interfaces.bundled import provide
+    from grip_bt.ros.interfaces.build import provide
 
     return [*provide("control_msgs"), *provide("controller_manager_msgs")]
 
@@ -87,7 +87,7 @@ def test_joints_of_a_trajectory_may_come_in_another_order(executor):
 
 
 def test_a_motion_that_begins_elsewhere_is_refused_before_anything_moves(executor):
-    with pytest.raises(ExecutionAbortedError, match="begins 0.400 away from joint joint_a"):
+    with pytest.raises(ExecutionAbortedError, match="starts 0.400 from the measured position of joint joint_a"):
         ended(executor.execute(to((1.0, 0.0), start=(0.4, 0.0))))
     with pytest.raises(ValueError, match="this executor"):
         executor.execute(to((1.0,), start=(0.0,), names=("joint_x",)))
@@ -140,7 +140,7 @@ def test_what_isnt_followed_by_a_topic_is_measured_to_stop_short(bus, states):
     from grip_bt.ros.controllers import TopicExecutor
 
     arm = TopicExecutor(bus, "/arm/joint_trajectory", NAMES, states)
-    with pytest.raises(ExecutionAbortedError, match=r"joint joint_a stands \d\.\d+ short of the end .* in its log"):
+    with pytest.raises(ExecutionAbortedError, match=r"joint_a stands \d\.\d+ short of the end .* the controller's log"):
         ended(arm.execute(to((4.0, 0.0))))
     other = TopicExecutor(bus, "/arm/joint_trajectory", ("joint_a", "finger"), states)
     start = other.state().position

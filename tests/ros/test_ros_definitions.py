@@ -12,7 +12,7 @@ import pytest
 from grip_bt.base.errors import MissingPartError, UnknownNameError
 from grip_bt.ros.interfaces import InterfaceBuildError, build_interfaces, read_package
 from grip_bt.ros.interfaces.ament import search_path
-from grip_bt.ros.interfaces.bundled import FOLDER, NEEDS, provide
+from grip_bt.ros.interfaces.build import FOLDER, NEEDS, provide
 from grip_bt.ros.interfaces.compiler import compilers
 from grip_bt.ros.interfaces.generate import hash_types
 

@@ -23,7 +23,7 @@ from grip_bt.base.values import CameraInfo, DepthImage, Image, Pose
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.client.types import load_type
 from grip_bt.ros.frames import FrameError, FrameTree
-from grip_bt.ros.interface import BadRequestError, RosDoor
+from grip_bt.ros.interface import BadRequestError, RosInterface
 from grip_bt.ros.sensing import mounted_frames, open_sensors
 from grip_bt.ros.synchronise import Synchroniser
 from grip_bt.ros.transforms import Transforms
@@ -42,7 +42,7 @@ TF2 = "geometry_msgs/TransformStamped[] transforms\n"
 
 @pytest.fixture
 def door(bus):
-    return RosDoor(bus)
+    return RosInterface(bus)
 
 
 @pytest.fixture
@@ -120,7 +120,7 @@ def test_a_topic_whose_type_nobody_said_is_heard_as_what_it_is_published_as(door
     heard = door.next("/told", "", "Any", math.inf)
     ended(door.publish("/told", "std_msgs/msg/String", {"data": "hello"}, 1, PATIENCE))
     assert ended(heard).data == "hello"
-    with pytest.raises(ServerTimeOutError, match="nobody publishes it"):
+    with pytest.raises(ServerTimeOutError, match="it has no publisher"):
         ended(door.next("/untold", "", "Any", 0.2))
 
 
@@ -228,7 +228,7 @@ def test_frames_come_from_tf_where_it_is_there(tmp_path, interface_cache, bus):
 
 @pytest.fixture(scope="session")
 def tf_messages():
-    from grip_bt.ros.interfaces.bundled import provide
+    from grip_bt.ros.interfaces.build import provide
 
     return provide("tf2_msgs")
 
@@ -273,7 +273,7 @@ def test_a_picture_is_placed_where_the_camera_was_when_it_was_taken(tf_messages,
     from grip_bt.base.values import PointCloud
     from grip_bt.ros.convert import to_message
 
-    door = RosDoor(bus)
+    door = RosInterface(bus)
     topics = {"cloud": {"topic": "/cloud", "type": "PointCloud"}}
     config = SensorConfig.model_validate({"topics": topics, "given_in": "base", "timeout": PATIENCE})
     sensor = open_sensors({"hand": config}, door, tmp_path)["hand"]
@@ -314,9 +314,9 @@ def test_one_bad_sensor_stops_no_other(door, camera, tmp_path):
     with pytest.raises(SensorError, match="sensor bad: mount: a pose needs .*non-zero quaternion"):
         ended(sensors["bad"].capture())
     until(lambda: not sensors["dead"].process.alive, "the driver doesn't end")
-    with pytest.raises(SensorError, match=r"sensor dead: .*ended with status 127; its last words .*\n/no/such/driver"):
+    with pytest.raises(SensorError, match=r"sensor dead: .*ended with status 127; its last output .*\n/no/such/driver"):
         ended(sensors["dead"].capture())
-    with pytest.raises(ServerTimeOutError, match=r"/x: no message within 0\.3 s; nobody publishes it"):
+    with pytest.raises(ServerTimeOutError, match=r"/x: no message within 0\.3 s; it has no publisher"):
         ended(sensors["mute"].capture())
     assert set(ended(sensors["cam"].capture())) == {"image", "depth", "info"}
 

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import sys
-from types import ModuleType
-
 import numpy as np
 import pytest
 
 from grip_bt.base.values import Pose
-from grip_bt.ros.frames import KEPT, FrameError, FrameHistory, FrameTree, between
+from grip_bt.ros.frames import KEPT, FrameHistory, between
 
 
 def about(axis, angle, position=(0, 0, 0), frame="base") -> Pose:
@@ -81,47 +78,3 @@ def test_what_was_not_heard_of_lately_is_not_known_now():
     history.add("old", Pose(frame="base"), 1.0, heard=5.0)
     history.add("new", Pose(frame="base"), 1.0, heard=6.0)
     assert set(history.latest(5.0)) == {"new"}
-
-
-class Buffer:
-    """Stands for `tf2_ros.Buffer`: answers for one frame, and remembers what it was given."""
-
-    def __init__(self):
-        self.static, self.moving = [], []
-
-    def set_transform_static(self, transform, authority):
-        self.static.append((transform.child_frame_id, transform.header.frame_id, authority))
-
-    def set_transform(self, transform, authority):
-        self.moving.append(transform)
-
-    def lookup_transform(self, target, source, time):
-        if not self.moving:
-            raise sys.modules["tf2_ros"].TransformException(f'"{source}" passed to lookupTransform does not exist')
-        found = self.moving[-1]
-        found.header.frame_id, found.transform.translation.x = target, time.nanoseconds * 1e-9
-        return found
-
-
-def test_tf2_answers_for_a_time_where_it_can_be_imported(monkeypatch):
-    from geometry_msgs.msg import TransformStamped
-
-    from grip_bt.ros.tf2_buffer import Tf2Buffer
-
-    module = ModuleType("tf2_ros")
-    module.Buffer, module.TransformException = Buffer, type("TransformException", (Exception,), {})
-    monkeypatch.setitem(sys.modules, "tf2_ros", module)
-    buffer = Tf2Buffer.make(FrameTree({"camera": Pose((0, 0, 1.0), frame="world")}))
-    assert buffer._buffer.static == [("camera", "world", "grip")]
-    with pytest.raises(FrameError, match='"tool" passed to lookupTransform does not exist'):
-        buffer.lookup("world", "tool", 1.0)
-    buffer.add(TransformStamped(child_frame_id="tool"), fixed=False)
-    assert buffer.lookup("world", "tool", 12.5).position[0] == 12.5
-    assert buffer.lookup("world", "tool", 12.5).frame == "world"
-
-
-def test_without_tf2_there_is_no_such_buffer(monkeypatch):
-    from grip_bt.ros.tf2_buffer import Tf2Buffer
-
-    monkeypatch.setitem(sys.modules, "tf2_ros", None)
-    assert Tf2Buffer.make(FrameTree()) is None

@@ -104,6 +104,15 @@ def test_bytes_that_are_no_message_of_their_type_are_refused(messages):
     assert ended(messages.names("poses")) == ("bin",)
 
 
+def test_a_value_that_no_message_can_hold_ends_the_request(messages):
+    from grip_bt.ros.interface import BadRequestError
+
+    sent = messages.put("poses", "it", "a text")
+    assert sent.done()
+    with pytest.raises(BadRequestError, match="store 'poses'"):
+        sent.result()
+
+
 def test_files_of_the_project_are_there_from_the_start_in_full_precision(messages, folder):
     entry = ended(messages.get("poses", "bin"))
     assert list(entry.value.position) == [0.1234567890123456, 1.0e-17, 3.0]

@@ -11,7 +11,7 @@ import grip_bt.ros  # noqa: F401 - its settings come before any message package
 from grip_bt.base.errors import ContractError, DocumentError
 from grip_bt.cli.__main__ import main
 from grip_bt.cli.component import rendered
-from grip_bt.ros.component_adapter import Adapter
+from grip_bt.ros.component import Adapter
 from grip_bt.task.catalog.component_file import ComponentFile
 
 pytestmark = pytest.mark.ros

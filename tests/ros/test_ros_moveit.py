@@ -53,7 +53,7 @@ def model(robot):
 @pytest.fixture(scope="module")
 def start_move_group(own_domain):
     """Return a function that starts the stand-in."""
-    from grip_bt.ros.interfaces.bundled import provide
+    from grip_bt.ros.interfaces.build import provide
 
     prefixes = provide("moveit_msgs")
     with servers(own_domain) as start:
@@ -64,7 +64,7 @@ def start_move_group(own_domain):
 def patient():
     """Have what is asked of move_group wait for its answers as long as a slow machine needs."""
     with pytest.MonkeyPatch.context() as patch:
-        for name in ("client.ANSWER", "executor.LATE", "planner.CLEARING"):
+        for name in ("client.ANSWER", "client.LATE", "planner.CLEARING"):
             patch.setattr(f"grip_bt.ros.moveit.{name}", PATIENCE)
         yield
 
@@ -308,7 +308,7 @@ def test_names_that_are_not_there_are_told_before_anything_is_asked(planning, ro
         (-15, GoalRejectedError, r"groups: \{GROUP: ITS_NAME\}"),
         (-26, OutOfLimitsError, "out of its limits"),
         (-29, PlannerLostError, "its planner crashed"),
-        (99999, NoPlanError, "doesn't say why"),
+        (99999, NoPlanError, "without a reason"),
         (-4711, NoPlanError, "code -4711, which this version doesn't know"),
     ],
 )
@@ -321,7 +321,7 @@ def test_an_error_code_is_a_failure_with_a_name_and_moveits_words(planning, robo
 
 def test_every_code_of_moveit_has_a_meaning():
     from grip_bt.ros.client.types import load_type
-    from grip_bt.ros.interfaces.bundled import provide
+    from grip_bt.ros.interfaces.build import provide
     from grip_bt.ros.moveit.client import known_codes, name_of
 
     provide("moveit_msgs")

@@ -27,7 +27,7 @@ NAMES = ("joint_a", "joint_b")
 def states(bus, start_server, interface_cache):
     from patient_bus import joints_of
 
-    from grip_bt.ros.interfaces.bundled import provide
+    from grip_bt.ros.interfaces.build import provide
 
     start_server("controller_server.py", overlays=[*provide("control_msgs"), *provide("controller_manager_msgs")])
     made = joints_of(bus, (*NAMES, "finger"))

@@ -46,7 +46,7 @@ root:
 @pytest.mark.ros
 @pytest.mark.slow
 def test_a_task_runs_on_controllers_of_another_process(tmp_path, domain, start_server):
-    from grip_bt.ros.interfaces.bundled import provide
+    from grip_bt.ros.interfaces.build import provide
     from grip_bt.ros.process import child_environment
 
     by_topic = PROJECT.replace("trajectory: /allegro/follow_joint_trajectory", "topic: /allegro/joint_trajectory")
@@ -69,7 +69,7 @@ def test_where_a_real_robot_is_can_be_kept_from_the_editor(tmp_path, domain, sta
     from grip_bt.base.values import JointState, Pose
     from grip_bt.commanders.description.load import build_robot
     from grip_bt.commanders.kinematics.model import RobotModel
-    from grip_bt.ros.interfaces.bundled import provide
+    from grip_bt.ros.interfaces.build import provide
     from grip_bt.ros.process import child_environment
 
     (tmp_path / "grip.yaml").write_text(PROJECT)
@@ -133,7 +133,7 @@ def test_what_a_robot_is_waited_for_is_told_meanwhile(tmp_path, domain):
     done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT, env=env)
     assert done.returncode == 1
     told = next(line for line in done.stdout.splitlines() + done.stderr.splitlines() if "waiting for it" in line)
-    assert "nobody publishes it; " in told
+    assert "it has no publisher; " in told
     assert told.endswith("; waiting for it, at most 8 s")
     assert "nothing about" in done.stderr
 
@@ -172,7 +172,7 @@ ros:
 @pytest.mark.ros
 @pytest.mark.slow
 def test_a_task_is_planned_and_executed_by_move_group(tmp_path, domain, start_server):
-    from grip_bt.ros.interfaces.bundled import provide
+    from grip_bt.ros.interfaces.build import provide
     from grip_bt.ros.process import child_environment
 
     (tmp_path / "task.yaml").write_text(TASK.replace("    open: {node: hand/open}\n", ""))

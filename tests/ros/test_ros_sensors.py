@@ -10,7 +10,7 @@ from patience import PATIENCE
 from ros_bench import Deadline, ended
 
 from grip_bt.base.failures import SensorError, ServerTimeOutError
-from grip_bt.ros.interface import RosDoor
+from grip_bt.ros.interface import RosInterface
 from grip_bt.ros.sensing import open_sensors
 from grip_bt.task.catalog.sensors import SensorConfig
 
@@ -22,7 +22,7 @@ IMAGE, NUMBER = "sensor_msgs/msg/Image", "std_msgs/msg/Float64"
 
 @pytest.fixture
 def door(bus):
-    return RosDoor(bus, now=lambda: NOW)
+    return RosInterface(bus, now=lambda: NOW)
 
 
 def send(door, topic, message, **fields):
@@ -81,7 +81,7 @@ def test_a_driver_that_dies_ends_the_capture_under_way_with_its_last_words(door,
     capture = sensor.capture()
     assert not capture.done()
     (tmp_path / "go").touch()
-    with pytest.raises(SensorError, match=r"sensor cam: .*ended with status 3; its last words .*\nno camera found"):
+    with pytest.raises(SensorError, match=r"sensor cam: .*ended with status 3; its last output .*\nno camera found"):
         ended(capture)
     with pytest.raises(SensorError, match="no camera found"):
         ended(sensor.capture())

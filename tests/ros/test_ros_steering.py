@@ -26,7 +26,7 @@ HOLD = 1.0
 def states(bus, start_server):
     from patient_bus import joints_of
 
-    from grip_bt.ros.interfaces.bundled import provide
+    from grip_bt.ros.interfaces.build import provide
 
     start_server("controller_server.py", overlays=[*provide("control_msgs"), *provide("controller_manager_msgs")])
     return joints_of(bus, NAMES)

@@ -26,7 +26,7 @@ def sides(bus, start_server):
     from patient_bus import joints_of
 
     from grip_bt.ros.controllers import TrajectoryExecutor
-    from grip_bt.ros.interfaces.bundled import provide
+    from grip_bt.ros.interfaces.build import provide
 
     overlays = [*provide("control_msgs"), *provide("controller_manager_msgs")]
     processes = {

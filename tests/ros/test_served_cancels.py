@@ -16,7 +16,7 @@ LONG = 20.0
 
 @pytest.fixture(scope="module")
 def client(own_domain, tmp_path_factory) -> Iterator[PlainClient]:
-    from grip_bt.ros.interfaces.bundled import provide
+    from grip_bt.ros.interfaces.build import provide
 
     overlays = provide("control_msgs")
     with (

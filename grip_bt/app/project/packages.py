@@ -16,7 +16,7 @@ from grip_bt.ros.interfaces.ament import (
     search_path,
     share_folder,
 )
-from grip_bt.ros.interfaces.bundled import FOLDER, NEEDS
+from grip_bt.ros.interfaces.build import FOLDER, NEEDS
 from grip_bt.task.catalog.component_file import load_component
 from grip_bt.task.catalog.component_parts import Start
 from grip_bt.task.catalog.project_parts import MISSING, UNFIT, Trouble, missing_package, missing_type

@@ -13,8 +13,8 @@ from grip_bt.ros.clock import RosClock
 from grip_bt.ros.components import start_components
 from grip_bt.ros.domain import own_domain
 from grip_bt.ros.frames import mounted_frames
-from grip_bt.ros.interface import RosDoor
-from grip_bt.ros.interfaces.bundled import provide
+from grip_bt.ros.interface import RosInterface
+from grip_bt.ros.interfaces.build import provide
 from grip_bt.ros.sensing import TopicSensor, close_sensors, open_sensors
 from grip_bt.ros.transforms import Transforms
 from grip_bt.task.catalog.component_file import Start, load_component
@@ -58,7 +58,7 @@ def open_ros(
     stack.callback(components.close)
     clock = simulated_clock(components.bus, stack) if project.file.simulated_time else None
     now = time.time if clock is None else clock.now
-    door = RosDoor(components.bus, Transforms(components.bus, frames), now)
+    door = RosInterface(components.bus, Transforms(components.bus, frames), now)
     built = (
         f"interfaces built in {components.build_seconds:.1f} s" if components.build_seconds else "interfaces in cache"
     )

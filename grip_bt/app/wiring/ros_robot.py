@@ -22,8 +22,8 @@ from grip_bt.ros.controllers import (
     TrajectoryExecutor,
 )
 from grip_bt.ros.frames import mounted_frames
-from grip_bt.ros.interface import RosDoor
-from grip_bt.ros.interfaces.bundled import provide
+from grip_bt.ros.interface import RosInterface
+from grip_bt.ros.interfaces.build import provide
 from grip_bt.ros.moveit import MoveGroupExecutor
 from grip_bt.ros.sensing import RosCamera, UnnamedCamera
 from grip_bt.ros.transforms import Transforms
@@ -95,7 +95,7 @@ def _cameras(project: Project, settings: RosRobotConfig, bus: Bus, progress: Pro
     poses, _ = mounted_frames(settings.cameras)
     if any(camera.mount is None for camera in settings.cameras.values()):
         provide_frames(progress)
-    door = RosDoor(bus, Transforms(bus, robot_frames(project).with_poses(poses)))
+    door = RosInterface(bus, Transforms(bus, robot_frames(project).with_poses(poses)))
     for name, topics in settings.cameras.items():
         progress("camera", f"{name}: {topics.image}, {topics.depth}, {topics.info}")
     return {

@@ -28,7 +28,7 @@ from grip_bt.base.operation import Operation
 from ..watchdog import Guard
 from .base import Request, ServedClient
 from .connection import Connection
-from .goal import LIVE, AskCancel, AskResult, Command, Goal, GoalEnd, Patience, Phase, Send, Tell
+from .goal import LIVE, Command, Goal, GoalEnd, GoalTimeouts, Phase, RequestCancel, RequestResult, Send, Tell
 from .graph import explained
 from .server_check import GRACE, action_servers, check_action_servers
 from .service import SERVICE_QOS
@@ -74,7 +74,7 @@ class ActionClient(ServedClient[_Entry]):
     @property
     def busy(self) -> bool:
         """Whether a server still has a goal of ours that nobody waits for, and hasn't answered that it stops."""
-        return any(e.machine.phase in (Phase.LOOSE, Phase.LOOSE_SENT) for e in list(self._requests))
+        return any(e.machine.phase in (Phase.ORPHANED, Phase.ORPHANED_SENT) for e in list(self._requests))
 
     # --- from any thread ---
 
@@ -110,7 +110,7 @@ class ActionClient(ServedClient[_Entry]):
         now = time.monotonic()
         timeout = self._bus.timeout if timeout is None else timeout
         wait = self._bus.wait if wait is None else wait
-        patience = Patience(wait, timeout, cancel_within, GRACE if self._supervised else 0.0, limit)
+        patience = GoalTimeouts(wait, timeout, cancel_within, GRACE if self._supervised else 0.0, limit)
         entry = _Entry(goal, now, now + timeout, now + wait, machine=Goal(self.name, patience, now))
         entry.on_feedback, entry.on_accepted = on_feedback, on_accepted
         entry.guard = self._bus.guard if moves and goal is not None else None
@@ -170,12 +170,12 @@ class ActionClient(ServedClient[_Entry]):
             match command:
                 case Send():
                     self._put_out(entry)
-                case AskResult():
+                case RequestResult():
                     if entry.result is not None:
                         entry.result.cancel()  # that request, or its answer, was dropped on the way
                     entry.result = self._connection.ask_result(entry.goal_id)
                     self._later(entry, entry.result, self._resulted)
-                case AskCancel():
+                case RequestCancel():
                     self._later(entry, self._connection.ask_cancel(entry.goal_id), self._cancel_answered)
                 case Tell(end):
                     entry.on_feedback = None
@@ -264,7 +264,7 @@ class ActionClient(ServedClient[_Entry]):
         known = {bytes(s.goal_info.goal_id.uuid): int(s.status) for s in message.status_list}
         for entry in [e for e in self._requests if e.goal_id in known]:
             entry.status = known[entry.goal_id]
-            if entry.machine.phase in (Phase.SENT, Phase.LOOSE_SENT):
+            if entry.machine.phase in (Phase.SENT, Phase.ORPHANED_SENT):
                 self._do(entry, entry.machine.status(entry.status, time.monotonic()))
 
 

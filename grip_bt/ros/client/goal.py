@@ -2,7 +2,7 @@
 
     WAITING --server_fits--> SENT --accepted--> RUNNING --cancel--> CANCELING --result--> OVER
                                |                   |                    |
-                               +--- the owner was told something else --+--> LOOSE_SENT, LOOSE --> OVER
+                               +--- the owner was told something else --+--> ORPHANED_SENT, ORPHANED --> OVER
 
 The owner of a goal is told exactly once how it ended, and never later than its patience allows. A goal whose time is
 over is cancelled, and its owner told of the time-out when the server has said that it ended: nothing else may begin
@@ -46,8 +46,8 @@ class Phase(Enum):
     SENT = "sent"
     RUNNING = "running"
     CANCELING = "asked to stop"
-    LOOSE_SENT = "sent, for nobody"
-    LOOSE = "running, for nobody"
+    ORPHANED_SENT = "sent, for nobody"
+    ORPHANED = "running, for nobody"
     OVER = "over"
 
 
@@ -56,7 +56,7 @@ LIVE = frozenset({Phase.SENT, Phase.RUNNING, Phase.CANCELING})
 
 
 @dataclass(frozen=True)
-class Patience:
+class GoalTimeouts:
     """How long to wait [s].
 
     Attributes:
@@ -93,12 +93,12 @@ class Send:
 
 
 @dataclass(frozen=True)
-class AskResult:
+class RequestResult:
     """Ask the server for the result, to be sent when there is one."""
 
 
 @dataclass(frozen=True)
-class AskCancel:
+class RequestCancel:
     """Ask the server to cancel the goal."""
 
 
@@ -109,7 +109,7 @@ class Tell:
     end: GoalEnd | Exception
 
 
-Command = Send | AskResult | AskCancel | Tell
+Command = Send | RequestResult | RequestCancel | Tell
 
 
 class Goal:
@@ -125,7 +125,7 @@ class Goal:
         refused: whether the server refused to cancel it, so that it goes on although its owner is gone.
     """
 
-    def __init__(self, name: str, patience: Patience, now: float):
+    def __init__(self, name: str, patience: GoalTimeouts, now: float):
         self.name, self.patience = name, patience
         self.phase, self.refused = Phase.WAITING, False
         self._began = now
@@ -160,14 +160,14 @@ class Goal:
             return []
         absent = now - self._gone_since
         if self.phase in LIVE and absent >= self.patience.gone:
-            return self._let_go(self._lost("the server that had the goal is gone"))
-        if self.phase in (Phase.LOOSE_SENT, Phase.LOOSE) and absent >= FORGET:
+            return self._let_go(self._lost("the action server disappeared while executing the goal"))
+        if self.phase in (Phase.ORPHANED_SENT, Phase.ORPHANED) and absent >= FORGET:
             self.phase = Phase.OVER
         return []
 
     def server_ended(self, reason: str) -> list[Command]:
         """The server's process is known to have ended, and every goal with it."""
-        if self.phase in (Phase.LOOSE_SENT, Phase.LOOSE, Phase.OVER):
+        if self.phase in (Phase.ORPHANED_SENT, Phase.ORPHANED, Phase.OVER):
             self.phase = Phase.OVER
             return []
         return self._tell(self._lost(reason), Phase.OVER)
@@ -183,11 +183,11 @@ class Goal:
         if self.phase is Phase.SENT:
             if self._cancel_since is None:
                 self.phase = Phase.RUNNING
-                return [AskResult()]
+                return [RequestResult()]
             self.phase = Phase.CANCELING
-            return [AskResult(), *self._ask_cancel(now)]
-        if self.phase is Phase.LOOSE_SENT:
-            self.phase = Phase.LOOSE
+            return [RequestResult(), *self._ask_cancel(now)]
+        if self.phase is Phase.ORPHANED_SENT:
+            self.phase = Phase.ORPHANED
             return self._ask_cancel(now)
         return []
 
@@ -199,9 +199,9 @@ class Goal:
 
     def result(self, status: int, result: Any) -> list[Command]:
         """The server sent the result; a number that isn't an end means that it doesn't know the goal."""
-        if self.phase not in (Phase.RUNNING, Phase.CANCELING, Phase.LOOSE):
+        if self.phase not in (Phase.RUNNING, Phase.CANCELING, Phase.ORPHANED):
             return []
-        if self.phase is Phase.LOOSE:
+        if self.phase is Phase.ORPHANED:
             self.phase = Phase.OVER
             return []
         if status not in STATUSES:
@@ -210,7 +210,7 @@ class Goal:
 
     def status(self, status: int, now: float) -> list[Command]:
         """What the server publishes of the goal; to be said at every look. The result comes by another way, or not."""
-        if self.phase in (Phase.SENT, Phase.LOOSE_SENT):
+        if self.phase in (Phase.SENT, Phase.ORPHANED_SENT):
             return self.accepted(now)  # only goals that were taken have a status
         if self.phase not in (Phase.RUNNING, Phase.CANCELING) or status not in STATUSES:
             return []
@@ -218,7 +218,7 @@ class Goal:
             self._ended_since = now
         elif now >= self._ended_since + REASK:
             self._ended_since = now
-            return [AskResult()]
+            return [RequestResult()]
         return []
 
     def cancel_answered(self, stops: bool, known: bool, now: float) -> list[Command]:
@@ -229,19 +229,19 @@ class Goal:
             known: whether the server knows the goal; if it doesn't, the goal may still be under way to it.
             now: the time [s].
         """
-        if self.phase in (Phase.SENT, Phase.LOOSE_SENT) and not known:
+        if self.phase in (Phase.SENT, Phase.ORPHANED_SENT) and not known:
             return self._doubt(now)
         self._asked, self.refused = None, not stops
         if self.phase is Phase.SENT:
             self.phase = Phase.CANCELING
-            return [AskResult()]
-        if self.phase in (Phase.LOOSE, Phase.LOOSE_SENT):
+            return [RequestResult()]
+        if self.phase in (Phase.ORPHANED, Phase.ORPHANED_SENT):
             self.phase = Phase.OVER
         return []
 
     def _doubt(self, now: float) -> list[Command]:
         """Give up a loose goal that the server hasn't known for long; ask on until then."""
-        if self.phase is Phase.LOOSE_SENT:
+        if self.phase is Phase.ORPHANED_SENT:
             if self._unknown_since is None:
                 self._unknown_since = now
             if now >= self._unknown_since + NEVER_CAME:
@@ -281,7 +281,7 @@ class Goal:
                 return self._tell(self._timed_out("the goal wasn't sent"), Phase.OVER)
             return []
         if self.phase in LIVE and self._cancel_since is None and now >= self._began + self.patience.result:
-            what = "the server didn't take the goal" if self.phase is Phase.SENT else "no result"
+            what = "the server did not accept the goal" if self.phase is Phase.SENT else "no result"
             self._late = self._timed_out(what)
             return self._stop(now)
         if self.phase in LIVE and self._cancel_since is not None and now >= self._cancel_since + self.patience.cancel:
@@ -296,13 +296,13 @@ class Goal:
             since = self._sent if self._asked is None else self._asked
             due = self._cancel_since is not None and now >= since + RECANCEL
         else:
-            loose = self.phase in (Phase.LOOSE, Phase.LOOSE_SENT)
+            loose = self.phase in (Phase.ORPHANED, Phase.ORPHANED_SENT)
             due = loose and (self._asked is None or now >= self._asked + RECANCEL)
         return self._ask_cancel(now) if due else []
 
     def _unanswered(self) -> ExpectedError:
         """Return what the owner is told of a goal that wasn't said to have ended in its time."""
-        what = "the server refused to stop" if self.refused else "the server doesn't say that it stopped"
+        what = "the server refused to stop" if self.refused else "the server did not confirm the cancelling"
         if self._late is None:
             return CanceledError(f"{self.name}: canceled, but {what}", server=self.name, **{STOPPED: False})
         return ServerTimeOutError(f"{self._late}, and {what}", server=self.name, **{STOPPED: False})
@@ -314,7 +314,7 @@ class Goal:
         return [Tell(end)]
 
     def _over_or_tell(self, error: Exception) -> list[Command]:
-        if self.phase is Phase.LOOSE_SENT:
+        if self.phase is Phase.ORPHANED_SENT:
             self.phase = Phase.OVER
             return []
         return self._tell(error, Phase.OVER) if self.phase is Phase.SENT else []
@@ -323,13 +323,13 @@ class Goal:
         """Tell the owner, and keep the goal until the server knows that nobody waits."""
         if self.phase is Phase.SENT:
             self._asked = None  # to be asked at once: the goal may have got there meanwhile
-            return self._tell(error, Phase.LOOSE_SENT)
+            return self._tell(error, Phase.ORPHANED_SENT)
         told = self.phase is Phase.CANCELING and self._asked is None  # it has answered a cancel request already
-        return self._tell(error, Phase.OVER if told else Phase.LOOSE)
+        return self._tell(error, Phase.OVER if told else Phase.ORPHANED)
 
     def _ask_cancel(self, now: float) -> list[Command]:
         self._asked = now
-        return [AskCancel()]
+        return [RequestCancel()]
 
     def _lost(self, reason: str, **data: float) -> ServerLostError:
         return ServerLostError(f"{self.name}: {reason}", server=self.name, **data)

@@ -119,16 +119,9 @@ def check_servers(node: Node, service: Any, name: str, servers: list[Any]) -> No
     Raises:
         UnfitServerError: another type, another definition of it, best-effort, or several servers.
     """
-    for server in servers:
-        _check_endpoint(service, name, server, "Request")
-    for endpoint in node.get_publishers_info_by_topic(f"rr{name}Reply", no_mangle=True):
-        _check_endpoint(service, name, endpoint, "Response")
-    if len(servers) > 1:
-        nodes = ", ".join(sorted(_node(s) for s in servers))
-        raise UnfitServerError(
-            f"{name}: {len(servers)} servers ({nodes}), each of which would execute a request; stop all but one",
-            server=name,
-        )
+    replies = node.get_publishers_info_by_topic(f"rr{name}Reply", no_mangle=True)
+    parts = [(service, servers, "Request"), (service, replies, "Response")]
+    _check_parts(name, parts, servers, "servers", "a request")
 
 
 def action_servers(node: Node, name: str) -> list[Any]:
@@ -142,19 +135,26 @@ def check_action_servers(node: Node, action: Any, name: str, servers: list[Any])
     Raises:
         UnfitServerError: as `check_servers`, for its goals and for its results.
     """
-    results = servers_of(node, f"{name}/_action/get_result")
-    for server in servers:
-        _check_endpoint(action.Impl.SendGoalService, name, server, "Request")
-    for server in results:
-        _check_endpoint(action.Impl.GetResultService, name, server, "Request")
-    for endpoint in node.get_publishers_info_by_topic(f"rr{name}/_action/get_resultReply", no_mangle=True):
-        _check_endpoint(action.Impl.GetResultService, name, endpoint, "Response")
-    for endpoint in node.get_publishers_info_by_topic(f"rt{name}/_action/feedback", no_mangle=True):
-        _check_endpoint(action.Impl.FeedbackMessage, name, endpoint, "")
+    impl, ends = action.Impl, node.get_publishers_info_by_topic
+    parts = [
+        (impl.SendGoalService, servers, "Request"),
+        (impl.GetResultService, servers_of(node, f"{name}/_action/get_result"), "Request"),
+        (impl.GetResultService, ends(f"rr{name}/_action/get_resultReply", no_mangle=True), "Response"),
+        (impl.FeedbackMessage, ends(f"rt{name}/_action/feedback", no_mangle=True), ""),
+    ]
+    _check_parts(name, parts, servers, "action servers", "a goal")
+
+
+def _check_parts(
+    name: str, parts: list[tuple[Any, list[Any], str]], servers: list[Any], kind: str, executed: str
+) -> None:
+    for type_, endpoints, part in parts:
+        for endpoint in endpoints:
+            _check_endpoint(type_, name, endpoint, part)
     if len(servers) > 1:
         nodes = ", ".join(sorted(_node(s) for s in servers))
         raise UnfitServerError(
-            f"{name}: {len(servers)} action servers ({nodes}), each of which would execute a goal; stop all but one",
+            f"{name}: {len(servers)} {kind} ({nodes}), each of which would execute {executed}; stop all but one",
             server=name,
         )
 
@@ -162,11 +162,7 @@ def check_action_servers(node: Node, action: Any, name: str, servers: list[Any])
 def _check_endpoint(service: Any, name: str, endpoint: Any, part: str) -> None:
     """Check one half of a server; the definitions of requests and responses have hashes of their own."""
     package, kind = service.__module__.split(".")[:2]
-    wanted = (
-        f"{package}::{kind}::dds_::{service.__name__}_{part}_"
-        if part
-        else (f"{package}::{kind}::dds_::{service.__name__}_")
-    )
+    wanted = f"{package}::{kind}::dds_::{service.__name__}_" + (f"{part}_" if part else "")
     if endpoint.topic_type != wanted:
         raise UnfitServerError(
             f"{name}: {_node(endpoint)} serves {_readable(endpoint.topic_type)}, not {_readable(wanted)}",
@@ -177,7 +173,7 @@ def _check_endpoint(service: Any, name: str, endpoint: Any, part: str) -> None:
     if ours is not None and theirs != ours:
         half = _half(service, part)
         raise UnfitServerError(
-            f"{name}: {_node(endpoint)} was built with another definition of the {half} of {_readable(wanted)} "
+            f"{name}: {_node(endpoint)} uses a different definition of the {half} of {_readable(wanted)} "
             f"({theirs[7:15]}..., ours is {ours[7:15]}...); build both from the same file",
             server=name,
         )

@@ -102,7 +102,7 @@ class ServiceClient(ServedClient[_Call]):
             for call in [c for c in self._requests if c.future is not None and not c.servers & present]:
                 call.gone_since = call.gone_since or now
                 if not self._supervised or now > call.gone_since + GRACE:
-                    self._finish(call, self._lost("the server that had the request is gone"))
+                    self._finish(call, self._lost("the server disappeared while it had the request"))
         for call in [c for c in self._requests if now > c.deadline]:
             self._finish(call, self._timed_out(call))
         self._advance(now)

@@ -125,10 +125,10 @@ class TopicReader(Client[Request]):
         found = self._bus.node.get_publishers_info_by_topic(self.name)
         wanted = "" if self.type is None else type_name(self.type)
         if not found:
-            return f"nobody publishes it{other_topics(self._bus.node, self.name, wanted, most=most)}"
+            return f"it has no publisher{other_topics(self._bus.node, self.name, wanted, most=most)}"
         types = sorted({p.topic_type for p in found})
         if not wanted:
-            return f"it is published as {' and as '.join(types)}; say as which to hear it"
+            return f"it is published as {' and as '.join(types)}; specify the message type to subscribe with"
         wrong, right = [t for t in types if t != wanted], sum(p.topic_type == wanted for p in found)
         if not right:
             said = f"it is published as {', '.join(wrong)}, not as {wanted}; name that type, or another topic"

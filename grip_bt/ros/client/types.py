@@ -6,6 +6,10 @@ from functools import cache
 from importlib import import_module
 from typing import Any
 
+from rclpy.exceptions import InvalidTopicNameException
+from rclpy.validate_full_topic_name import validate_full_topic_name
+from rclpy.validate_topic_name import validate_topic_name
+
 from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
 
 from ..interfaces.ament import package_like, search_path
@@ -56,10 +60,6 @@ def check_name(name: str) -> None:
     Raises:
         GripError: ROS knows no such names; it says which it knows.
     """
-    from rclpy.exceptions import InvalidTopicNameException
-    from rclpy.validate_full_topic_name import validate_full_topic_name
-    from rclpy.validate_topic_name import validate_topic_name
-
     try:
         validate_topic_name(name)
         if not name.startswith("~") and "{" not in name:  # only this check sees two slashes in a row

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from grip_bt.base.failures import CanceledError, ExecutionAbortedError
+from grip_bt.base.failures import ExecutionAbortedError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Executor
 from grip_bt.base.values import JointState
@@ -15,7 +15,8 @@ from grip_bt.commanders.trajectory.splines import eased, slowed
 from ..client.bus import Bus
 from ..client.goal import GoalEnd
 from ..client.types import load_type
-from ..interfaces.bundled import provide
+from ..interfaces.build import provide
+from ..steps import Steps, walk
 from .joint_states import JointStates
 from .motion import Motion, measured
 from .trajectory import LATE, as_motion
@@ -66,7 +67,7 @@ class GripperHand:
         it ends when they were measured at rest; see `RosExecutor.execute`.
         """
         if self._motion is not None:
-            self._motion.overtake()
+            self._motion.preempt()
         goal = self._type.Goal()
         (goal.command.position,) = map(float, posture.ordered(self.joint_names))
         goal.command.max_effort = float(torque_limit or 0.0)
@@ -147,24 +148,18 @@ class ControlledHand:
         names = self.joint_names
         start, goal = self.state().ordered(names), posture.ordered(names)
         self._goal = JointState(names, goal)
-        moving = self._executor.execute(
-            slowed(eased(names, start, goal, duration), np.full(len(names), np.inf), self._hardest)
-        )
-        whole: Operation[JointState] = Operation(on_cancel=moving.cancel)
+        moving = slowed(eased(names, start, goal, duration), np.full(len(names), np.inf), self._hardest)
 
-        def end() -> None:
+        def steps() -> Steps[JointState]:
             try:
-                whole.succeed(moving.result())
+                reached: JointState = yield self._executor.execute(moving)
+                return reached
             except ExecutionAbortedError as error:
                 if SHORT & set(error.data):  # stopped short by contact is what closing is for
-                    whole.succeed(self.state())
-                else:
-                    whole.fail(error)
-            except CanceledError as error:
-                whole.fail(error)
+                    return self.state()
+                raise
 
-        moving.add_done_callback(end)
-        return whole
+        return walk(steps())
 
     def contacts(self) -> Mapping[str, float]:
         """Return the joints that something has stopped short of the last posture, and their efforts."""

@@ -16,6 +16,7 @@ from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, Trajectory
 from grip_bt.commanders.trajectory.limits import Stillness
 
+from ..steps import Steps, walk
 from .joint_states import JointStates
 
 START_TOLERANCE = 0.05
@@ -76,7 +77,7 @@ class RosExecutor(ABC):
             return Operation.failed(error)
         if self._motion is not None:
             self._drop()
-            self._motion.overtake()
+            self._motion.preempt()
         part = self._begin(trajectory).then(lambda _: measured(self._states, self._names))
         self._motion = Motion(part, self._states, self._names)
         return self._motion.whole
@@ -112,24 +113,22 @@ def check_start(names: Sequence[str], trajectory: Trajectory, states: JointState
     if errors.max() > START_TOLERANCE:
         worst = int(errors.argmax())
         raise ExecutionAbortedError(
-            f"the trajectory begins {errors[worst]:.3f} away from joint {trajectory.names[worst]}",
+            f"the trajectory starts {errors[worst]:.3f} from the measured position of joint {trajectory.names[worst]}",
             error=float(errors[worst]),
         )
 
 
 def measured(states: JointStates, names: Sequence[str]) -> Operation[JointState]:
     """Return what is measured from now on; ends with ExecutionAbortedError when nothing is."""
-    whole: Operation[JointState] = Operation()
-    fresh = states.fresh(names)
 
-    def end() -> None:
+    def steps() -> Steps[JointState]:
         try:
-            whole.succeed(fresh.result())
+            state: JointState = yield states.fresh(names)
+            return state
         except SensorError as error:
-            whole.fail(ExecutionAbortedError(f"the motion ended, but {error.message}", cause=error.code))
+            raise ExecutionAbortedError(f"the motion ended, but {error.message}", cause=error.code) from None
 
-    fresh.add_done_callback(end)
-    return whole
+    return walk(steps())
 
 
 def settle(state: Callable[[], JointState], target: NDArray[np.float64], stop: threading.Event) -> None:
@@ -183,16 +182,16 @@ class Motion:
 
     def __init__(self, part: Operation[JointState], states: JointStates, names: tuple[str, ...]):
         self._part, self._states, self._names = part, states, names
-        self._overtaken = False
+        self._preempted = False
         self.whole: Operation[JointState] = Operation(on_cancel=part.cancel)
         part.add_done_callback(self._ended)
 
-    def overtake(self) -> None:
+    def preempt(self) -> None:
         """End it for another motion that takes its place, and don't wait for joints that go on by that."""
-        self._overtaken = True
+        self._preempted = True
         self.whole.cancel()
         if self._part.done():
-            self.whole.fail(CanceledError("another motion has taken the place of this one"))
+            self.whole.fail(CanceledError("preempted by another motion"))
 
     def _ended(self) -> None:
         try:
@@ -203,15 +202,15 @@ class Motion:
             self.whole.fail(error)
 
     def _wait_for_rest(self, error: ExpectedError) -> None:
-        if self._overtaken:
-            self.whole.fail(CanceledError("another motion has taken the place of this one"))
+        if self._preempted:
+            self.whole.fail(CanceledError("preempted by another motion"))
             return
         rest = rest_of_joints(self._states, self._names)
 
         def end() -> None:
             moving = rest.result()
             if moving:
-                said = f"{error.message}; that the joints have stopped couldn't be confirmed: {moving}"
+                said = f"{error.message}; could not confirm that the joints have stopped: {moving}"
                 self.whole.fail(type(error)(said, **{**error.data, "stopped": False}))
             else:
                 self.whole.fail(error)

@@ -12,7 +12,6 @@ from abc import abstractmethod
 from array import array
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
-from typing import Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,19 +29,29 @@ from ..convert_geometry import trajectory_to_message
 from .joint_states import JointStates
 from .motion import START_TOLERANCE, RosExecutor, settle
 
+RATE = 100.0
+"""Set-points a second."""
+BEHIND = 0.5
+"""How far joints, or what is heard of them, may be behind the set-points [s] and still count as on their way."""
 
-class Course:
-    """A motion under way.
+
+class StreamedMotion:
+    """A motion under way, whose trajectory may be changed while its set-points are sent.
 
     Attributes:
         trajectory: what is followed.
         stop: set when it is to come to rest.
         dropped: set, with `stop`, when nothing more is to be sent, since another motion takes its place.
+        over: whether nothing of it can be changed any more.
+        sent: the time of the last set-point [s].
     """
 
     def __init__(self, trajectory: Trajectory):
         self.trajectory = trajectory
         self.stop, self.dropped, self._left = threading.Event(), threading.Event(), threading.Event()
+        self._lock = threading.Lock()
+        self._began: float | None = None
+        self.over, self.sent = False, 0.0
 
     def drop(self) -> None:
         """Have nothing more sent, and wait until that is so."""
@@ -52,13 +61,39 @@ class Course:
 
     def leave(self) -> None:
         """Say that nothing more is sent."""
+        self.over = True
         self._left.set()
 
+    def begin(self) -> None:
+        """Count the time from now on."""
+        self._began = time.monotonic()
 
-C = TypeVar("C", bound=Course)
+    def passed(self) -> float:
+        """Return for how long it has been streamed [s]."""
+        return 0.0 if self._began is None else time.monotonic() - self._began
+
+    def at(self, time: float) -> np.ndarray:
+        """Return the positions at a time [s], shape (n,)."""
+        with self._lock:
+            return self.trajectory.at(time)
+
+    def ended(self) -> bool:
+        """Tell whether all of it is sent; it can't be changed any more then."""
+        with self._lock:
+            self.over = self.over or self.passed() >= self.trajectory.duration
+            return self.over
+
+    def amend(self, tail: Trajectory, at: float) -> bool:
+        """Go on with another trajectory from a moment on; False where that has passed."""
+        with self._lock:
+            whole = spliced(self.trajectory, tail, at)
+            if self.over or self.passed() > min(at, self.trajectory.duration):
+                return False
+            self.trajectory = whole
+            return True
 
 
-class OverTopic(RosExecutor, Generic[C]):
+class TopicMotionExecutor(RosExecutor):
     """An executor over a topic, but for how a motion is seen to.
 
     Args:
@@ -83,22 +118,22 @@ class OverTopic(RosExecutor, Generic[C]):
         super().__init__(names, states)
         self._accelerations = accelerations or {}
         self._topic, self._writer, self._guard = topic, bus.writer(self.message, topic), bus.guard
-        self._course: C | None = None
+        self._current: StreamedMotion | None = None
 
     def _begin(self, trajectory: Trajectory) -> Operation[None]:
-        self._course = course = self._course_of(trajectory)
-        done: Operation[None] = Operation(on_cancel=course.stop.set)
-        threading.Thread(target=self._see_to, args=(course, done), name="grip_over_topic", daemon=True).start()
+        self._current = way = StreamedMotion(trajectory)
+        done: Operation[None] = Operation(on_cancel=way.stop.set)
+        threading.Thread(target=self._run, args=(way, done), name="grip_topic_motion", daemon=True).start()
         return done
 
     def _drop(self) -> None:
-        if self._course is not None:
-            self._course.drop()
+        if self._current is not None:
+            self._current.drop()
 
-    def _see_to(self, course: C, done: Operation[None]) -> None:
+    def _run(self, way: StreamedMotion, done: Operation[None]) -> None:
         try:
-            self._follow(course)
-            if course.stop.is_set():
+            self._follow(way)
+            if way.stop.is_set():
                 done.fail(CanceledError("the motion was stopped"))
             else:
                 done.succeed(None)
@@ -107,7 +142,7 @@ class OverTopic(RosExecutor, Generic[C]):
         except BaseException as error:  # noqa: BLE001 - of this thread; the owner has to hear of it
             done.fail(error)
         finally:
-            course.leave()
+            way.leave()
 
     def _order(self, trajectory: Trajectory) -> list[int]:
         """Return where in the trajectory each of our joints is."""
@@ -118,12 +153,8 @@ class OverTopic(RosExecutor, Generic[C]):
         return accelerations_of(trajectory.names, self._accelerations)
 
     @abstractmethod
-    def _course_of(self, trajectory: Trajectory) -> C:
-        """Return a motion that begins."""
-
-    @abstractmethod
-    def _follow(self, course: C) -> None:
-        """See to a motion until it has ended, or, on a stop, has braked.
+    def _follow(self, way: StreamedMotion) -> None:
+        """Follow a motion until it has ended, or, on a stop, has braked.
 
         Raises:
             ServerTimeOutError: nobody listens.
@@ -132,55 +163,7 @@ class OverTopic(RosExecutor, Generic[C]):
         """
 
 
-RATE = 100.0
-"""Set-points a second."""
-BEHIND = 0.5
-"""How far joints, or what is heard of them, may be behind the set-points [s] and still count as on their way."""
-
-
-class _Way(Course):
-    """What is streamed: a trajectory that may be changed while its set-points are sent."""
-
-    def __init__(self, trajectory: Trajectory):
-        super().__init__(trajectory)
-        self._lock = threading.Lock()
-        self._began: float | None = None
-        self.over = False
-        self.sent = 0.0
-        """The time of the last set-point [s]."""
-
-    def begin(self) -> None:
-        self._began = time.monotonic()
-
-    def leave(self) -> None:
-        self.over = True
-        super().leave()
-
-    def passed(self) -> float:
-        """Return for how long it has been streamed [s]."""
-        return 0.0 if self._began is None else time.monotonic() - self._began
-
-    def at(self, time: float) -> np.ndarray:
-        """Return the positions at a time [s], shape (n,)."""
-        with self._lock:
-            return self.trajectory.at(time)
-
-    def ended(self) -> bool:
-        """Tell whether all of it is sent; it can't be changed any more then."""
-        with self._lock:
-            self.over = self.over or self.passed() >= self.trajectory.duration
-            return self.over
-
-    def amend(self, tail: Trajectory, at: float) -> bool:
-        with self._lock:
-            whole = spliced(self.trajectory, tail, at)
-            if self.over or self.passed() > min(at, self.trajectory.duration):
-                return False
-            self.trajectory = whole
-            return True
-
-
-class StreamedExecutor(OverTopic[_Way]):
+class StreamedExecutor(TopicMotionExecutor):
     """Implements `grip_bt.base.ports.Executor` and `Steerable` over a joint group position controller.
 
     Args:
@@ -210,23 +193,20 @@ class StreamedExecutor(OverTopic[_Way]):
 
     def passed(self) -> float | None:
         """Return for how long the motion under way has been followed [s]; see `ports.Steerable`."""
-        way = self._course
+        way = self._current
         return None if way is None or way.over else way.passed()
 
     def amend(self, tail: Trajectory, at: float) -> bool:
         """Go on with another trajectory from a moment on; see `ports.Steerable`."""
-        way = self._course
+        way = self._current
         return way is not None and way.amend(tail, at)
 
     def expect(self, at: float | None) -> None:
         """Do nothing: its time is ours."""
 
-    def _course_of(self, trajectory: Trajectory) -> _Way:
-        return _Way(trajectory)
-
-    def _follow(self, course: _Way) -> None:
+    def _follow(self, way: StreamedMotion) -> None:
         """Publish set-points in time; on a stop, those of a ramp."""
-        way, order = course, self._order(course.trajectory)
+        order = self._order(way.trajectory)
         first = self._publish(way.trajectory.positions[0][order], 1)
         if not first.wait(6.0):
             raise ServerTimeOutError(f"{self._topic}: nobody listens")
@@ -245,7 +225,7 @@ class StreamedExecutor(OverTopic[_Way]):
         if way.stop.is_set():
             self._brake(way, order)
 
-    def _brake(self, way: _Way, order: list[int]) -> None:
+    def _brake(self, way: StreamedMotion, order: list[int]) -> None:
         """Stream the ramp from the last set-point on; where something keeps the joints off their way, they stay there.
 
         A measurement is late. Joints that follow were there a moment ago, and holding there would send them back.
@@ -262,7 +242,7 @@ class StreamedExecutor(OverTopic[_Way]):
             self._publish(ramp.at(passed)[order].tolist(), 0)
         settle(self.state, ramp.positions[-1][order], way.dropped)  # set-points may still be on their way
 
-    def _held_back(self, way: _Way) -> np.ndarray | None:
+    def _held_back(self, way: StreamedMotion) -> np.ndarray | None:
         """Return where joints are that aren't on their way, nor a bit behind on it, in the way's order; else None."""
         try:
             measured = self._states.state(way.trajectory.names).position
@@ -288,8 +268,8 @@ FOUND = 6.0
 """How long the controller may take to be there [s]."""
 
 
-class TopicExecutor(OverTopic[Course]):
-    """Implements `grip_bt.base.ports.Executor` over the topic of a joint trajectory controller; see `OverTopic`.
+class TopicExecutor(TopicMotionExecutor):
+    """Implements `grip_bt.base.ports.Executor` over the topic of a joint trajectory controller.
 
     A motion ends when the joints are measured to be at its end, or to stand still. Where that is elsewhere, it is
     aborted, and `data` has `stopped_short`: how far off.
@@ -297,11 +277,8 @@ class TopicExecutor(OverTopic[Course]):
 
     message = "trajectory_msgs/msg/JointTrajectory"
 
-    def _course_of(self, trajectory: Trajectory) -> Course:
-        return Course(trajectory)
-
-    def _follow(self, course: Course) -> None:
-        trajectory, stop = course.trajectory, course.stop
+    def _follow(self, way: StreamedMotion) -> None:
+        trajectory, stop = way.trajectory, way.stop
         with ExitStack() as stack:
             if self._guard is not None:
                 self._guard.follows(self._topic, self._names)
@@ -318,7 +295,7 @@ class TopicExecutor(OverTopic[Course]):
                 settle(self.state, trajectory.positions[-1][self._order(trajectory)], stop)
             if not stop.is_set():
                 self._judge(trajectory)
-            elif not course.dropped.is_set():
+            elif not way.dropped.is_set():
                 self._brake(trajectory, time.monotonic() - began)
 
     def _brake(self, trajectory: Trajectory, passed: float) -> None:
@@ -346,5 +323,5 @@ class TopicExecutor(OverTopic[Course]):
             return
         joint = trajectory.names[worst]
         reason = f"{self._topic}: joint {joint} stands {off[worst]:.3f} short of the end of the motion"
-        hint = "the controller says why in its log: it refused it, gave it up, isn't active, or something is in the way"
+        hint = "see the controller's log: it may have rejected or aborted the trajectory, be inactive, or be blocked"
         raise ExecutionAbortedError(f"{reason}; {hint}", stopped_short=float(off[worst]))

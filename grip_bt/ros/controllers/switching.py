@@ -12,7 +12,7 @@ from grip_bt.base.operation import Operation
 
 from ..client.bus import Bus
 from ..client.types import load_type
-from ..interfaces.bundled import provide
+from ..interfaces.build import provide
 
 STRICT = 2
 ANSWER = 10.0

@@ -20,7 +20,7 @@ from ..client.bus import Bus
 from ..client.goal import GoalEnd
 from ..client.types import load_type
 from ..convert_geometry import trajectory_to_message
-from ..interfaces.bundled import provide
+from ..interfaces.build import provide
 from .following import Following
 from .joint_states import JointStates
 from .motion import RosExecutor
@@ -92,47 +92,51 @@ class TrajectoryExecutor(RosExecutor):
         return as_motion(sent, self._action, self._type.Result)
 
 
-def as_motion(sent: Operation[GoalEnd], server: str, result: Any) -> Operation[GoalEnd]:
-    """Return a goal's end as that of a motion: all but success and cancelling is an aborted execution.
+def follow_goal(sent: Operation[GoalEnd], judge: Callable[[GoalEnd, bool], GoalEnd]) -> Operation[GoalEnd]:
+    """Return a goal's end as that of a motion: a server that is lost, late or refuses it has aborted the execution.
 
-    A motion that was cancelled, and then given up, is a cancelled one.
+    Args:
+        sent: the goal.
+        judge: returns an end that counts as success, given whether it was to be cancelled, and raises for others.
+    """
+    operation: Operation[GoalEnd] = Operation(on_cancel=sent.cancel)
+
+    def end() -> None:
+        try:
+            operation.succeed(judge(sent.result(), operation.cancel_asked))
+        except (ServerLostError, ServerTimeOutError, GoalRejectedError) as error:
+            operation.fail(ExecutionAbortedError(error.message, cause=error.code, **error.data))
+        except ExpectedError as error:
+            operation.fail(error)
+
+    sent.add_done_callback(end)
+    return operation
+
+
+def as_motion(sent: Operation[GoalEnd], server: str, result: Any) -> Operation[GoalEnd]:
+    """Return a controller's goal as a motion: all but success and cancelling is an aborted execution.
+
+    A motion that was cancelled, and then given up, is a cancelled one: a newer goal has overtaken the request to
+    cancel, and the controller gave this one up for it.
 
     Args:
         sent: the goal.
         server: name of its action.
         result: class of its result, whose constants name the error codes.
     """
-    whole: Operation[GoalEnd] = Operation(on_cancel=sent.cancel)
+    name = _names_of(result)
 
-    def end() -> None:
-        try:
-            ended = sent.result()
-        except CanceledError as error:
-            whole.fail(error)
-        except (ServerLostError, ServerTimeOutError, GoalRejectedError) as error:
-            whole.fail(ExecutionAbortedError(error.message, cause=error.code, **error.data))
-        except ExpectedError as error:
-            whole.fail(error)
-        else:
-            if whole.cancel_asked and ended.status == "aborted":
-                # A newer goal has overtaken the request to cancel, and the controller gave this one up for it.
-                ended = GoalEnd("canceled", ended.result)
-            _judge(ended, whole, server, _names_of(result))
-
-    sent.add_done_callback(end)
-    return whole
-
-
-def _judge(ended: GoalEnd, whole: Operation[GoalEnd], server: str, name: Callable[[int], str]) -> None:
-    code = int(getattr(ended.result, "error_code", 0))
-    if ended.status == "canceled":
-        whole.fail(CanceledError("the motion was stopped"))
-    elif ended.status == "succeeded" and code == 0:
-        whole.succeed(ended)
-    else:
+    def judge(ended: GoalEnd, cancel_asked: bool) -> GoalEnd:
+        if ended.status == "canceled" or (cancel_asked and ended.status == "aborted"):
+            raise CanceledError("the motion was stopped")
+        code = int(getattr(ended.result, "error_code", 0))
+        if ended.status == "succeeded" and code == 0:
+            return ended
         said = getattr(ended.result, "error_string", "")
-        reason = f"{server}: the controller gave the motion up: {name(code)}{f' ({said})' if said else ''}"
-        whole.fail(ExecutionAbortedError(reason, controller_code=code, controller_says=said))
+        reason = f"{server}: the controller aborted the motion: {name(code)}{f' ({said})' if said else ''}"
+        raise ExecutionAbortedError(reason, controller_code=code, controller_says=said)
+
+    return follow_goal(sent, judge)
 
 
 def _names_of(result: Any) -> Callable[[int], str]:

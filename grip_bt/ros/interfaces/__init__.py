@@ -2,7 +2,7 @@
 
 from .build import Built, build_interfaces, content_hash, default_cache
 from .definition import parse_interface, read_interface
-from .failure import InterfaceBuildError
+from .generate import InterfaceBuildError
 from .package import Package, find_packages, read_package
 
 __all__ = [

@@ -1,14 +1,21 @@
-"""Build interface packages, once per content: each lands in `<cache>/<hash>/`, a prefix of its own."""
+"""Build interface packages, once per content: each lands in `<cache>/<hash>/`, a prefix of its own.
+
+Packages that aren't on PyPI are written in `ros/definitions/` from their documented fields, and built when they are
+needed; what is installed, sourced or built by the user comes first. Type hashes are equal to those of the releases
+named in `docs/launching.md`, as far as they are documented; a server of another release is refused.
+"""
 
 from __future__ import annotations
 
 import fcntl
 import hashlib
+import importlib.util
 import os
 import platform
 import shutil
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -16,9 +23,9 @@ from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 
-from grip_bt.base.errors import NotWritableError
+from grip_bt.base.errors import NotWritableError, UnknownNameError
 
-from .ament import search_path, share_folder
+from .ament import activate, search_path, share_folder
 from .checks import check_package
 from .compiler import Compilation, compilers, install_package
 from .generate import generate
@@ -159,3 +166,52 @@ def _locked(file: Path) -> Iterator[None]:
     with file.open("w") as handle:
         fcntl.flock(handle, fcntl.LOCK_EX)
         yield
+
+
+FOLDER = Path(__file__).parents[1] / "definitions"
+NEEDS: dict[str, tuple[str, ...]] = {
+    "grip_msgs": (),
+    "control_msgs": (),
+    "controller_manager_msgs": (),
+    "tf2_msgs": (),
+    "octomap_msgs": (),
+    "object_recognition_msgs": (),
+    "moveit_msgs": ("object_recognition_msgs", "octomap_msgs"),
+}
+"""Packages that are written here, and which of them each needs."""
+_lock = threading.Lock()
+_provided: dict[str, list[Path]] = {}
+
+
+def provide(package: str, cache: Path | None = None) -> list[Path]:
+    """Make a package importable: as it is installed, else built from its definition, which takes some seconds once.
+
+    Args:
+        package: one of `NEEDS`.
+        cache: where built packages are kept; the user's cache by default.
+
+    Returns:
+        the prefixes that were built, for processes that need it too; none when the package is installed.
+
+    Raises:
+        UnknownNameError: there is no such definition.
+        MissingPartError: no compiler, or no generators.
+        InterfaceBuildError: the compiler failed.
+    """
+    if package not in NEEDS:
+        raise UnknownNameError("interface definition", package, NEEDS)
+    with _lock:
+        if package in _provided:
+            return list(_provided[package])
+        if importlib.util.find_spec(package) is not None:
+            return []
+        prefixes: list[Path] = []
+        for name in (*NEEDS[package], package):
+            if name in _provided:
+                prefixes = [*_provided[name], *prefixes]
+            elif importlib.util.find_spec(name) is None:
+                (built,) = build_interfaces(FOLDER / name, cache, prefixes)
+                activate(built.prefix)
+                prefixes.insert(0, built.prefix)
+        _provided[package] = prefixes
+        return list(prefixes)

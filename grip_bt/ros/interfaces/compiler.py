@@ -15,10 +15,11 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
+import numpy as np
+
 from grip_bt.base.errors import MissingPartError
 
-from .failure import InterfaceBuildError
-from .generate import TYPESUPPORTS, Generated
+from .generate import TYPESUPPORTS, Generated, InterfaceBuildError
 
 _RUNTIME = (
     "rosidl_runtime_c",
@@ -165,12 +166,10 @@ def _units(generated: Generated, generator: str, jobs: int) -> Iterator[tuple[st
 
 
 def _include_folders(generated: Generated, prefixes: Sequence[Path]) -> Iterator[Path]:
-    import numpy
-
     for generator in _LIBRARIES[:-1]:
         yield generated.folder / generator
     yield Path(sysconfig.get_path("include"))
-    yield Path(numpy.get_include())
+    yield Path(np.get_include())
     for prefix in dict.fromkeys([*prefixes, *generated.depends.values()]):
         include = prefix / "include"
         if include.is_dir():  # headers of package p are in include/p/p, as ROS 2 installs them

@@ -13,7 +13,7 @@ from grip_bt.base.errors import DocumentError, MissingPartError, listing, neares
 from grip_bt.task.catalog.ros_config import FieldSpec, InterfaceSpec, Kind
 
 from .ament import package_like, search_path, share_folder
-from .package import KINDS, find_packages
+from .package import KINDS, find_packages, read_package
 
 _SECTIONS = {"msg": ("",), "srv": ("_Request", "_Response"), "action": ("_Goal", "_Result", "_Feedback")}
 _SEPARATOR = "---"
@@ -108,8 +108,6 @@ def _meant(parts: Sequence[str], prefixes: Sequence[Path]) -> str:
 
 
 def _package_of(path: Path) -> str:
-    from .package import read_package
-
     folder = path.parent.parent
     return read_package(folder).name if (folder / "package.xml").is_file() else folder.name
 

@@ -20,7 +20,6 @@ from typing import Any
 from grip_bt.base.errors import DocumentError, GripError, MissingPartError
 
 from .ament import share_folder
-from .failure import InterfaceBuildError
 from .package import Package
 
 TYPESUPPORTS = ("rosidl_typesupport_fastrtps_c", "rosidl_typesupport_introspection_c")
@@ -29,6 +28,22 @@ TYPESUPPORTS = ("rosidl_typesupport_fastrtps_c", "rosidl_typesupport_introspecti
 _INCLUDE = re.compile(r'^#include "([a-z0-9_]+)/', re.MULTILINE)
 _OF_EVERY_SERVICE = {"service_msgs", "builtin_interfaces"}
 _OF_EVERY_ACTION = {"action_msgs", "unique_identifier_msgs"}
+
+
+class InterfaceBuildError(GripError):
+    """A generator, the compiler or the linker failed.
+
+    Attributes:
+        package: which package.
+        command: what was run.
+        output: what it said.
+    """
+
+    def __init__(self, package: str, command: Sequence[str], output: str):
+        self.package, self.command, self.output = package, tuple(command), output
+        lines = output.strip().splitlines()
+        told = "\n".join(lines[:15] if len(lines) > 15 else lines)
+        super().__init__(f"{package}: {Path(command[0]).name} failed:\n{told}")
 
 
 @dataclass(frozen=True)
@@ -73,7 +88,7 @@ def generate(
         InterfaceBuildError: a generator failed.
     """
     with _quietly(package.name), _parsed_once():
-        made = _hashed(package, folder, prefixes)
+        made = hash_types(package, folder, prefixes)
         _generate(made, prefixes, generated)
         return made
 
@@ -123,21 +138,17 @@ def hash_types(package: Package, folder: Path, prefixes: Sequence[Path]) -> Gene
         MissingPartError: the generators aren't installed.
     """
     with _quietly(package.name):
-        return _hashed(package, folder, prefixes)
+        from rosidl_generator_type_description import generate_type_hash
 
-
-def _hashed(package: Package, folder: Path, prefixes: Sequence[Path]) -> Generated:
-    from rosidl_generator_type_description import generate_type_hash
-
-    idl = _write_idl(package, folder / "idl" / package.name)
-    texts = [(folder / "idl" / package.name / f).read_text(encoding="utf-8") for f in idl]
-    generated = Generated(package, folder, idl, _dependencies(package, texts, prefixes))
-    hashes = _arguments(generated, "rosidl_generator_type_description", folder / "hash" / package.name, prefixes)
-    del hashes["type_description_tuples"]
-    hashes["include_paths"] = [f"{d}:{prefix / 'share' / d}" for d, prefix in generated.depends.items()]
-    with _argument_file(hashes) as file:
-        generate_type_hash(file)
-    return generated
+        idl = _write_idl(package, folder / "idl" / package.name)
+        texts = [(folder / "idl" / package.name / f).read_text(encoding="utf-8") for f in idl]
+        generated = Generated(package, folder, idl, _dependencies(package, texts, prefixes))
+        hashes = _arguments(generated, "rosidl_generator_type_description", folder / "hash" / package.name, prefixes)
+        del hashes["type_description_tuples"]
+        hashes["include_paths"] = [f"{d}:{prefix / 'share' / d}" for d, prefix in generated.depends.items()]
+        with _argument_file(hashes) as file:
+            generate_type_hash(file)
+        return generated
 
 
 def _generate(generated: Generated, prefixes: Sequence[Path], told: Callable[[Generated, str], None]) -> None:

@@ -5,17 +5,15 @@ from __future__ import annotations
 import math
 import os
 import shlex
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from grip_bt.base.errors import listing, nearest
 
 from ..interfaces.ament import PackageError, executable_of
-from .element import Element, LaunchError, read_elements
-from .hints import about_attributes, about_tag, form
-from .legacy import check_not_legacy
+from .element import Element, LaunchError, check_not_legacy, read_elements
+from .hints import TYPES, about_attributes, about_tag, form
 from .model import Argument, Launch, LaunchedProcess, LaunchEvent, Scope, joined
-from .parameters import parameters_of
 from .python_draft import in_python
 from .substitutions import Place, substitute, truth
 
@@ -298,11 +296,47 @@ class _Reader:
             ros += ["-r", f"{source}:={target}"]
         ros += scope.parameters
         for parameter in element.of("param"):
-            ros += parameters_of(parameter, lambda e, n, d=None: self._text(e, scope, n, d), place)
+            ros += self._parameters(parameter, scope)
         ros += self._words(element, scope, "ros_args", "")
         words = self._words(element, scope, "args", "")
         command = [file, *words, *(["--ros-args", *ros] if ros else [])]
         self._start(element, scope, command, name or program)
+
+    def _parameters(self, element: Element, scope: Scope) -> list[str]:
+        """Return the arguments behind `--ros-args` for one `<param>`: a value, nested ones, or a file."""
+        place = self._place(element, scope)
+        if "from" not in element.attributes:
+            return [word for pair in self._values(element, scope, "") for word in ("-p", pair)]
+        file = Path(self._text(element, scope, "from"))
+        if not file.is_file():
+            raise place.error(f"<param from=...>: there is no file {file}")
+        if self._flag(element, scope, "allow_substs", "false"):
+            reason = "substitutions in a file of parameters aren't made here; give those as <param name= value=>"
+            raise place.error(f"<param from=... allow_substs=...>: {reason}")
+        return ["--params-file", str(file)]
+
+    def _values(self, element: Element, scope: Scope, above: str) -> Iterator[str]:
+        name = above + self._text(element, scope, "name")
+        if element.children:
+            for child in element.children:
+                if child.tag != "param":
+                    raise self._place(element, scope).error(f"<{child.tag}> can't stand in <param>")
+                yield from self._values(child, scope, f"{name}.")
+        elif "value-sep" in element.attributes:
+            items = self._text(element, scope, "value").split(self._text(element, scope, "value-sep"))
+            yield f"{name}:=[{', '.join(item.strip() for item in items)}]"
+        else:
+            yield f"{name}:={self._typed(element, scope)}"
+
+    def _typed(self, element: Element, scope: Scope) -> str:
+        value, type_ = self._text(element, scope, "value"), self._text(element, scope, "type", "")
+        if type_ in ("", "int", "float", "bool", "yaml"):
+            return value if value else "''"
+        if type_ == "str":
+            return "'" + value.replace("'", "''") + "'"
+        meant = f"; write {TYPES[type_]!r}" if type_ in TYPES else ""
+        reason = f"<param type={type_!r}> isn't understood here{meant} (what is: int, float, bool, str, yaml)"
+        raise self._place(element, scope).error(reason)
 
     def _executable(self, element: Element, scope: Scope) -> None:
         words = self._words(element, scope, "cmd")

@@ -50,7 +50,7 @@ def members_of_file(
     if ros2 is not None:
         return [Member(path.name, [ros2, "launch", str(path), *given], Path.cwd(), env)], []
     if path.suffix == ".py" and has_launch_package():
-        command = python_command("-m", "grip_bt.ros.launch.with_package", str(path), *given)
+        command = python_command("-m", "grip_bt.ros.launch.run", str(path), *given)
         return [Member(path.name, command, Path.cwd(), env)], []
     launch = read_launch_file(path, arguments)
     return [member_of(process, env) for process in launch.processes], launch.events
@@ -123,3 +123,21 @@ class Follower:
             for line in whole.decode("utf-8", "replace").splitlines():
                 self._output.write(f"[{name}] {line}\n")
         self._output.flush()
+
+
+def main(words: list[str]) -> int:
+    """Run a file by ROS's own `launch` package until it ends; return its exit status: `FILE NAME:=VALUE ...`."""
+    from launch import LaunchDescription, LaunchService
+    from launch.actions import IncludeLaunchDescription
+    from launch.launch_description_sources import AnyLaunchDescriptionSource
+
+    file, *rest = words
+    arguments = [tuple(word.split(":=", 1)) for word in rest]
+    service = LaunchService(argv=rest)
+    include = IncludeLaunchDescription(AnyLaunchDescriptionSource(file), launch_arguments=arguments)
+    service.include_launch_description(LaunchDescription([include]))
+    return int(service.run())
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -16,7 +16,7 @@ from ..client.types import load_type
 from ..convert_geometry import seconds
 from ..fields import ConversionError
 from ..interface import BadRequestError
-from ..interfaces.bundled import provide
+from ..interfaces.build import provide
 from .wire import PREFIX, RawMessage, message_of, pack, unpack
 
 _KINDS = ("put", "deleted", "pushed", "taken")

@@ -17,7 +17,7 @@ from grip_bt.base.message_store import Change, Entry, MessageLibrary, MessageSto
 from ..client.bus import Bus
 from ..client.types import load_type
 from ..convert_geometry import seconds
-from ..interfaces.bundled import provide
+from ..interfaces.build import provide
 from .wire import MESSAGES, PREFIX, RawMessage, message_of, pack
 
 _KINDS = {"put": 0, "deleted": 1, "pushed": 2, "taken": 3}

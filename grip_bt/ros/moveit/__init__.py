@@ -1,7 +1,6 @@
 """MoveIt 2's move_group behind the commanders' ports: it plans, it chooses grasps, it executes."""
 
-from .client import MoveGroup
-from .executor import MoveGroupExecutor
+from .client import MoveGroup, MoveGroupExecutor
 from .goals import Mount
 from .planner import MoveGroupPlanner
 

@@ -5,6 +5,7 @@ MoveIt's error codes are the failures that tasks know; each keeps MoveIt's own n
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from grip_bt.base.failures import (
@@ -27,11 +28,16 @@ from grip_bt.base.failures import (
     TimeOutError,
 )
 from grip_bt.base.operation import Operation
+from grip_bt.base.values import Trajectory
 
 from ..client.bus import Bus
 from ..client.goal import GoalEnd
 from ..client.types import load_type
-from ..interfaces.bundled import provide
+from ..controllers import JointStates, RosExecutor
+from ..controllers.trajectory import LATE, follow_goal
+from ..convert_geometry import trajectory_to_message
+from ..interfaces.build import provide
+from ..steps import Steps, walk
 
 ANSWER = 10.0
 """How long move_group may take beyond the time that it was given [s]: to simplify a path, to time it, to answer."""
@@ -126,30 +132,22 @@ class MoveGroup:
 
     def _named(self, asked: Operation[Any], what: str, part: Any) -> Operation[Any]:
         """End as `asked` does, with what MoveIt's error code means, and with PlannerLostError when nobody answers."""
-        whole: Operation[Any] = Operation(on_cancel=asked.cancel)
         where = f"{self.name}: {what}"
 
-        def end() -> None:
+        def steps() -> Steps[Any]:
             try:
-                answer = part(asked.result())
-            except CanceledError as error:
-                whole.fail(error)
+                answer = part((yield asked))
             except (ServerLostError, ServerTimeOutError) as error:
-                whole.fail(PlannerLostError(f"{where}: {error.message}", cause=error.code))
+                raise PlannerLostError(f"{where}: {error.message}", cause=error.code) from None
             except GoalRejectedError as error:
-                whole.fail(GoalRejectedError(f"{where}: it doesn't take requests now; {error.message}"))
-            except ExpectedError as error:
-                whole.fail(error)
-            else:
-                code = getattr(answer, "error_code", None)
-                wrong = None if code is None else failure(code, where)
-                if wrong is None:
-                    whole.succeed(answer)
-                else:
-                    whole.fail(wrong)
+                raise GoalRejectedError(f"{where}: it doesn't take requests now; {error.message}") from None
+            code = getattr(answer, "error_code", None)
+            wrong = None if code is None else failure(code, where)
+            if wrong is not None:
+                raise wrong
+            return answer
 
-        asked.add_done_callback(end)
-        return whole
+        return walk(steps())
 
 
 def _ended(end: GoalEnd) -> Any:
@@ -169,7 +167,7 @@ def _ended(end: GoalEnd) -> Any:
 SUCCESS = 1
 _FAILURES: dict[str, tuple[type[ExpectedError], str]] = {
     "PLANNING_FAILED": (NoPlanError, "no path was found"),
-    "FAILURE": (NoPlanError, "it failed and doesn't say why; its own log does"),
+    "FAILURE": (NoPlanError, "it failed without a reason; see move_group's log"),
     "UNDEFINED": (NoPlanError, "it gave no answer that means anything; its own log may tell why"),
     "GOAL_CONSTRAINTS_VIOLATED": (NoPlanError, "the path that was found ends elsewhere"),
     "GOAL_STATE_INVALID": (NoPlanError, "the goal can't be reached, or not without touching something"),
@@ -183,7 +181,7 @@ _FAILURES: dict[str, tuple[type[ExpectedError], str]] = {
     "TIMED_OUT": (TimeOutError, "its time was over; give the arm a longer `planning_time`"),
     "PREEMPTED": (CanceledError, "it was told to stop"),
     "START_STATE_IN_COLLISION": (StartInCollisionError, "the robot touches something where the motion begins"),
-    "START_STATE_INVALID": (OutOfLimitsError, "where the motion begins, a joint is out of its limits"),
+    "START_STATE_INVALID": (OutOfLimitsError, "a joint is outside its limits at the start"),
     "START_STATE_VIOLATES_PATH_CONSTRAINTS": (ConstraintBrokenError, "the start breaks what the path must keep to"),
     "GOAL_IN_COLLISION": (GoalInCollisionError, "the robot would touch something at the goal"),
     "GOAL_VIOLATES_PATH_CONSTRAINTS": (ConstraintBrokenError, "the goal breaks what the path must keep to"),
@@ -234,3 +232,39 @@ def name_of(code: Any) -> str:
 def known_codes() -> frozenset[str]:
     """Return the names of the codes that have a meaning here; success has none."""
     return frozenset(_FAILURES)
+
+
+class MoveGroupExecutor(RosExecutor):
+    """Implements `grip_bt.base.ports.Executor` over move_group's action ExecuteTrajectory.
+
+    Args:
+        bus: the connection to ROS.
+        action: such as `/execute_trajectory`.
+        names: the joints that it moves.
+        states: where they are measured.
+        wait: how long to wait for move_group to appear [s].
+    """
+
+    def __init__(self, bus: Bus, action: str, names: Sequence[str], states: JointStates, wait: float = 5.0):
+        super().__init__(names, states)
+        provide("moveit_msgs")
+        self._type = load_type("moveit_msgs/action/ExecuteTrajectory")
+        self._client, self._wait = bus.action(self._type, action), wait
+        self._action = action
+
+    def _begin(self, trajectory: Trajectory) -> Operation[GoalEnd]:
+        goal = self._type.Goal()
+        goal.trajectory.joint_trajectory = trajectory_to_message(trajectory)
+        sent = self._client.send(goal, trajectory.duration + LATE, self._wait)
+        return follow_goal(sent, self._judge)
+
+    def _judge(self, end: GoalEnd, cancel_asked: bool) -> GoalEnd:
+        """Take all but success and stopping for an aborted motion, with MoveIt's name of why."""
+        wrong = failure(end.result.error_code, f"{self._action}: the motion")
+        if end.status == "canceled" or isinstance(wrong, CanceledError):
+            raise CanceledError("the motion was stopped")
+        if end.status == "succeeded" and wrong is None:
+            return end
+        if wrong is None:
+            raise ExecutionAbortedError(f"{self._action}: move_group aborted the motion without a reason")
+        raise ExecutionAbortedError(wrong.message, cause=wrong.code, **wrong.data)

@@ -10,6 +10,7 @@ import numpy as np
 from geometry_msgs.msg import Point, Vector3
 from geometry_msgs.msg import Pose as PoseMessage
 from numpy.typing import NDArray
+from scipy.spatial import ConvexHull
 from shape_msgs.msg import Mesh as MeshMessage
 from shape_msgs.msg import MeshTriangle, SolidPrimitive
 
@@ -245,8 +246,6 @@ def _surface(mesh: Mesh) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
     """Return points and triangles of a mesh; those of its hull, thickened by its margin, where it is solid."""
     if mesh.hollow:
         return mesh.points, mesh.triangles
-    from scipy.spatial import ConvexHull
-
     hull = ConvexHull(mesh.points)
     if mesh.margin == 0:
         return mesh.points, hull.simplices.astype(np.int32)

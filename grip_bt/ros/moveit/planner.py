@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,16 +15,19 @@ from grip_bt.base.failures import (
     BadReplyError,
     ExpectedError,
     GoalInCollisionError,
+    NoGraspError,
     NoIkError,
     NoPlanError,
     PathInvalidError,
+    StartInCollisionError,
     TimeOutError,
 )
 from grip_bt.base.operation import Operation
-from grip_bt.base.values import JointState, Plan, Pose, Trajectory
+from grip_bt.base.values import Grasp, JointState, Plan, Pose, Trajectory
 from grip_bt.base.values.joints import MOVE_GROUP
 from grip_bt.base.values.pose import check_frame
 from grip_bt.commanders.description.robot import RobotDescription
+from grip_bt.commanders.planning.grasps import target_of
 from grip_bt.commanders.planning.requests import (
     ChooseGrasp,
     ChosenGrasp,
@@ -37,7 +42,6 @@ from ..convert_geometry import joints_to_message, pose_to_message, pose_to_stamp
 from ..steps import Line, Steps, walk
 from .client import MoveGroup
 from .goals import Mount, at_joints, at_pose, on_the_way
-from .grasps import choose
 from .scene import SceneMirror
 
 STEP = 0.005
@@ -264,3 +268,77 @@ class MoveGroupPlanner:
 def _state(joints: JointState) -> Any:
     """Return a robot state in which only the joints are other than in move_group's scene."""
     return load_type("moveit_msgs/msg/RobotState")(joint_state=joints_to_message(joints), is_diff=True)
+
+
+_UNFIT = (NoIkError, PathInvalidError, NoPlanError, TimeOutError, GoalInCollisionError)
+
+
+def choose(planner: MoveGroupPlanner, request: ChooseGrasp) -> Steps[ChosenGrasp]:
+    """Return the first feasible grasp, by falling quality.
+
+    Raises:
+        NoGraspError: none is; `data['reasons']` counts why, `data['candidates']` how many there were.
+    """
+    reasons: Counter[str] = Counter()
+    for grasp in sorted(request.grasps, key=lambda g: -g.quality):
+        trial = _Trial(planner, request.situation, grasp)
+        try:
+            pre, at = yield from trial.run()
+        except _UNFIT:
+            reasons[trial.stage] += 1
+        else:
+            return ChosenGrasp(grasp, pre, at, dict(reasons))
+    counts = ", ".join(f"{count} {reason}" for reason, count in reasons.most_common())
+    raise NoGraspError(
+        f"none of {len(request.grasps)} grasps is feasible" + (f": {counts}" if counts else ""),
+        reasons=dict(reasons),
+        candidates=len(request.grasps),
+    )
+
+
+class _Trial:
+    """One candidate; `stage` says how far it got, in the words of `commanders.planning.grasps`."""
+
+    def __init__(self, planner: MoveGroupPlanner, situation: Situation, grasp: Grasp):
+        self._planner, self._grasp = planner, grasp
+        posture = grasp.pre_posture or planner.robot.opened(situation.group)
+        self._situation = replace(situation, start=_with(situation.start, posture))
+        self._target = target_of(grasp, situation.scene)
+        self.stage = "no_ik"
+
+    def run(self) -> Steps[tuple[JointState, JointState]]:
+        """Return the arm's joints at the pre-grasp and at the grasp; ends with one of `_UNFIT`."""
+        planner, whole, grasp = self._planner, self._situation, self._grasp
+        free = whole if self._target is None else replace(whole, scene=whole.scene.without([self._target]))
+        yield from planner.show(free)
+        at = yield from self._at_grasp(free)
+        self.stage = "approach_blocked"
+        away = yield from planner.straight(free, _with(whole.start, at), (grasp.pre_grasp,))
+        pre = away.end()
+        if self._target is not None:
+            self.stage = "lift_blocked"
+            held = replace(whole, scene=whole.scene.attaching(self._target, whole.hand, grasp.pose))
+            yield from planner.show(held)
+        self.stage = "lift_blocked"
+        yield from planner.straight(whole, _with(whole.start, at), (grasp.post_grasp,))
+        self.stage = "no_plan"
+        yield from planner.show(whole)
+        try:
+            yield from planner.free(PlanTo(whole, pre))
+        except StartInCollisionError:
+            pass  # the plan itself will tell that the start is in collision
+        return pre, at
+
+    def _at_grasp(self, free: Situation) -> Steps[JointState]:
+        try:
+            return (yield from self._planner.inverse(free, free.start, self._grasp.pose, collisions=True))
+        except NoIkError:
+            yield from self._planner.inverse(free, free.start, self._grasp.pose, collisions=False)
+            self.stage = "in_collision"
+            raise
+
+
+def _with(state: JointState, other: JointState) -> JointState:
+    """Return a state with some joints at other positions."""
+    positions = {**state.as_mapping(), **other.as_mapping()}
+    return JointState(tuple(positions), np.array(list(positions.values())), time=state.time)
