@@ -136,7 +136,7 @@ def test_a_topic_of_two_types_asks_which(bus, door, domain):
 
 
 def _two_types_are_refused(door):
-    with pytest.raises(ServerTimeOutError, match="as std_msgs/msg/Bool and as std_msgs/msg/String; say as which"):
+    with pytest.raises(ServerTimeOutError, match="as std_msgs/msg/Bool and as std_msgs/msg/String; specify the message"):
         ended(door.next("/both", "", "Any", 1.0))
 
 
@@ -334,7 +334,7 @@ def test_a_part_of_a_sensor_that_is_missing_is_named(door, camera, tmp_path, mon
     Deadline.last.over()
     assert Deadline.last.seconds == 0.5
     with pytest.raises(
-        ServerTimeOutError, match=r"no set of messages within 0\.5 s: nothing came on /cam/more \(nobody publ"
+        ServerTimeOutError, match=r"no set of messages within 0\.5 s: nothing came on /cam/more \(it has no publ"
     ):
         ended(capture)
 
