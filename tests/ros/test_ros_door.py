@@ -136,7 +136,7 @@ def test_a_topic_of_two_types_asks_which(bus, door, domain):
 
 
 def _two_types_are_refused(door):
-    with pytest.raises(ServerTimeOutError, match="as std_msgs/msg/Bool and as std_msgs/msg/String; specify the message"):
+    with pytest.raises(ServerTimeOutError, match="std_msgs/msg/Bool and as std_msgs/msg/String; specify the message"):
         ended(door.next("/both", "", "Any", 1.0))
 
 
