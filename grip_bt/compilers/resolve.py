@@ -26,7 +26,6 @@ from grip_bt.task.model import (
     Variable,
     type_of,
 )
-from grip_bt.task.validation.known import KnownManifests
 from grip_bt.task.validation.parts import not_listed
 from grip_bt.task.walking import children_of, join, outcomes_of, with_refusal
 
@@ -135,7 +134,7 @@ def resolve(task: Task, catalog: Catalog, data: Mapping[str, Any] | None = None)
 
 class _Resolver:
     def __init__(self, catalog: Catalog):
-        self.catalog, self.known = catalog, KnownManifests(catalog)
+        self.catalog = catalog
         self.scopes = Scopes()
         self.problems: list[Issue] = []
         self.chain: list[str] = []
@@ -221,16 +220,12 @@ class _Resolver:
                 self.add(path, "unknown-child", f"a case names {name!r}, which isn't a child")
 
     def leaf(self, name: str, path: str, node: Leaf, scope: Scope) -> Part:
-        known = self.known[node.node]
-        if known is None:
-            try:
-                self.catalog.get(node.node)
-            except GripError as error:
-                self.add(path, "unknown-node", str(error))
+        try:
+            manifest = self.catalog.get(node.node)
+        except GripError as error:
+            self.add(path, "unknown-node", str(error))
             return Part(name, path, node, {}, scope, False)
-        manifest = known.manifest
-        if not (known.fits(node) and _declared(node, scope)):
-            check_leaf(path, node, manifest, scope, self.problems)
+        check_leaf(path, node, manifest, scope, self.problems)
         if not (node.precondition or node.meaning):
             return Part(name, path, node, manifest.outcomes, scope, False, manifest=manifest)
         check_expressions(path, node, scope, scope, self.problems)
@@ -267,11 +262,3 @@ class _Resolver:
             self.add(
                 path, "contradictory-outcome", "a precondition needs the outcome `failure`, which means success here"
             )
-
-
-def _declared(node: Leaf, scope: Scope) -> bool:
-    for bound in (node.in_, node.out):
-        for variable in bound.values():
-            if scope.find(variable) is None:
-                return False
-    return True

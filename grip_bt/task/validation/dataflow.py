@@ -37,7 +37,6 @@ class DataFlow:
         self.missing: dict[tuple[str, tuple[str, ...]], str] = {}
         self._child_ends = (possible or Possible(survey)).ends
         self._known: dict[tuple[str, int], States] = {}
-        self._leaves: dict[tuple[str, int], States] = {}
         start = 0
         for declared in survey.task_scope.values():
             start |= declared.bit if declared.has_value or declared.key == "inputs" else 0
@@ -45,20 +44,10 @@ class DataFlow:
 
     def _after(self, spot: Spot, state: int) -> States:
         """Return the states after a node; nobody changes them."""
-        if spot.plain and not spot.writes and not spot.reads & ~state:
-            return self._untouched(spot, state)
         key = (spot.path, state)
         if key not in self._known:
             self._known[key] = self._entered(spot, state)
         return self._known[key]
-
-    def _untouched(self, spot: Spot, state: int) -> States:
-        """Return the states after a leaf that finds what it reads, and writes nothing."""
-        assert spot.manifest is not None, "a plain leaf is of a known type"
-        key = (spot.manifest.id, state)
-        if key not in self._leaves:
-            self._leaves[key] = dict.fromkeys(spot.outcomes, state)
-        return self._leaves[key]
 
     def _entered(self, spot: Spot, state: int) -> States:
         if not spot.node.precondition:

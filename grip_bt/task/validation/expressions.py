@@ -159,8 +159,6 @@ CONDITIONS = ("precondition", "if", "while")
 def check_expressions(survey: Survey) -> None:
     """Find expressions that can't be read, unknown variables in them, and parts of wrong types."""
     for spot in survey.spots:
-        if spot.plain:
-            continue
         for key, text in expressions_of(spot.node):
             try:
                 expression = parse_expression(text)

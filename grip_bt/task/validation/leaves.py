@@ -13,7 +13,7 @@ from grip_bt.task import Leaf, Subtask, Switch, Variable
 from grip_bt.task.catalog import Manifest, check_value
 
 from .codes import has_literal_form, producers, suggestion
-from .survey import Spot, Survey
+from .survey import Spot, Survey, type_or_none
 
 HINTED = 300
 """Unknown node types for which a similar one is looked for: who has more has no slip of the pen."""
@@ -28,7 +28,7 @@ def check_names(survey: Survey) -> None:
         assert isinstance(node, Leaf), "these are leaves"
         if manifest is None:
             survey.add(spot.path, "node", "unknown-node", *words(node.node))
-        elif spot.known is None or not spot.known.fits(node):
+        else:
             _ports(survey, spot, node, manifest)
             _parameters(survey, spot.path, node, manifest)
 
@@ -72,7 +72,7 @@ def _other_side(survey: Survey, spot: Spot, key: str, name: str) -> str:
     """Return what to do with a name that is of the other side: an input given a literal, a parameter a variable."""
     inputs, parameters = (spot.manifest.inputs, spot.manifest.parameters) if spot.manifest else ({}, {})
     if key == "with" and name in inputs:
-        text, type_ = inputs[name].type, spot.known.inputs[name] if spot.known else None
+        text, type_ = inputs[name].type, type_or_none(inputs[name].type)
         given = type_ is None or has_literal_form(type_)
         declared = f"`data: {{{name}: {f'{{type: {text}, value: ...}}' if given else text}}}`"
         first = "" if type_ is None or given else f"; write it first{producers(survey.catalog, type_)}"

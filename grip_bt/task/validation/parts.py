@@ -6,11 +6,10 @@ from collections.abc import Collection, Iterator, Mapping
 
 from grip_bt.base.errors import listing, nearest
 from grip_bt.task import Foreign, Leaf
-from grip_bt.task.catalog import AllowedImports
+from grip_bt.task.catalog import AllowedImports, Manifest
 from grip_bt.task.catalog.project_parts import MISSING, UNFIT, UNMOVED, Equipment, Equipped, Trouble, missing_type
 
 from .codes import suggestion
-from .known import Known
 from .survey import Key, Spot, Survey
 from .taught import BY_STATE, Lessons, only_if_empty
 
@@ -28,7 +27,7 @@ _OF_ARMS, _LEARNT = ("state", "taught"), ("state", "taught", "posture")
 
 def check_equipment(survey: Survey) -> None:
     """Find names that the project's parts don't have, and what is wrong with the parts that the task uses."""
-    leaves = [spot for spot in survey.leaves if spot.known is not None and _concerns(spot.known)]
+    leaves = [spot for spot in survey.leaves if spot.manifest is not None and _concerns(spot.manifest)]
     equipment = survey.catalog.equipment() if leaves else None
     if equipment is None:
         return
@@ -53,8 +52,7 @@ def names_for(equipment: Equipment | None, spot: Spot, parameter: str) -> Collec
     return () if part is None else part.known.get(str(kind), ())
 
 
-def _concerns(known: Known) -> bool:
-    manifest = known.manifest
+def _concerns(manifest: Manifest) -> bool:
     return manifest.id.startswith(("component/", "sensor/")) or any(p.names for p in manifest.parameters.values())
 
 

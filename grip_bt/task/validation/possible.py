@@ -24,9 +24,6 @@ class Possible:
         self.ends: dict[str, Labels] = {}
         self.unreached: list[Spot] = []
         for spot in reversed(survey.spots):
-            if spot.plain and spot.known is not None:
-                self._labels[spot.path] = spot.known.labels
-                continue
             labels = self._of(spot)
             self._labels[spot.path] = labels | {"failure"} if spot.node.precondition else labels
 

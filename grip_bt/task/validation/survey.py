@@ -26,7 +26,6 @@ from grip_bt.task.catalog import Catalog, Manifest, Type, parse_type
 from grip_bt.task.document import Document
 
 from .codes import SEVERITY, suggestion
-from .known import Known, KnownManifests
 from .subtasks import Subtasks
 
 Key = str | tuple[str | int, ...] | None
@@ -76,8 +75,6 @@ class Spot:
         scope: the variables that it sees; a container's own included.
         around: the variables that it sees without its own.
         manifest: of a leaf whose type is known, and of a subtask whose file is.
-        known: of a leaf whose type is known: its manifest in the form that rules read.
-        plain: whether it is such a leaf, without a precondition, whose outcomes mean what its manifest says.
         outcomes: its outcomes and their meanings; of a leaf of unknown type, whatever the task expects of it.
         children: by name, in order.
         reads: variables that it or anything below it reads.
@@ -85,7 +82,7 @@ class Spot:
     """
 
     __slots__ = (
-        *("around", "children", "known", "manifest", "name", "node", "outcomes", "parent", "path", "plain"),
+        *("around", "children", "manifest", "name", "node", "outcomes", "parent", "path"),
         *("_codes", "reads", "scope", "writes"),
     )
 
@@ -93,8 +90,6 @@ class Spot:
         self.path, self.name, self.node, self.parent, self.scope = path, name, node, parent, scope
         self.around = scope
         self.manifest: Manifest | None = None
-        self.known: Known | None = None
-        self.plain = False
         self.outcomes: Mapping[str, str] = _NOTHING
         self.children: Mapping[str, Spot] = _NOTHING
         self.reads = self.writes = 0
@@ -137,7 +132,6 @@ class Survey:
         spots: every node, parents first, in document order.
         leaves: those of them that are leaves.
         containers: those of them that are neither leaves nor subtasks.
-        known: what is known of the catalogue's nodes.
         declared: every variable, in document order.
         subtasks: what is known of the files that it runs.
         issues: what rules have found.
@@ -154,13 +148,11 @@ class Survey:
         self.declared: list[Declared] = []
         self.issues: list[Issue] = []
         self.task_scope = self._scope({}, "", task.variables)
-        self.known = KnownManifests(catalog)
         self.leaves: list[Spot] = []
         self.containers: list[Spot] = []
         self.spots = self._spots()
         for spot in reversed(self.spots):
-            if spot.known is None:
-                self._sum_up(spot)
+            self._sum_up(spot)
 
     @property
     def root(self) -> Spot:
@@ -217,7 +209,8 @@ class Survey:
         for name, variable in data.items():
             bit = 1 << len(self.declared)
             key = "data" if owner or name in self.task.data else "inputs" if name in self.task.inputs else "outputs"
-            scope[name] = Declared(name, owner, variable, bit, _type_of(variable), key)
+            text = variable if isinstance(variable, str) else variable.type
+            scope[name] = Declared(name, owner, variable, bit, type_or_none(text), key)
             self.declared.append(scope[name])
         return scope
 
@@ -251,21 +244,13 @@ class Survey:
 
     def _look_up(self, spot: Spot, node: Leaf) -> None:
         self.leaves.append(spot)
-        known = spot.known = self.known[node.node]
-        if known is None:
+        if node.node not in self.catalog:
             spot.outcomes = _expected_outcomes(spot)
             return
-        manifest = spot.manifest = known.manifest
+        manifest = spot.manifest = self.catalog.get(node.node)
         spot.outcomes = manifest.outcomes
         if node.meaning or node.precondition:
             spot.outcomes = with_refusal(node, manifest.outcomes_for(dict(node.meaning)))
-            self._sum_up(spot)
-            return
-        spot.plain = True
-        _bind(spot, node)
-        if spot.parent is not None:
-            spot.parent.reads |= spot.reads
-            spot.parent.writes |= spot.writes
 
     def _look_inside(self, spot: Spot, node: Subtask) -> None:
         manifest = spot.manifest = self.subtasks.look(node.task).face
@@ -318,9 +303,10 @@ def _bind(spot: Spot, node: Leaf | Subtask) -> None:
             spot.writes |= scope[name].bit
 
 
-def _type_of(variable: Variable | str) -> Type | None:
+def type_or_none(text: str) -> Type | None:
+    """Return the type that a text names; None where it names none."""
     try:
-        return parse_type(variable if isinstance(variable, str) else variable.type)
+        return parse_type(text)
     except ValueError:
         return None
 

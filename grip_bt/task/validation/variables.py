@@ -7,7 +7,6 @@ from grip_bt.task import Leaf, Parallel, Subtask, Variable
 from grip_bt.task.catalog import InputPort, OutputPort, Type, check_value, is_assignable, parse_type
 
 from .codes import has_literal_form, producers
-from .known import Known
 from .outcomes import check_label, unknown_target
 from .survey import Declared, Key, Spot, Survey
 
@@ -22,8 +21,6 @@ def check_variables(survey: Survey) -> None:
     for spot in survey.spots:
         if isinstance(spot.node, _PORTED):
             manifest = spot.manifest
-            if spot.known is not None and _bound_alike(spot, spot.known, spot.node):
-                continue
             for port, name in spot.node.in_.items():
                 reads = manifest.inputs.get(port) if manifest else None
                 _binding(survey, spot, ("in", port), name, reads)
@@ -44,16 +41,6 @@ def check_variables(survey: Survey) -> None:
                 f"the {'input' if declared.key == 'inputs' else 'variable'} {declared.name!r} is {what}",
                 "remove it, or bind it under `in` of the node that needs it",
             )
-
-
-def _bound_alike(spot: Spot, known: Known, node: Leaf | Subtask) -> bool:
-    """Tell whether every port is bound to a variable of the port's very type; most are."""
-    scope = spot.scope
-    for bound, types in ((node.in_, known.inputs), (node.out, known.outputs)):
-        for port, name in bound.items():
-            if name not in scope or port not in types or scope[name].type is not types[port]:
-                return False
-    return True
 
 
 def _items(survey: Survey, spot: Spot, key: str, items: str) -> None:
