@@ -2,9 +2,8 @@
 
 from grip_bt.base.frozen import FrozenDict
 
-from .canonical import dumps
+from .canonical import dumps, fmt
 from .document import Document, load, loads, read, read_text
-from .formatting import fmt
 from .model import (
     FORMAT_VERSION,
     KINDS,

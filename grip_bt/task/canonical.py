@@ -13,8 +13,10 @@ from pydantic import BaseModel
 
 from grip_bt.base.yaml.tree import YamlEntry, YamlMapping, YamlScalar, YamlValue, entries_of, from_data, to_data
 from grip_bt.base.yaml.writer import write
+from grip_bt.task import model, walking
 
-from . import model, walking
+from .comments import attach_comments
+from .document import read_text
 from .shape import CHILDREN, DECLARING, FREE, child_nodes, keys_of, model_of
 
 
@@ -169,3 +171,17 @@ def lines_of(key: str, value: Any, node: bool, beside: str = "") -> list[str]:
             _arrange_node(inner, blocks, whole=True)
     text = write(YamlMapping({key: entry}), lambda part: id(part) in blocks and _filled(part))
     return text.removesuffix("\n").split("\n")
+
+
+def fmt(text: str, source: str = "") -> str:
+    """Return the canonical form of a task's text, with its comments; of an older format, in the one that is read.
+
+    Formatting twice changes nothing more, and the task stays equal.
+
+    Raises:
+        DocumentError: the text isn't a task.
+    """
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
+    document = read_text(text, source)
+    header = attach_comments(document.tree, document.text)
+    return write_canonical(document.tree, header)

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from grip_bt.task import Foreign, Leaf, Subtask
 from grip_bt.task.kind_analysis import flow
 
-from .ends import default_outcome
+from .codes import default_outcome
 from .possible import Possible
 from .survey import Spot, Survey
 

@@ -9,8 +9,7 @@ from grip_bt.base.evaluation import same_literal
 from grip_bt.task import Parallel, StateMachine, Switch, Task
 from grip_bt.task.model import Childless
 
-from .codes import suggestion
-from .ends import default_outcome
+from .codes import default_outcome, suggestion
 from .possible import Possible, machine_edges, reachable
 from .survey import Spot, Survey
 
