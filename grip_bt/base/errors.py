@@ -212,21 +212,6 @@ class NotExpressibleError(GripError):
         super().__init__(f"{path}: {what} can't be expressed exactly as {target}")
 
 
-class RefusedFileError(GripError):
-    """Parts of a file from elsewhere have no exact equal in a task; nothing was made of it.
-
-    Attributes:
-        source: the file.
-        refused: each of them, with its place, and what to do.
-    """
-
-    def __init__(self, source: str, refused: Sequence[Any]):
-        self.source, self.refused = source, tuple(refused)
-        parts = "part has" if len(self.refused) == 1 else "parts have"
-        listed = "".join(f"\n  {refusal}" for refusal in self.refused)
-        super().__init__(f"{source or '<text>'}: {len(self.refused)} {parts} no exact equal in a task:{listed}")
-
-
 class NodeError(GripError):
     """A leaf raised an exception that isn't an expected failure; it ends the run as `error`."""
 

@@ -24,7 +24,7 @@ FORMATS = {
     "mermaid": "grip_bt.formats.draw:to_mermaid",
     "pytrees-py": "grip_bt.formats.standalone:export",
     "smach-py": "grip_bt.formats.smach_export:export",
-    "pytrees-xml": "grip_bt.formats.pytrees_xml:to_xml",
+    "pytrees-xml": "grip_bt.formats.pytrees:to_xml",
     "btcpp": "grip_bt.formats.btcpp:to_xml",
 }
 """Form -> the function that makes its text; loaded when it is asked for, since no other needs it."""

@@ -1,21 +1,53 @@
-"""`grip import`: tasks from elsewhere; this file is the verb and SMACH, each other source has one of its own."""
+"""`grip import`: tasks from elsewhere. Each source is a package of `formats` with a function `read`."""
 
 from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from grip_bt.app.project.folder import find_project
+from grip_bt.app.project.catalogue import catalogue_of
+from grip_bt.app.project.folder import Project, find_project
 from grip_bt.app.project.foreign_code import refuse
-from grip_bt.base.errors import GripError
+from grip_bt.base.errors import GripError, listing
 from grip_bt.base.yaml.tree import parse, read_file, to_data
-from grip_bt.formats.smach import ImportedFile, advice, import_file, import_with_execution, write_import
+from grip_bt.formats.generated_files import generated_by, write_generated
+from grip_bt.formats.imported import Imported, Request
+from grip_bt.task import Task, dumps
+from grip_bt.task.document import read
+from grip_bt.task.validation import validate
 
-from . import import_btcpp, import_grip, import_pytrees
 from .parser import add_no_code
+from .streams import put
+
+
+@dataclass(frozen=True)
+class Importer:
+    """What the verb knows of a source.
+
+    Attributes:
+        package: its package in `formats`.
+        options: those that aren't for every source.
+        one: whether it gives one task, which goes to stdout where no `-o` is.
+        project: whether `-o` is the folder of a project, and not of tasks.
+    """
+
+    package: str
+    options: tuple[str, ...] = ()
+    one: bool = False
+    project: bool = False
+
+
+IMPORTERS = {
+    "btcpp": Importer("btcpp", ("machine",), one=True),
+    "grip": Importer("first_grip", project=True),
+    "pytrees": Importer("pytrees", ("execute",), one=True),
+    "smach": Importer("smach", ("machine", "execute", "arguments")),
+}
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -27,7 +59,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="smach: a Python file, or a folder of them; pytrees: an XML file, or module:factory with --execute;"
         " btcpp: an XML file of version 4; grip: a task or configuration of the first GRIP (.ini, .yaml), or a folder",
     )
-    parser.add_argument("--from", dest="source", required=True, choices=sorted(IMPORTERS), help="what it is")
+    parser.add_argument("--from", dest="source", required=True, choices=sorted(IMPORTERS), help="format of the source")
     parser.add_argument(
         "-o",
         "--output",
@@ -48,106 +80,101 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="for --execute of smach, YAML or JSON: class or function -> parameter -> value",
     )
-    parser.add_argument(
-        "--report", action="store_true", help="of btcpp: say what becomes of the file, and write nothing"
-    )
+    parser.add_argument("--report", action="store_true", help="print the report only; write nothing")
     add_no_code(parser)
     parser.set_defaults(run=run, usage_error=parser.error)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Import from one source."""
-    if args.execute:
-        refuse([f"--execute: imports and runs {args.path}"])
-    return IMPORTERS[args.source](args)
+    """Import, report and write; 1 when something wasn't imported, or a task that was written has errors."""
+    importer = IMPORTERS[args.source]
+    _check_options(args, importer)
+    around = find_project(args.path)
+    project = _project_at(_folder(args.output)) if args.output is not None else around
+    imported = import_module(f"grip_bt.formats.{importer.package}").read(
+        Request(
+            args.path,
+            lambda: catalogue_of(project),
+            _nodes(project),
+            bound=around.folder if (around.folder / "grip.yaml").is_file() else None,
+            select=args.machine or "",
+            execute=args.execute,
+            arguments=_arguments(args.arguments),
+        )
+    )
+    if args.report or args.output is not None or not importer.one:
+        put(imported.text())
+    else:
+        sys.stderr.write(imported.text())
+        put(_task_text(imported.task, args))
+    errors = False if args.report or args.output is None else _write(imported, importer, args)
+    return int(imported.failed or errors)
 
 
-def import_smach(args: argparse.Namespace) -> int:
-    """Report on every container; 1 when one of them wasn't imported."""
+def _check_options(args: argparse.Namespace, importer: Importer) -> None:
+    for option in ("machine", "execute", "arguments"):
+        if getattr(args, option) and option not in importer.options:
+            args.usage_error(f"--{option} isn't for --from {args.source}")
     if args.arguments is not None and not args.execute:
         args.usage_error("--arguments are for --execute")
-    files = _files(args.path)
-    root = args.path if args.path.is_dir() else None
-    given = _arguments(args.arguments)
+    if args.execute and args.source == "pytrees" and ":" not in str(args.path):
+        args.usage_error("--execute is for module:factory; an XML file is only read")
     if args.execute:
-        imports = [import_with_execution(file, root, given) for file in files]
-    else:
-        imports = [import_file(file, root) for file in files]
-    if len(imports) == 1 and imports[0].error:
-        raise GripError(imports[0].error)
-    for imported in imports:
-        _report(imported)
-        for line in advice(imported, args.execute, given) if imported.containers else ():
-            print(f"  to do: {line}")
-    if not any(imported.containers or imported.error for imported in imports):
-        raise GripError(f"{args.path}: no SMACH machine was found")
-    if args.output is not None:
-        _write([i for i in imports if i.tasks], args)
-    return int(any(i.error or i.verdicts()["failed"] for i in imports))
+        refuse([f"--execute: imports and runs {args.path}"])
 
 
-def _files(path: Path) -> list[Path]:
-    if path.is_dir():
-        return sorted(p for p in path.rglob("*.py") if not any(part.startswith(".") for part in p.parts))
-    if not path.is_file():
-        raise GripError(f"{path}: there is no such file or folder")
-    return [path]
-
-
-def _arguments(path: Path | None) -> dict[str, dict[str, Any]]:
+def _arguments(path: Path | None) -> Mapping[str, Mapping[str, Any]]:
     if path is None:
         return {}
-
     given = to_data(parse(read_file(path), str(path)))
     if not isinstance(given, dict) or not all(isinstance(each, dict) for each in given.values()):
         raise GripError(f"{path}: write class or function -> parameter -> value, such as `Meet: {{times: 3}}`")
     return given
 
 
-def _report(imported: ImportedFile) -> None:
-    if imported.error:
-        print(f"{imported.error}")
-    if not imported.containers:
-        return
-    counts = ", ".join(f"{n} {verdict}" for verdict, n in imported.verdicts().items() if n)
-    old = " (Python 2)" if imported.converted else ""
-    print(f"{imported.file.name}{old}: {counts}")
-    for found in imported.containers:
-        name = found.kind if found.cls == found.kind else f"{found.cls} ({found.kind})"
-        print(f"  {found.verdict:<8}{found.span.line:>5}  {name}")
-        for problem in found.problems:
-            print(f"{'':>17}{problem}")
+def _folder(output: Path) -> Path:
+    return output.parent if output.suffix in (".yaml", ".yml") else output
 
 
-def _write(imports: list[ImportedFile], args: argparse.Namespace) -> None:
-    every = [(imported, name) for imported in imports for name in imported.tasks]
-    chosen = [(i, name) for i, name in every if args.machine in (None, name)]
-    names = ", ".join(name for _, name in every) or "none"
-    if not chosen:
-        raise GripError(f"nothing to write: no such machine was imported (there are: {names})")
-    one = args.output.suffix in (".yaml", ".yml")
-    if one and len(chosen) > 1:
-        raise GripError(f"{args.output} holds one machine; choose one of {names} by --machine, or give a folder")
-    folder = args.output.parent if one else args.output
-    folder.mkdir(parents=True, exist_ok=True)
-    project = find_project(folder)
-    nodes = project.folder / (project.file.nodes or "nodes")
-    for imported in imports:
-        mine = [name for i, name in chosen if i is imported]
-        if mine:
-            paths = {name: args.output if one else folder / f"{_stem(imported, name)}.yaml" for name in mine}
-            for path in write_import(imported, paths, nodes):
-                print(f"wrote {path}", file=sys.stderr)
+def _project_at(folder: Path) -> Project:
+    """Return the project that a folder belongs to, or the folder itself, which may not be there yet."""
+    found = find_project(folder)
+    return found if (found.folder / "grip.yaml").is_file() else replace(found, folder=folder.resolve())
 
 
-def _stem(imported: ImportedFile, name: str) -> str:
-    return name if name == imported.file.stem else f"{imported.file.stem}_{name}"
+def _nodes(project: Project) -> Path:
+    return project.folder / (project.file.nodes or "nodes")
 
 
-# Each source is one entry; what it needs is imported when it is asked for.
-IMPORTERS: dict[str, Callable[[argparse.Namespace], int]] = {
-    "btcpp": import_btcpp.run,
-    "grip": import_grip.run,
-    "smach": import_smach,
-    "pytrees": import_pytrees.run,
-}
+def _task_text(task: Task, args: argparse.Namespace) -> str:
+    return f"# {generated_by(args.source)} from {args.path.name}.\n{dumps(task)}"
+
+
+def _write(imported: Imported, importer: Importer, args: argparse.Namespace) -> bool:
+    """Write everything, and check the tasks; return whether one of them has errors."""
+    output = args.output
+    folder, files = _folder(output), dict(imported.files)
+    one = folder != output
+    if one and (importer.project or len(imported.tasks) != 1):
+        names = listing(imported.tasks)
+        raise GripError(f"{output} holds one task (there are: {names}); choose it by --machine, or give a folder")
+    if importer.project and "grip.yaml" not in files and not (folder / "grip.yaml").exists():
+        files["grip.yaml"] = "grip: 1\n"
+    project = _project_at(folder)
+    home, nodes = (folder, folder / "nodes") if importer.project else (project.folder, _nodes(project))
+    where = folder / "tasks" if importer.project else folder
+    tasks = {output if one else where / f"{name}.yaml": task for name, task in imported.tasks.items()}
+    texts = {path: _task_text(task, args) for path, task in tasks.items()}
+    for name, text in files.items():
+        texts[nodes / name.removeprefix("nodes/") if name.startswith("nodes/") else home / name] = text
+    copies = {home / name: path for name, path in imported.copies.items()}
+    for path in write_generated(texts, args.source, copies):
+        print(f"wrote {path}", file=sys.stderr)
+    catalog, wrong = catalogue_of(find_project(folder)), False
+    for path in tasks:
+        document = read(path)
+        errors = validate(document.task, catalog, document).errors
+        for issue in errors:
+            print(f"  to do: {issue}")
+        wrong |= bool(errors)
+    return wrong

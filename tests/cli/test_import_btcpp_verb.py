@@ -20,8 +20,9 @@ def test_a_file_becomes_a_task_and_manifests_that_say_what_is_to_be_provided(
 ) -> None:
     (tmp_path / "fetch.xml").write_text(FILE)
     assert main(["import", str(tmp_path / "fetch.xml"), "--from", "btcpp", "-o", str(tmp_path / "fetch.yaml")]) == 0
-    said = capsys.readouterr().err
-    assert "the code of btcpp/Find, btcpp/Grasp is to be provided: a leaf.py beside each manifest" in said
+    said = capsys.readouterr().out
+    assert "nodes whose code has to be written: btcpp/Find, btcpp/Grasp" in said
+    assert "write the code of btcpp/Grasp: leaf.py beside its manifest" in said
     manifest = (tmp_path / "nodes/btcpp/Find/manifest.yaml").read_text()
     assert "what it does: write the class" in manifest
     assert "implementation: leaf.py:Find" in manifest
@@ -37,8 +38,9 @@ def test_a_report_says_what_becomes_of_the_file_and_writes_nothing(
     command = ["import", str(tmp_path / "fetch.xml"), "--from", "btcpp", "-o", str(tmp_path / "x.yaml"), "--report"]
     assert main(command) == 0
     said = capsys.readouterr().out
-    assert "fetch.xml: imported whole, as 'Fetch': 4 nodes, 1 variables, 0 inputs" in said
-    assert "to be provided:    btcpp/Find, btcpp/Grasp" in said
+    assert "task Fetch: 4 nodes, 1 variables, 0 inputs" in said
+    assert "node types: flow/wait" in said
+    assert "nodes whose code has to be written: btcpp/Find, btcpp/Grasp" in said
     assert [p.name for p in tmp_path.iterdir()] == ["fetch.xml"]
 
 
@@ -67,5 +69,5 @@ def test_a_file_with_parts_that_have_no_equal_writes_nothing(
 ) -> None:
     (tmp_path / "bad.xml").write_text(FILE.replace("<Sleep", "<UnsetBlackboard key='a'/><Sleep"))
     assert main(["import", str(tmp_path / "bad.xml"), "--from", "btcpp", "-o", str(tmp_path / "bad.yaml")]) == 1
-    assert "bad.xml:2: <UnsetBlackboard>: takes a variable away" in capsys.readouterr().err
+    assert "bad.xml:2: error[no-equivalent] <UnsetBlackboard>: takes a variable away" in capsys.readouterr().err
     assert sorted(p.name for p in tmp_path.iterdir()) == ["bad.xml"]

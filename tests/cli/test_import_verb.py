@@ -40,7 +40,7 @@ def test_a_folder_is_imported_file_by_file_and_what_failed_is_the_exit_status(le
     done = grip("import", tmp_path, "--from", "smach", "-o", tmp_path / "tasks")
     assert done.returncode == 1
     assert "py2_counter.py (Python 2): 1 exact" in done.stdout
-    assert "dynamic_goals.py:11:13: the label `'P%d' % i` of a state is known only at run time" in done.stdout
+    assert "dynamic_goals.py:11:13: error[no-equivalent] StateMachine: the label `'P%d' % i` of a state" in done.stdout
     written = sorted(p.name for p in (tmp_path / "tasks").glob("*.yaml"))
     assert written == ["loops_create_patrol.yaml", "py2_counter_create.yaml"]
     assert grip("run", tmp_path / "tasks" / "py2_counter_create.yaml", "--robot", "fake").returncode == 0

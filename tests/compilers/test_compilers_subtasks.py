@@ -10,8 +10,7 @@ from py_trees.common import Status
 
 from grip_bt.base.errors import InvalidTaskError, NodeError, NotExpressibleError, SubtaskError
 from grip_bt.compilers import Rushing, to_machine, to_tree
-from grip_bt.formats.pytrees import to_task
-from grip_bt.formats.pytrees_xml import to_xml
+from grip_bt.formats.pytrees import to_task, to_xml
 from grip_bt.formats.standalone import export
 from grip_bt.nodes import Leaf
 from grip_bt.task import loads

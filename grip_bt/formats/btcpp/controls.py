@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from ..pytrees_xml.elements import Element
-from .making import FAIL, SKIPPED, SUCCEED, Keys, Made, Skipping, container, in_turn, named, set_to, skip, switch
-from .names import key_of
-from .reading import Reading, Where
+from grip_bt.formats.xml_trees import Element
+
+from .blackboard import key_of
+from .drafts import FAIL, SKIPPED, SUCCEED, Keys, Made, Skipping, container, in_turn, named, set_to, skip, switch
+from .element import Reading, Where
 
 Reader = Callable[[Reading, Element, Where], Made]
 
@@ -59,7 +60,7 @@ def _async(kind: str) -> Reader:
         goes_on, ends = ("success", "failure") if kind == "sequence" else ("failure", "success")
         children = reading.children(element, where.as_(goes_on))
         if all(child.skips for child in children):
-            reading.refuse(element, where, "all of its children may be skipped; use it without `Async`, or add one")
+            reading.refuse(element, "all of its children may be skipped; use it without `Async`, or add one")
         for child in children:
             child.name = f"{child.name}_" if child.name in ("success", "failure") else child.name
         by_name = named(children)
@@ -77,7 +78,7 @@ def _with_memory(reading: Reading, element: Element, where: Where) -> Made:
     """SequenceWithMemory: a variable keeps the place over a failure and over a halt."""
     children = reading.children(element, where.as_("success"))
     if all(child.skips for child in children):
-        reading.refuse(element, where, "all of its children may be skipped; add one that may not")
+        reading.refuse(element, "all of its children may be skipped; add one that may not")
     place = reading.variable(f"{element.attributes.get('name', 'sequence')}_at", where, "int", 0)
     steps = []
     for number, child in enumerate(children, 1):
@@ -122,9 +123,7 @@ def _unskipped(reading: Reading, element: Element, where: Where) -> list[Made]:
     children = reading.children(element, where)
     for child, below in zip(children, element.children, strict=True):
         if child.skips:
-            reading.refuse(
-                below, where, f"may be skipped inside of a {element.tag}, which would ask it again each tick"
-            )
+            reading.refuse(below, f"may be skipped inside of a {element.tag}, which would ask it again each tick")
     return children
 
 
@@ -134,7 +133,6 @@ def _threshold(reading: Reading, element: Element, where: Where, port: str, defa
     if not 1 <= number <= count:
         reading.refuse(
             element,
-            where,
             f"`{port}` is {said}, and there are {count} children; it has to be 1 to {count}, or negative",
         )
     return number
@@ -144,7 +142,7 @@ def _if_then_else(reading: Reading, element: Element, where: Where) -> Made:
     children = reading.children(element, where, 2, 3)
     condition, then = children[0], children[1]
     if condition.skips:
-        reading.refuse(element.children[0], where, "a condition that may be skipped is an error in BT.CPP")
+        reading.refuse(element.children[0], "a condition that may be skipped is an error in BT.CPP")
     parts = named(children)
     names = list(parts)
     chosen = {name: parts[name] for name in names[:2]}
@@ -170,9 +168,9 @@ def _while_do_else(reading: Reading, element: Element, where: Where) -> Made:
     children = reading.children(element, where, 2, 3)
     condition = children[0]
     if condition.skips:
-        reading.refuse(element.children[0], where, "a condition that may be skipped is no condition")
+        reading.refuse(element.children[0], "a condition that may be skipped is no condition")
     if not condition.instant:
-        reading.remark(element, where, "its condition is taken to end in the tick in which it begins")
+        reading.note("changed", element, "its condition is taken to end in the tick in which it begins")
     if len(children) == 2:
         parts = named(children)
         up = Skipping.of(where.meaning, {list(parts)[1]: children[1]})
@@ -191,7 +189,7 @@ def _switch(cases: int) -> Reader:
         text = element.attributes.get("variable", "")
         key = key_of(text, "variable")
         if key is None:
-            reading.refuse(element, where, f"`variable` has to be a key in braces, not {text!r}")
+            reading.refuse(element, f"`variable` has to be a key in braces, not {text!r}")
         variable = where.board.variable(key)
         entry = where.board.variables.every[variable]
         entry.read.append("Any")
@@ -201,9 +199,9 @@ def _switch(cases: int) -> Reader:
         for number, name in zip(range(1, cases + 1), parts, strict=False):
             said = reading.said(element, where, f"case_{number}")
             if said in taken:
-                reading.refuse(element, where, f"`case_{number}` is {said!r} again")
+                reading.refuse(element, f"`case_{number}` is {said!r} again")
             taken.append(said)
-            with reading.refusing(element, where):
+            with reading.refusing(element):
                 literals[name] = _case(said, entry.type)
         return switch(variable, literals, parts, where.meaning, default=list(parts)[-1], memory=False)
 
@@ -227,12 +225,12 @@ def _case(text: str, kind: str) -> Any:
 
 def _try_catch(reading: Reading, element: Element, where: Where) -> Made:
     if element.attributes.get("catch_on_halt", "false") not in ("false", "0"):
-        reading.refuse(element, where, "`catch_on_halt` runs a node while everything is halted; nothing here does")
+        reading.refuse(element, "`catch_on_halt` runs a node while everything is halted; nothing here does")
     count = len(element.children)
     children = reading.children(element, where.as_("success"), 2)
     tried = children[:-1]
     if all(child.skips for child in tried):
-        reading.refuse(element, where, f"all of the first {count - 1} children may be skipped; add one that may not")
+        reading.refuse(element, f"all of the first {count - 1} children may be skipped; add one that may not")
     caught = Made({"kind": "force", "as": "failure", "child": {"do": children[-1].keys}}, instant=children[-1].instant)
     return container("fallback", {"try": in_turn(tried, "try"), "catch": caught})
 

@@ -1,13 +1,17 @@
-"""Decorators of BT.CPP as containers of a task."""
+"""BT.CPP's own decorators, actions and conditions as nodes of a task, and the attributes that any node may have."""
 
 from __future__ import annotations
 
-from ..pytrees_xml.elements import Element
+from typing import Any
+
+from grip_bt.formats.xml_trees import Element
+
+from .blackboard import key_of
 from .controls import Reader
+from .drafts import FAIL, SUCCEED, Made, Skipping, around, container, in_turn, set_to, skip, switch
+from .element import Reading, Where
+from .expressions import Scripts, after
 from .leaves import value_of_text
-from .making import FAIL, SUCCEED, Made, Skipping, around, container, set_to, skip, switch
-from .names import key_of
-from .reading import Reading, Where
 
 _ENDS = {"SUCCESS": "success", "FAILURE": "failure", "SKIPPED": "skipped"}
 
@@ -43,7 +47,7 @@ def _unskipped(reading: Reading, element: Element, where: Where) -> Made:
         below = element.children[0]
         kept = "clock" if element.tag == "Timeout" else "count"
         reading.refuse(
-            below, where, f"may be skipped inside of <{element.tag}>, whose {kept} BT.CPP then keeps for the next time"
+            below, f"may be skipped inside of <{element.tag}>, whose {kept} BT.CPP then keeps for the next time"
         )
     return child
 
@@ -52,7 +56,7 @@ def _repeat(reading: Reading, element: Element, where: Where) -> Made:
     times = reading.number(element, where, "num_cycles")
     child = _unskipped(reading, element, where)
     if times == 0 or times < -1:
-        reading.refuse(element, where, f"`num_cycles` is {times}; write 1 or more, or -1 for ever")
+        reading.refuse(element, f"`num_cycles` is {times}; write 1 or more, or -1 for ever")
     return around("repeat", child, where.meaning, **({} if times == -1 else {"times": times}))
 
 
@@ -60,7 +64,7 @@ def _retry(reading: Reading, element: Element, where: Where) -> Made:
     times = reading.number(element, where, "num_attempts")
     child = _unskipped(reading, element, where)
     if times == 0 or times < -1:
-        reading.refuse(element, where, f"`num_attempts` is {times}; write 1 or more, or -1 for ever")
+        reading.refuse(element, f"`num_attempts` is {times}; write 1 or more, or -1 for ever")
     if times > 0:
         return around("retry", child, where.meaning, times=times)
     failing = around("invert", child, where.meaning)
@@ -92,7 +96,7 @@ def _delay(reading: Reading, element: Element, where: Where) -> Made:
 
 def _precondition(reading: Reading, element: Element, where: Where) -> Made:
     child = reading.only(element, where)
-    with reading.refusing(element, where):
+    with reading.refusing(element):
         condition = reading.scripts(element, where).condition(reading.said(element, where, "if"))
         other = end(reading.said(element, where, "else", "FAILURE"))
     return switch(condition, {"do": True}, {"do": child, "else": other}, where.meaning, default="else")
@@ -100,7 +104,7 @@ def _precondition(reading: Reading, element: Element, where: Where) -> Made:
 
 def _run_once(reading: Reading, element: Element, where: Where) -> Made:
     child = reading.only(element, where)
-    with reading.refusing(element, where):
+    with reading.refusing(element):
         skips = value_of_text(reading.said(element, where, "then_skip", "true"), "bool")
     ran = reading.variable(f"{child.name}_ran", where, "str", "")
     failed = Made({"kind": "force", "as": "failure", "child": {"note": set_to(ran, "failure").keys}}, instant=True)
@@ -124,14 +128,13 @@ def _loop(type_name: str) -> Reader:
         if key_of(text, "queue") is not None:
             reading.refuse(
                 element,
-                where,
                 f"the queue {text} is taken apart on the blackboard, item by item; write it as a literal, or use"
                 " `for_each` over a list",
             )
         key = key_of(element.attributes.get("value", "{=}"), "value")
         if key is None:
-            reading.refuse(element, where, "`value` has to be a key in braces")
-        with reading.refusing(element, where):
+            reading.refuse(element, "`value` has to be a key in braces")
+        with reading.refusing(element):
             items = [value_of_text(part, type_name) for part in text.split(";")] if text else []
             empty = end(reading.said(element, where, "if_empty", "SUCCESS"))
         queue = reading.variable(f"{element.attributes.get('name', 'loop')}_queue", where, f"list[{type_name}]", items)
@@ -167,3 +170,140 @@ DECORATORS: dict[str, tuple[Reader, tuple[str, ...]]] = {
     "LoopString": (_loop("str"), ("queue", "value", "if_empty")),
 }
 """Tag -> its reader and its ports."""
+
+
+_CONDITIONS = ("_failureIf", "_successIf", "_skipIf", "_while")
+_SCRIPTS = ("_onSuccess", "_onFailure", "_post")
+_NO_MATTER = ("_uid", "_fullpath", "_autoremap", "_description")
+"""Groot's own notes, and what sub-trees read."""
+
+
+def check_attributes(reading: Reading, element: Element) -> None:
+    """Refuse attributes that have no equal."""
+    for name in element.attributes:
+        if name == "_onHalted":
+            reading.refuse(
+                element,
+                "`_onHalted` runs a script when the node is halted; nothing of a task does: use a leaf of your own",
+            )
+        if name.startswith("_") and name not in (*_CONDITIONS, *_SCRIPTS, *_NO_MATTER):
+            reading.note("left-out", element, f"the attribute `{name}`, which BT.CPP gives no meaning, was left out")
+
+
+def with_conditions(reading: Reading, element: Element, node: Made, where: Where) -> Made:
+    """Return a node with its conditions before and its scripts after it.
+
+    BT.CPP looks at `_failureIf`, `_successIf`, `_skipIf` and `_while` in this order when the node begins, and at
+    `_while` on every tick; the scripts also run when a condition has decided.
+    """
+    said = element.attributes
+    made = node
+    with reading.refusing(element):
+        scripts = reading.scripts(element, where)
+        for name in reversed(_CONDITIONS):
+            if name in said:
+                made = _condition_before(name, said[name], scripts, made, where.meaning)
+        always = said.get("_post", "")
+        well = [each for text in (said.get("_onSuccess", ""), always) for each in scripts.assignments(text)]
+        badly = [each for text in (said.get("_onFailure", ""), always) for each in scripts.assignments(text)]
+        made = after(made, well, badly, where.meaning)
+    made.name = node.name
+    if said.get("_description"):
+        made.keys = {**made.keys, "doc": said["_description"]}
+    return made
+
+
+def _condition_before(name: str, text: str, scripts: Scripts, node: Made, meaning: str) -> Made:
+    if name == "_failureIf" and "precondition" not in node.keys:
+        holds = scripts.condition(f"!({text})")
+        return Made({**node.keys, "precondition": holds}, node.skips, node.name, node.instant)
+    condition = scripts.condition(text)
+    if name == "_failureIf":
+        return switch(condition, {"fails": True}, {"fails": end("FAILURE"), "do": node}, meaning, default="do")
+    if name == "_successIf":
+        return switch(condition, {"succeeds": True}, {"succeeds": end("SUCCESS"), "do": node}, meaning, default="do")
+    if name == "_skipIf":
+        return switch(condition, {"skip": True}, {"skip": skip(), "do": node}, meaning, default="do")
+    return switch(condition, {"do": True}, {"do": node, "skip": skip()}, meaning, default="skip", memory=False)
+
+
+def _end(keys: dict[str, Any]) -> Reader:
+    return lambda reading, element, where: Made(dict(keys), instant=True)
+
+
+def _sleep(reading: Reading, element: Element, where: Where) -> Made:
+    return Made({"node": "flow/wait", "with": {"seconds": reading.seconds(element, where, "msec")}})
+
+
+def _script(reading: Reading, element: Element, where: Where) -> Made:
+    with reading.refusing(element):
+        made = reading.scripts(element, where).assignments(reading.said(element, where, "code"))
+        if not made:
+            return Made(dict(SUCCEED), instant=True)
+        script = in_turn(made, "script")
+        return Made(script.keys, instant=True)
+    raise AssertionError("a refusal raises")
+
+
+def _script_condition(reading: Reading, element: Element, where: Where) -> Made:
+    with reading.refusing(element):
+        condition = reading.scripts(element, where).condition(reading.said(element, where, "code"))
+        return Made({**SUCCEED, "precondition": condition}, instant=True)
+    raise AssertionError("a refusal raises")
+
+
+def _set_blackboard(reading: Reading, element: Element, where: Where) -> Made:
+    out = element.attributes.get("output_key", "")
+    key = key_of(out, "output_key") or out
+    if not key:
+        reading.refuse(element, "needs `output_key`")
+    variable = where.board.variable(key)
+    entry = where.board.variables.every[variable]
+    text = element.attributes.get("value", "")
+    source = key_of(text, "value")
+    if source is None:
+        entry.texts = True
+        kind = entry.type if entry.type in ("int", "float", "bool") else "str"
+        with reading.refusing(element):
+            return set_to(variable, value_of_text(text, kind))
+    other = where.board.variable(source)
+    entry.written.append(where.board.variables.every[other].type)
+    where.board.variables.every[other].read.append("Any")
+    keys = {"node": "flow/compute", "with": {"expression": "a"}, "in": {"a": other}, "out": {"value": variable}}
+    return Made(keys, instant=True)
+
+
+ACTIONS: dict[str, tuple[Reader, tuple[str, ...]]] = {
+    "AlwaysSuccess": (_end(SUCCEED), ()),
+    "AlwaysFailure": (_end(FAIL), ()),
+    "Sleep": (_sleep, ("msec",)),
+    "Script": (_script, ("code",)),
+    "ScriptCondition": (_script_condition, ("code",)),
+    "SetBlackboard": (_set_blackboard, ("value", "output_key")),
+}
+"""Tag -> its reader and its ports."""
+
+_COUNTS = "counts the writes of a blackboard entry; use a leaf of your own that remembers what it has seen"
+REFUSED = {
+    "ManualSelector": "asks a person at a terminal which child to tick; use a `switch` over a variable",
+    "UnsetBlackboard": "takes a variable away; give it a value that means nothing",
+    "SkipUnlessUpdated": _COUNTS,
+    "WaitValueUpdate": _COUNTS,
+    "EntryUpdated": _COUNTS,
+    "WasEntryUpdated": _COUNTS,
+    "WaitEntryUpdated": _COUNTS,
+    "SkipUnlessEntryUpdated": _COUNTS,
+    "ConsumeQueue": "takes a queue on the blackboard apart; use `for_each` over a list",
+    "PopFromQueue": "takes a queue on the blackboard apart; use `for_each` over a list",
+    "QueueSize": "asks for the length of a queue on the blackboard; use `len(...)` of a list",
+    "TestNode": "is BT.CPP's stand-in for tests",
+    "AlwaysRunning": "never ends",
+    "BlackboardCheckInt": "is of BT.CPP 3; write `_skipIf` or <Precondition>",
+    "BlackboardCheckDouble": "is of BT.CPP 3; write `_skipIf` or <Precondition>",
+    "BlackboardCheckString": "is of BT.CPP 3; write `_skipIf` or <Precondition>",
+    "BlackboardCheckBool": "is of BT.CPP 3; write `_skipIf` or <Precondition>",
+    "SequenceStar": "is of BT.CPP 3; it is <SequenceWithMemory> in 4",
+    "RetryUntilSuccesful": "is of BT.CPP 3; it is <RetryUntilSuccessful> in 4",
+    "SubTreePlus": 'is of BT.CPP 3; it is <SubTree _autoremap="true"> in 4',
+}
+"""Tag -> why it has no equal, and what to do."""

@@ -6,30 +6,30 @@ with that known, to write the task.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
-from grip_bt.base.errors import DocumentError, RefusedFileError, listing, nearest
+from grip_bt.base.errors import DocumentError, listing, nearest
 from grip_bt.base.expression import parse_expression
+from grip_bt.base.frozen import FrozenDict
+from grip_bt.base.issue import Issue
+from grip_bt.formats.imported import Imported, Issues
+from grip_bt.formats.names import node_name
+from grip_bt.formats.xml_trees import MOST_NODES, Element
 from grip_bt.task import dumps, loads, model, walking
 from grip_bt.task.catalog import Catalog
+from grip_bt.task.validation import validate
 
-from ..pytrees.naming import node_name
-from ..pytrees.result import Remark
-from ..pytrees_xml.elements import Element
-from . import attributes
-from .actions import ACTIONS, REFUSED
+from .blackboard import Board, Variables, key_of
 from .controls import CONTROLS
-from .decorators import DECORATORS
-from .document import Document, Model, Place, read_document
+from .decorators import ACTIONS, DECORATORS, REFUSED, check_attributes, with_conditions
+from .document import Document, Model
+from .drafts import SKIPPED, SUCCEED, Keys, Made
+from .element import Reading, Refused, Where, reads_only
 from .leaves import Leaves, value_of_text
-from .making import SKIPPED, SUCCEED, Keys, Made
-from .names import Board, Variables, key_of
-from .passing import in_order, with_nulls
-from .reading import MOST_NODES, Reading, Refused, Where, reads_only
-from .result import ImportedFile
 
 _KNOWN = {**CONTROLS, **DECORATORS, **ACTIONS}
 _EXPLICIT = ("Action", "Condition", "Control", "Decorator")
@@ -38,7 +38,7 @@ _MOST_READINGS = 5
 
 def from_xml(
     text: str, catalog: Catalog, source: str = "", folder: Path | None = None, bound: Path | None = None, tree: str = ""
-) -> ImportedFile:
+) -> Imported:
     """Return the task of a file of BehaviorTree.CPP 4.
 
     Args:
@@ -51,9 +51,10 @@ def from_xml(
 
     Raises:
         DocumentError: it can't be read.
-        RefusedFileError: parts of it have no exact equal; it lists all of them.
+        ImportRefusedError: parts of it have no exact equivalent; it lists all of them.
     """
-    document, main = read_document(text, source, folder, bound or folder)
+    document = Document(source, folder, bound)
+    main = document.load(text)
     if tree and tree not in document.trees:
         raise DocumentError(
             f"there is no tree {tree!r}{nearest(tree, document.trees)} (there are: {listing(document.trees)})", source
@@ -64,8 +65,7 @@ def from_xml(
         made = importer.read(tree or main)
         if importer.state() == before:
             break
-    if importer.notes.refusals:
-        raise RefusedFileError(source, sorted(importer.notes.refusals, key=lambda r: (r.source, r.line)))
+    importer.reading.issues.raise_if_refused(source or "<text>")
     return importer.result(made, tree or main)
 
 
@@ -77,10 +77,6 @@ class _Importer:
         self.used: set[str] = set()
         self.reading = Reading(self.node)
 
-    @property
-    def notes(self) -> Any:
-        return self.reading.notes
-
     def state(self) -> object:
         """Return what a further reading may come to other results by."""
         types = {name: (v.type, v.has_initial, v.constant) for name, v in self.variables.every.items()}
@@ -91,74 +87,69 @@ class _Importer:
         self.variables = Variables(before=self.variables.every)
         self.reading = Reading(self.node)
         self.used = {tree}
-        place = self.document.trees[tree]
-        where = Where(Board(self.variables), place.source, (tree,))
+        where = Where(Board(self.variables), (tree,))
         try:
-            made = self._root(place, where)
+            made = self._root(self.document.trees[tree], where)
         except Refused:
             made = Made(dict(SUCCEED))
         self.leaves.settle()
         return made
 
-    def _root(self, place: Place, where: Where) -> Made:
-        if len(place.element.children) != 1:
-            self.reading.refuse(place.element, where, f"needs one node inside, and has {len(place.element.children)}")
-        return self.reading.attempt(place.element.children[0], where)
+    def _root(self, tree: Element, where: Where) -> Made:
+        if len(tree.children) != 1:
+            self.reading.refuse(tree, f"needs one node inside, and has {len(tree.children)}")
+        return self.reading.attempt(tree.children[0], where)
 
     def node(self, element: Element, where: Where) -> Made:
         """Read a node, and all below it."""
-        self.notes.nodes += 1
-        if self.notes.nodes > MOST_NODES:
-            raise DocumentError(f"more than {MOST_NODES} nodes, with those of sub-trees", where.source, element.line)
-        attributes.check(self.reading, element, where)
+        self.reading.nodes += 1
+        if self.reading.nodes > MOST_NODES:
+            raise element.error(f"more than {MOST_NODES} nodes, with those of sub-trees")
+        check_attributes(self.reading, element)
         tag = element.tag
         name = element.attributes.get("ID", "") if tag in _EXPLICIT else tag
         if tag == "SubTree":
             name = element.attributes.get("ID", "")
             made = self._sub_tree(element, where)
         elif name in REFUSED:
-            self.reading.refuse(element, where, REFUSED[name])
+            self.reading.refuse(element, REFUSED[name])
         elif name in _KNOWN:
             reader, ports = _KNOWN[name]
             wrong = reads_only(element, ports)
             if wrong:
                 self.reading.refuse(
-                    element, where, f"has no port {wrong[0]!r}{nearest(wrong[0], ports)} (there are: {listing(ports)})"
+                    element, f"has no port {wrong[0]!r}{nearest(wrong[0], ports)} (there are: {listing(ports)})"
                 )
             made = reader(self.reading, element, where)
         else:
             made = self._leaf(element, name, where)
         made.name = element.attributes.get("name") or name
-        return attributes.wrapped(self.reading, element, made, where)
+        return with_conditions(self.reading, element, made, where)
 
     def _leaf(self, element: Element, name: str, where: Where) -> Made:
         said = self.document.models.get(name, Model(element.tag if element.tag in _EXPLICIT else "Action"))
         if element.children or said.kind in ("Control", "Decorator"):
             kind = said.kind if said.kind in ("Control", "Decorator") else "node with children"
-            self.reading.refuse(
-                element, where, f"is a {kind} of your own C++ code; say what it does with BT.CPP's own nodes"
-            )
+            self.reading.refuse(element, f"is a {kind} of your own C++ code; say what it does with BT.CPP's own nodes")
         ports = {k: v for k, v in element.attributes.items() if k not in ("name", "ID") and not k.startswith("_")}
-        with self.reading.refusing(element, where):
+        with self.reading.refusing(element):
             return Made(self.leaves.leaf(name, ports, where.board), instant=said.kind == "Condition")
         raise AssertionError("a refusal raises")
 
     def _sub_tree(self, element: Element, where: Where) -> Made:
         name = element.attributes.get("ID", "")
-        place = self.document.trees.get(name)
-        if place is None:
+        tree = self.document.trees.get(name)
+        if tree is None:
             trees = self.document.trees
             self.reading.refuse(
-                element, where, f"there is no tree {name!r}{nearest(name, trees)} (there are: {listing(trees)})"
+                element, f"there is no tree {name!r}{nearest(name, trees)} (there are: {listing(trees)})"
             )
         if name in where.inside:
-            self.reading.refuse(
-                element, where, f"the tree {name!r} contains itself ({' > '.join((*where.inside, name))})"
-            )
+            self.reading.refuse(element, f"the tree {name!r} contains itself ({' > '.join((*where.inside, name))})")
         self.used.add(name)
         auto = element.attributes.get("_autoremap", "false") in ("true", "1", "True")
         board = Board(self.variables, element.attributes.get("name") or name, where.board, auto)
-        inner = Where(board, place.source, (*where.inside, name), where.meaning)
+        inner = Where(board, (*where.inside, name), where.meaning)
         model_of = self.document.models.get(name)
         defaults = {k: p.default for k, p in model_of.ports.items() if p.default is not None} if model_of else {}
         for key, text in {**defaults, **element.attributes}.items():
@@ -170,11 +161,11 @@ class _Importer:
             else:
                 board.names[key] = self.variables.new(f"{board.space}_{key}")
                 self.variables.every[board.names[key]].initial = text
-        return self._root(place, inner)
+        return self._root(tree, inner)
 
     # --- the task ---
 
-    def result(self, made: Made, tree: str) -> ImportedFile:
+    def result(self, made: Made, tree: str) -> Imported:
         """Return the task of the last reading."""
         inputs, data = self._declared(_mentioned(made.keys))
         task: dict[str, Any] = {"grip": model.FORMAT_VERSION, "name": node_name(tree)}
@@ -188,20 +179,23 @@ class _Importer:
         except (ValidationError, DocumentError, RecursionError) as error:
             raise DocumentError(f"its task can't be written as a file: {error}", self.document.source) from error
         unused = [t for t in self.document.trees if t not in self.used]
-        remarks = [*self.document.remarks, *self.notes.remarks]
-        remarks += [f"the tree {name!r} isn't used by {tree!r}, and isn't imported" for name in unused]
-        remarks += [f"{name!r} may be read before it is written; it is null until then" for name in early]
-        remarks += [f"the input {name!r} is read and never written" for name in inputs]
+        issues = Issues(self.document.source)
+        issues.extend(self.document.issues)
+        issues.extend(self.reading.issues)
+        for name in unused:
+            issues.add("left-out", f"<BehaviorTree> {name!r}", f"isn't used by {tree!r}, and isn't imported")
+        for name in early:
+            issues.add("null-at-first", name, "may be read before it is written; it is null until then")
+        for name in inputs:
+            issues.add("changed", name, "is read and never written; it is an input of the task")
         used = {node.node for _, node in walking.walk(read.root) if isinstance(node, model.Leaf)}
         manifests = tuple(m for m in self.leaves.settled.values() if m.id in used)
         for face in self.leaves.faces.values():
             unknown = [port for port, use in face.uses.items() if use.port is None and use.bound]
             if unknown:
-                remarks.append(
-                    f"{face.name}: no TreeNodesModel says whether {listing(map(repr, unknown))} is read or"
-                    " written; taken as both"
-                )
-        return ImportedFile(read, tuple(Remark(self.document.source, text) for text in remarks), manifests)
+                text = f"no <TreeNodesModel> declares the direction of {listing(map(repr, unknown))}"
+                issues.add("incomplete", face.name, f"{text}; treated as input and output")
+        return Imported({read.name: read}, tuple(issues), manifests=manifests)
 
     def _declared(self, mentioned: set[str]) -> tuple[dict[str, Any], dict[str, Any]]:
         inputs: dict[str, Any] = {}
@@ -241,3 +235,38 @@ def _mentioned(root: Keys) -> set[str]:
         for _, text in walking.expressions_of(node):
             names.update(parse_expression(text).names)
     return names
+
+
+def with_nulls(task: model.Task, catalog: Catalog) -> tuple[model.Task, list[str]]:
+    """Return the task with null in the variables that only ports and Switches read too early, and their names."""
+    issues = [issue for issue in validate(task, catalog).issues if issue.code == "read-before-write"]
+    nodes = dict(walking.walk(task.root))
+    patient, strict = set[str](), set[str]()
+    for issue in issues:
+        names, mild = _read(nodes[issue.path], issue)
+        (patient if mild else strict).update(names)
+    early = [name for name in task.data if name in patient - strict]
+    null = model.Variable(type="Any", value=None)
+    data = {name: null if name in early else variable for name, variable in task.data.items()}
+    return (task.model_copy(update={"data": FrozenDict(data)}) if early else task), early
+
+
+def in_order(task: dict[str, Any], catalog: Catalog) -> dict[str, Any]:
+    """Return a task's keys with `order: declared` in parallels whose children share variables, as all do in BT.CPP."""
+    for issue in validate(model.Task.model_validate(task), catalog).issues:
+        if issue.code in ("parallel-writes", "parallel-read-write"):
+            keys = task["root"]
+            for name in issue.path.split("/") if issue.path != "/" else ():
+                keys = keys.get("children", keys.get("child"))[name]
+            keys["order"] = "declared"
+    return task
+
+
+def _read(node: model.AnyNode, issue: Issue) -> tuple[Iterable[str], bool]:
+    """Return the variables that an issue is about, and whether their reader takes null for nothing."""
+    key = issue.key[0] if issue.key else ""
+    if isinstance(node, model.Leaf) and key == "in":
+        return [node.in_[str(issue.key[1])]], node.node != "flow/compute"
+    texts = dict(walking.expressions_of(node))
+    names = parse_expression(texts[str(key)]).names if key in texts else ()
+    return names, key == "on_value" and texts["on_value"] in names

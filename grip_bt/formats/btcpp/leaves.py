@@ -13,9 +13,9 @@ from grip_bt.base.frozen import FrozenDict
 from grip_bt.task.catalog import Catalog, Manifest, parse_type
 from grip_bt.task.catalog.manifest import InputPort, OutputPort, Parameter
 
+from .blackboard import Board, key_of, type_named
 from .document import Model, Port
-from .making import Keys
-from .names import Board, key_of, type_named
+from .drafts import Keys
 
 GROUP = "btcpp"
 _WRONG = re.compile(r"[^A-Za-z0-9_]")

@@ -6,19 +6,24 @@ has to give the same task: what wouldn't is refused by name.
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
 from xml.sax.saxutils import escape, quoteattr
 
-from grip_bt.base.errors import DocumentError, NotExpressibleError, RefusedFileError
+from grip_bt.base.errors import DocumentError, NotExpressibleError
 from grip_bt.base.expression import parse_expression
 from grip_bt.compilers.resolve import Part, Resolved, resolve
-from grip_bt.task import model
+from grip_bt.formats.expressible import require_expressible
+from grip_bt.formats.imported import ImportRefusedError
+from grip_bt.formats.names import node_name
+from grip_bt.formats.xml_trees import comment, element_lines, leaf_attributes
+from grip_bt.task import model, walking
 from grip_bt.task.catalog import Catalog, Manifest
 
-from ..pytrees.naming import node_name
-from .equal import attribute_text, script_of
 from .importer import from_xml
-from .kept import difference
+from .script_text import attribute_text, script_of
 
 TARGET = "BehaviorTree.CPP's XML"
 _CPP = {"int": "int", "float": "double", "bool": "bool", "str": "std::string", "Any": "BT::AnyTypeAllowed"}
@@ -52,11 +57,11 @@ def to_xml(task: model.Task, catalog: Catalog) -> str:
     resolved = resolve(task, catalog)
     _check_task(resolved)
     used: dict[str, Manifest] = {}
-    body = list(_lines(resolved.root, 2, used))
+    body = list(element_lines(resolved.root, 2, lambda part: _described(part, used)))
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<root BTCPP_format="4" main_tree_to_execute={quoteattr(task.name)}>',
-        *_comment(task.doc),
+        *comment(task.doc, 1),
         f"  <BehaviorTree ID={quoteattr(task.name)}>",
         *body,
         "  </BehaviorTree>",
@@ -87,39 +92,20 @@ def _check_back(text: str, task: model.Task, catalog: Catalog) -> None:
     """Read the file again; a task that comes back otherwise is refused."""
     try:
         back = from_xml(text, catalog, "the file that was written").task
-    except (DocumentError, RefusedFileError) as error:
+    except (DocumentError, ImportRefusedError) as error:
         raise NotExpressibleError("/", f"something ({error})", TARGET) from error
-    other = difference(task, back)
+    other = round_trip_difference(task, back)
     if other is not None:
         raise NotExpressibleError(other.path, f"{other.what} ({other.why})", TARGET)
 
 
-def _lines(part: Part, depth: int, used: dict[str, Manifest]) -> Iterator[str]:
-    _check(part)
-    tag, said = _element(part, used)
-    attributes = {"name": part.name, **said, **_around(part)} if part.path != "/" else {**said, **_around(part)}
-    text = "".join(f" {key}={quoteattr(value)}" for key, value in attributes.items())
-    indent = "  " * depth
-    if not part.children:
-        yield f"{indent}<{tag}{text}/>"
-        return
-    yield f"{indent}<{tag}{text}>"
-    for child in part.children:
-        yield from _lines(child, depth + 1, used)
-    yield f"{indent}</{tag}>"
-
-
-def _check(part: Part) -> None:
-    known = _KEYS.get(type(part.node))
-    kind = getattr(part.node, "kind", "leaf")
-    if known is None:
-        raise NotExpressibleError(part.path, f"a {kind}", TARGET)
-    for name, field in type(part.node).model_fields.items():
-        said = getattr(part.node, name) != field.get_default(call_default_factory=True)
-        if said and name not in known | _COMMON:
-            raise NotExpressibleError(part.path, f"`{field.alias or name}` of a {kind}", TARGET)
+def _described(part: Part, used: dict[str, Manifest]) -> tuple[str, dict[str, str]]:
+    require_expressible(part.path, part.node, _KEYS, TARGET, _COMMON)
     if not isinstance(part.node, model.Leaf) and not part.children:
-        raise NotExpressibleError(part.path, f"a {kind} without children", TARGET)
+        raise NotExpressibleError(part.path, f"a {part.node.kind} without children", TARGET)
+    tag, said = _element(part, used)
+    name = {} if part.path == "/" else {"name": part.name}
+    return tag, {**name, **said, **_around(part)}
 
 
 def _around(part: Part) -> dict[str, str]:
@@ -240,16 +226,7 @@ def _leaf(part: Part, node: model.Leaf, used: dict[str, Manifest]) -> tuple[str,
     if node.node == "flow/compute" and (code := _computed(part, node)) is not None:
         return "Script", {"code": code}
     used[manifest.id] = manifest
-    said: dict[str, str] = {}
-    for name, value in node.with_.items():
-        try:
-            said[name] = attribute_text(value, manifest.parameters[name].type)
-        except ValueError as error:
-            raise NotExpressibleError(part.path, f"`{name}` ({error})", TARGET) from error
-    for port, variable in (*node.in_.items(), *node.out.items()):
-        if said.get(port, f"{{{variable}}}") != f"{{{variable}}}" or port in ("name", "ID"):
-            raise NotExpressibleError(part.path, f"{port!r}, which is more than one port or parameter,", TARGET)
-        said[port] = f"{{{variable}}}"
+    said = leaf_attributes(part, node, attribute_text, TARGET)
     both = set(manifest.inputs) & set(manifest.outputs)
     for port in both & set(said):
         if (port in node.in_) != (port in node.out):
@@ -290,8 +267,65 @@ def _port(tag: str, name: str, type_name: str, doc: str, more: str = "") -> str:
     return f"      <{tag} name={quoteattr(name)} type={cpp}{more}>{escape(doc)}</{tag}>"
 
 
-def _comment(text: str) -> list[str]:
-    said = " ".join("".join(c if c.isprintable() else " " for c in text).split())
-    while "--" in said:
-        said = said.replace("--", "- -")
-    return [f"  <!-- {escape(said)} -->"] if said else []
+_EXPRESSIONS = ("precondition", "on_value")
+
+
+@dataclass(frozen=True)
+class RoundTripDifference:
+    """Something that isn't the same: where, what, and how."""
+
+    path: str
+    what: str
+    why: str
+
+
+def round_trip_difference(task: model.Task, back: model.Task) -> RoundTripDifference | None:
+    """Return the first difference between a task and what came back; its `doc` is a comment, and may be lost."""
+    one, other = dict(walking.walk(task.root)), dict(walking.walk(back.root))
+    for path, node in one.items():
+        if path not in other:
+            return RoundTripDifference(path, "its name or place", "it comes back under another")
+        found = _of_node(path, node, other[path])
+        if found is not None:
+            return found
+    for path in other:
+        if path not in one:
+            return RoundTripDifference(path, "an additional node", "it comes back with it")
+    for kind in ("inputs", "data"):
+        found = _variables(kind, getattr(task, kind), getattr(back, kind))
+        if found is not None:
+            return found
+    return None
+
+
+def _of_node(path: str, node: model.AnyNode, other: model.AnyNode) -> RoundTripDifference | None:
+    if type(node) is not type(other):
+        return RoundTripDifference(path, f"a {_kind(node)}", f"it comes back as a {_kind(other)}")
+    for name in type(node).model_fields:
+        a, b = getattr(node, name), getattr(other, name)
+        if name in ("children", "child"):
+            a, b = list(a), list(b)
+        if name in _EXPRESSIONS:
+            a, b = _unparsed(a), _unparsed(b)
+        if a != b and not (name == "order"):
+            return RoundTripDifference(path, f"`{name.rstrip('_')}`", f"{a!r} comes back as {b!r}")
+    return None
+
+
+def _kind(node: model.AnyNode) -> str:
+    return getattr(node, "kind", "leaf")
+
+
+def _unparsed(text: str) -> str:
+    return ast.unparse(parse_expression(text).tree) if text else ""
+
+
+def _variables(kind: str, said: Any, back: Any) -> RoundTripDifference | None:
+    for name, variable in said.items():
+        if name not in back:
+            return RoundTripDifference("/", f"the variable {name!r}", "no node uses it, or only in another way")
+        one, other = (v if isinstance(v, str) else v.type for v in (variable, back[name]))
+        if one != other:
+            return RoundTripDifference("/", f"the type of the variable {name!r}", f"{one} comes back as {other}")
+    extra = [name for name in back if name not in said]
+    return RoundTripDifference("/", f"the variable {extra[0]!r}", f"it comes back among the {kind}") if extra else None

@@ -5,11 +5,10 @@ from __future__ import annotations
 from grip_bt.task import Task
 from grip_bt.task.catalog import Catalog
 
-from . import dot, mermaid
-from .flow import flow_figure
+from . import text
 from .scheme import View
 from .svg import svg
-from .tree import tree_figure
+from .views import flow_figure, tree_figure
 
 __all__ = ["View", "to_dot", "to_mermaid", "to_svg"]
 
@@ -29,9 +28,9 @@ def to_svg(task: Task, catalog: Catalog, view: View = "tree", paths: bool = Fals
 
 def to_dot(task: Task, catalog: Catalog, view: View = "tree") -> str:
     """Return a task as a Graphviz graph."""
-    return dot.to_dot(task, view)
+    return text.to_dot(task, view)
 
 
 def to_mermaid(task: Task, catalog: Catalog, view: View = "tree") -> str:
     """Return a task as a Mermaid flow chart."""
-    return mermaid.to_mermaid(task, view)
+    return text.to_mermaid(task, view)

@@ -7,8 +7,8 @@ from xml.sax.saxutils import escape, quoteattr
 
 from grip_bt.task import KINDS
 
-from .figure import NAME_SIZE, TEXT_SIZE, Box, Figure, Line, Pill, text_width
-from .tree import ICON, LINE_HEIGHT
+from .layout import NAME_SIZE, TEXT_SIZE, Box, Figure, Line, Pill, text_width
+from .views import ICON, LINE_HEIGHT
 
 _COLOURS = {  # fill, border
     "leaf": ("#ffffff", "#5b6470"),

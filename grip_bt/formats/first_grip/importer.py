@@ -3,44 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from pydantic import ValidationError
+
 from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.yaml.tree import parse, read_file, to_data
-from grip_bt.task import FrozenDict, Task, dumps
-from grip_bt.task.catalog.manifest import InputPort, Manifest, OutputPort, Parameter, manifest_text
+from grip_bt.formats.generated_files import manifests_text
+from grip_bt.formats.imported import Imported, Issues
+from grip_bt.formats.names import free, key_of
+from grip_bt.task import FrozenDict, Task
+from grip_bt.task.catalog.manifest import InputPort, Manifest, OutputPort, Parameter
 
-from .configuration import Configuration, add_files, read_configuration
-from .graphs import graph_task
-from .original import Note, OriginalContainer, OriginalState
-from .project import MARK, MESSAGES, project_texts
+from .project import MARK, MESSAGES, Configuration, add_files, project_texts, read_configuration
 from .settings import read_settings
-from .steps import Setting
-from .texts import text_task
-from .to_task import task_of
-from .words import is_hand, key_of, meanings, name_of
+from .states import ImportContext, node_of
+from .tasks import GripContainer, GripState, graph_task, is_hand, name_of, outcome_meanings, text_task
 
 
-@dataclass
-class GripImport:
-    """What became of it.
-
-    Attributes:
-        tasks: by name.
-        texts: files of a project folder, by their path in it; tasks and what they need among them.
-        copies: files that are copied as they are.
-        notes: what isn't as it was, and what somebody has to look at.
-    """
-
-    tasks: dict[str, Task] = field(default_factory=dict)
-    texts: dict[str, str] = field(default_factory=dict)
-    copies: dict[str, Path] = field(default_factory=dict)
-    notes: list[Note] = field(default_factory=list)
-
-
-def import_grip(path: Path) -> GripImport:
+def import_grip(path: Path) -> Imported:
     """Read tasks and configurations of the first GRIP; nothing is run, and nothing is written.
 
     Args:
@@ -50,49 +32,51 @@ def import_grip(path: Path) -> GripImport:
         DocumentError: it can't be read.
         GripError: there is nothing of the first GRIP in it, or a task is broken.
     """
+    if not path.exists():
+        raise GripError(f"{path}: there is no such file or folder")
     files = [path] if not path.is_dir() else sorted(p for p in path.rglob("*") if p.suffix in (".ini", ".yaml", ".yml"))
-    result, found = GripImport(), Configuration()
-    tasks: list[tuple[Path, OriginalContainer, list[Note]]] = []
+    found, issues = Configuration(), Issues()
+    originals: list[GripContainer] = []
     loose: list[Path] = []
     for file in files:
         if file.suffix == ".ini":
-            _settings_file(file, found, tasks)
+            originals += _settings_file(file, found, issues)
         elif (data := _task_data(file)) is not None:
-            tasks.append((file, text_task(data, file.name), []))
+            originals.append(text_task(data, file.name))
         else:
             loose.append(file)
     seen = {name for names in found.sources.values() for name in names}
     add_files(found, [file for file in loose if file.name not in seen])
-    if not tasks and not found.parts:
-        said = "".join(f"\n  {note}" for note in found.notes)
+    if not originals and not found.parts:
+        said = "".join(f"\n  {issue}" for issue in found.issues)
         raise GripError(f"{path}: there is no task and no configuration of the first GRIP in it{said}")
-    if found.parts:
-        result.texts |= project_texts(found)
-        if found.scene is not None:
-            result.copies[found.scene.name] = found.scene
-    result.notes += found.notes
-    unknown: dict[str, OriginalState] = {}
-    for file, root, notes in tasks:
-        _task(result, file, root, notes, found, unknown)
+    texts = project_texts(found) if found.parts else {}
+    copies = {found.scene.name: found.scene} if found.parts and found.scene is not None else {}
+    tasks: dict[str, Task] = {}
+    unknown: dict[str, GripState] = {}
+    for root in originals:
+        task = task_of(root, _context(found, unknown, issues))
+        tasks[free(key_of(task.name), tasks)] = task
     if unknown:
-        result.texts |= _nodes(unknown)
-    return result
+        texts |= _nodes(unknown)
+    return Imported(tasks, (*found.issues, *issues), files=texts, copies=copies)
 
 
-def _settings_file(file: Path, found: Configuration, tasks: list[tuple[Path, OriginalContainer, list[Note]]]) -> None:
+def _settings_file(file: Path, found: Configuration, issues: Issues) -> list[GripContainer]:
+    """Return the task of a file of settings; a robot's are added to the configuration."""
     settings = read_settings(file)
     if any(key[-1] == "container" for key in settings):
-        root, notes = graph_task(settings, file.name)
+        root = graph_task(settings, file.name, issues)
         if root.name == "root":
             root.name = file.stem
-        tasks.append((file, root, notes))
-        return
+        return [root]
     read = read_configuration(settings, file)
     for kind, named in read.parts.items():
         found.parts.setdefault(kind, {}).update(named)
         found.sources.setdefault(kind, []).extend(read.sources[kind])
     found.scene = read.scene or found.scene
-    found.notes += read.notes
+    found.issues.extend(read.issues)
+    return []
 
 
 def _task_data(file: Path) -> Mapping[str, Any] | None:
@@ -104,28 +88,15 @@ def _task_data(file: Path) -> Mapping[str, Any] | None:
     return data if isinstance(data, dict) and isinstance(data.get("states"), list) else None
 
 
-def _task(
-    result: GripImport,
-    file: Path,
-    root: OriginalContainer,
-    notes: list[Note],
-    found: Configuration,
-    unknown: dict[str, OriginalState],
-) -> None:
-    setting = Setting(
+def _context(found: Configuration, unknown: dict[str, GripState], issues: Issues) -> ImportContext:
+    return ImportContext(
         arms={group: key_of(group) for group in found.part("planners") if not is_hand(group)},
         sensors={name: key_of(name) for name in found.part("sensors")},
         components={n: (key_of(n), _count(said)) for n, said in found.part("components").items()},
         messages={kind: set(found.part(kind)) for kind in MESSAGES} if found.parts else {},
         unknown=unknown,
+        issues=issues,
     )
-    task = task_of(root, setting)
-    stem = key_of(task.name)
-    while f"tasks/{stem}.yaml" in result.texts:
-        stem += "_2"
-    result.tasks[stem] = task
-    result.texts[f"tasks/{stem}.yaml"] = f"# {MARK} from {file.name}.\n{dumps(task)}"
-    result.notes += [*notes, *setting.notes]
 
 
 def _count(said: Mapping[str, Any]) -> int:
@@ -133,7 +104,7 @@ def _count(said: Mapping[str, Any]) -> int:
     return number if type(number) is int and 0 < number < 100 else 1
 
 
-def _nodes(unknown: Mapping[str, OriginalState]) -> dict[str, str]:
+def _nodes(unknown: Mapping[str, GripState]) -> dict[str, str]:
     """Return a manifest and a class for each state that has to be filled in."""
     manifests, classes = [], []
     for id_, state in unknown.items():
@@ -148,24 +119,120 @@ def _nodes(unknown: Mapping[str, OriginalState]) -> dict[str, str]:
             parameters=FrozenDict({slot: Parameter(type="Any", default=None) for slot in slots}),
             inputs=FrozenDict({slot: InputPort(type="Any", required=False) for slot in slots}),
             outputs=FrozenDict(ports),
-            outcomes=FrozenDict(meanings(outcomes)),
+            outcomes=FrozenDict(outcome_meanings(outcomes)),
         )
-        manifests.append("- " + manifest_text(manifest, "").rstrip("\n").replace("\n", "\n  "))
+        manifests.append(manifest)
         classes.append(_class(cls, state, outcomes))
-    header = f"# {MARK}.\n"
     head = (
         f'"""States of the first GRIP that have no equal; write what they do. {MARK}."""\n\nfrom grip_bt import Leaf\n'
     )
     return {
-        "nodes/original/manifest.yaml": header + "\n".join(manifests) + "\n",
+        "nodes/original/manifest.yaml": manifests_text(manifests, f"# {MARK}.\n"),
         "nodes/original/leaves.py": head + "".join(classes),
     }
 
 
-def _class(cls: str, state: OriginalState, outcomes: tuple[str, ...]) -> str:
+def _class(cls: str, state: GripState, outcomes: tuple[str, ...]) -> str:
     about = f"{state.type or state.name} has to be written: read self.params, return self.end(one of {list(outcomes)})"
     doc = f"{state.type or state.name} of the first GRIP.".replace("\\", "").replace('"', "'")
     return (
         f'\n\nclass {cls}(Leaf):\n    """{doc}"""\n\n    def update(self):\n'
         f"        raise NotImplementedError({about!r})\n"
     )
+
+
+def task_of(root: GripContainer, context: ImportContext) -> Task:
+    """Return the task; what isn't as it was is added to the context's issues.
+
+    Raises:
+        GripError: it can't be written as a task.
+    """
+    for state in root.states():
+        output, stored = state.slots.get("output"), state.slots.get("output_type")
+        if output and not stored:
+            context.produced.add(name_of(str(output)))
+        if state.type == "ComputePlan" and state.slots.get("plan_name"):
+            context.produced.add(name_of(str(state.slots["plan_name"])))
+    node = _container(root, context, root.name)
+    outcomes = {name_of(outcome): meaning for outcome, meaning in outcome_meanings(root.outcomes).items()}
+    document = {
+        "grip": 1,
+        "name": name_of(root.name),
+        "doc": "Imported from a task of the first GRIP.",
+        "outcomes": outcomes,
+        "data": context.variables,
+        "root": node,
+    }
+    try:
+        return Task.model_validate(document)
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise GripError(f"{root.name}: {'/'.join(map(str, first['loc']))}: {first['msg']}") from None
+
+
+def _container(found: GripContainer, context: ImportContext, place: str) -> dict[str, Any]:
+    names: dict[str, str] = {}
+    taken = {name_of(outcome) for outcome in found.outcomes}
+    for label in found.children:
+        names[label] = name_of(label, taken)
+        taken.add(names[label])
+        if names[label] != label:
+            context.issues.add("changed", place, f"the state {label!r} is called {names[label]!r}")
+    if found.concurrent:
+        return _parallel(found, names, context, place)
+    children = {}
+    for label, child in found.children.items():
+        node, ends = _child(child, context, f"{place}/{label}")
+        on = {end: _target(found, child, outcome, names, context, place) for outcome, end in ends.items()}
+        children[names[label]] = {**node, "on": on}
+    if found.initial not in names:
+        raise GripError(f"{place}: it begins with {found.initial!r}, which isn't there")
+    outcomes = {name_of(outcome): meaning for outcome, meaning in outcome_meanings(found.outcomes).items()}
+    return {"kind": "state_machine", "initial": names[found.initial], "outcomes": outcomes, "children": children}
+
+
+def _parallel(found: GripContainer, names: dict[str, str], context: ImportContext, place: str) -> dict[str, Any]:
+    """Return a parallel that waits for all and goes by rules; SMACH takes the rule with the most conditions."""
+    children, ends = {}, {}
+    for label, child in found.children.items():
+        children[names[label]], ends[label] = _child(child, context, f"{place}/{label}")
+    rules = []
+    for outcome, when in sorted(found.rules.items(), key=lambda rule: -len(rule[1])):
+        if unknown := [label for label in when if label not in names]:
+            context.issues.add("incomplete", place, f"a rule for {outcome!r} names {unknown}, which aren't there")
+            continue
+        said = {names[label]: [ends[label].get(o, name_of(o)) for o in wanted] for label, wanted in when.items()}
+        rules.append({"when": said, "then": name_of(outcome)})
+        for label, wanted in when.items():
+            if len(wanted) > 1:
+                text = f"{wanted} of {label!r} lead to {outcome!r}: any of them will do; only the last counted"
+                context.issues.add("changed", place, text)
+    rules.append({"then": name_of(found.default)})
+    outcomes = {name_of(outcome): meaning for outcome, meaning in outcome_meanings(found.outcomes).items()}
+    own = {outcome: meaning for outcome, meaning in outcomes.items() if outcome not in ("success", "failure")}
+    return {"kind": "parallel", "cancel": "join", "rules": rules, "outcomes": own, "children": children}
+
+
+def _child(child: GripState, context: ImportContext, place: str) -> tuple[dict[str, Any], dict[str, str]]:
+    if isinstance(child, GripContainer):
+        node = _container(child, context, place)
+        ends = {outcome: name_of(outcome) for outcome in child.outcomes}
+        if child.concurrent:  # a parallel may end with these too, as far as its document says
+            ends |= {end: end for end in ("success", "failure") if end not in ends.values()}
+        return node, ends
+    made = node_of(child, context, place)
+    return made.node, made.ends
+
+
+def _target(
+    found: GripContainer, child: GripState, outcome: str, names: dict[str, str], context: ImportContext, place: str
+) -> str:
+    target = child.leads.get(outcome)
+    if target in names:
+        return names[str(target)]
+    if target in found.outcomes:
+        return name_of(str(target))
+    if outcome in child.outcomes:
+        text = f"{outcome!r} of {child.name!r} led to {target or 'nothing'}; it leads to {found.outcomes[-1]!r}"
+        context.issues.add("incomplete", place, text)
+    return name_of(found.outcomes[-1])

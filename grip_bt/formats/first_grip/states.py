@@ -1,72 +1,189 @@
-"""States that came with the first GRIP: what each type does here, with its data in variables of the task."""
+"""States of the first GRIP as nodes: what each type does here, step by step, with its data in variables of the task."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
-from .original import OriginalState
-from .steps import PLAIN, STORES, Steps
-from .words import is_hand, key_of, name_of
+from grip_bt.formats.imported import Issues
+from grip_bt.formats.names import key_of
+
+from .tasks import GripState, is_hand, name_of
+
+STORES = {
+    "joint state": ("joint_states", "JointState"),
+    "pose": ("poses", "Pose"),
+    "trajectory": ("trajectories", "Trajectory"),
+    "plan": ("plans", "Plan"),
+}
+PLAIN = {"success": "success", "failure": "failure"}
+"""Ends of most states."""
 
 
-def moves_a_hand(state: OriginalState) -> bool:
+@dataclass
+class ConvertedState:
+    """A state as a node.
+
+    Attributes:
+        node: the node's keys.
+        ends: outcome of the state -> outcome of the node; those that can't happen are left out.
+    """
+
+    node: dict[str, Any]
+    ends: dict[str, str]
+
+
+@dataclass
+class ImportContext:
+    """What a task's states stand in, and what they need.
+
+    Attributes:
+        arms: group of MoveIt -> arm or hand of the project.
+        sensors: name of a sensor -> its key in the project.
+        components: name of a component -> (its key, how many outcomes it has).
+        messages: names that the project's stores hold, by store.
+        produced: userdata that some state writes.
+        variables: variables of the task, with their types.
+        unknown: states without an equal, by the name of their node.
+        issues: what isn't as it was.
+    """
+
+    arms: Mapping[str, str] = field(default_factory=dict)
+    sensors: Mapping[str, str] = field(default_factory=dict)
+    components: Mapping[str, tuple[str, int]] = field(default_factory=dict)
+    messages: Mapping[str, Collection[str]] = field(default_factory=dict)
+    produced: set[str] = field(default_factory=set)
+    variables: dict[str, Any] = field(default_factory=dict)
+    unknown: dict[str, GripState] = field(default_factory=dict)
+    issues: Issues = field(default_factory=Issues)
+
+    def variable(self, name: str, type_name: str = "Any") -> str:
+        """Return the variable of a name; it holds anything where it is written as more than one type."""
+        name = name_of(name)
+        self.variables[name] = type_name if self.variables.get(name, type_name) == type_name else "Any"
+        return name
+
+    def arm(self, group: object) -> dict[str, str]:
+        """Return the parameter that names an arm; none where the project has one only."""
+        text = str(group or "")
+        if not text:
+            return {}
+        return {"arm": self.arms.get(text, key_of(text))}
+
+
+class StepBuilder:
+    """What one state does, step by step."""
+
+    def __init__(self, state: GripState, context: ImportContext, place: str):
+        self.state, self.context, self.place = state, context, place
+        self.steps: dict[str, dict[str, Any]] = {}
+
+    def slot(self, name: str) -> str:
+        """Return what a field holds, as text."""
+        value = self.state.slots.get(name)
+        return "" if value is None else str(value).strip().strip("\"'")
+
+    def note(self, code: str, text: str) -> None:
+        """Tell what isn't as it was."""
+        self.context.issues.add(code, self.place, text)
+
+    def add(self, step: str, node: str, **keys: Mapping[str, Any]) -> None:
+        """Add a step; empty keys are left out."""
+        name = name_of(step, self.steps)
+        said = {{"in_": "in", "with_": "with"}.get(key, key): dict(value) for key, value in keys.items() if value}
+        self.steps[name] = {"node": node, **said}
+
+    def value(self, name: str, kind: str, what: str) -> str:
+        """Return the variable of a value, which may have to be got from a store first."""
+        store, type_name = STORES.get(kind, ("", "Any"))
+        if not store and name_of(name) not in self.context.produced:
+            found = [(s, t) for s, t in STORES.values() if name in self.context.messages.get(s, ())]
+            store, type_name = found[0] if found else ("", "Any")
+            if not found:
+                self.note(
+                    "incomplete", f"{what} {name!r} is neither written by a state nor a stored message; give it a value"
+                )
+        if not store:
+            return self.context.variable(name)
+        known = self.context.messages.get(store)
+        if known is not None and name not in known and store != "plans":
+            self.note("incomplete", f"there is no {kind or 'message'} {name!r} in messages/{store}.yaml")
+        variable = self.context.variable(f"{name} {type_name}".replace(" ", "_"), type_name)
+        self.add(f"get_{key_of(name)}", "messages/get", with_={"store": store, "name": name}, out={"value": variable})
+        return variable
+
+    def produced(self, name: str) -> str:
+        """Return the variable that some state writes under a name; empty where none does."""
+        return self.context.variable(name) if name_of(name) in self.context.produced else ""
+
+    def node(self) -> dict[str, Any]:
+        """Return one step as it is, several in a sequence."""
+        if len(self.steps) == 1:
+            return next(iter(self.steps.values()))
+        return {"kind": "sequence", "children": self.steps}
+
+
+def moves_a_hand(state: GripState) -> bool:
     """Tell whether a state has a hand follow a trajectory, which no node does: hands go from posture to posture."""
     return state.type == "ExecuteTrajectory" and is_hand(str(state.slots.get("group_name") or ""))
 
 
-def _compute_plan(steps: Steps) -> dict[str, str]:
+def _compute_plan(steps: StepBuilder) -> dict[str, str]:
     group, plan = steps.slot("group_name"), steps.slot("plan_name")
     given = {"goal": steps.value(steps.slot("target_name"), steps.slot("target_type"), "the target")}
     if start := steps.slot("starting_name"):
         if steps.slot("starting_type") == "pose":
-            steps.note("missing", f"a plan that begins at a pose ({start!r}): it begins where the arm is; bind `start`")
+            steps.note(
+                "incomplete", f"a plan that begins at a pose ({start!r}): it begins where the arm is; bind `start`"
+            )
         else:
             given["start"] = steps.value(start, steps.slot("starting_type"), "the start")
-    variable = steps.setting.variable(plan or f"last_plan_{group or 'arm'}", "Plan")
-    steps.add("plan", "arm/plan", with_=steps.setting.arm(group), in_=given, out={"plan": variable})
+    variable = steps.context.variable(plan or f"last_plan_{group or 'arm'}", "Plan")
+    steps.add("plan", "arm/plan", with_=steps.context.arm(group), in_=given, out={"plan": variable})
     return PLAIN
 
 
-def _move(steps: Steps) -> dict[str, str]:
+def _move(steps: StepBuilder) -> dict[str, str]:
     group, plan = steps.slot("group_name"), steps.slot("plan_name")
     if not plan:
         steps.note("changed", "the plan that the commander kept to itself is a variable")
-    known = not plan or name_of(plan) in steps.setting.produced
+    known = not plan or name_of(plan) in steps.context.produced
     name = plan or f"last_plan_{group or 'arm'}"
-    variable = steps.setting.variable(name, "Plan") if known else steps.value(plan, "plan", "the plan")
-    steps.add("move", "arm/execute", with_=steps.setting.arm(group), in_={"plan": variable})
-    steps.note("changed", "ends with failure when the motion fails, which was ignored")
+    variable = steps.context.variable(name, "Plan") if known else steps.value(plan, "plan", "the plan")
+    steps.add("move", "arm/execute", with_=steps.context.arm(group), in_={"plan": variable})
+    steps.note("changed", "fails when the motion fails; the first GRIP ignored that")
     return PLAIN
 
 
-def _execute_trajectory(steps: Steps) -> dict[str, str]:
+def _execute_trajectory(steps: StepBuilder) -> dict[str, str]:
     group, name = steps.slot("group_name"), steps.slot("trajectory_name")
     variable = steps.produced(name) or steps.value(name, "trajectory", "the trajectory")
-    arm = steps.setting.arm(group)
+    arm = steps.context.arm(group)
     steps.add("follow", "arm/execute_trajectory", with_=arm, in_={"trajectory": variable})
     steps.note("changed", "goes to where the trajectory begins; is checked before, and fails when it can't be followed")
     return PLAIN
 
 
-def _wait_for(steps: Steps) -> dict[str, str]:
+def _wait_for(steps: StepBuilder) -> dict[str, str]:
     seconds = _seconds(steps, "timeout")
     if topic := steps.slot("topic_name"):
         # its type is that of the publisher, as it was
         steps.add("wait", "ros/wait_for_message", with_={"topic": "/" + topic.strip("/"), "timeout": seconds})
         return PLAIN
     if seconds is None:
-        steps.note("missing", "it waits for no topic and no time: say for how long in `seconds`")
+        steps.note("incomplete", "it waits for no topic and no time: say for how long in `seconds`")
     steps.add("wait", "flow/wait", with_={"seconds": seconds or 0.0})
     return {"success": "success"}
 
 
-def _select(steps: Steps) -> dict[str, str]:
+def _select(steps: StepBuilder) -> dict[str, str]:
     output = steps.slot("output")
     if not output:
         steps.note("changed", "without `output` the value was dropped; it is only looked up")
     store, type_name = STORES.get(steps.slot("input_type"), ("", "Any"))
-    target = {"value": steps.setting.variable(output, type_name)} if output else {}
+    target = {"value": steps.context.variable(output, type_name)} if output else {}
     name = steps.slot("input")
     if store:
         steps.add("get", "messages/get", with_={"store": store, "name": name}, out=target)
@@ -76,45 +193,45 @@ def _select(steps: Steps) -> dict[str, str]:
     return {"success": "success", **({} if len(steps.steps) == 1 else {"failure": "failure"})}
 
 
-def _counter(steps: Steps) -> dict[str, str]:
+def _counter(steps: StepBuilder) -> dict[str, str]:
     first, last = _number(steps, "initial_value", 0), _number(steps, "end_value", None)
     down = last is not None and first is not None and last < first
     output = name_of(steps.slot("output") or "counter")
     if down:
-        steps.note("missing", "it counts down; `flow/count` ends at a limit from below: turn its numbers round")
-    steps.setting.variables[output] = {"type": "int", "value": (first or 0) - 1}
+        steps.note("incomplete", "it counts down; `flow/count` ends at a limit from below: turn its numbers round")
+    steps.context.variables[output] = {"type": "int", "value": (first or 0) - 1}
     limit = {} if last is None else {"limit": last}
     steps.add("count", "flow/count", with_=limit, in_={"count": output}, out={"count": output})
     return {"success": "success", "finished": "reached"} if last is not None else {"success": "success"}
 
 
-def _number(steps: Steps, slot: str, otherwise: int | None) -> int | None:
+def _number(steps: StepBuilder, slot: str, otherwise: int | None) -> int | None:
     text = steps.slot(slot)
     if text in ("", "None"):
         return otherwise
     if re.fullmatch(r"-?\d{1,9}", text):
         return int(text)
-    steps.note("missing", f"`{slot}` is {text!r} and no number")
+    steps.note("incomplete", f"`{slot}` is {text!r} and no number")
     return otherwise
 
 
-def _seconds(steps: Steps, slot: str) -> float | None:
+def _seconds(steps: StepBuilder, slot: str) -> float | None:
     text = steps.slot(slot)
     if text in ("", "None"):
         return None
     if re.fullmatch(r"\d{1,9}(\.\d{0,9})?|\.\d{1,9}", text):
         return float(text)
-    steps.note("missing", f"`{slot}` is {text!r} and no number of seconds")
+    steps.note("incomplete", f"`{slot}` is {text!r} and no number of seconds")
     return None
 
 
-def _reinitialise(steps: Steps) -> dict[str, str]:
+def _reinitialise(steps: StepBuilder) -> dict[str, str]:
     steps.add("reinitialise", "messages/reinitialise")
     return PLAIN
 
 
-def _allow(steps: Steps) -> dict[str, str]:
-    arm = steps.setting.arm(steps.slot("group_name")).get("arm", "*")
+def _allow(steps: StepBuilder) -> dict[str, str]:
+    arm = steps.context.arm(steps.slot("group_name")).get("arm", "*")
     allowed = steps.slot("allow").lower() in ("true", "1", "")
     listed = steps.state.slots.get("objects") or []
     names = re.findall(r"[\w./-]+", listed) if isinstance(listed, str) else [str(each) for each in listed]
@@ -122,11 +239,11 @@ def _allow(steps: Steps) -> dict[str, str]:
     for other in others:
         pair = {"one": arm, "other": other, **({} if allowed else {"allowed": False})}
         steps.add(f"allow_{key_of(other)}" if other != "*" else "allow", "scene/allow_collisions", with_=pair)
-    steps.note("changed", "allows and forbids as it says; it never did")
+    steps.note("changed", "now allows or forbids collisions as configured; the first GRIP ignored the setting")
     return PLAIN
 
 
-STATES: dict[str, Callable[[Steps], dict[str, str]]] = {
+STATES: dict[str, Callable[[StepBuilder], dict[str, str]]] = {
     "ComputePlan": _compute_plan,
     "Move": _move,
     "ExecuteTrajectory": _execute_trajectory,
@@ -137,3 +254,67 @@ STATES: dict[str, Callable[[Steps], dict[str, str]]] = {
     "AllowCollisions": _allow,
 }
 """Type -> what adds its steps and returns its ends: outcome of the state -> outcome of the node."""
+
+
+def node_of(state: GripState, context: ImportContext, place: str) -> ConvertedState:
+    """Return a state as a node."""
+    steps = StepBuilder(state, context, place)
+    if state.type in STATES and not moves_a_hand(state):
+        ends = STATES[state.type](steps)
+        return ConvertedState(steps.node(), ends)
+    if state.type in context.components:
+        return _component(steps)
+    if state.type in context.sensors:
+        return ConvertedState(_sensor(steps), PLAIN)
+    return _unknown(steps)
+
+
+def _component(steps: StepBuilder) -> ConvertedState:
+    key, count = steps.context.components[steps.state.type]
+    given = {"input": _input(steps)} if steps.slot("input") else {}
+    output, store = steps.slot("output"), STORES.get(steps.slot("output_type"), ("", ""))[0]
+    returned = steps.context.variable(output) if output else ""
+    out = {"returned_object": returned} if returned else {}
+    steps.add("call", f"component/{key}", in_=given, out=out)
+    if store:
+        steps.note("incomplete", f"its result went to the {store} as {output!r}; add `messages/put` after it")
+    ends = {str(number): f"outcome_{number}" for number in range(count)} | {"state_failure": "failure"}
+    if len(steps.steps) == 1:
+        return ConvertedState(steps.node(), ends)
+    exits = {f"call.outcome_{number}": f"outcome_{number}" for number in range(count)}
+    outcomes = dict.fromkeys(exits.values(), "success")
+    return ConvertedState({**steps.node(), "outcomes": outcomes, "exits": exits}, ends)
+
+
+def _input(steps: StepBuilder) -> str:
+    """Return the variable of what a component is given: text in quotes and what isn't text are literals."""
+    value = steps.state.slots["input"]
+    if isinstance(value, str) and not re.fullmatch(r"\"[^\"]*\"", value.strip()):
+        return steps.value(steps.slot("input"), steps.slot("input_type"), "the input")
+    literal = value.strip()[1:-1] if isinstance(value, str) else value
+    variable = steps.context.variable(f"input_of_{steps.state.name}")
+    steps.add("set_input", "flow/set", with_={"value": literal}, out={"value": variable})
+    return variable
+
+
+def _sensor(steps: StepBuilder) -> dict[str, Any]:
+    key, alias = steps.context.sensors[steps.state.type], key_of(steps.slot("sensor_topic") or "data")
+    out = {alias: steps.context.variable(steps.slot("output"))} if steps.slot("output") else {}
+    steps.add("look", f"sensor/{key}", out=out)
+    return steps.node()
+
+
+def _unknown(steps: StepBuilder) -> ConvertedState:
+    """Return a node of the project's own whose class has to be filled in."""
+    state, context = steps.state, steps.context
+    id_ = f"original/{key_of(state.type or state.name)}"
+    context.unknown.setdefault(id_, state)
+    slots = {key_of(slot): value for slot, value in state.slots.items() if slot != "output"}
+    read = {slot: name_of(str(value)) for slot, value in slots.items() if name_of(str(value)) in context.produced}
+    given = {slot: value for slot, value in slots.items() if slot not in read and value not in (None, "")}
+    out = {"output": context.variable(steps.slot("output"))} if steps.slot("output") else {}
+    for name in read.values():
+        context.variable(name)
+    steps.add("do", id_, with_=given, in_=read, out=out)
+    steps.note("incomplete", f"{state.type or 'a state without type'} has no equal: write its class in nodes/original")
+    return ConvertedState(steps.node(), {outcome: name_of(outcome) for outcome in state.outcomes})

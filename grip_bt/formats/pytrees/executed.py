@@ -1,73 +1,22 @@
-"""A tree that code of somebody builds -> task: it runs in a process of its own, and only what it built comes back.
-
-That process isn't a sandbox: whoever asks for it trusts the code. It keeps ours clean of whatever the code imports,
-starts or leaves behind, and can be stopped.
-"""
+"""The process in which the code that builds a tree runs: it tells the tree's task and ends."""
 
 from __future__ import annotations
 
 import importlib
 import json
 import os
-import subprocess
 import sys
-from pathlib import Path
 from typing import Any
 
-from grip_bt.base.errors import GripError
-from grip_bt.base.interpreter import python_command
-from grip_bt.task import model
+from py_trees.behaviour import Behaviour
 
-from .convert import to_task
-from .result import Imported, RefusedTreeError, Remark
+from grip_bt.formats.imported import ImportRefusedError
 
-TIMEOUT = 60.0
-"""How long [s] a factory may take to build its tree."""
+from .tree import to_task
 
 
-def import_from_code(where: str, folder: Path, timeout: float = TIMEOUT) -> Imported:
-    """Run a factory in a process of its own and return the task of the tree that it builds.
-
-    Args:
-        where: `package.module:factory`: a function that is called without arguments, a class, or a tree that is there.
-        folder: where modules are looked for last, such as the current folder.
-        timeout: how long [s] the code may take.
-
-    Raises:
-        RefusedTreeError: behaviours of the tree have no equal in a task.
-        GripError: the code can't be imported, fails, takes too long, or gives something else than a tree.
-    """
-    paths = os.pathsep.join(filter(None, sys.path))
-    command = python_command("-m", __name__, where, str(folder.resolve()))
-    try:
-        done = subprocess.run(
-            command,
-            capture_output=True,
-            text=True,
-            timeout=timeout,
-            env={**os.environ, "PYTHONPATH": paths},
-            stdin=subprocess.DEVNULL,
-        )
-    except subprocess.TimeoutExpired:
-        raise GripError(f"{where}: no tree was built in {timeout:g} s; give a factory that only builds") from None
-    lines = done.stdout.splitlines()
-    try:
-        told = json.loads(lines[-1])
-    except (IndexError, ValueError):
-        words = done.stderr.strip().splitlines()[-1:] or ["it said nothing"]
-        raise GripError(f"{where}: its process ended with status {done.returncode}: {words[0]}") from None
-    if told.get("refused"):
-        raise RefusedTreeError(tuple(Remark(*each) for each in told["refused"]))
-    if "error" in told:
-        raise GripError(f"{where}: {told['error']}")
-    remarks = tuple(Remark(*each) for each in told["remarks"])
-    return Imported(model.Task.model_validate(told["task"]), told["names"], remarks)
-
-
-def _told(where: str) -> dict[str, Any]:
-    """Return what the tree at a place is, as JSON holds it."""
-    from py_trees.behaviour import Behaviour
-
+def told(where: str) -> dict[str, Any]:
+    """Return what the tree at `package.module:factory` is, as JSON holds it."""
     module, colon, name = where.partition(":")
     if not (module and colon and name):
         return {"error": "write `package.module:factory`"}
@@ -83,22 +32,21 @@ def _told(where: str) -> dict[str, Any]:
         return {"error": f"a {type(found).__name__} came out, which is no py_trees behaviour"}
     try:
         made = to_task(found)
-    except RefusedTreeError as error:
-        return {"refused": [(each.path, each.text) for each in error.refused]}
+    except ImportRefusedError as error:
+        return {"refused": [issue.as_dict() for issue in error.issues]}
     task = made.task.model_dump(by_alias=True, exclude_unset=True, mode="json")
-    return {"task": task, "names": made.names, "remarks": [(each.path, each.text) for each in made.remarks]}
+    return {"task": task, "issues": [issue.as_dict() for issue in made.issues]}
 
 
-def main(arguments: list[str]) -> None:
+def main(where: str) -> None:
     """Tell on the last line of stdout what one factory builds; what the code itself prints goes to stderr."""
-    sys.path.append(arguments[1])
     stdout, sys.stdout = sys.stdout, sys.stderr
-    told = json.dumps(_told(arguments[0]))
+    answer = json.dumps(told(where))
     sys.stderr.flush()
-    stdout.write(told + "\n")
+    stdout.write(answer + "\n")
     stdout.flush()
     os._exit(0)  # what the code left running doesn't keep us
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main(sys.argv[1])

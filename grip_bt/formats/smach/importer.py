@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from grip_bt.base.errors import DocumentError, GripError
-from grip_bt.base.files import replace_text
+from grip_bt.base.errors import DocumentError
+from grip_bt.formats.generated_files import write_generated
 from grip_bt.nodes.smach_leaf import task_name
 from grip_bt.task import Task, dumps
 
@@ -143,13 +143,7 @@ def write_import(imported: ImportedFile, tasks: Mapping[str, Path], nodes: Path)
     header = f"# {MARK} from {imported.file.name}.\n"
     texts = {path: header + dumps(imported.tasks[name]) for name, path in tasks.items()}
     texts |= {folder / name: text for name, text in imported.leaves.texts(folder).items()}
-    for path in texts:
-        if path.exists() and MARK not in path.read_text(encoding="utf-8", errors="replace"):
-            raise GripError(f"{path} wasn't made by an import and would be overwritten; move it, or choose another -o")
-    for path, text in texts.items():
-        path.parent.mkdir(parents=True, exist_ok=True)
-        replace_text(path, text)
-    return list(texts)
+    return write_generated(texts, "smach")
 
 
 def advice(imported: ImportedFile, executed: bool, given: Mapping[str, Mapping[str, Any]] | None = None) -> list[str]:

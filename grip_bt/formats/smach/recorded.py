@@ -4,24 +4,18 @@ from __future__ import annotations
 
 import ast
 import json
-import os
-import subprocess
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from grip_bt.base.errors import DocumentError
-from grip_bt.base.interpreter import python_command
+from grip_bt.formats.child_process import TIMEOUT, last_json
 
 from .importer import ImportedFile, distinct, make_tasks
 from .reader.found import Child, ContainerInfo, Span, StateInfo, Unresolved
 from .reader.interpreter import Interpreter
 from .reader.names import Project
-
-TIMEOUT = 60.0
-"""How long [s] a module may take to build its machines."""
 
 
 @dataclass
@@ -41,23 +35,10 @@ class Record:
 
 def record(file: Path, root: Path, given: Mapping[str, Mapping[str, Any]], timeout: float = TIMEOUT) -> Record:
     """Run a module in a process of its own and return what it built; what it had built in time, at least."""
-    command = python_command("-m", f"{__package__}.recorder", str(file), json.dumps(given))
-    paths = [str(file.parent), str(root), str(root / "src"), *map(str, sorted(root.glob("*/src")))]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([*filter(None, sys.path), *paths])}
-    try:
-        done = subprocess.run(
-            command, capture_output=True, text=True, timeout=timeout, env=environment, stdin=subprocess.DEVNULL
-        )
-        output, words = done.stdout, done.stderr
-    except subprocess.TimeoutExpired as error:
-        output, words = (
-            part.decode(errors="replace") if isinstance(part, bytes) else part or ""
-            for part in (error.stdout, error.stderr)
-        )
-        words += f"stopped after {timeout:g} s"
-    whole = [line for line in output.split("\n")[:-1] if line.startswith("{")]
-    facts = json.loads(whole[-1]) if whole else {}
-    return Record(facts.get("containers", []), facts.get("placeholders", []), words)
+    paths = [file.parent, root, root / "src", *sorted(root.glob("*/src"))]
+    answer = last_json(f"{__package__}.recorder", [str(file), json.dumps(given)], paths, timeout)
+    facts = answer.data or {}
+    return Record(facts.get("containers", []), facts.get("placeholders", []), answer.stderr)
 
 
 def import_with_execution(

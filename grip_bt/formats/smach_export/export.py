@@ -12,10 +12,10 @@ from grip_bt.compilers.behaviour_state import Refined
 from grip_bt.compilers.machine_table import state_labels
 from grip_bt.compilers.resolve import Part, resolve
 from grip_bt.compilers.scopes import Scopes
+from grip_bt.formats.python_source import call, comment
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog
 
-from ..standalone.layout import call, comment
 from .containers import add, machine, state
 from .forms import smach_form
 from .states import SourceBuilder, initial, set_key

@@ -11,10 +11,10 @@ from typing import Any
 from grip_bt.compilers.behaviour_state import Refined
 from grip_bt.compilers.resolve import Part, Resolved
 from grip_bt.compilers.scopes import Cell
+from grip_bt.formats.names import Identifiers
+from grip_bt.formats.python_source import Code, Items, call, literal, statement
 from grip_bt.task import model
 
-from ..standalone.identifiers import Identifiers
-from ..standalone.layout import Code, Items, call, literal, statement
 from .legacy import legacy_state, reads, writes
 
 _TAKEN = (

@@ -6,14 +6,13 @@ from typing import Any
 
 from grip_bt.base.errors import NotExpressibleError
 from grip_bt.compilers.resolve import Part
-from grip_bt.task import model
+from grip_bt.formats.expressible import require_expressible
+from grip_bt.formats.python_source import Code, Items, call
+from grip_bt.task import model, walking
 from grip_bt.task.edges import Edges
 
-from .choosers import chooser
-from .conditions import function_of
-from .layout import Code, Items, call
-from .plan import Plan, is_fresh
-from .refusals import TARGET
+from .leaves import function_of, value_of
+from .plan import TARGET, Plan, is_fresh
 
 _FOREVER = -1
 """What py_trees' Repeat takes for a number without limit."""
@@ -147,3 +146,65 @@ def _statuses(part: Part, edges: Edges, *more: str) -> dict[str, Code]:
 
 def _names(children: list[str]) -> list[Code]:
     return [Code(name) for name in children]
+
+
+def chooser(part: Part, children: list[str], plan: Plan) -> tuple[str, dict[str, Any]] | None:
+    """Return class and arguments of a container that chooses; None for every other."""
+    node = part.node
+    match node:
+        case model.Switch(on_value=text, default=default):
+            cases: dict[str, list[Any]] = {}
+            for child, literal in node.literals():
+                cases.setdefault(child, []).append(literal)
+            value = value_of(text, part, plan)
+            made = "switch", "Switch", {"value": value, "cases": cases, "default": default}
+        case model.Loop(while_=text, times=times):
+            holds = function_of(text, part, plan) if text else None
+            made = "loop", "Loop", {"condition": holds, "times": times}
+        case model.ForEach(items=items, item=item):
+            seen = plan.visible(part)
+            plan.parts.add("variable")
+            made = "for_each", "ForEach", {"items": Code(seen[items]), "item": Code(seen[item])}
+        case model.Cooldown(seconds=seconds):
+            made = "cooldown", "Cooldown", {"seconds": seconds}
+        case _:
+            return None
+    name, class_name, arguments = made
+    plan.parts |= {"chooser", name}
+    names = [Code(child) for child in children]
+    over = {"children": names} if isinstance(node, model.Switch) else {"child": names[0]}
+    return class_name, {**over, **arguments}
+
+
+_COMMON = {"doc", "precondition", "on", "x"}
+_CONTAINER = {*_COMMON, "kind", "data", "outcomes"}
+_KNOWN: dict[type[Any], set[str]] = {
+    model.Leaf: {*_COMMON, "node", "with_", "in_", "out", "meaning"},
+    model.Sequence: {*_CONTAINER, "children", "exits", "memory"},
+    model.Fallback: {*_CONTAINER, "children", "exits", "memory"},
+    model.Parallel: {*_CONTAINER, "children", "exits", "policy", "cancel", "order", "rules", "wait_for", "retick"},
+    model.Switch: {*_CONTAINER, "children", "exits", "on_value", "cases", "default"},
+    model.ForEach: {*_CONTAINER, "child", "exits", "items", "item"},
+    model.Loop: {*_CONTAINER, "child", "exits", "while_", "times"},
+    model.Cooldown: {*_CONTAINER, "child", "exits", "seconds"},
+    model.StateMachine: {*_CONTAINER, "initial", "children"},
+    model.Retry: {*_CONTAINER, "child", "exits", "times"},
+    model.Repeat: {*_CONTAINER, "child", "exits", "times"},
+    model.Timeout: {*_CONTAINER, "child", "exits", "seconds", "child_first"},
+    model.Guard: {*_CONTAINER, "child", "exits", "if_"},
+    model.Foreign: {*_COMMON, "kind", "behaviour", "args"},
+    model.Invert: {*_CONTAINER, "child", "exits"},
+    model.Force: {*_CONTAINER, "child", "exits", "as_"},
+}
+
+
+def refuse_unknown(task: model.Task) -> None:
+    """Refuse kinds of nodes, and settings of them, that this export has no words for.
+
+    Raises:
+        NotExpressibleError: for the first one.
+    """
+    for path, node in walking.walk(task.root):
+        require_expressible(path, node, _KNOWN, TARGET)
+        if getattr(node, "cancel", "halt") not in ("halt", "join"):
+            raise NotExpressibleError(path, f"`cancel: {getattr(node, 'cancel', '')}` of a parallel", TARGET)

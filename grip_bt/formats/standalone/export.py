@@ -11,14 +11,13 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from grip_bt.compilers.resolve import Part, Resolved, resolve
 from grip_bt.compilers.scopes import UNSET
+from grip_bt.formats.python_source import call, comment, literal, remarked, statement
 from grip_bt.task import model
 from grip_bt.task.catalog import AllowedImports, Catalog
 
-from .containers import container, table, wrapped
-from .layout import call, comment, literal, remarked, statement
+from .containers import container, refuse_unknown, table, wrapped
 from .leaves import foreign, is_file, leaf, manifest_text, needs_grip
 from .plan import ORDER, Plan, asks_for_codes
-from .refusals import refuse_unknown
 
 _STANDARD: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("copy", "logging", "time"), ()),

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
+import ast
+import copy
 import keyword
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import cast
 
 from grip_bt.base.errors import NotExpressibleError
+from grip_bt.base.expression import CONSTANTS, parse_expression
 from grip_bt.base.python_literals import py
 from grip_bt.compilers.resolve import Part, Resolved
+from grip_bt.formats.python_source import WIDTH, Code, Items, call, statement
 from grip_bt.task import model
 from grip_bt.task.catalog import AllowedImports, Catalog, Manifest
+from grip_bt.task.catalog.source_code import line_of, source_of
 
-from .layout import Code, Items, call, statement
-from .plan import Plan
-from .refusals import TARGET
-from .unimported import is_plain, takes_name
+from .plan import TARGET, Plan
 
 _EQUAL = {"flow/wait", "flow/succeed", "flow/fail", "flow/log"}
 """Nodes of grip that have an equal without it."""
@@ -135,3 +138,107 @@ def manifest_text(manifest: Manifest, name: str, folder: Path | None) -> str:
         inside = f"{Path(file).as_posix()}:{class_name}".replace("{", "{{").replace("}", "}}")
         given["implementation"] = Code("f" + py(f"{{HERE}}/{inside}"))
     return statement(name, call("Manifest.model_validate", given), 0)
+
+
+def is_plain(manifest: Manifest) -> bool:
+    """Tell whether a node is a behaviour of py_trees that knows nothing of grip; one that can't be read is grip's."""
+    where, _, name = manifest.implementation.rpartition(":")
+    if where.partition(".")[0] == "grip_bt":
+        return False
+    if where.partition(".")[0] == "py_trees":
+        return True
+    file = _file_of(where)
+    names = [] if file is None else [each for each in line_of(file, name) if isinstance(each, str)]
+    return bool(names) and names[0].startswith("py_trees.")
+
+
+def takes_name(behaviour: str, code: AllowedImports) -> bool:
+    """Tell whether a class or function has a parameter `name`; what can't be read has one, as behaviours do."""
+    module, _, name = behaviour.partition(":")
+    try:
+        file = source_of(module, code.folder)
+    except ModuleNotFoundError:
+        return True
+    for each in () if file is None else line_of(file, name):
+        makers = [] if isinstance(each, str) else [each.syntax]
+        if makers and isinstance(makers[0], ast.ClassDef):
+            makers = [m for m in makers[0].body if isinstance(m, ast.FunctionDef) and m.name == "__init__"]
+        for maker in makers:
+            assert isinstance(maker, ast.FunctionDef | ast.AsyncFunctionDef), "a class was looked into"
+            given = maker.args
+            return "name" in {a.arg for a in (*given.posonlyargs, *given.args, *given.kwonlyargs)}
+    return True
+
+
+def _file_of(where: str) -> Path | None:
+    if where.endswith(".py"):
+        return Path(where)
+    try:
+        return source_of(where)
+    except ModuleNotFoundError:
+        return None
+
+
+def function_of(text: str, part: Part, plan: Plan, *, around: bool = False) -> Code:
+    """Return a function that computes a condition: a lambda, or the name of one that is too long for a line.
+
+    Args:
+        text: the expression; every variable of it is declared.
+        part: the node that has it.
+        plan: takes the function, where it has a name.
+        around: whether it sees the variables around the node, and not the node's own.
+    """
+    inner = _python(text, plan.visible(part, around=around))
+    # What an attribute of a value compares to may be numpy's kind of bool, which py_trees refuses.
+    own = any(isinstance(node, ast.Attribute) for node in ast.walk(parse_expression(text).tree))
+    return _function(f"bool({inner})" if own else inner, "bool", f"condition_of_{part.name}", plan)
+
+
+def value_of(text: str, part: Part, plan: Plan) -> Code:
+    """Return a function that computes any value, likewise."""
+    return _function(_python(text, plan.visible(part)), "Any", f"value_of_{part.name}", plan)
+
+
+def _function(body: str, returns: str, name: str, plan: Plan) -> Code:
+    if len(body) < WIDTH // 2 - 8:
+        return Code(f"lambda: {body}")
+    name = plan.identifiers.take(name)
+    skip = "  # fmt: skip" if len(body) + len("        return ") > WIDTH else ""
+    plan.statements.append(f"\n    def {name}() -> {returns}:\n        return {body}{skip}\n")
+    return Code(name)
+
+
+def _python(text: str, variables: Mapping[str, str]) -> str:
+    tree = copy.deepcopy(parse_expression(text).tree)
+    return ast.unparse(ast.fix_missing_locations(_Reading(variables).visit(tree)))
+
+
+class _Reading(ast.NodeTransformer):
+    def __init__(self, variables: Mapping[str, str]):
+        self.variables = variables
+
+    def visit_Call(self, node: ast.Call) -> ast.Call:
+        """Go on with the arguments; the function isn't a variable."""
+        node.args = [self.visit(argument) for argument in node.args]
+        return node
+
+    def visit_UnaryOp(self, node: ast.UnaryOp) -> ast.expr:
+        """Write `not a in b` as `a not in b`, as people do."""
+        match node:
+            case ast.UnaryOp(ast.Not(), ast.Compare(ops=[ast.In() | ast.Is() as way]) as inner):
+                inner.ops = [ast.NotIn() if isinstance(way, ast.In) else ast.IsNot()]
+                return self.visit_Compare(inner)
+        node.operand = self.visit(node.operand)
+        return node
+
+    def visit_Compare(self, node: ast.Compare) -> ast.Compare:
+        """Go on with the operands."""
+        node.left = self.visit(node.left)
+        node.comparators = [self.visit(other) for other in node.comparators]
+        return node
+
+    def visit_Name(self, node: ast.Name) -> ast.expr:
+        """Read a variable."""
+        if node.id in CONSTANTS:
+            return ast.Constant(CONSTANTS[node.id])
+        return ast.Call(ast.Attribute(ast.Name(self.variables[node.id]), "get"), [], [])

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from grip_bt.compilers.resolve import Part, Resolved
+from grip_bt.formats.names import Identifiers
 from grip_bt.task import model
 
-from .identifiers import Identifiers
-
+TARGET = "a stand-alone py_trees file"
 ORDER = (
     *("variable", "bind", "labels", "scope", "precondition", "guard", "timeout"),
     *("chooser", "switch", "loop", "for_each", "cooldown", "exits", "exits_classes"),

@@ -9,7 +9,8 @@ from py_trees.common import Status
 
 from grip_bt.compilers import to_tree
 from grip_bt.compilers.leaves import implementation_of
-from grip_bt.formats.btcpp import ImportedFile, from_xml
+from grip_bt.formats.btcpp import from_xml
+from grip_bt.formats.imported import Imported
 from grip_bt.nodes import Leaf
 from grip_bt.runtime import ManualClock, TickEngine
 from grip_bt.task.catalog import Catalog, Manifest
@@ -25,7 +26,7 @@ def document(body: str, *more: str, models: str = "") -> str:
     return f'<root BTCPP_format="4" main_tree_to_execute="Main">{trees}{model}</root>'
 
 
-def imported(body: str, *more: str, models: str = "") -> ImportedFile:
+def imported(body: str, *more: str, models: str = "") -> Imported:
     """Return what a file becomes; it passes every check that is an error."""
     made = from_xml(document(body, *more, models=models), BUILTIN, "f.xml")
     report = validate(made.task, BUILTIN.with_manifests(made.manifests))

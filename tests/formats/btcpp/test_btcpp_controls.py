@@ -323,7 +323,7 @@ def test_set_blackboard_sets_by_the_type_of_the_port_that_reads() -> None:
 
 def test_a_port_is_taken_as_both_only_where_no_model_says_what_it_is() -> None:
     model = "<Action ID='A'><input_port name='p' type='int'/></Action>"
-    said = [str(remark) for remark in imported("<A p='{x}'/>", models=model).remarks]
-    assert not any("taken as both" in text for text in said)
-    said = [str(remark) for remark in imported("<A p='{x}'/>").remarks]
-    assert sum("'p'" in text and "taken as both" in text for text in said) == 1
+    said = [str(issue) for issue in imported("<A p='{x}'/>", models=model).issues]
+    assert not any("treated as input and output" in text for text in said)
+    said = [str(issue) for issue in imported("<A p='{x}'/>").issues]
+    assert sum("'p'" in text and "treated as input and output" in text for text in said) == 1

@@ -8,10 +8,11 @@ import pytest
 from btcpp_world import BUILTIN, document
 from work import calls_in
 
-from grip_bt.base.errors import DocumentError, GripError, RefusedFileError
+from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.compilers import to_tree
 from grip_bt.compilers.leaves import implementation_of
 from grip_bt.formats.btcpp import from_xml
+from grip_bt.formats.imported import ImportRefusedError
 from grip_bt.nodes.flow import Succeed
 from grip_bt.task import dumps, loads
 from grip_bt.task.validation import validate
@@ -49,9 +50,9 @@ def test_a_file_becomes_a_task_that_loads_passes_the_checks_and_compiles(file: P
 @pytest.mark.parametrize("name", REFUSED)
 def test_everything_that_has_no_equal_is_listed_at_once(name: str) -> None:
     file = FOLDER / name
-    with pytest.raises(RefusedFileError) as refused:
+    with pytest.raises(ImportRefusedError) as refused:
         from_xml(file.read_text(encoding="utf-8"), BUILTIN, file.name, FOLDER)
-    found = [(r.line, r.what) for r in refused.value.refused]
+    found = [(issue.line, issue.path) for issue in refused.value.issues]
     assert [(line, what.partition(">")[0].lstrip("<")) for line, what in found] == [(n, w) for n, w, _ in REFUSED[name]]
     for line, _, why in REFUSED[name]:
         assert f"{name}:{line}: " in str(refused.value)
@@ -128,19 +129,19 @@ PARTS: list[tuple[str, str]] = [
 
 @pytest.mark.parametrize(("body", "message"), PARTS, ids=[body for body, _ in PARTS])
 def test_a_part_without_an_equal_is_refused_by_name(body: str, message: str) -> None:
-    with pytest.raises(RefusedFileError) as refused:
+    with pytest.raises(ImportRefusedError) as refused:
         from_xml(document(body), BUILTIN, "f.xml")
     assert message in str(refused.value)
-    assert "f.xml:1: <" in str(refused.value)
+    assert "f.xml:1: error[no-equivalent] <" in str(refused.value)
 
 
 def test_all_refusals_of_a_file_are_listed_in_their_order() -> None:
     body = "<Sequence>\n<UnsetBlackboard key='a'/>\n<Fallback>\n<A _onHalted='x := 1'/>\n</Fallback>\n"
     body += "<Script code='?'/>\n</Sequence>"
-    with pytest.raises(RefusedFileError) as refused:
+    with pytest.raises(ImportRefusedError) as refused:
         from_xml(document(body), BUILTIN, "f.xml")
-    assert [refusal.line for refusal in refused.value.refused] == [2, 4, 6]
-    assert str(refused.value).startswith("f.xml: 3 parts have no exact equal in a task:")
+    assert [issue.line for issue in refused.value.issues] == [2, 4, 6]
+    assert str(refused.value).startswith("f.xml can't be converted to a task: 3 parts have no exact equivalent:")
 
 
 HOSTILE: list[tuple[str, str, str]] = [
@@ -151,7 +152,7 @@ HOSTILE: list[tuple[str, str, str]] = [
     ("file", '<!DOCTYPE r [<!ENTITY a SYSTEM "file:///etc/passwd">]><root>&a;</root>', "a document type"),
     ("deep", "<root>" + "<Sequence>" * 10_000, "nested deeper than"),
     ("huge", "<root>" + "<!-- x -->" * 500_000, "larger than"),
-    ("other", "<robot/>", 'a file of BT.CPP begins with <root BTCPP_format="4">'),
+    ("other", "<robot/>", 'a file of BehaviorTree.CPP begins with <root BTCPP_format="4">'),
     ("version 3", "<root BTCPP_format='3'/>", "convert_v3_to_v4.py makes one"),
     ("no tree", "<root BTCPP_format='4'/>", "there is no <BehaviorTree>"),
     (
@@ -166,7 +167,11 @@ HOSTILE: list[tuple[str, str, str]] = [
         "no <BehaviorTree ID='B'>",
     ),
     ("stray", "<root BTCPP_format='4'><Sequence/></root>", "isn't <BehaviorTree>, <TreeNodesModel> or <include>"),
-    ("package", "<root BTCPP_format='4'><include ros_pkg='p' path='a.xml'/></root>", "lies in the ROS package 'p'"),
+    (
+        "package",
+        "<root BTCPP_format='4'><include ros_pkg='p' path='a.xml'/></root>",
+        "ROS packages are not searched for included files ('p')",
+    ),
     ("outside", "<root BTCPP_format='4'><include path='../../pyproject.toml'/></root>", "there is no file"),
     ("absolute", "<root BTCPP_format='4'><include path='/etc/passwd'/></root>", "there is no file"),
     ("empty tree", "<root BTCPP_format='4'><BehaviorTree ID='A'/></root>", "needs one node inside"),

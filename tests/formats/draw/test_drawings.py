@@ -7,10 +7,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from grip_bt.formats.draw import to_dot, to_mermaid, to_svg
-from grip_bt.formats.draw.flow import flow_figure
 from grip_bt.formats.draw.layered import Edge, Item, place
-from grip_bt.formats.draw.tidy import Twig, is_spread, stack
-from grip_bt.formats.draw.tree import tree_figure
+from grip_bt.formats.draw.layout import TreeItem, is_tall, place_tree
+from grip_bt.formats.draw.views import flow_figure, tree_figure
 from grip_bt.task import Leaf, Sequence, StateMachine, Task, load, walk
 from grip_bt.task.catalog import Catalog
 
@@ -112,8 +111,8 @@ def test_a_long_sequence_is_wrapped_into_rows():
 
 def twigs():
     return st.recursive(
-        st.builds(Twig, st.floats(10, 80)),
-        lambda below: st.builds(Twig, st.floats(10, 80), st.lists(below, max_size=4)),
+        st.builds(TreeItem, st.floats(10, 80)),
+        lambda below: st.builds(TreeItem, st.floats(10, 80), st.lists(below, max_size=4)),
         max_leaves=25,
     )
 
@@ -121,7 +120,7 @@ def twigs():
 @settings(deadline=None)
 @given(twigs())
 def test_a_tidy_tree_keeps_order_and_distance_in_each_column(root):
-    stack(root, 5.0)
+    place_tree(root, 5.0)
     column = [root]
     while column:
         for upper, lower in zip(column, column[1:], strict=False):
@@ -129,7 +128,7 @@ def test_a_tidy_tree_keeps_order_and_distance_in_each_column(root):
         for twig in column:
             if twig.below:
                 first, last = twig.below[0].y, twig.below[-1].y
-                assert twig.y == pytest.approx(first if is_spread(twig) else (first + last) / 2)
+                assert twig.y == pytest.approx(first if is_tall(twig) else (first + last) / 2)
         column = [child for twig in column for child in twig.below]
 
 

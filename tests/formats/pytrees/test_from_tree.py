@@ -21,7 +21,9 @@ from random_trees import make_tree
 
 from grip_bt.base.errors import InvalidTaskError
 from grip_bt.compilers import CompiledTree, to_tree
-from grip_bt.formats.pytrees import RefusedTreeError, to_task
+from grip_bt.formats.imported import ImportRefusedError
+from grip_bt.formats.pytrees import to_task
+from grip_bt.formats.pytrees.executed import told
 from grip_bt.runtime import ManualClock
 from grip_bt.task import Task, dumps
 from grip_bt.task.catalog import AllowedImports, Catalog
@@ -60,7 +62,7 @@ def test_a_compiled_task_gives_its_document_back(random: Random, flavour: int) -
     again = to_task(tree)
     assert again.task == task
     assert dumps(again.task) == dumps(task)
-    assert (again.names, again.remarks) == ({}, ())
+    assert again.issues == ()
 
 
 def statuses(root: Behaviour) -> list[str]:
@@ -91,7 +93,7 @@ def test_a_tree_and_its_task_have_the_same_statuses_at_every_tick(monkeypatch: p
 
 
 def test_every_composite_and_decorator_of_py_trees_has_an_equal_or_a_reason() -> None:
-    from grip_bt.formats.pytrees.kinds import _KNOWN, _WHY
+    from grip_bt.formats.pytrees.classes import _KNOWN, _WHY
 
     abstract = {composites.Composite, decorators.Decorator}
     for module in (composites, decorators):
@@ -118,14 +120,14 @@ def stuck() -> Behaviour:
 )
 def test_what_has_no_equal_is_refused_with_its_path_and_the_reason(node: Any, why: str) -> None:
     root = composites.Sequence("root", True, [behaviours.Success("fine"), decorators.Inverter("not", node())])
-    with pytest.raises(RefusedTreeError, match=f"not/x: .*{why}"):
+    with pytest.raises(ImportRefusedError, match=f"not/x: .*{why}"):
         to_task(root)
 
 
 def test_all_refusals_are_found_at_once() -> None:
-    with pytest.raises(RefusedTreeError) as caught:
+    with pytest.raises(ImportRefusedError) as caught:
         to_task(composites.Sequence("root", True, [Odd([]), decorators.Count("count", Odd([object()]))]))
-    assert [remark.path for remark in caught.value.refused] == ["count", "count/odd"]
+    assert [issue.path for issue in caught.value.issues] == ["count", "count/odd"]
 
 
 class Odd(Behaviour):
@@ -171,7 +173,7 @@ def test_a_behaviour_that_would_not_be_the_same_is_refused(behaviour: Any, why: 
     made = behaviour()
     if isinstance(made, Odd):
         made.later = "set after it was made"
-    with pytest.raises(RefusedTreeError, match=why):
+    with pytest.raises(ImportRefusedError, match=why):
         to_task(composites.Sequence("root", True, [made]))
 
 
@@ -179,7 +181,8 @@ def test_names_that_a_task_cannot_have_are_told() -> None:
     children = [behaviours.Success(name) for name in ("a.b", "a_b", "a.b", "7", "fine")]
     found = to_task(composites.Sequence("my tree!", True, children))
     assert list(found.task.root.children) == ["a_b_2", "a_b", "a_b_3", "n_7", "fine"]
-    assert found.names == {"a_b_2": "a.b", "a_b_3": "a.b", "n_7": "7"}
+    renamed = {issue.path: issue.message for issue in found.issues if issue.code == "renamed"}
+    assert renamed == {"a_b_2": "was called 'a.b'", "a_b_3": "was called 'a.b'", "n_7": "was called '7'"}
     assert found.task.name == "my tree"
 
 
@@ -224,9 +227,9 @@ def test_variables_of_a_tree_without_its_document_are_refused() -> None:
     children = {"log": log, "guard": guard, "if": {**STEP, "precondition": "v > 2"}}
     tree = compiled({"kind": "sequence", "data": {"v": {"type": "int", "value": 2}}, "children": children})
     assert to_task(tree).task == tree.task
-    with pytest.raises(RefusedTreeError) as caught:
+    with pytest.raises(ImportRefusedError) as caught:
         to_task(tree.root)
-    assert [remark.path for remark in caught.value.refused] == ["/", "log", "guard", "if"]
+    assert [issue.path for issue in caught.value.issues] == ["/", "log", "guard", "if"]
 
 
 def test_what_was_changed_on_the_behaviours_is_in_the_document() -> None:
@@ -266,6 +269,4 @@ def test_what_comes_out_is_checked_like_any_task() -> None:
 
 @pytest.mark.parametrize("where", ["json", "json:", ":loads", ":", ""])
 def test_a_place_without_a_module_or_a_name_is_told_how_it_is_written(where: str) -> None:
-    from grip_bt.formats.pytrees.executed import _told
-
-    assert _told(where) == {"error": "write `package.module:factory`"}
+    assert told(where) == {"error": "write `package.module:factory`"}

@@ -141,14 +141,14 @@ def test_long_texts_keep_the_file_formatted(texts: list[str]) -> None:
 
 
 def test_what_has_no_equal_is_refused_by_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
-    from grip_bt.formats.standalone import refusals
+    from grip_bt.formats.standalone import containers
 
     task = {"kind": "sequence", "children": {"odd": {"kind": "invert", "child": {"x": {"node": "flow/fail"}}}}}
-    known = {kind: keys for kind, keys in refusals._KNOWN.items() if kind.__name__ != "Invert"}
-    monkeypatch.setattr(refusals, "_KNOWN", known)
+    known = {kind: keys for kind, keys in containers._KNOWN.items() if kind.__name__ != "Invert"}
+    monkeypatch.setattr(containers, "_KNOWN", known)
     with pytest.raises(NotExpressibleError, match="odd: a invert can't be expressed exactly as a stand-alone"):
         of(task)
-    monkeypatch.setattr(refusals, "_KNOWN", {**known, **{k: v - {"memory"} for k, v in known.items()}})
+    monkeypatch.setattr(containers, "_KNOWN", {**known, **{k: v - {"memory"} for k, v in known.items()}})
     with pytest.raises(NotExpressibleError, match="/: `memory` of a sequence"):
         of({"kind": "sequence", "memory": False, "children": {}})
 

@@ -1,0 +1,121 @@
+"""Values and expressions of a task as texts of BT.CPP that mean the same."""
+
+from __future__ import annotations
+
+import ast
+import json
+import re
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from grip_bt.base.expression import CONSTANTS, parse_expression
+
+from .blackboard import key_of
+from .leaves import value_of_text
+
+_WRONG = re.compile("[^\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+"""What isn't a character of XML, or comes back from an attribute as a blank."""
+_COMPARISONS: dict[type[ast.cmpop], str] = {
+    ast.Eq: "==",
+    ast.NotEq: "!=",
+    ast.Lt: "<",
+    ast.LtE: "<=",
+    ast.Gt: ">",
+    ast.GtE: ">=",
+}
+_ARITHMETIC: dict[type[ast.operator], str] = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}
+
+
+def attribute_text(value: Any, type_name: str) -> str:
+    """Return the text that BT.CPP's attributes hold for a value of this type.
+
+    Raises:
+        ValueError: no text is read as this value.
+    """
+    if isinstance(value, bool):
+        text = "true" if value else "false"
+    elif value is None:
+        text = "null"
+    elif isinstance(value, str):
+        text = value
+    elif isinstance(value, int | float):
+        text = repr(value)
+    else:
+        text = "json:" + json.dumps(value)
+    back = value_of_text(text, type_name)
+    if back != value or type(back) is not type(value) or key_of(text, "") is not None or _WRONG.search(text):
+        raise ValueError(f"{value!r} has no text that is read as {type_name}")
+    return text
+
+
+def script_of(text: str, type_of: Callable[[str], str], names: Mapping[str, str] | None = None) -> str:
+    """Return an expression of a task as a script that comes to the same.
+
+    Args:
+        text: the expression.
+        type_of: variable -> its type.
+        names: what the expression calls a variable -> the variable; without it, by its name.
+
+    Raises:
+        ValueError: BT.CPP has no words for a part of it, or means something else by them.
+    """
+    return _Writer(type_of, names or {}).text(parse_expression(text).tree)
+
+
+class _Writer:
+    def __init__(self, type_of: Callable[[str], str], names: Mapping[str, str]):
+        self.type_of, self.names = type_of, names
+
+    def text(self, node: ast.expr) -> str:
+        match node:
+            case ast.Constant(value=bool() as value):
+                return str(value).lower()
+            case ast.Constant(value=int() | float() as value):
+                return repr(value)
+            case ast.Constant(value=str() as value) if value.isascii() and value.isprintable():
+                if "'" not in value:
+                    return f"'{value}'"
+                if '"' not in value:
+                    return f'"{value}"'
+            case ast.Name(id=name) if isinstance(CONSTANTS.get(name), bool):
+                return name
+            case ast.Name(id=name) if name not in CONSTANTS:
+                return self.names.get(name, name)
+            case ast.UnaryOp(op=ast.Not(), operand=operand):
+                return f"!{self.inside(operand)}"
+            case ast.UnaryOp(op=ast.USub(), operand=operand):
+                return f"-{self.inside(operand)}"
+            case ast.BoolOp(op=op, values=values):
+                return (" && " if isinstance(op, ast.And) else " || ").join(self.operand(v) for v in values)
+            case ast.BinOp(left=left, op=op, right=right) if type(op) in _ARITHMETIC:
+                return f"{self.inside(left)} {_ARITHMETIC[type(op)]} {self.inside(right)}"
+            case ast.Compare(left=left, ops=ops, comparators=others) if all(type(op) in _COMPARISONS for op in ops):
+                return self.comparison([left, *others], [_COMPARISONS[type(op)] for op in ops])
+        raise ValueError(f"`{ast.unparse(node)}` has no equal")
+
+    def comparison(self, operands: list[ast.expr], signs: list[str]) -> str:
+        for sign in signs:
+            if sign in ("==", "!=") and not all(self.exact(operand) for operand in operands):
+                raise ValueError("BT.CPP takes numbers within 1.2e-7 for equal; compare whole numbers, texts or truth")
+        text = self.inside(operands[0])
+        for sign, operand in zip(signs, operands[1:], strict=True):
+            text += f" {sign} {self.inside(operand)}"
+        return text
+
+    def exact(self, node: ast.expr) -> bool:
+        """Tell whether equality with this operand is the same in both languages."""
+        if isinstance(node, ast.Constant):
+            return isinstance(node.value, bool | int | str)
+        if isinstance(node, ast.Name):
+            return node.id in CONSTANTS or self.type_of(self.names.get(node.id, node.id)) in ("int", "bool", "str")
+        return False
+
+    def operand(self, node: ast.expr) -> str:
+        """Return an operand of `&&` and `||`, which bind equally there."""
+        return f"({self.text(node)})" if isinstance(node, ast.BoolOp) else self.text(node)
+
+    def inside(self, node: ast.expr) -> str:
+        """Return an operand of anything else."""
+        text = self.text(node)
+        simple = isinstance(node, ast.Name) or (isinstance(node, ast.Constant) and not text.startswith("-"))
+        return text if simple else f"({text})"

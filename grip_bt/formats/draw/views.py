@@ -1,0 +1,228 @@
+"""The two views of a task: a tree of boxes, and containers as frames with the links inside."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import replace
+
+from grip_bt.task import AnyNode, Fallback, Leaf, Sequence, Task, children_of, join, walk
+from grip_bt.task.catalog import Catalog
+
+from .layered import Edge, Item, Placed, place
+from .layout import (
+    NAME_SIZE,
+    TEXT_SIZE,
+    Box,
+    Figure,
+    Line,
+    Pill,
+    Point,
+    TreeItem,
+    is_long,
+    is_tall,
+    place_tree,
+    rows_figure,
+    shortened,
+    text_width,
+)
+from .scheme import Link, describe, details, kind_of, links_of, outcomes_shown
+
+_PAD, _COLUMN_GAP, _ROW_GAP, _MARGIN = 10.0, 44.0, 12.0, 20.0
+LINE_HEIGHT = 15.0
+ICON = 20.0
+
+
+def box_of(name: str, node: AnyNode, catalog: Catalog, lines: list[str]) -> Box:
+    """Return a node's box at the origin, as large as its words need."""
+    shown = tuple(shortened(line) for line in lines)
+    kind = kind_of(node)
+    icon = 0.0 if kind == "leaf" else ICON
+    width = icon + text_width(shortened(name), NAME_SIZE, bold=True)
+    width = max([width, 70.0, *(text_width(line, TEXT_SIZE) for line in shown)])
+    title = node.doc
+    if not title and isinstance(node, Leaf) and node.node in catalog:
+        title = catalog.get(node.node).doc
+    height = 2 * _PAD + NAME_SIZE + len(shown) * LINE_HEIGHT
+    return Box(0, 0, width + 2 * _PAD, height, kind, shortened(name), shown, title)
+
+
+def tree_figure(task: Task, catalog: Catalog) -> Figure:
+    """Lay out a task as a tree."""
+    boxes: dict[str, Box] = {}
+    items: dict[str, TreeItem] = {}
+    columns: defaultdict[int, float] = defaultdict(float)
+    depth: dict[str, int] = {}
+    for path, node in walk(task.root):
+        name = task.name if path == "/" else path.rpartition("/")[2]
+        box = box_of(name, node, catalog, [describe(node), *details(node)])
+        boxes[path], items[path] = box, TreeItem(box.height)
+        if path != "/":
+            parent = _parent(path)
+            items[parent].below.append(items[path])
+            depth[path] = depth[parent] + 1
+        else:
+            depth[path] = 0
+        columns[depth[path]] = max(columns[depth[path]], box.width)
+    place_tree(items["/"], _ROW_GAP)
+    return _placed(boxes, items, columns, depth)
+
+
+def _parent(path: str) -> str:
+    return path.rpartition("/")[0] or "/"
+
+
+def _placed(
+    boxes: dict[str, Box], items: dict[str, TreeItem], columns: dict[int, float], depth: dict[str, int]
+) -> Figure:
+    left = [_MARGIN]
+    for column in range(len(columns)):
+        left.append(left[-1] + columns[column] + _COLUMN_GAP)
+    up = min(t.y - t.height / 2 for t in items.values()) - _MARGIN
+    figure = Figure(
+        width=left[-1] - _COLUMN_GAP + _MARGIN,
+        height=max(t.y + t.height / 2 for t in items.values()) - up + _MARGIN,
+    )
+    for path, box in boxes.items():
+        x, y = left[depth[path]], items[path].y - up
+        figure.boxes.append(replace(box, x=x, y=y - box.height / 2, path=path))
+        if path != "/":
+            parent = boxes[_parent(path)]
+            start = left[depth[path] - 1] + parent.width
+            bend = left[depth[path]] - _COLUMN_GAP  # every line of a column curves in the same place
+            from_y = items[_parent(path)].y - up
+            bend = max(start, bend)
+            points: tuple[tuple[float, float], ...] = ((start, from_y), (bend, from_y), (x, y))
+            if is_tall(items[_parent(path)]):  # curves as long as that would lie over each other
+                trunk = (bend + x) / 2
+                points = ((start, from_y), (trunk, from_y), (trunk, y), (x, y))
+            figure.lines.append(Line(points, arrow=False, axis="x"))
+    return figure
+
+
+_FRAME_PAD, _HEADER, _GAP, _RANK_GAP, _FLOW_MARGIN = 14.0, 30.0, 22.0, 13.0, 20.0
+_PILL_HEIGHT, _START, _LABEL_HEIGHT, _LOOP = 22.0, 12.0, 15.0, 26.0
+_PORT_GAP = 16.0
+
+
+def flow_figure(task: Task, catalog: Catalog) -> Figure:
+    """Lay out a task as nested flow charts."""
+    inner = _node_figure(task.name, "/", task.root, catalog)
+    figure = Figure(inner.width + 2 * _FLOW_MARGIN, inner.height + 2 * _FLOW_MARGIN)
+    figure.add(inner, _FLOW_MARGIN, _FLOW_MARGIN)
+    return figure
+
+
+def _node_figure(name: str, path: str, node: AnyNode, catalog: Catalog) -> Figure:
+    if isinstance(node, Leaf):
+        lines = [describe(node), *([f"only if {node.precondition}"] if node.precondition else [])]
+        if node.with_:
+            lines.append(", ".join(f"{k}={v}" for k, v in node.with_.items()))
+        box = replace(box_of(name, node, catalog, lines), path=path)
+        return Figure(box.width, box.height, [box])
+    children = {n: _node_figure(n, join(path, n), child, catalog) for n, child in children_of(node).items()}
+    outcomes, links, parts = outcomes_shown(node), links_of(node), list(children.values())
+    if isinstance(node, Sequence | Fallback) and not outcomes and is_long(parts):
+        inside = rows_figure(parts, links[0].label)
+    else:
+        inside = _inside(children, outcomes, links)
+    words = describe(node) + (f", only if {node.precondition}" if node.precondition else "")
+    header = ICON + text_width(name, NAME_SIZE, bold=True) + 10 + text_width(words, TEXT_SIZE)
+    width = max(inside.width, header) + 2 * _FRAME_PAD
+    height = _HEADER + inside.height + _FRAME_PAD
+    frame = Box(0, 0, width, height, kind_of(node), name, (words,), node.doc, True, path)
+    figure = Figure(width, height, [frame])
+    figure.add(inside, (width - inside.width) / 2, _HEADER)
+    return figure
+
+
+def _inside(children: dict[str, Figure], outcomes: dict[str, str], links: list[Link]) -> Figure:
+    """Lay out what is in one frame."""
+    loops = {link.source: link for link in links if link.source == link.target and not link.to_outcome}
+    items: dict[str, Item] = {}
+    if any(not link.source for link in links):
+        items[""] = Item(_START, _START)
+    for name, child in children.items():
+        room = 0.0
+        if name in loops:
+            room = 2 * (_LOOP + text_width(loops[name].label, TEXT_SIZE) + 4)
+        items[name] = Item(child.width + room, child.height)
+    for name in outcomes:
+        items[_pill(name)] = Item(text_width(name, TEXT_SIZE) + 36, _PILL_HEIGHT)
+    if not items:
+        return Figure()
+    edges = [_edge(link) for link in links if link not in loops.values()]
+    placed = place(items, edges, [_pill(name) for name in outcomes], _GAP, _RANK_GAP)
+    figure = Figure(placed.width, placed.height)
+    ends = _ends(items, edges, placed, {n: c.width for n, c in children.items()})
+    shown = [link for link in links if link not in loops.values()]
+    for number, (link, edge) in enumerate(zip(shown, edges, strict=True)):
+        figure.lines.append(_line(link, edge, ends[number], placed))
+    for name, child in children.items():
+        item = items[name]
+        top = placed.tops[item.rank]
+        figure.add(child, item.x - child.width / 2, top)
+        if name in loops:
+            figure.lines.append(_loop(loops[name], item.x + child.width / 2, top, child.height))
+    for name, meaning in outcomes.items():
+        item = items[_pill(name)]
+        y = placed.tops[item.rank]
+        figure.pills.append(Pill(item.x - item.width / 2, y, item.width, item.height, name, meaning))
+    if "" in items:
+        x, y = items[""].x - _START / 2, placed.tops[items[""].rank]
+        figure.pills.append(Pill(x, y, _START, _START, "", "start"))
+    return figure
+
+
+def _pill(outcome: str) -> str:
+    return f"/{outcome}"  # no child's name has a slash
+
+
+def _edge(link: Link) -> Edge:
+    size = (text_width(link.label, TEXT_SIZE) + 8, _LABEL_HEIGHT) if link.label else (0.0, 0.0)
+    return Edge(link.source, _pill(link.target) if link.to_outcome else link.target, size)
+
+
+def _ends(
+    items: dict[str, Item], edges: list[Edge], placed: Placed, widths: dict[str, float]
+) -> list[tuple[Point, Point]]:
+    """Return where each edge leaves its source and meets its target, spread over the boxes' edges."""
+    sides: dict[tuple[str, bool], list[tuple[float, int, bool]]] = {}
+    for number, edge in enumerate(edges):
+        down = items[edge.source].rank <= items[edge.target].rank
+        first = edge.bends[0].x if edge.bends else items[edge.target].x
+        end = edge.bends[-1].x if edge.bends else items[edge.source].x
+        sides.setdefault((edge.source, down), []).append((first, number, True))
+        sides.setdefault((edge.target, not down), []).append((end, number, False))
+    points: dict[tuple[int, bool], Point] = {}
+    for (name, lower), touching in sides.items():
+        item = items[name]
+        width = widths.get(name, item.width) - 12
+        step = min(_PORT_GAP, width / max(len(touching), 1))
+        y = placed.tops[item.rank] + (item.height if lower else 0.0)
+        for position, (_, number, leaving) in enumerate(sorted(touching)):
+            x = item.x + (position - (len(touching) - 1) / 2) * step
+            points[number, leaving] = (x, y)
+    return [(points[number, True], points[number, False]) for number in range(len(edges))]
+
+
+def _line(link: Link, edge: Edge, ends: tuple[Point, Point], placed: Placed) -> Line:
+    points = [ends[0]]
+    for item in edge.bends:
+        top = placed.tops[item.rank]
+        bottom = top + placed.heights[item.rank]
+        down = ends[0][1] <= ends[1][1]
+        points.extend([(item.x, top), (item.x, bottom)] if down else [(item.x, bottom), (item.x, top)])
+    points.append(ends[1])
+    at = (0.0, 0.0)
+    if edge.label_item is not None:
+        rank = edge.label_item.rank
+        at = (edge.label_item.x, placed.tops[rank] + placed.heights[rank] / 2)
+    return Line(tuple(points), link.label, at)
+
+
+def _loop(link: Link, x: float, top: float, height: float) -> Line:
+    """Return a line from a box's right side to itself."""
+    low, high = top + min(height, 60) * 0.7, top + min(height, 60) * 0.3
+    out = x + _LOOP - 8
+    at = (out + 6 + text_width(link.label, TEXT_SIZE) / 2, (low + high) / 2)
+    return Line(((x, low), (out, low), (out, high), (x, high)), link.label, at, axis="x")

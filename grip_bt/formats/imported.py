@@ -1,0 +1,182 @@
+"""What an import of any source takes and gives: tasks, what has to go with them, and what was found."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import groupby
+from pathlib import Path
+from typing import Literal
+
+from pydantic import JsonValue
+
+from grip_bt.base.errors import GripError, listing
+from grip_bt.base.issue import Issue, Severity, ordered
+from grip_bt.task import Task, model, walking
+from grip_bt.task.catalog import Catalog, Manifest
+
+CODES: dict[str, Severity] = {
+    "unreadable": "error",
+    "no-equivalent": "error",
+    "incomplete": "warning",
+    "changed": "info",
+    "renamed": "info",
+    "left-out": "info",
+    "null-at-first": "info",
+}
+"""What an import may find; `docs/validation_rules.md` explains each."""
+
+Verdict = Literal["exact", "partial", "failed"]
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is imported.
+
+    Attributes:
+        path: a file, a folder, or `module:factory`.
+        catalog: gives the nodes of the project that the tasks are for.
+        nodes: that project's folder of nodes.
+        bound: the folder that files which it includes have to lie in; its own by default.
+        select: the only tree or machine that is wanted; empty for all.
+        execute: whether the source's code may be run.
+        arguments: what is given to that code: class or function -> parameter -> value.
+    """
+
+    path: Path
+    catalog: Callable[[], Catalog] = Catalog.builtin
+    nodes: Path = Path("nodes")
+    bound: Path | None = None
+    select: str = ""
+    execute: bool = False
+    arguments: Mapping[str, Mapping[str, JsonValue]] = field(default_factory=dict)
+
+
+class Issues:
+    """Collects what is found, each thing once.
+
+    Args:
+        source: the file that it is about.
+    """
+
+    def __init__(self, source: str = ""):
+        self.source = source
+        self._found: dict[Issue, None] = {}
+
+    def add(self, code: str, path: str, message: str, source: str = "", line: int | None = None) -> None:
+        """Note something; its code says how severe it is."""
+        self._found[Issue(path, code, CODES[code], message, line=line, source=source or self.source)] = None
+
+    def extend(self, issues: Iterable[Issue]) -> None:
+        """Note what was found elsewhere."""
+        self._found |= dict.fromkeys(issues)
+
+    def __iter__(self) -> Iterator[Issue]:
+        """Yield them in the order in which they were found."""
+        return iter(self._found)
+
+    @property
+    def errors(self) -> tuple[Issue, ...]:
+        """What has no equivalent in a task, in the order of the text."""
+        return ordered(self._found).errors
+
+    def raise_if_refused(self, what: str) -> None:
+        """Raise ImportRefusedError with all errors if there are any."""
+        if self.errors:
+            raise ImportRefusedError(what, self.errors)
+
+
+class ImportRefusedError(GripError):
+    """Parts of a tree, a machine or a file have no exact equivalent in a task; nothing was made of it.
+
+    Attributes:
+        what: what was to be converted.
+        issues: each of the parts, with its place and the reason.
+    """
+
+    def __init__(self, what: str, issues: Iterable[Issue]):
+        self.what, self.issues = what, tuple(issues)
+        parts = "1 part has" if len(self.issues) == 1 else f"{len(self.issues)} parts have"
+        listed = "".join(f"\n  {issue}" for issue in self.issues)
+        super().__init__(f"{what} can't be converted to a task: {parts} no exact equivalent:{listed}")
+
+
+@dataclass(frozen=True)
+class Item:
+    """One machine of a source: what it is, where, and what was found about it."""
+
+    name: str
+    source: str
+    line: int
+    issues: tuple[Issue, ...] = ()
+
+    @property
+    def verdict(self) -> Verdict:
+        """How well it was imported: `partial` has gaps that a person can fill, `failed` isn't in the task."""
+        severities = {issue.severity for issue in self.issues}
+        return "failed" if "error" in severities else "partial" if "warning" in severities else "exact"
+
+
+@dataclass(frozen=True)
+class Imported:
+    """What became of a source.
+
+    Attributes:
+        tasks: by the name that their files have.
+        issues: what was found, but for what the items have.
+        items: its machines, where several can be in one file.
+        manifests: node types that the catalogue doesn't have; their code is still to be written.
+        files: path in the project -> text, tasks not among them; `nodes/...` is the project's folder of nodes.
+        copies: path in the project -> a file that is copied as it is.
+        advice: what somebody can do about what wasn't imported.
+    """
+
+    tasks: Mapping[str, Task]
+    issues: tuple[Issue, ...] = ()
+    items: tuple[Item, ...] = ()
+    manifests: tuple[Manifest, ...] = ()
+    files: Mapping[str, str] = field(default_factory=dict)
+    copies: Mapping[str, Path] = field(default_factory=dict)
+    advice: tuple[str, ...] = ()
+
+    @property
+    def task(self) -> Task:
+        """The only task.
+
+        Raises:
+            GripError: there are others, or none.
+        """
+        if len(self.tasks) != 1:
+            raise GripError(f"one task is expected, and these were imported: {listing(self.tasks)}")
+        return next(iter(self.tasks.values()))
+
+    @property
+    def failed(self) -> bool:
+        """Whether something wasn't imported."""
+        every = [*self.issues, *(issue for item in self.items for issue in item.issues)]
+        return any(issue.severity == "error" for issue in every)
+
+    def text(self) -> str:
+        """Return the report that `grip import` prints."""
+        lines = []
+        for source, group in groupby(self.items, key=lambda item: item.source):
+            items = list(group)
+            verdicts = [item.verdict for item in items]
+            counts = [f"{verdicts.count(v)} {v}" for v in ("exact", "partial", "failed") if v in verdicts]
+            lines.append(f"{source}: {', '.join(counts)}")
+            for item in items:
+                lines.append(f"  {item.verdict:<8}{item.line:>5}  {item.name}")
+                lines += [f"{'':>17}{issue}" for issue in item.issues]
+        for name, task in self.tasks.items():
+            lines += self._task_lines(name, task)
+        lines += [f"  {issue}" for issue in self.issues]
+        if self.manifests:
+            lines.append(f"  nodes whose code has to be written: {listing(m.id for m in self.manifests)}")
+        lines += [f"  to do: {line}" for line in self.advice]
+        return "\n".join(lines) + "\n"
+
+    def _task_lines(self, name: str, task: Task) -> list[str]:
+        nodes = [node for _, node in walking.walk(task.root)]
+        types = sorted({n.node for n in nodes if isinstance(n, model.Leaf)} - {m.id for m in self.manifests})
+        sizes = f"{len(nodes)} nodes, {len(task.data)} variables, {len(task.inputs)} inputs"
+        return [f"task {name}: {sizes}, {len(task.outcomes)} outcomes", f"  node types: {listing(types)}"]

@@ -1,0 +1,221 @@
+"""Walking a tree of behaviours and writing the task that does the same."""
+
+from __future__ import annotations
+
+import inspect
+import sys
+from collections.abc import Mapping
+from typing import Any
+
+from py_trees.behaviour import Behaviour
+
+from grip_bt.compilers.to_tree import CompiledTree
+from grip_bt.formats.imported import Imported, Issues
+from grip_bt.formats.names import distinct, node_name
+from grip_bt.nodes import control
+from grip_bt.nodes.node import Node
+from grip_bt.task import model, walking
+
+from .classes import ENDS, Equal, NoEqual, edges_of, equal_of, from_document, from_face, is_known
+
+_COMPOSITES = {name for name, kind in model.KINDS.items() if "children" in kind.model_fields}
+
+
+def to_task(tree: CompiledTree | Behaviour, name: str = "") -> Imported:
+    """Return the task of a tree.
+
+    A compiled task gives its own document back, with what was changed on its behaviours since: nodes added, removed
+    or moved, settings changed. Any other tree is read class by class; a behaviour that has no equal in a task is
+    refused, never approximated.
+
+    Args:
+        tree: a compiled task, or the root of any py_trees tree.
+        name: the task's name; by default the document's, or the root's.
+
+    Raises:
+        ImportRefusedError: behaviours have no equivalent; the error names each with its path and the reason.
+    """
+    reader = Reader(_documents(tree) if isinstance(tree, CompiledTree) else {})
+    root = tree.root if isinstance(tree, CompiledTree) else tree
+    keys = reader.node(root, "/")
+    reader.issues.raise_if_refused("the tree")
+    if isinstance(tree, CompiledTree):
+        task = tree.task.model_dump(by_alias=True, exclude_unset=True, exclude={"root"})
+    else:
+        meaning = dict(getattr(root, "meaning", control.PLAIN))
+        task = {"grip": model.FORMAT_VERSION, "name": node_name(root.name)}
+        task |= {"outcomes": meaning} if meaning != control.PLAIN else {}
+    task |= {"root": keys, **({"name": name} if name else {})}
+    made = model.Task.model_validate(task)
+    return Imported({made.name: made}, tuple(reader.issues))
+
+
+def _documents(compiled: CompiledTree) -> dict[int, model.AnyNode]:
+    """Return what the document says of each behaviour, by its `id`."""
+    return {id(compiled.by_path[path]): node for path, node in walking.walk(compiled.task.root)}
+
+
+class Reader:
+    """Reads behaviours, one by one.
+
+    Args:
+        documents: what the document says of behaviours that were made of one, by `id`.
+    """
+
+    def __init__(self, documents: Mapping[int, model.AnyNode]):
+        self.documents = documents
+        self.issues = Issues()
+
+    def node(self, behaviour: Behaviour, path: str) -> dict[str, Any]:
+        """Return the keys of a node and of all below it."""
+        equal = self.equal(behaviour, path)
+        keys = dict(equal.settings)
+        if equal.remark:
+            self.issues.add("changed", path, equal.remark)
+        if keys.get("kind") in ("foreign", "subtask"):
+            return keys  # what is below stands elsewhere
+        children = self.children(behaviour, path)
+        if equal.failures:
+            keys["exits"] = {
+                f"{name}.{label}": "failure"
+                for (name, below), child in zip(children.items(), behaviour.children, strict=True)
+                for label, means in _ends(child, below).items()
+                if means == "failure"
+            }
+        if equal.selected:
+            keys["rules"] = _rules(behaviour, children, equal.selected)
+        if "node" in keys or keys["kind"] == "foreign":
+            return keys
+        return {**keys, "children" if keys["kind"] in _COMPOSITES else "child": children}
+
+    def equal(self, behaviour: Behaviour, path: str) -> Equal:
+        """Return what one behaviour is; what has no equal is noted, so that all of them are found."""
+        try:
+            document = self.documents.get(id(behaviour))
+            if isinstance(behaviour, Node) and document is not None:
+                return Equal(from_document(behaviour, document))
+            if isinstance(behaviour, Node):
+                return Equal(from_face(behaviour))
+            if not is_known(behaviour):
+                name = path.rsplit("/", 1)[-1] if path != "/" else behaviour.name
+                return Equal(
+                    foreign_of(behaviour, name),
+                    remark="kept as it is, as a foreign behaviour; list it under `code:` in grip.yaml",
+                )
+            return equal_of(behaviour)
+        except NoEqual as why:
+            self.issues.add("no-equivalent", path, str(why))
+            return Equal({"kind": "sequence"})
+
+    def children(self, behaviour: Behaviour, path: str) -> dict[str, dict[str, Any]]:
+        """Return the children of a behaviour by name."""
+        result: dict[str, dict[str, Any]] = {}
+        if isinstance(behaviour, control.Foreign):
+            return result  # what it holds is said by its import path
+        names = distinct(child.name for child in behaviour.children)
+        for name, child in zip(names, behaviour.children, strict=True):
+            below = walking.join(path, name)
+            if name != child.name:
+                self.issues.add("renamed", below, f"was called {child.name!r}")
+            result[name] = self.node(child, below)
+            on = edges_of(behaviour, child.name)
+            if on and id(child) not in self.documents:
+                result[name]["on"] = on
+        return result
+
+
+def _rules(behaviour: Behaviour, children: Mapping[str, Any], selected: tuple[int, ...]) -> list[dict[str, Any]]:
+    """Return the rules of a parallel that succeeds with some of its children: any failure comes before that."""
+    when: dict[str, Any] = {}
+    for (name, below), child in zip(children.items(), behaviour.children, strict=True):
+        labels = [label for label, means in _ends(child, below).items() if means == "success"]
+        when[name] = labels[0] if len(labels) == 1 else labels
+    chosen = [name for n, name in enumerate(children) if n in selected]
+    return [
+        {"at_least": 1, "ends": "failure", "then": "failure"},
+        {"when": {name: when[name] for name in chosen}, "then": "success"},
+    ]
+
+
+def _ends(behaviour: Behaviour, keys: Mapping[str, Any]) -> Mapping[str, str]:
+    """Return each outcome of a node and what it means."""
+    if isinstance(behaviour, Node):
+        return behaviour.meaning
+    return ENDS.get(keys.get("node", ""), control.PLAIN)
+
+
+_OF_A_RUN = {
+    *("id", "iterator", "logger", "parent", "children", "status", "feedback_message"),
+    *("qualified_name", "blackbox_level", "blackboards"),
+}
+"""Attributes that every behaviour has and that say nothing of how it was made."""
+
+
+def foreign_of(behaviour: Behaviour, name: str) -> dict[str, Any]:
+    """Return the keys of a foreign node that makes a behaviour like this one.
+
+    Each argument of its constructor is looked for in an attribute of the same name. Whether these are right is seen
+    by making one: its attributes have to be equal.
+
+    Args:
+        behaviour: without children.
+        name: of the node.
+
+    Raises:
+        NoEqual: it can't be made again of literals; the text says why.
+    """
+    cls = type(behaviour)
+    where = f"{cls.__module__}:{cls.__qualname__}"
+    if cls.__module__ == "__main__" or _imported(cls) is not cls:
+        raise NoEqual(f"{cls.__qualname__} can't be imported by a name")
+    if behaviour.children:
+        raise NoEqual(f"{where} has children, and is no class that a task has")
+    args: dict[str, Any] = {}
+    for parameter in inspect.signature(cls).parameters.values():
+        if parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):
+            continue
+        if parameter.name != "name":
+            value = getattr(behaviour, parameter.name, parameter.empty)
+            if not _literal(value):
+                raise NoEqual(f"{where}: which {parameter.name!r} it was made with isn't known as a literal")
+            if type(value) is not type(parameter.default) or value != parameter.default:
+                args[parameter.name] = value
+        elif behaviour.name != name:
+            args["name"] = behaviour.name
+    _compare(behaviour, where, args, "name" in inspect.signature(cls).parameters)
+    return {"kind": "foreign", "behaviour": where, **({"args": args} if args else {})}
+
+
+def _imported(cls: type) -> Any:
+    """Return what other programs find under the name of a class."""
+    found: Any = sys.modules.get(cls.__module__)
+    for name in cls.__qualname__.split("."):
+        found = getattr(found, name, None)
+    return found
+
+
+def _literal(value: Any) -> bool:
+    if isinstance(value, list):
+        return all(map(_literal, value))
+    if isinstance(value, dict):
+        return all(isinstance(key, str) and _literal(item) for key, item in value.items())
+    return value is None or type(value) in (bool, int, float, str)
+
+
+def _compare(behaviour: Behaviour, where: str, args: dict[str, Any], named: bool) -> None:
+    given = {**({"name": behaviour.name} if named else {}), **args}
+    try:
+        again = type(behaviour)(**given)
+    except Exception as error:
+        raise NoEqual(f"{where} can't be made again: {type(error).__name__}: {error}") from error
+    mine, other = vars(behaviour), vars(again)
+    for name in (mine.keys() | other.keys()) - _OF_A_RUN:
+        if name not in mine or name not in other or not _equal(mine[name], other[name]):
+            raise NoEqual(f"{where}: made again its {name!r} would be another one")
+
+
+def _equal(one: Any, other: Any) -> bool:
+    try:
+        return type(one) is type(other) and bool(one == other)
+    except Exception:  # noqa: BLE001 - what can't be compared isn't known to be equal
+        return False

@@ -1,0 +1,123 @@
+"""Task -> py_trees' XML. A leaf's tag is its catalogue id with a dot for the slash: `<arm.lift>`.
+
+py_trees builds the tree of such a file when it is given a class for each of these tags.
+"""
+
+from __future__ import annotations
+
+from xml.sax.saxutils import quoteattr
+
+from grip_bt.base.errors import NotExpressibleError
+from grip_bt.compilers.resolve import Part, Resolved, resolve
+from grip_bt.formats.expressible import require_expressible
+from grip_bt.formats.xml_trees import comment, element_lines, leaf_attributes
+from grip_bt.task import model
+from grip_bt.task.catalog import Catalog
+
+from .xml_values import to_text
+
+_TARGET = "py_trees' XML"
+_PLAIN = {"success": "success", "failure": "failure"}
+_COMMON = {"doc", "on", "x", "kind", "children", "child", "exits"}
+_KEYS: dict[type, set[str]] = {
+    model.Leaf: {"node", "with_", "in_", "out"},
+    model.Sequence: {"memory"},
+    model.Fallback: {"memory"},
+    model.Parallel: {"policy", "cancel"},
+    model.Retry: {"times"},
+    model.Repeat: {"times"},
+    model.Timeout: {"seconds", "child_first"},
+    model.Guard: {"if_"},
+    model.Invert: set(),
+    model.Force: {"as_"},
+}
+
+
+def to_xml(task: model.Task, catalog: Catalog) -> str:
+    """Return a file that py_trees 2.6 reads as the tree of a task.
+
+    Args:
+        task: the document. `doc` becomes comments; free data (`x-*`) isn't written.
+        catalog: where the leaves' manifests are.
+
+    Raises:
+        InvalidTaskError: the task is wrong.
+        NotExpressibleError: the XML has no words for a part of it.
+    """
+    resolved = resolve(task, catalog)
+    _check_task(resolved)
+    lines = [f"<root main_tree_to_execute={quoteattr(task.name)}>", f"  <BehaviorTree ID={quoteattr(task.name)}>"]
+    lines[1:1] = comment(task.doc, 1)
+    lines += [*element_lines(resolved.root, 2, _element, comments=True), "  </BehaviorTree>", "</root>"]
+    return "\n".join(lines) + "\n"
+
+
+def _check_task(resolved: Resolved) -> None:
+    task = resolved.task
+    try:
+        to_text(task.name, "str")
+    except ValueError as error:
+        raise NotExpressibleError("/", f"the task's name ({error})", _TARGET) from error
+    if dict(task.outcomes) != _PLAIN or any(target != label for (_, label, _), target in resolved.ends):
+        raise NotExpressibleError("/", "a task with outcomes of its own", _TARGET)
+    for name, variable in task.data.items():
+        if not isinstance(variable, str) and variable.has_value:
+            raise NotExpressibleError("/", f"the initial value of the variable {name!r}", _TARGET)
+
+
+def _element(part: Part) -> tuple[str, dict[str, str]]:
+    require_expressible(part.path, part.node, _KEYS, _TARGET, _COMMON)
+    tag, attributes = _leaf(part, part.node) if isinstance(part.node, model.Leaf) else _container(part)
+    return tag, {"name": part.name, **attributes}
+
+
+def _container(part: Part) -> tuple[str, dict[str, str]]:
+    node = part.node
+    if not isinstance(node, model.Parallel) and part.exits:
+        raise NotExpressibleError(part.path, "`exits`", _TARGET)
+    match node:
+        case model.Sequence(memory=memory):
+            return "Sequence", {"memory": str(memory).lower()}
+        case model.Fallback(memory=memory):
+            return "Selector", {"memory": str(memory).lower()}
+        case model.Parallel():
+            return "Parallel", {"policy": _policy(part, node)}
+        case model.Retry(times=attempts):
+            return "Retry", {"num_failures": str(attempts)}
+        case model.Repeat(times=times):
+            return "Repeat", {"num_success": str(-1 if times is None else times)}
+        case model.Timeout(seconds=seconds, child_first=True):
+            return "Timeout", {"duration": str(seconds)}
+        case model.Timeout():
+            what = "a timeout that looks at the clock before its child (py_trees' looks after it: `child_first: true`)"
+            raise NotExpressibleError(part.path, what, _TARGET)
+        case model.Guard(if_="true"):
+            return "PassThrough", {}
+        case model.Guard():
+            raise NotExpressibleError(part.path, "a guard", _TARGET)
+        case model.Invert():
+            return "Inverter", {}
+        case model.Force(as_=forced):
+            return ("FailureIsSuccess" if forced == "success" else "SuccessIsFailure"), {}
+    raise AssertionError(f"{type(node).__name__} passed the list of kinds and has no tag")
+
+
+def _policy(part: Part, node: model.Parallel) -> str:
+    if (node.policy, node.cancel) == ("all", "halt") and not part.exits:
+        return "success_on_all"
+    # py_trees' other policy fails with the first child that fails, which is an exit here.
+    failing = {
+        ((child.name, label, None), "failure")
+        for child in part.children
+        for label, means in child.meaning.items()
+        if means == "failure"
+    }
+    if (node.policy, node.cancel) == ("any", "halt") and set(part.exits) == failing:
+        return "success_on_one"
+    raise NotExpressibleError(part.path, "this parallel, which matches no py_trees policy,", _TARGET)
+
+
+def _leaf(part: Part, node: model.Leaf) -> tuple[str, dict[str, str]]:
+    if both := node.in_.keys() & node.out.keys():
+        raise NotExpressibleError(part.path, f"{min(both)!r}, which is more than one port or parameter,", _TARGET)
+    return node.node.replace("/", "."), leaf_attributes(part, node, to_text, _TARGET)
