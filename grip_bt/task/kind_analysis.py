@@ -80,6 +80,8 @@ def flow(
             if type(way.step) is End:
                 found[way.step.outcome] = found.get(way.step.outcome, there) & there
             elif way.to is not None:
+                for index in way.to[1]:  # also those that never end read something
+                    after(labels.names[index], state if kind.concurrent else there)
                 old = before.get(way.to)
                 new = there if old is None else old & there
                 if new != old:
